@@ -33,7 +33,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         print(printable(f"hbba {args.command}: {failure}"), file=sys.stderr)
         return 2
     except BrokenPipeError:
-        # Whoever read our output has gone (`hbba solve ... | head`): nothing is left to say, not even at exit.
+        # The reader of the output has ended (`hbba solve ... | head`): nothing is printed, not even at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except KeyboardInterrupt:

@@ -1,7 +1,7 @@
-"""The robot interface: what the rest of the program sees of a body, simulated, replayed or real.
+"""The robot interface: a body, simulated, replayed or real, as the rest of the program uses it.
 
-A link gives sensor streams and is the only writer to the motors; the guard (command age, limits, latched e-stop)
-lives behind it, in another process. Implementations are in ``app/robots/``; modules know only this file.
+A link gives sensor streams and is the only writer to the motors; the guard (command age, limits, latched e-stop) is
+behind it, in another process. Implementations are in ``app/robots/``; modules know only this file.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from app.messages import Audio, Twist
 
 
 class LinkFailed(Exception):
-    """The body's process or driver is gone or cannot start; the message says what to do."""
+    """The body's process or driver is gone or cannot start; the message contains a remedy."""
 
 
 @dataclass(frozen=True, slots=True)
 class BaseLimits:
-    """What the mobile base may do: speeds (m/s, rad/s) and accelerations (m/s^2, rad/s^2), all positive."""
+    """Limits of the mobile base: speeds (m/s, rad/s) and accelerations (m/s^2, rad/s^2), all positive."""
 
     linear_mps: float
     angular_radps: float
@@ -39,21 +39,21 @@ class StreamDescription:
 
 @dataclass(frozen=True, slots=True)
 class RobotDescription:
-    """What a body is: its name for people, its model (URDF), limits and streams by name."""
+    """Description of a body: its name for people, its model (URDF), limits and streams by name."""
 
     name: str
     model_path: Path
     limits: BaseLimits
     streams: dict[str, StreamDescription]
     simulated: bool
-    #: Whether :meth:`RobotLink.play` is heard.
+    #: Whether :meth:`RobotLink.play` has an effect.
     loudspeaker: bool = False
-    #: What the body covers of the floor, seen from above: corners (m) in ``base_link``, convex, counter-clockwise.
-    #: Empty for a body that does not move.
+    #: Footprint of the body: corners (m) in ``base_link``, convex, counter-clockwise. Empty for a body that does not
+    #: move.
     footprint: tuple[tuple[float, float], ...] = ()
-    #: How high it is (m): what hangs higher is not in its way.
+    #: Height of the body (m): obstacles above it are ignored.
     height_m: float = 1.5
-    #: Whether :meth:`RobotLink.start` may bring it up again after it has failed.
+    #: Whether :meth:`RobotLink.start` may be called again after a failure.
     restartable: bool = False
 
 
@@ -68,7 +68,7 @@ class RobotLink(Protocol):
 
     @property
     def description(self) -> RobotDescription:
-        """What this body is; known before :meth:`start`."""
+        """Description of this body; known before :meth:`start`."""
         ...
 
     async def start(self) -> None:
@@ -91,20 +91,20 @@ class RobotLink(Protocol):
         ...
 
     def demand(self, stream: str, wanted: bool) -> None:
-        """Tell whether anybody listens to ``stream``: an unwanted one stops being produced. Default: not wanted.
+        """Set whether ``stream`` has subscribers: without any, it is not produced. Default: none.
 
         ``odometry``, ``joints`` and ``status`` always run.
         """
         ...
 
     def command(self, twist: Twist) -> None:
-        """Give the base a velocity; the guard lets it stand for 200 ms, clamps it and ramps towards it."""
+        """Give the base a velocity; the guard keeps it for 200 ms, clamps it and ramps towards it."""
         ...
 
     def play(self, audio: Audio) -> None:
-        """Play one frame of one channel through the loudspeaker, after those given before; a body without swallows it.
+        """Play one frame of one channel through the loudspeaker, after earlier ones; no effect on a body without one.
 
-        At most half a second waits to be played: of more, the oldest is dropped.
+        At most half a second waits to be played: beyond it the oldest is dropped.
         """
         ...
 

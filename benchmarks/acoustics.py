@@ -1,8 +1,8 @@
-"""What the simulated microphones cost: ``python -m benchmarks.acoustics [--quick] [--json] [--out FILE]``.
+"""Cost of the simulated microphones: ``python -m benchmarks.acoustics [--quick] [--json] [--out FILE]``.
 
 CPU of one thread, in % of a core, to give eight channels of 48 kHz in real time: no sound at all, one to three talkers
 in a reverberant room, standing and walking while the robot drives and turns, with and without the torso between the
-microphones. The longest frames tell whether one (10.7 ms) can be late. Offline: seconds of scene rendered in a second.
+microphones. The longest frames show whether one (10.7 ms) can be late. Offline: seconds of scene rendered in a second.
 """
 
 from __future__ import annotations
@@ -10,17 +10,18 @@ from __future__ import annotations
 import math
 import sys
 import time
+from collections.abc import Callable
 
 import numpy as np
 
 from app.base.geometry import Pose3
 from app.robots.config import MicrophonesConfig
-from app.robots.simulated.acoustics.diffraction import Microphones
-from app.robots.simulated.acoustics.hearing import Emission, Hearing, OneRoom
-from app.robots.simulated.acoustics.offline import Source, render_scene
+from app.robots.simulated.acoustics.auralization import Auralizer, Emission, OneRoom
+from app.robots.simulated.acoustics.diffraction import BaffledMicrophones
+from app.robots.simulated.acoustics.dry_sound import SampledSound
+from app.robots.simulated.acoustics.offline_rendering import OfflineSource, render_scene
 from app.robots.simulated.acoustics.room import Shoebox
-from app.robots.simulated.acoustics.sounds import Library
-from app.robots.simulated.acoustics.source import Recorded
+from app.robots.simulated.acoustics.sounds import ClipLibrary
 from benchmarks.report import Row, benchmark_main, row
 
 RATE, BLOCK = 48000, 512
@@ -30,11 +31,11 @@ CLIPS = ("question", "story", "answer")
 
 def live(talkers: int, moving: bool, shadow: bool, seconds: float) -> tuple[float, float]:
     """CPU in % of a core, and the longest frame (ms of CPU)."""
-    library = Library(RATE, -32.0)
+    library = ClipLibrary(RATE, -32.0)
     array = _array(shadow)
-    hearing = Hearing(array, OneRoom(ROOM), late_s=0.6)
+    hearing = Auralizer(array, OneRoom(ROOM), late_s=0.6)
     hearing.prepare((ROOM,))
-    clips = [Recorded(library.get(name).samples, loop=True) for name in CLIPS[:talkers]]
+    clips = [SampledSound(library.get(name).samples, loop=True) for name in CLIPS[:talkers]]
     spent = []
     for number in range(round(seconds * RATE / BLOCK)):
         t = number * BLOCK / RATE * moving
@@ -54,11 +55,13 @@ def live(talkers: int, moving: bool, shadow: bool, seconds: float) -> tuple[floa
 
 def offline(seconds: float) -> float:
     """Seconds of a scene of two walking talkers rendered in one second of CPU."""
-    library = Library(RATE, -32.0)
+    library = ClipLibrary(RATE, -32.0)
+
+    def walker(number: int) -> Callable[[float], tuple[float, float, float]]:
+        return lambda t: (5.0 + 0.5 * t, 1.5 + 2.0 * number, 1.6)
+
     sources = [
-        Source(
-            library.get(name).samples, lambda t, n=n: (5.0 + 0.5 * t, 1.5 + 2.0 * n, 1.6), looks="listener", loop=True
-        )
+        OfflineSource(library.get(name).samples, walker(n), looks="listener", loop=True)
         for n, name in enumerate(CLIPS[:2])
     ]
     began = time.thread_time()
@@ -66,9 +69,9 @@ def offline(seconds: float) -> float:
     return seconds / (time.thread_time() - began)
 
 
-def _array(shadow: bool) -> Microphones:
+def _array(shadow: bool) -> BaffledMicrophones:
     positions = np.array(MicrophonesConfig().positions)
-    return Microphones(positions - positions.mean(axis=0), RATE, shadow)
+    return BaffledMicrophones(positions - positions.mean(axis=0), RATE, shadow)
 
 
 def measure(quick: bool) -> list[Row]:

@@ -65,7 +65,7 @@ def image() -> Message:
 
 async def ours(make: Callable[[], Message], count: int, consumers: int, pace_hz: float | None) -> Figures:
     """Our channel: lossless when everything must arrive as fast as it can, newest-wins when paced."""
-    channel: Channel[Message] = Channel("benchmark", Message, RealClock().now)
+    channel: Channel[Message] = Channel("benchmark", Message, RealClock().now)  # type: ignore[type-abstract]
     latencies: list[float] = []
 
     async def consume(number: int) -> None:

@@ -26,11 +26,11 @@ from app.base.geometry import Pose2
 from app.base.paths import config_dir
 from app.link import BaseLimits
 from app.messages import OccupancyGrid
-from app.modules.behaviors.navigation.controller import Body, Field, Motion
+from app.modules.behaviors.navigation.controller import BodyModel, DistanceField, MotionState
 from app.modules.behaviors.navigation.costmap.footprint import Footprint
 from app.modules.behaviors.navigation.costmap.inflation import CostSettings, cost_field
 from app.modules.behaviors.navigation.planning.goal_planning import plan
-from app.modules.behaviors.navigation.planning.reference_path import Track
+from app.modules.behaviors.navigation.planning.reference_path import ReferencePath
 from app.modules.behaviors.navigation.tracking.control_cycle import CONTROLLERS, controller_named
 from app.robots.config import circle
 from benchmarks.report import Row, benchmark_main, row
@@ -68,7 +68,7 @@ class Course:
     """Posts (N, 2) m, the field around them, and the way through (M, 3)."""
 
     posts: NDArray[np.float64]
-    field: Field
+    field: DistanceField
     way: NDArray[np.float64]
 
 
@@ -97,16 +97,16 @@ def course(seed: int, rider: Rider) -> Course:
         found = plan(costs, Pose2(WIDTH_M / 2, 0.8, math.pi / 2), Pose2(WIDTH_M / 2, LENGTH_M - 0.8, math.nan))
         if found.code == "way":
             distances = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE) * np.float32(CELL_M)
-            return Course(posts, Field(np.ascontiguousarray(distances), (0.0, 0.0), CELL_M), found.poses)
+            return Course(posts, DistanceField(np.ascontiguousarray(distances), (0.0, 0.0), CELL_M), found.poses)
         seed += 1000
 
 
 def ride(driven: Course, name: str, rider: Rider) -> Ride:
     """Drive the course with a controller."""
     limits, controller = rider.limits, controller_named(name)
-    body = Body.of(rider.footprint, limits, padding_m=0.03 if name == PEER else 0.0)
-    track = Track(driven.way, speed_mps=limits.linear_mps, braking_mps2=limits.linear_mps2)
-    motion = Motion(Pose2(*driven.way[0]), 0.0, 0.0)
+    body = BodyModel.of(rider.footprint, limits, padding_m=0.03 if name == PEER else 0.0)
+    track = ReferencePath(driven.way, speed_mps=limits.linear_mps, braking_mps2=limits.linear_mps2)
+    motion = MotionState(Pose2(*driven.way[0]), 0.0, 0.0)
     choices: list[float] = []
     nearest, now = math.inf, 0.0
     while now < LIMIT_S:
@@ -174,10 +174,10 @@ def _barn(worlds: Sequence[str]) -> list[Row]:
     return [row(BENCHMARK, case, "score, at most 0.5", "", found["mppi"], found[PEER], "DWA, published")]
 
 
-def _moved(motion: Motion, linear: float, angular: float, limits: BaseLimits, time_s: float) -> Motion:
+def _moved(motion: MotionState, linear: float, angular: float, limits: BaseLimits, time_s: float) -> MotionState:
     v = motion.linear_mps + _within(linear - motion.linear_mps, limits.linear_mps2 * time_s)
     w = motion.angular_radps + _within(angular - motion.angular_radps, limits.angular_radps2 * time_s)
-    return Motion(Motion(motion.pose, v, w).after(time_s).pose, v, w)
+    return MotionState(MotionState(motion.pose, v, w).after(time_s).pose, v, w)
 
 
 def _within(value: float, limit: float) -> float:

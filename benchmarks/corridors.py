@@ -37,7 +37,8 @@ class Drive:
 
 
 def drive(seed: int, scale: float, turn: float) -> Drive:
-    """One drive along all of ``ROUTE``, odometry telling ``scale`` of each metre and ``turn`` of each radian."""
+    """One drive along all of ``ROUTE``, with odometry that measures ``scale`` m for each metre and ``turn`` rad for
+    each radian."""
     truth = _route()
     return Drive(_scans(_walls(seed), truth, seed), _odometry(truth, seed, scale, turn), truth)
 
@@ -123,10 +124,10 @@ def _scans(walls: Walls, poses: Poses, seed: int) -> NDArray[np.float32]:
 
 def _odometry(truth: Poses, seed: int, scale: float, turn: float) -> Poses:
     rng = np.random.default_rng(seed + 200)
-    told = [(0.0, 0.0, 0.0)]
+    poses = [(0.0, 0.0, 0.0)]
     swerve = 0.0
     for before, after in pairwise(truth):
-        x, y, theta = told[-1]
+        x, y, theta = poses[-1]
         c, s = math.cos(before[2]), math.sin(before[2])
         dx, dy = after[0] - before[0], after[1] - before[1]
         ahead, aside = c * dx + s * dy, -s * dx + c * dy
@@ -137,5 +138,5 @@ def _odometry(truth: Poses, seed: int, scale: float, turn: float) -> Poses:
         turned = math.remainder(after[2] - before[2], math.tau) * (turn + rng.normal(0, 0.03))
         turned += (swerve + rng.normal(0, 0.006)) * distance
         c, s = math.cos(theta), math.sin(theta)
-        told.append((x + c * ahead - s * aside, y + s * ahead + c * aside, math.remainder(theta + turned, math.tau)))
-    return np.array(told)
+        poses.append((x + c * ahead - s * aside, y + s * ahead + c * aside, math.remainder(theta + turned, math.tau)))
+    return np.array(poses)

@@ -161,7 +161,7 @@ def _amplitude(level_db: float) -> float:
 
 
 def _clap(rng: np.random.Generator) -> Sound:
-    """Hands that meet: a burst of some milliseconds with the resonance of the hollow between them."""
+    """A clap: a burst of some milliseconds with the resonance of the hollow between the hands."""
     t = np.arange(round(0.06 * RATE)) / RATE
     center = rng.uniform(900, 2400)
     sos = butter(2, (0.5 * center, min(2.2 * center, 8000)), "bandpass", fs=RATE, output="sos")
@@ -291,10 +291,10 @@ def _music(plan: Script, begin: int, length: int) -> Sound:
             stretch[at : at + 2 * beat] += played + drum
         dull = lfilter(*butter(2, 1500, "lowpass", fs=RATE), stretch) * _amplitude(-49.0)
         offset = begin - (start + first * beat)
-        at = np.arange(length)
-        inside = (begin + at >= start) & (begin + at < end)
+        instants = np.arange(length)
+        inside = (begin + instants >= start) & (begin + instants < end)
         piece = np.zeros(length, np.float64)
-        source = offset + at
+        source = offset + instants
         good = inside & (source >= 0) & (source < len(dull))
         piece[good] = dull[source[good]]
         out += piece.astype(np.float32)

@@ -1,10 +1,10 @@
 """Loud noises in an hour of a laboratory's sound, beside the thesis's plain rule: ``python -m benchmarks.noises``.
 
 The sound is ``benchmarks.lab_noise``'s (seeds 201 to 204, by which nothing was chosen; ``--quick``: five minutes).
-*Found* is the share of its claps and calls that were told within 0.3 s of their arrival, *right* the share of what was
-told that was one of them, each counted once. The peer is the thesis's rule: the energy of a frame of 512 samples over
-20 times the mean of the 200 before it, from the first frame on, told once until it has been quiet for as long as ours
-waits. *CPU* is what the module's own meter says at 93.75 frames of 8 channels a second, on the event loop; *latency*
+*Found* is the share of its claps and calls with an event within 0.3 s of their arrival, *right* the share of events
+that belong to one of them, each counted once. The peer is the thesis's rule: the energy of a frame of 512 samples over
+20 times the mean of the 200 before it, from the first frame on, with one event until it has been quiet for the hold-off
+of ours. *CPU* is what the module's own meter says at 93.75 frames of 8 channels a second, on the event loop; *latency*
 is from a clap's arrival at the microphone to the published event, the frame it has to fill included.
 
 ``python -m benchmarks.noises --plot FILE.png`` draws found and right over ratio and window, and ratio and hold-off.
@@ -17,13 +17,14 @@ import sys
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from app.messages import Audio, LoudNoise
-from app.modules.perception.loud_noises import FRAME, BandEnergy, LoudNoiseJudge, Rule, whole_energy
+from app.modules.perception.loud_noises import FRAME, BandEnergy, LoudnessRule, OnsetDetector, whole_energy
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.clock import RealClock
 from app.runtime.graph import Graph, ModuleSpec
@@ -33,7 +34,7 @@ from benchmarks.report import Row, benchmark_main, row
 
 Times = NDArray[np.float64]
 _CHANNELS = 8
-#: A noise is found by what is told so long (s) after it arrived; a frame may begin before the noise in it.
+#: A noise is found by an event at most this long (s) after its arrival; a frame may begin before the noise in it.
 _LATE_S = 0.3
 _EARLY_S = FRAME / RATE + 0.001
 
@@ -62,18 +63,17 @@ def listen(plan: Script) -> Hour:
     return Hour(plan, band, whole)
 
 
-def told_by_ours(hour: Hour, rule: Rule) -> Times:
-    """When (s) ours tells a noise."""
-    judge = LoudNoiseJudge(rule)
-    frames = [
-        n
-        for n, (e, w) in enumerate(zip(hour.band, hour.whole, strict=True))
-        if judge.judge(e, lambda w=w: w) is not None
-    ]
+def events_of_ours(hour: Hour, rule: LoudnessRule) -> Times:
+    """Times (s) of our events."""
+    detector = OnsetDetector(rule)
+    frames = []
+    for n, (e, w) in enumerate(zip(hour.band, hour.whole, strict=True)):
+        if detector.update(e, partial(float, w)) is not None:
+            frames.append(n)
     return np.array(frames, np.float64) * (FRAME / RATE)
 
 
-def told_by_the_plain_rule(hour: Hour, rule: Rule) -> Times:
+def events_of_the_plain_rule(hour: Hour, rule: LoudnessRule) -> Times:
     """When (s) the thesis's rule does, computed for all frames at once."""
     energy = np.array(hour.whole)
     sums = np.concatenate(((0.0,), np.cumsum(energy)))
@@ -85,14 +85,15 @@ def told_by_the_plain_rule(hour: Hour, rule: Rule) -> Times:
     return np.asarray(loud[first] * (FRAME / RATE))
 
 
-def score(told: Times, truth: Times) -> tuple[float, float]:
-    """(right, found): the share of ``told`` that are noises of ``truth``, and the share of those that were told."""
+def score(events: Times, truth: Times) -> tuple[float, float]:
+    """(right, found): the share of events in ``events`` that are noises of ``truth``, and the share of those with an
+    event."""
     found: set[int] = set()
-    for at in told:
+    for at in events:
         nearest = int(np.searchsorted(truth, at + _EARLY_S)) - 1
         if nearest >= 0 and at - truth[nearest] <= _LATE_S:
             found.add(nearest)
-    return len(found) / max(1, len(told)), len(found) / max(1, len(truth))
+    return len(found) / max(1, len(events)), len(found) / max(1, len(truth))
 
 
 # --- The module ------------------------------------------------------------------------------------------------------
@@ -165,8 +166,8 @@ def measure(quick: bool) -> Sequence[Row]:
     plans = [script(201, 300.0)] if quick else [script(seed) for seed in range(201, 205)]
     for plan in plans:
         hour = listen(plan)
-        ours = score(told_by_ours(hour, Rule()), plan.truth)
-        plain = score(told_by_the_plain_rule(hour, Rule()), plan.truth)
+        ours = score(events_of_ours(hour, LoudnessRule()), plan.truth)
+        plain = score(events_of_the_plain_rule(hour, LoudnessRule()), plan.truth)
         case = f"{plan.duration_s / 60:.0f} min of a laboratory, seed {plan.seed}, {len(plan.truth)} noises"
         for metric, mine, other in zip(("right (precision)", "found (recall)"), ours, plain, strict=True):
             rows.append(row("noises", case, metric, "%", [100 * mine], [100 * other], "the thesis's rule"))
@@ -190,14 +191,14 @@ def plot(file: Path) -> int:
     hold_offs = np.array([4, 8, 16, 24, 48, 96])
     figure, axes = plt.subplots(1, 3, figsize=(14, 4.4), constrained_layout=True)
     panels = (
-        ("the thesis's rule", told_by_the_plain_rule, "window", windows),
-        ("ours", told_by_ours, "window", windows),
-        ("ours", told_by_ours, "hold_off", hold_offs),
+        ("the thesis's rule", events_of_the_plain_rule, "window", windows),
+        ("ours", events_of_ours, "window", windows),
+        ("ours", events_of_ours, "hold_off", hold_offs),
     )
-    for axis, (name, tell, parameter, values) in zip(axes, panels, strict=True):
+    for axis, (name, events_of, parameter, values) in zip(axes, panels, strict=True):
         rules = [
             [
-                Rule(
+                LoudnessRule(
                     ratio=ratio,
                     **{parameter: int(v)},
                     **({"history": min(100, int(v))} if parameter == "window" else {}),
@@ -206,7 +207,7 @@ def plot(file: Path) -> int:
             ]
             for v in values
         ]
-        scores = np.array([[score(tell(hour, rule), hour.plan.truth) for rule in line] for line in rules])
+        scores = np.array([[score(events_of(hour, rule), hour.plan.truth) for rule in line] for line in rules])
         seconds = values * FRAME / RATE
         for index, (metric, color, style) in enumerate(
             (("right", "tab:blue", "solid"), ("found", "tab:red", "dashed"))

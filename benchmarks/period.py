@@ -24,7 +24,7 @@ from app.attention.desires import Source
 from app.base import logging_setup, paths
 from app.experiments.simulated import simulated_program
 from app.messages import Twist
-from app.runtime.realtime import be_punctual
+from app.runtime.realtime import tune_for_latency
 from benchmarks.report import Row, benchmark_main, row
 
 SETTLE_S = 12.0
@@ -65,7 +65,7 @@ async def _drive(seconds: float, *, one_core: bool) -> tuple[list[float], list[f
 
         async with system:
             await system.supervisor.started()
-            be_punctual()
+            tune_for_latency()
             if one_core:
                 await asyncio.to_thread(_confine, os.getpid(), {min(cores)})
                 if link.process_id is not None and len(cores) > 1:
@@ -87,7 +87,7 @@ async def _drive(seconds: float, *, one_core: bool) -> tuple[list[float], list[f
                     await asyncio.sleep(0.2)
                     if (current := system.translator.current) is not None:
                         chosen = [strategy.name for strategy in current.strategies]
-                # Between two goals nobody commands: that gap is no period.
+                # Between two goals there are no commands: that gap is no period.
                 starts.append(float("nan"))
                 commands.append(float("nan"))
             stop()
@@ -97,17 +97,17 @@ async def _drive(seconds: float, *, one_core: bool) -> tuple[list[float], list[f
 
 def _without_gaps(times: list[float]) -> list[float]:
     """``times`` with what lies between two goals left out, so that differences are periods."""
-    told: list[float] = []
+    starts: list[float] = []
     shift = 0.0
     gap = False
     for now in times:
         if np.isnan(now):
-            gap = bool(told)
+            gap = bool(starts)
         elif gap:
-            shift, gap = told[-1] - now, False  # the first after a gap follows none: it takes the last one's place
+            shift, gap = starts[-1] - now, False  # the first after a gap follows none: it takes the last one's place
         else:
-            told.append(now + shift)
-    return told
+            starts.append(now + shift)
+    return starts
 
 
 def _confine(process: int, cores: set[int]) -> None:

@@ -1,4 +1,4 @@
-"""Planning on whole maps, and what stands around the robot: how long each takes, alone in one thread.
+"""Planning on whole maps, and the local costmap: the time of each, alone in one thread.
 
 Ways on maps of 50 x 50 m at 0.05 m between random free places: empty, a building of rooms along corridors, random
 posts, a single lane of 2.3 km (serpentine), and a goal walled off, for which everything else is searched. CPU time is
@@ -21,7 +21,10 @@ from app.messages import Image, LaserScan, OccupancyGrid
 from app.modules.behaviors.navigation.costmap.footprint import Footprint
 from app.modules.behaviors.navigation.costmap.inflation import CostField, cost_field, with_obstacles
 from app.modules.behaviors.navigation.costmap.local_costmap import CostmapSettings, LocalCostmap
-from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import MemorySettings, ThingsMemory
+from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import (
+    PersistentObstacleLayer,
+    PersistentObstacleSettings,
+)
 from app.modules.behaviors.navigation.planning.goal_planning import check_path, plan
 from app.robots.config import circle
 from benchmarks.report import Row, benchmark_main, row
@@ -95,7 +98,7 @@ def _around(count: int) -> list[Row]:
     depth_m = np.minimum(floor, 2.0 + 0.5 * np.sin(ahead[..., 0] / 40.0))
     for size_m, memory_m in ((4.0, 8.0), (8.0, 12.0)):
         here = LocalCostmap(BODY, 1.5, CostmapSettings(size_m=size_m, memory_m=memory_m))
-        things = ThingsMemory(BODY, 1.5, MemorySettings(every_s=0.0))
+        things = PersistentObstacleLayer(BODY, 1.5, PersistentObstacleSettings(every_s=0.0))
         times: tuple[list[Taken], ...] = ([], [], [], [])
         for k in range(count + 5):
             stamp, pose = 0.05 * k, Pose2(0.02 * k, 0.0, 0.2 * math.sin(0.1 * k))

@@ -26,8 +26,8 @@ from app.messages import Image
 from app.modules.perception.fisheye_patches import FisheyePatches
 from app.modules.perception.opencv import use_calling_thread
 from app.modules.perception.qr_codes import decode, detect_panorama
-from benchmarks.posters import KINECT, PANORAMA, TEXT, facing_camera, picture
 from benchmarks.report import Row, benchmark_main, row
+from tests.scenery.posters import KINECT, PANORAMA, TEXT, facing_camera, picture
 
 #: Texts read in an RGB image (H, W, 3).
 Reader = Callable[[NDArray[np.uint8]], list[str]]
@@ -84,7 +84,7 @@ def peers() -> dict[str, Reader]:
 
 
 def photographs(name: str) -> Iterator[Case]:
-    """ZXing's photographs of one set, with the text that stands beside each."""
+    """ZXing's photographs of one set, with the text of each."""
     for photo in sorted((REFERENCE / name).glob("*")):
         truth = photo.with_suffix(".txt")
         if photo.suffix in {".png", ".jpg", ".jpeg", ".gif"} and truth.is_file():

@@ -71,7 +71,7 @@ async def _lab(rounds: int, window_s: int, stream: list[Arrived]) -> list[Row]:
             for number in range(rounds):
                 off.append(await _window(system, window_s))
                 desire = system.workspace.add(
-                    "Record", params={}, source=Source("experiment", "benchmark"), intensity=1.0, utility=1.0
+                    "Record", params={}, source=Source("rest", "benchmark"), intensity=1.0, utility=1.0
                 )
                 await asyncio.sleep(2)  # its first second makes the types of all topics
                 ends = _tap(system, stream) if number == 0 else []

@@ -12,6 +12,7 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -65,9 +66,9 @@ def _read_rosbags() -> None:
     with AnyReader([LOG]) as reader:
         connections = [c for c in reader.connections if not _derived(c.topic)]
         for connection, _, raw in reader.messages(connections):
-            message = reader.deserialize(raw, connection.msgtype)
+            message: Any = reader.deserialize(raw, connection.msgtype)
             if connection.msgtype == "sensor_msgs/msg/CompressedImage":
-                cv2.cvtColor(cv2.imdecode(np.asarray(message.data), cv2.IMREAD_COLOR), cv2.COLOR_BGR2RGB)
+                cv2.cvtColor(np.asarray(cv2.imdecode(np.asarray(message.data), cv2.IMREAD_COLOR)), cv2.COLOR_BGR2RGB)
 
 
 def _derived(topic: str) -> bool:

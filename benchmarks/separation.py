@@ -1,4 +1,4 @@
-"""Voices each by themselves, whether they are voices, and how soon they are told of: figures of separation and speech.
+"""Separation of voices, speech detection, and the latency of the first report: figures.
 
 Rooms and talkers as ``voice_rooms`` draws them (held out from tuning), scored by BSS Eval (``bss_eval``) against what
 microphone 0 heard of each talker alone, at 16 kHz. Directions are the true ones, except where tracks are said: then
@@ -25,14 +25,14 @@ from app.modules.perception.voices.microphone_array import MicrophoneArray, load
 from app.modules.perception.voices.pipeline import PipelineSettings, VoicePipeline
 from app.modules.perception.voices.resampling import Resampler
 from app.modules.perception.voices.separation import Separator
-from app.modules.perception.voices.voice_activity import CHUNK, SPEECH_RATE, SpeechJudge
-from benchmarks.bss_eval import Scores, bss_eval
+from app.modules.perception.voices.voice_activity import CHUNK, SPEECH_RATE, VoiceActivityDetector
 from benchmarks.report import Row, benchmark_main, row
 from benchmarks.voice_rooms import BOX, HELD_OUT, RATE, Scene, cached, recipes
+from tests.scenery.bss_eval import Scores, bss_eval
 
 BENCHMARK = "separation"
 PEER = "delay and sum"
-#: Sound before a talker begins, where it is measured how soon he is told of (s).
+#: Sound (s) before a talker begins, where the latency until the first report is measured.
 QUIET_S = 0.7
 
 
@@ -72,7 +72,7 @@ def separated(scene: Scene, array: MicrophoneArray) -> tuple[NDArray[np.float32]
 def summed(scene: Scene, array: MicrophoneArray) -> NDArray[np.float32]:
     """The same by delay and sum."""
     beams = DelayAndSum(array, scene.rate)
-    beams.hear(scene.samples)
+    beams.update(scene.samples)
     sounds = [beams.beam(talker.direction(0.0)) for talker in scene.talkers]
     return np.stack([resample_poly(sound, 1, scene.rate // SPEECH_RATE) for sound in sounds])
 
@@ -88,7 +88,9 @@ def tracked(scene: Scene, array: MicrophoneArray) -> tuple[NDArray[np.float32], 
         began = time.thread_time()
         _, block = pipeline.process(samples[begin : begin + pipeline.step], begin / scene.rate, begin)
         spent += time.thread_time() - began
-        for column, track in enumerate(() if block is None else block.tracks):
+        if block is None:
+            continue
+        for column, track in enumerate(block.tracks):
             sound = tracks.setdefault(track, np.zeros(length, np.float32))
             sound[block.first_sample :][: len(block.samples)] = block.samples[:, column] / 32768
     silent = np.random.default_rng(0).normal(0, 1e-6, (len(scene.talkers), length)).astype(np.float32)
@@ -142,7 +144,8 @@ def _spread(values: Sequence[float]) -> float:
 
 
 def how_soon(count: int, speech: Path) -> list[Row]:
-    """From when a talker is first louder than the noise (over 10 ms) to the message that first tells where he is."""
+    """Latency from the instant when a talker is first louder than the noise (over 10 ms) to the first message with its
+    direction."""
     rows = []
     for rt60_s, snr_db in ((0.3, 20.0), (0.45, 10.0)):
         delays = []
@@ -157,7 +160,7 @@ def how_soon(count: int, speech: Path) -> list[Row]:
 
 
 def _delay(scene: Scene, array: MicrophoneArray) -> float:
-    """Seconds, computing included; infinite if he is never told of."""
+    """Seconds, computing included; infinite without such a message."""
     rng = np.random.default_rng(1)
     noise = float(np.sqrt(np.mean((scene.samples[:, 0] - scene.alone.sum(0)) ** 2)))
     quiet = rng.normal(0, noise, (int(QUIET_S * scene.rate), len(array)))
@@ -169,10 +172,10 @@ def _delay(scene: Scene, array: MicrophoneArray) -> float:
     pipeline = VoicePipeline(array, scene.rate, PipelineSettings(separation=False))
     for begin in range(0, len(sound) - pipeline.step + 1, pipeline.step):
         began = time.thread_time()
-        told, _ = pipeline.process(sound[begin : begin + pipeline.step], begin / scene.rate, begin)
+        result, _ = pipeline.process(sound[begin : begin + pipeline.step], begin / scene.rate, begin)
         now = (begin + pipeline.step) / scene.rate
         direction = talker.direction(now - QUIET_S)
-        if now > begun and any(np.dot(s.direction, direction) > np.cos(np.radians(20)) for s in told.sources):
+        if now > begun and any(np.dot(s.direction, direction) > np.cos(np.radians(20)) for s in result.sources):
             return now - begun + time.thread_time() - began
     return float("inf")
 
@@ -201,12 +204,12 @@ def _judged(path: Path, seconds: float) -> tuple[NDArray[np.float64], NDArray[np
     sound, rate = soundfile.read(path, dtype="float32", always_2d=True)
     sound = Resampler(rate, SPEECH_RATE).process(np.ascontiguousarray(sound.mean(1)))[: int(seconds * SPEECH_RATE)]
     chunks = sound[: len(sound) // CHUNK * CHUNK].reshape(-1, CHUNK)
-    judge = SpeechJudge(window=1)
+    detector = VoiceActivityDetector(window=1)
     found = []
     began = time.thread_time()
     for chunk in chunks:
-        judge.hear({1: chunk})
-        found.append(judge.speech(1))
+        detector.update({1: chunk})
+        found.append(detector.speech(1))
     spent = time.thread_time() - began
     levels = 10 * np.log10((chunks.astype(np.float64) ** 2).mean(1) + 1e-12)
     return np.array(found), levels, spent * SPEECH_RATE / chunks.size

@@ -4,9 +4,9 @@
 counts from 5 scans a second; scans between those taken get poses from odometry on both sides. The peer is openslam's
 GMapping with ROS's settings (30 particles), built and run on the same logs and relations on another day; on Fr079 it
 doubles the map six times of six. *720 rays* are Fr079's scans with a ray between each two. *Corridors* are 1.7 km,
-synthetic (``corridors.py``), with odometry that tells so much of each metre and radian: *revisits* are pairs of scans
+synthetic (``corridors.py``), with odometry of the given scale of each metre and radian: *revisits* are pairs of scans
 within 2 m of each other, with 500 scans or more between them. *Off the reference* is the trajectory's root mean square
-distance from poses by Freiburg's GMapping; *walls off a right angle* and *astray* tell which of both is the truer
+distance from poses by Freiburg's GMapping; *walls off a right angle* and *astray* show which of both is the truer
 (``walls.py``): the peer is that reference. The rest needs the reference data (HBBA_REFERENCE_DATA).
 """
 
@@ -23,9 +23,9 @@ from numpy.typing import NDArray
 from app.base.geometry import Pose2
 from app.commands.slam.sweeps import sweep_key
 from app.commands.slam.truth import read_reference
-from app.modules.perception.slam.offline import MappedLog, Sweep, mapped
+from app.modules.perception.slam.offline_mapping import MappedLog, Sweep, mapped
 from app.modules.perception.slam.relations import RelationErrors, between, filled_in, relation_errors, trajectory_error
-from app.modules.perception.slam.scans import Beams
+from app.modules.perception.slam.scans import BeamGeometry
 from benchmarks.corridors import ANGLES, drive
 from benchmarks.report import Row, benchmark_main, row
 from benchmarks.walls import squareness, wall_pieces
@@ -38,7 +38,7 @@ PEER = "GMapping"
 PEERS = {"intel": (0.0183, 69.0), "fr079": (None, 75.0)}
 PHIS = (2, 4, 8, 16, 32)
 RANGE_MAX_M = 80.0
-#: Seed, and what odometry tells of a metre and of a radian.
+#: Seed, and the values of odometry for a metre and a radian.
 CORRIDORS = ((1, 1.02, 1.03), (2, 0.96, 1.06))
 REVISIT_M, REVISIT_SCANS = 2.0, 500
 
@@ -79,7 +79,7 @@ def measure(quick: bool) -> list[Row]:
 def _corridor_rows(seed: int, scale: float, turn: float) -> list[Row]:
     case = f"corridors, odometry × {scale}, turns × {turn}"
     made = drive(seed, scale, turn)
-    beams = Beams(ANGLES, 0.05, RANGE_MAX_M)
+    beams = BeamGeometry(ANGLES, 0.05, RANGE_MAX_M)
     sweeps = (
         Sweep(0.3 * number, scan, beams, Pose2(*(float(v) for v in pose)))
         for number, (scan, pose) in enumerate(zip(made.ranges, made.odometry, strict=True))
@@ -141,7 +141,7 @@ def _sweeps(name: str, *, between: bool = False) -> Iterator[Sweep]:
         middle = np.where(np.abs(after - ranges) < 0.2, (ranges + after) / 2, ranges)
         ranges = np.stack((ranges, middle), axis=2).reshape(len(ranges), 2 * count)
         angles = np.linspace(-np.pi / 2, np.pi / 2, 2 * count, endpoint=False)
-    beams = Beams(angles, 0.05, RANGE_MAX_M)
+    beams = BeamGeometry(angles, 0.05, RANGE_MAX_M)
     for number, (scan, pose) in enumerate(zip(ranges, poses, strict=True)):
         yield Sweep(0.2 * number, scan, beams, Pose2(*(float(v) for v in pose)))
 

@@ -27,7 +27,7 @@ from app.attention.cached_solver import CachedSolver
 from app.attention.cpsat import solve_cpsat
 from app.attention.desires import Desire, Source
 from app.attention.explaining import EXPLAIN_S
-from app.attention.integer_program import build_instance
+from app.attention.integer_program import build_integer_program
 from app.attention.problem import Problem
 from app.attention.reasons import explain
 from app.attention.solver import solve
@@ -90,7 +90,7 @@ def run(rounds_share: float = 1.0) -> list[Row]:
 def compare(case: str, problems: Sequence[Problem], rounds: int, peer_rounds: int) -> list[Row]:
     """Cold and cached times over ``problems`` in turn, the peer on the first ``peer_rounds`` of the same."""
     solve(problems[0])
-    solve_cpsat(build_instance(problems[0]), time.perf_counter() + 30)
+    solve_cpsat(build_integer_program(problems[0]), time.perf_counter() + 30)
     ours, theirs, tuned, cached, proven = [], [], [], [], True
     for number in range(rounds):
         problem = problems[number % len(problems)]
@@ -103,7 +103,7 @@ def compare(case: str, problems: Sequence[Problem], rounds: int, peer_rounds: in
             omega = direct(problem)
             theirs.append((time.perf_counter() - began) * 1e3)
             began = time.perf_counter()
-            solve_cpsat(build_instance(problem), time.perf_counter() + 30)
+            solve_cpsat(build_integer_program(problem), time.perf_counter() + 30)
             tuned.append((time.perf_counter() - began) * 1e3)
             if omega is not None and abs(omega - selection.omega) > 1e-6:
                 raise AssertionError(f"{case}: Ω is {selection.omega} here and {omega} there")

@@ -38,7 +38,7 @@ SEEDS = 4
 CROSS = 0.032 * np.array([(1.0, 0, 0), (0, 1.0, 0), (-1.0, 0, 0), (0, -1.0, 0)])
 
 Positions = NDArray[np.float64]
-#: What somebody who mistook the array wrote for its positions (M, 3); the seed chooses among mistakes of one kind.
+#: Positions (M, 3) of a wrongly described array; the seed chooses among mistakes of one kind.
 Mistake = Callable[[Positions, int], Positions]
 
 

@@ -15,6 +15,7 @@ import tempfile
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pyroomacoustics as pra
@@ -184,8 +185,9 @@ def make(recipe: Recipe, positions: NDArray[np.float64], speech: Path) -> Scene:
         distance = np.linalg.norm(offsets, axis=1)
         late = np.zeros(int(distance.mean() / SPEED_OF_SOUND / INSTANT_S), bool)
         active = np.concatenate([late, speaking(sound)])
-        times = np.arange(len(path)) * BLOCK_S
-        talkers.append(Talker(files[number], times, offsets / distance[:, None], float(distance.mean()), active))
+        times = np.arange(len(path), dtype=np.float64) * BLOCK_S
+        directions = (offsets / distance[:, None]).astype(np.float64)
+        talkers.append(Talker(files[number], times, directions, float(distance.mean()), active))
     mixed = heard.sum(0)
     mixed += rng.normal(0, np.sqrt((mixed**2).mean()) * 10 ** (-recipe.snr_db / 20), mixed.shape)
     scale = 0.3 / np.abs(mixed).max()
@@ -204,7 +206,8 @@ def cached(recipe: Recipe, positions: NDArray[np.float64], speech: Path) -> Scen
     path = folder / f"{hashlib.sha256(key.encode()).hexdigest()[:24]}.npz"
     if not path.is_file():
         scene = make(recipe, positions, speech)
-        content = {"samples": (scene.samples * 32768).astype(np.int16), "alone": scene.alone.astype(np.float16)}
+        content: dict[str, Any] = {"samples": (scene.samples * 32768).astype(np.int16)}
+        content["alone"] = scene.alone.astype(np.float16)
         for number, talker in enumerate(scene.talkers):
             content[f"times{number}"] = talker.times
             content[f"directions{number}"] = talker.directions

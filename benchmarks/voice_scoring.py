@@ -166,7 +166,8 @@ def score(scene: Scene, located: Located, cpu_percent: float, angle: Angle = in_
 
 
 def _onsets(scene: Scene) -> list[float]:
-    """When each talker is first as loud as the noise (s); where nobody was recorded alone, his first speech."""
+    """Time (s) at which each talker is first as loud as the noise; without a recording of the talker alone, of the
+    first speech."""
     if not len(scene.alone):
         return [float(np.flatnonzero(talker.active)[0]) * INSTANT_S for talker in scene.talkers]
     noise = float(np.mean((scene.samples[:, 0] - scene.alone.sum(axis=0)) ** 2))

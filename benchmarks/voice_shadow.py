@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.base.geometry import Pose3
-from app.robots.simulated.acoustics.diffraction import Microphones
-from app.robots.simulated.acoustics.offline import Source, render_scene
+from app.robots.simulated.acoustics.diffraction import BaffledMicrophones
+from app.robots.simulated.acoustics.offline_rendering import OfflineSource, render_scene
 from app.robots.simulated.acoustics.room import Shoebox
 from benchmarks.voice_rooms import BLOCK_S, RATE, Recipe, Scene, Talker, draw, talk
 
@@ -20,7 +20,7 @@ def shadowed(recipe: Recipe, positions: NDArray[np.float64], speech: Path, torso
     plan = draw(recipe)
     length = int(recipe.duration_s * RATE)
     sources = [
-        Source(talk(speech, file, length).astype(np.float32), path[0], looks="listener")
+        OfflineSource(talk(speech, file, length).astype(np.float32), path[0], looks="listener")
         for file, path in zip(plan.files, plan.paths, strict=True)
     ]
     room = Shoebox((0.0, 0.0, 0.0), tuple(plan.size), (recipe.rt60_s, recipe.rt60_s))
@@ -29,7 +29,7 @@ def shadowed(recipe: Recipe, positions: NDArray[np.float64], speech: Path, torso
         Pose3.from_translation_rpy(tuple(plan.middle)),
         room,
         recipe.duration_s,
-        Microphones(positions, RATE, shadow=torso),
+        BaffledMicrophones(positions, RATE, shadow=torso),
         seed=recipe.seed,
     )
     samples = heard.T.astype(np.float64)
@@ -37,8 +37,12 @@ def shadowed(recipe: Recipe, positions: NDArray[np.float64], speech: Path, torso
     samples += plan.rng.normal(0, noise, samples.shape)
     samples *= 0.3 / np.abs(samples).max()
     talkers = tuple(
-        Talker(file, np.arange(len(path)) * BLOCK_S, truth.directions[:1], float(truth.ranges_m[0]), truth.active)
+        Talker(file, _times(path), truth.directions[:1].astype(np.float64), float(truth.ranges_m[0]), truth.active)
         for file, path, truth in zip(plan.files, plan.paths, truths, strict=True)
     )
-    samples = samples.astype(np.float32)
-    return Scene(f"torso {torso}, seed {recipe.seed}", RATE, positions, samples, samples[:, :0].T, talkers)
+    single = samples.astype(np.float32)
+    return Scene(f"torso {torso}, seed {recipe.seed}", RATE, positions, single, single[:, :0].T, talkers)
+
+
+def _times(path: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.arange(len(path), dtype=np.float64) * BLOCK_S

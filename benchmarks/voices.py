@@ -75,7 +75,7 @@ def scored(
     return scores
 
 
-def tell(case: str, mine: Sequence[Score], other: Sequence[Score] | None, peer: str = PEER) -> list[Row]:
+def rows_of(case: str, mine: Sequence[Score], other: Sequence[Score] | None, peer: str = PEER) -> list[Row]:
     """The rows of one case."""
 
     def pooled(figure: Callable[[Sequence[Score]], float]) -> tuple[list[float], list[float] | None]:
@@ -117,14 +117,14 @@ def in_rooms(quick: bool, cast: Cast, speech: Path) -> list[Row]:
             drawn = recipes(cast, talkers, rt60_s, snr_db, count, walking, FIRST_WALKING if walking else FIRST)
             mine, others = scored(drawn, array, hear, ours), scored(drawn, array, hear, plain)
             who = f"{talkers} talker{'s' * (talkers > 1)}{' walking' * walking}"
-            rows += tell(f"{name}, {who}, RT60 {rt60_s:g} s, {snr_db:g} dB", mine, others)
+            rows += rows_of(f"{name}, {who}, RT60 {rt60_s:g} s, {snr_db:g} dB", mine, others)
             all_mine += mine
             all_others += others
             if talkers == 1:
                 latencies += [seconds for s in mine for seconds in s.latencies_s]
         if all_mine:
-            cpu = [[s.cpu_percent for s in scores] for scores in (all_mine, all_others)]
-            rows.append(row(BENCHMARK, f"{name}, all", "CPU", "%", *cpu, PEER))
+            cpu, peer = ([s.cpu_percent for s in scores] for scores in (all_mine, all_others))
+            rows.append(row(BENCHMARK, f"{name}, all", "CPU", "%", cpu, peer, PEER))
             for share in (50, 95, 100):
                 value = 1e3 * float(np.percentile(latencies, share))
                 rows.append(row(BENCHMARK, f"{name}, one talker", f"onset to track p{share}", "ms", [value]))
@@ -146,7 +146,7 @@ def fewer_microphones(quick: bool, cast: Cast, speech: Path) -> list[Row]:
             drawn = recipes(cast, talkers, 0.3, 20.0, 1 if quick else 4)
             mine = scored(drawn, array, hear, ours)
             case = f"IRL-1, {count} microphones{' (their angle)' if count == 2 else ''}, {talkers} talker"
-            rows += tell(f"{case}{'s' * (talkers > 1)}, RT60 0.3 s, 20 dB", mine, None, "")
+            rows += rows_of(f"{case}{'s' * (talkers > 1)}, RT60 0.3 s, 20 dB", mine, None, "")
             cpu += [s.cpu_percent for s in mine]
         rows.append(row(BENCHMARK, f"IRL-1, {count} microphones", "CPU", "%", cpu))
     return rows
@@ -171,7 +171,7 @@ def behind_the_torso(quick: bool, cast: Cast, speech: Path) -> list[Row]:
             mine = scored(drawn, rounded if torso else array, hear, ours)
             naive = scored(drawn, array, hear, straight)
             case = f"IRL-1, {'torso' if torso else 'no torso'}, {talkers} talker{'s' * (talkers > 1)}"
-            rows += tell(f"{case}, RT60 0.45 s, 20 dB", mine, naive, "straight waves")
+            rows += rows_of(f"{case}, RT60 0.45 s, 20 dB", mine, naive, "straight waves")
     return rows
 
 

@@ -1,4 +1,4 @@
-"""How square a mapped building comes out: what needs no truth to tell which of two trajectories is the truer.
+"""Squareness of a mapped building: a measure of which of two trajectories is the truer, without ground truth.
 
 Every scan sees pieces of walls, and its pose says which way they run. Most buildings have two families of walls, at a
 right angle: what the trajectory makes of that angle, and how far its walls stray from the two, are its own errors.

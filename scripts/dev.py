@@ -18,6 +18,7 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from tempfile import TemporaryFile
+from typing import Any
 
 if sys.version_info < (3, 11):
     sys.exit(
@@ -25,6 +26,7 @@ if sys.version_info < (3, 11):
     )
 
 import installing
+import locking
 import page
 
 ROOT = page.ROOT
@@ -53,9 +55,8 @@ class SetupFailed(Exception):
 def main() -> int:
     """Do what the Makefile's target asks for."""
     parser = argparse.ArgumentParser(prog="scripts/dev.py", description=__doc__)
-    parser.add_argument(
-        "task", choices=["setup", "run", "test", "patient-tests", "lint", "soak", "bench", "references", "clean"]
-    )
+    tasks = ["setup", "run", "test", "patient-tests", "lint", "lint-page", "lock", "docs", "types"]
+    parser.add_argument("task", choices=[*tasks, "soak", "bench", "references", "clean"])
     parser.add_argument("arguments", nargs=argparse.REMAINDER, help="handed on to hbba run, pytest or the benchmarks")
     args = parser.parse_args()
     os.chdir(ROOT)
@@ -66,11 +67,18 @@ def main() -> int:
             set_up(set(), debian=True, browser=False)
             run_hbba(args.arguments)
         if args.task == "setup":
-            set_up({"test"})
+            set_up({"test", "docs"})
             return 0
         if args.task == "lint":
             set_up({"test"}, page_wanted=False)
             return lint()
+        if args.task == "lint-page":
+            return lint_page()
+        if args.task == "lock":
+            return lock(args.arguments)
+        if args.task == "docs":
+            set_up({"docs"}, page_wanted=False)
+            return run([PYTHON, ROOT / "scripts" / "documentation.py"])
         if args.task == "soak":
             set_up({"test"}, page_wanted=False, debian=True)
             os.environ["HBBA_SOAK_MINUTES"] = args.arguments[0] if args.arguments else "45"
@@ -78,6 +86,9 @@ def main() -> int:
         if args.task == "references":
             set_up({"test"}, page_wanted=False)
             return run([PYTHON, ROOT / "scripts" / "references.py", *args.arguments])
+        if args.task == "types":
+            set_up({"test"}, page_wanted=False)
+            return run([PYTHON, ROOT / "scripts" / "page_types.py"])
         if args.task == "bench":
             set_up({"test", "bench"}, debian=True)
             return run([PYTHON, "-m", "benchmarks", *args.arguments])
@@ -95,9 +106,10 @@ def main() -> int:
 
 
 def set_up(extras: set[str], *, page_wanted: bool = True, debian: bool = False, browser: bool = True) -> None:
-    """The virtual environment with ``extras``, the compiled kernels and, if wanted, the page and Debian's packages.
+    """Set up the virtual environment with ``extras``, the compiled kernels and, if wanted, the page and Debian's
+    packages.
 
-    ``browser``: of the latter also the one that tests drive. What does not need the environment is done beside it.
+    ``browser``: also the Debian package of the browser for tests. Steps independent of the environment run in parallel.
     """
     make_environment()
     with ThreadPoolExecutor(2) as beside:
@@ -118,7 +130,7 @@ def set_up(extras: set[str], *, page_wanted: bool = True, debian: bool = False, 
 
 
 def make_environment() -> None:
-    """Create ``.venv``; one that was made elsewhere or by another Python is made anew."""
+    """Create ``.venv``; one that was made elsewhere or by another Python is replaced."""
     stamp = read_stamp()
     if stamp and (stamp["root"], stamp["python"]) != (str(ROOT), sys.version):
         shutil.rmtree(VENV)
@@ -138,7 +150,8 @@ def make_environment() -> None:
 def install(extras: set[str]) -> None:
     """Install the project, editable, with ``extras``, unless it is installed as pyproject.toml asks for now."""
     digest = hashlib.sha256()
-    for name in ("pyproject.toml", "hatch_build.py"):
+    locks = sorted(path.relative_to(ROOT) for path in ROOT.glob("requirements/*.lock"))
+    for name in (Path("pyproject.toml"), Path("hatch_build.py"), *locks):
         digest.update((ROOT / name).read_bytes())
     wanted = digest.hexdigest()
     stamp = read_stamp()
@@ -148,22 +161,51 @@ def install(extras: set[str]) -> None:
     extras = extras | installed
     say("installing Python packages (a minute or two the first time)")
     target = f".[{','.join(sorted(extras))}]" if extras else "."
+    options = ["--no-build-isolation"] if install_locked(extras) else []
     try:
-        installing.install(PYTHON, "-e", target, title="Python packages", environment={"HBBA_SKIP_WEB": "1"})
+        # After the locks only the project itself is left, and what pyproject.toml asks for since they were made.
+        installing.install(PYTHON, *options, "-e", target, title="Python packages", environment={"HBBA_SKIP_WEB": "1"})
     except installing.PipFailed as failure:
         raise SetupFailed(str(failure)) from None
     content = {"hash": wanted, "extras": sorted(extras), "root": str(ROOT), "python": sys.version}
     STAMP.write_text(json.dumps(content), encoding="utf-8")
 
 
+def install_locked(extras: set[str]) -> bool:
+    """Install what the locks name for ``extras``; False where they are not for this computer or its package index."""
+    needs = ["build", "run", *sorted(extras)]
+    if (other := installing.not_covered()) is not None:
+        say(f"the locked versions are not for {other}: installing what pyproject.toml allows")
+        return False
+    try:
+        installing.install_locked(PYTHON, ROOT, needs, title="Python packages")
+    except installing.NotAsLocked:
+        say("the package index serves other files than the locked ones: installing what pyproject.toml allows")
+        return False
+    except installing.PipFailed as failure:
+        raise SetupFailed(str(failure)) from None
+    return True
+
+
+def lock(arguments: list[str]) -> int:
+    """Renew ``requirements/*.lock``."""
+    make_environment()
+    try:
+        installing.install(PYTHON, locking.UV_REQUIREMENT, title="uv")
+    except installing.PipFailed as failure:
+        raise SetupFailed(str(failure)) from None
+    say("resolving all packages for all platforms")
+    return locking.main(VENV / "bin" / "uv", ROOT, arguments)
+
+
 def compile_kernels() -> None:
-    """Compile the numerical kernels unless they stand in the cache as they are now."""
-    asked = [PYTHON, "-c", "import sys; from app import compiled; sys.exit(0 if compiled.is_ready() else 1)"]
+    """Compile the numerical kernels unless the cache holds their present version."""
+    asked = [PYTHON, "-c", "import sys; from app.base import compiled; sys.exit(0 if compiled.is_ready() else 1)"]
     if run(asked) == 0:
         return
     say("compiling the numerical kernels (a minute the first time)")
     if run([PYTHON, "-m", "app.base.compiled"]):
-        raise SetupFailed("The numerical kernels could not be compiled: what failed stands above.")
+        raise SetupFailed("The numerical kernels could not be compiled: see the error above.")
 
 
 def build_page(node: page.Node | None) -> None:
@@ -227,21 +269,22 @@ def install_debian_packages(*, browser: bool = True) -> None:
     )
 
 
-def read_stamp() -> dict[str, object] | None:
-    """What was installed last, or None."""
+def read_stamp() -> dict[str, Any] | None:
+    """The stamp of the last installation, or None."""
     try:
-        return json.loads(STAMP.read_text(encoding="utf-8")) if PYTHON.is_file() else None
+        stamp: dict[str, Any] | None = json.loads(STAMP.read_text(encoding="utf-8")) if PYTHON.is_file() else None
     except (OSError, ValueError):
         return None
+    return stamp
 
 
-#: What starts a command that others go before: tests in virtual time take what those against the clock leave.
+#: Prefix of a command with lower priority: tests in virtual time leave the processor to those against the clock.
 GIVING_WAY = ("nice", "-n", "3")
 
 #: Tests that drive programs against the clock, or a browser: these go first, one after another.
 HURRIED = (
     "tests/browser",
-    "tests/commands/test_body.py",
+    "tests/commands/test_body_options.py",
     "tests/commands/test_run.py",
     "tests/console/live/test_late_commands.py",
     "tests/console/live/test_lost_body.py",
@@ -275,20 +318,28 @@ def run_hbba(arguments: list[str]) -> None:
 
 def lint() -> int:
     """Everything that reads the sources without running them."""
-    return first_failure(
+    status = first_failure(
         [
             ["ruff", "check", "--quiet", "--output-format=concise", "."],
             ["ruff", "format", "--quiet", "--output-format=concise", "--check", "."],
             ["mypy", "--no-error-summary"],
             ["lint-imports", "--no-logo"],
+            ["python", "scripts/words.py", "--quiet"],
         ]
     )
+    return lint_page() or status
+
+
+def lint_page() -> int:
+    """The same for the page's sources."""
+    say("running biome and tsc on the page")
+    return web_script("lint", "check")
 
 
 def test(arguments: list[str]) -> int:
     """Set up, lint, the page's own tests, and pytest."""
     began = time.monotonic()
-    set_up({"test"}, debian=True)
+    set_up({"test", "docs"}, debian=True)
     say(f"set-up took {time.monotonic() - began:.0f} s")
     if arguments:
         return run([PYTHON, "-m", "pytest", *arguments])
@@ -332,10 +383,15 @@ def patient_tests() -> int:
 def web_tests() -> int:
     """The page's unit tests."""
     say("running the page's tests")
+    return web_script("test")
+
+
+def web_script(*scripts: str) -> int:
+    """Run ``scripts`` of ``web/package.json`` one after another; 0, or 1 if one failed, which says why."""
     try:
         node = node_or_install()
         page.install_packages(node)
-        output = page.run_npm(node, "test")
+        output = "".join(page.run_npm(node, "run", script) for script in scripts)
     except page.PageFailed as failure:
         sys.stderr.write(f"{failure}\n")
         return 1
@@ -367,7 +423,7 @@ def run(command: list[object]) -> int:
 
 
 def say(text: str) -> None:
-    """One line of progress."""
+    """Print one line of progress."""
     over = "\r\x1b[K" if sys.stdout.isatty() else ""  # pip's progress, which goes on below
     sys.stdout.write(f"{over}hbba: {text}\n")
     sys.stdout.flush()

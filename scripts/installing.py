@@ -3,33 +3,68 @@
 from __future__ import annotations
 
 import os
+import platform
 import re
 import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TextIO
 
-#: Where there is no terminal: a line after so long (s), and not more often.
+#: Without a terminal: a line after this time (s), and at most one in it.
 LINE_EVERY_S = 10.0
 _PROXY = re.compile(r"ProxyError\(.*?(Tunnel connection failed: [^'\")]+|Connection refused|Name or service not known)")
+
+
+#: What the locks were made for: CPython from the first to the last of these, on Linux on these machines.
+COVERED = ((3, 11), (3, 14))
+COVERED_MACHINES = ("x86_64", "aarch64")
+_NOT_AS_LOCKED = re.compile(r"DO NOT MATCH THE HASHES|No matching distribution found for (\S+)")
 
 
 class PipFailed(Exception):
     """pip did not do it; the message says why, and what to do."""
 
 
+class NotAsLocked(PipFailed):
+    """The package index serves other versions or builds than those that the locks name."""
+
+
+def lock_file(root: Path, need: str) -> Path:
+    """The lock of what ``need`` (``build``, ``run`` or an extra) takes."""
+    return root / "requirements" / f"{need}.lock"
+
+
+def not_covered() -> str | None:
+    """Why the locks are not for this computer and Python, in words; None where they are."""
+    version = sys.version_info[:2]
+    if not COVERED[0] <= version <= COVERED[1] or platform.python_implementation() != "CPython":
+        return f"{platform.python_implementation()} {version[0]}.{version[1]}"
+    if sys.platform != "linux" or platform.machine() not in COVERED_MACHINES:
+        return f"{platform.system()} on {platform.machine()}"
+    return None
+
+
+def install_locked(python: Path, root: Path, needs: Iterable[str], *, title: str) -> None:
+    """Install into the environment of ``python`` what the locks of ``needs`` name, nothing else.
+
+    Raises NotAsLocked where the index has other files than those, and PipFailed.
+    """
+    files = [argument for need in needs for argument in ("-r", str(lock_file(root, need)))]
+    install(python, "--no-deps", "--require-hashes", *files, title=title)
+
+
 class Progress:
-    """What pip has done so far, out of what it writes."""
+    """Progress of pip, read from its output."""
 
     def __init__(self) -> None:
         self._collected: set[str] = set()
 
     def read(self, line: str) -> str | None:
-        """How far it is after this ``line``, in words; None where the line says nothing of it."""
+        """The progress after this ``line``, in words; None if the line contains none."""
         if found := re.match(r"\s*Collecting ([\w.-]+)", line):
             self._collected.add(found[1])
             return f"{len(self._collected)} packages so far, now {found[1]}"
@@ -71,22 +106,23 @@ def install(
             if (now := progress.read(line)) is not None:
                 show(now)
     if process.returncode:
-        raise PipFailed(failure("".join(said)))
+        raise failure("".join(said))
 
 
-def failure(said: str) -> str:
-    """What is to be done about a failure of pip, which wrote ``said``."""
+def failure(said: str) -> PipFailed:
+    """The failure of pip, which wrote ``said``, with what is to be done about it."""
     if found := _PROXY.search(said):
-        return (
+        return PipFailed(
             f"The proxy does not let pip through to the Python package index ({found[1].strip()}): correct the "
             "environment variable HTTPS_PROXY, or name an index that it allows in PIP_INDEX_URL."
         )
     if "NewConnectionError" in said or "Name or service not known" in said:
-        return (
+        return PipFailed(
             "The Python package index cannot be reached: connect this computer to the network, "
             "or name a mirror in the environment variable PIP_INDEX_URL."
         )
-    return f"pip could not install the project:\n{said.strip()[-3000:]}"
+    kind = NotAsLocked if _NOT_AS_LOCKED.search(said) else PipFailed
+    return kind(f"pip could not install the project:\n{said.strip()[-3000:]}")
 
 
 @contextmanager

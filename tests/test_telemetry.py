@@ -16,9 +16,9 @@ ROOT = Path(__file__).resolve().parent.parent
 
 HEAR = """
 import numpy as np
-from app.modules.perception.voices.voice_activity import SpeechJudge
+from app.modules.perception.voices.voice_activity import VoiceActivityDetector
 
-judge = SpeechJudge()
+judge = VoiceActivityDetector()
 judge.hear({1: np.zeros(16_000, np.float32)})
 assert judge.speech(1) < 0.5
 """

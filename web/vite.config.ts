@@ -1,7 +1,7 @@
 /// <reference types="vitest/config" />
 import { defineConfig } from "vite";
 
-// `npm run dev` serves the page with hot reload in front of a console (or dev/mock_server.py) that runs elsewhere.
+// `npm run dev` serves the page with hot reload in front of a console that runs elsewhere.
 const consoleAddress = process.env["HBBA_CONSOLE"] ?? "http://127.0.0.1:8080";
 
 export default defineConfig({
@@ -12,11 +12,16 @@ export default defineConfig({
     emptyOutDir: true,
     target: "es2022",
     modulePreload: { polyfill: false },
+    rolldownOptions: { input: ["index.html", "rest.html"] },
+    license: { fileName: "licenses.md" },
+    chunkSizeWarningLimit: 2000, // Swagger UI, on the page on REST alone
   },
   server: {
     proxy: {
       "/api": { target: consoleAddress, ws: true },
       "/viser": { target: consoleAddress, ws: true },
+      // Not /src/panels, which is the page's own.
+      "^/panels/": { target: consoleAddress },
     },
   },
   test: { include: ["src/**/*.test.ts"], environment: "node" },

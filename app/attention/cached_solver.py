@@ -21,12 +21,11 @@ class CacheStatistics:
 
 
 class CachedSolver:
-    """``solve`` with a bounded memory of equal problems (the least recently asked is forgotten).
+    """``solve`` with a bounded cache of equal problems (the least recently used is dropped).
 
-    Problems are equal if they ask the same of the same table: source, time and parameters of a desire do not
-    matter. Only proven selections are remembered. Answers have their ``reasons``, without what would help. Use from
-    one thread at a time. Unless ``timed``, no answer says how long it took: two runs of the same program can be
-    compared.
+    Problems are equal if their desires are equal but for source, time and parameters, over the same table. Only proven
+    selections are cached. Answers have their ``reasons`` without alternatives. Use from one thread at a time. Unless
+    ``timed``, answers contain no solve time: two runs of the same program can be compared.
     """
 
     def __init__(self, *, size: int = 256, time_limit_s: float = 1.0, timed: bool = True) -> None:
@@ -52,7 +51,7 @@ class CachedSolver:
         return known
 
     def solve(self, problem: Problem) -> Selection:
-        """As :func:`solve`, from memory if it is there."""
+        """As :func:`solve`, from the cache if the answer is there."""
         known = self.recall(problem)
         if known is not None:
             return known
@@ -65,7 +64,8 @@ class CachedSolver:
         return selection
 
     def among(self, problem: Problem, names: Collection[str]) -> Selection:
-        """As :func:`solve` were there no strategies but ``names``; neither remembered nor from memory."""
+        """As :func:`solve` with the strategies ``names`` alone; the answer is neither cached nor taken from the
+        cache."""
         only = frozenset(names)
         smaller = replace(problem, strategies=tuple(s for s in problem.strategies if s.name in only))
         return self._explained(problem, solve(smaller, time_limit_s=self.time_limit_s))
@@ -75,7 +75,8 @@ class CachedSolver:
         return replace(selection, reasons=reasons, solve_time_s=selection.solve_time_s if self._timed else 0.0)
 
     def prepare(self, problem: Problem) -> None:
-        """Load what problems over this table may take, for the first one not to wait for it. Blocks meanwhile."""
+        """Load the libraries that problems over this table may need, so that the first problem does not wait for them.
+        Blocks."""
         if foresees_cpsat(problem.table):
             load_cpsat()
 

@@ -1,8 +1,8 @@
-"""What modules cost on this computer, measured: c(φ) and events(φ), read from ``config/calibration/<host>.yaml``.
+"""Measured costs of modules on this computer: c(φ) and events(φ), read from ``config/calibration/<host>.yaml``.
 
 The thesis measured each perception at several φ on a recording, and found CPU use and events to be close to linear in
-1/φ (thesis 4.2.3, figure 4.4). ``hbba calibrate`` measures and writes this file; a strategy refers to it with
-``costs: {cpu: {calibrated_or: 6}}``: the measured cost where this computer was calibrated, else 6.
+1/φ (thesis 4.2.3, figure 4.4). ``hbba calibrate`` measures and writes this file; a strategy refers to it with ``costs:
+{cpu: {calibrated_or: 6}}``: the measured cost where this computer was calibrated, else 6.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ class _Model(BaseModel):
 
 
 class Point(_Model):
-    """One φ as measured."""
+    """Measurements at one φ."""
 
     phi: int = Field(ge=1)
     cpu: float = Field(ge=0, description="% of one core, in real time: the median of the runs")
@@ -33,7 +33,7 @@ class Point(_Model):
     cpu_spread: float = Field(0, ge=0, description="least to greatest of the runs, % of one core")
 
 
-class Fit(_Model):
+class CostFit(_Model):
     """``base + slope / φ``, by least squares; ``residual`` is the root mean square distance of the points from it."""
 
     base: float
@@ -46,11 +46,11 @@ class Fit(_Model):
 
 
 class Relation(_Model):
-    """What a filter's φ does to its module's CPU use and to how much it finds."""
+    """CPU use and number of events of a module as functions of φ of one filter."""
 
     points: tuple[Point, ...] = Field(min_length=1)
-    cpu: Fit
-    events: Fit
+    cpu: CostFit
+    events: CostFit
 
     def cost(self, phi: float) -> float:
         """CPU (% of one core) at ``phi``: as measured there, else by the line."""
@@ -60,8 +60,9 @@ class Relation(_Model):
         return max(0.0, self.cpu.at(phi))
 
 
-class Calibration(_Model):
-    """One computer's relations, by filter and parameters (:func:`relation_name`), and what they were measured on."""
+class CostCalibration(_Model):
+    """Relations of one computer, by filter and parameters (:func:`relation_name`), and the data they were measured
+    on."""
 
     host: str
     made: str = Field(description="date and time, ISO 8601")
@@ -84,18 +85,18 @@ class Calibration(_Model):
 
 
 def relation_name(filter_name: str, parameters: Mapping[str, Any]) -> str:
-    """What the relation of ``Module.port`` is called, where the module is handed ``parameters`` by a strategy."""
+    """The key of the relation of ``Module.port`` for a strategy that sets ``parameters`` of the module."""
     if not parameters:
         return filter_name
     return f"{filter_name} with {', '.join(f'{key}={value}' for key, value in sorted(parameters.items()))}"
 
 
-def load_calibration(folder: Path, host: str) -> Calibration | None:
+def load_cost_calibration(folder: Path, host: str) -> CostCalibration | None:
     """The calibration of ``host`` in ``folder``, or None where there is none. Raises ConfigError."""
     path = calibration_file(folder, host)
-    return load_yaml(path).validate(Calibration) if path.is_file() else None
+    return load_yaml(path).validate(CostCalibration) if path.is_file() else None
 
 
 def calibration_file(folder: Path, host: str) -> Path:
-    """Where the calibration of ``host`` is or would be."""
+    """Path of the calibration of ``host``, which need not exist."""
     return folder / f"{host}.yaml"

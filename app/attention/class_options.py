@@ -1,4 +1,4 @@
-"""What each class may contribute to a selection: the sets of its strategies that may be selected together."""
+"""Options of each class: the sets of its strategies that may be selected together."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from itertools import combinations
 from operator import itemgetter
 
-from app.attention.integer_program import Infeasible, Instance
+from app.attention.integer_program import Infeasible, IntegerProgram
 
 _MOST_OPTIONS = 64
 """A class with more sets of strategies that may be selected together is left to CP-SAT."""
@@ -25,7 +25,7 @@ class Option:
 
 
 @dataclass(frozen=True, slots=True)
-class Choice:
+class ClassOptions:
     """The options of every class, and the capacities that couple them. ``graded`` counts the resources for which
     several classes contend in more amounts than all or nothing. ``best`` is the sum of the classes' best values."""
 
@@ -35,7 +35,7 @@ class Choice:
     graded: int
 
 
-def list_options(instance: Instance, deadline: float = math.inf) -> Choice | None:
+def list_options(instance: IntegerProgram, deadline: float = math.inf) -> ClassOptions | None:
     """Options per class, without those that another of the class dominates, and without resources that never bind.
 
     None if there are too many, or the deadline came first.
@@ -88,7 +88,7 @@ def list_options(instance: Instance, deadline: float = math.inf) -> Choice | Non
     graded = len(resources)
     if graded > 1:
         graded = sum(_is_graded([[option[1][j] for option in group] for group in groups]) for j in resources)
-    return Choice(pruned, tuple(capacities[j] for j in binding), best, graded)
+    return ClassOptions(pruned, tuple(capacities[j] for j in binding), best, graded)
 
 
 def _is_graded(costs: list[list[int]]) -> bool:
@@ -102,20 +102,20 @@ def _efficient(
 ) -> list[tuple[int, tuple[int, ...], tuple[int, ...]]]:
     """Options (value, costs, strategies) by falling value, without those that another dominates.
 
-    Where costs are several, each is compared with a bounded number of better ones: one too many does no harm.
+    With several costs, each is compared with a bounded number of better ones: an option too many is harmless.
     """
     options.sort(key=itemgetter(0), reverse=True)
     kept: list[tuple[int, tuple[int, ...], tuple[int, ...]]] = []
     for option in options:
         costs = option[1]
-        # Where there is one cost, the one kept last is the cheapest so far.
+        # With one cost, the option kept last is the cheapest so far.
         rivals = kept[-1:] if len(costs) == 1 else kept[:_MOST_OPTIONS]
         if not any(all(a <= b for a, b in zip(better[1], costs, strict=True)) for better in rivals):
             kept.append(option)
     return kept
 
 
-def _sets(instance: Instance, k: int) -> list[tuple[int, ...]] | None:
+def _sets(instance: IntegerProgram, k: int) -> list[tuple[int, ...]] | None:
     """The sets of a class's strategies that exclude each other in no pair; None if there are too many."""
     members = instance.members[k]
     sets: list[tuple[int, ...]] = [(), *((s,) for s in members)]

@@ -15,13 +15,13 @@ from typing import Any
 
 from ortools.sat.python import cp_model
 
-from app.attention.integer_program import Answer, Criterion, Infeasible, Instance
+from app.attention.integer_program import Criterion, Infeasible, IntegerProgram, ProgramSolution
 
 _BITS = 53
 """Bound of one objective: coefficients and sums stay exact even where the solver looks at them as doubles."""
 
 
-def solve_cpsat(instance: Instance, deadline: float, hint: tuple[int, ...] = ()) -> Answer | None:
+def solve_cpsat(instance: IntegerProgram, deadline: float, hint: tuple[int, ...] = ()) -> ProgramSolution | None:
     """The lexicographic optimum, or the best found until ``deadline`` (seconds of ``time.perf_counter``).
 
     None: none was found in time. Raises Infeasible if the security desires cannot all be met.
@@ -38,14 +38,14 @@ def solve_cpsat(instance: Instance, deadline: float, hint: tuple[int, ...] = ())
         objective = selection.objective(stage)
         left = deadline - time.perf_counter()
         if left <= 0:
-            return None if best is None else Answer(best, bound, False)
+            return None if best is None else ProgramSolution(best, bound, False)
         model.maximize(objective)
         solver.parameters.max_time_in_seconds = left
         status = solver.solve(model)
         if status == cp_model.INFEASIBLE:
             raise Infeasible
         if status not in (cp_model.OPTIMAL, cp_model.FEASIBLE):
-            return None if best is None else Answer(best, bound, False)
+            return None if best is None else ProgramSolution(best, bound, False)
         best = tuple(
             s for s, variable in enumerate(selection.chosen) if not isinstance(variable, int) and solver.value(variable)
         )
@@ -53,16 +53,16 @@ def solve_cpsat(instance: Instance, deadline: float, hint: tuple[int, ...] = ())
         value = int(solver.value(objective))
         if number == 0:
             most = value if status == cp_model.OPTIMAL else math.ceil(solver.best_objective_bound)
-            # What the criteria packed below Ω contribute lies in [-shift, reach - shift[.
+            # The sum of the criteria packed below Ω is in [-shift, reach - shift[.
             bound = (most + shift) // reach
         if status != cp_model.OPTIMAL:
-            return Answer(best, bound, False)
+            return ProgramSolution(best, bound, False)
         model.add(objective == value)
         model.clear_hints()  # type: ignore[no-untyped-call]
         for variable in selection.literals:
             model.add_hint(variable, solver.value(variable))
     assert best is not None
-    return Answer(best, bound, True)
+    return ProgramSolution(best, bound, True)
 
 
 def _solver() -> cp_model.CpSolver:
@@ -79,7 +79,7 @@ class _Selection:
     """The problem's constraints in ``model``. By strategy s, ``chosen`` and ``serving`` are linear expressions, 0 where
     it can neither be chosen nor serve; ``fulfilled`` by class k; ``literals`` are what is decided."""
 
-    def __init__(self, instance: Instance, hint: tuple[int, ...]) -> None:
+    def __init__(self, instance: IntegerProgram, hint: tuple[int, ...]) -> None:
         self.model = cp_model.CpModel()
         self.chosen: list[Any] = [0] * len(instance.cls)
         self.serving: list[Any] = [0] * len(instance.cls)
@@ -115,7 +115,8 @@ class _Selection:
         )
 
     def _at_most_one(self, k: int, group: tuple[int, ...]) -> None:
-        """A class whose strategies all exclude each other: each is chosen to serve, or only for what needs it."""
+        """A class whose strategies all exclude each other: each is selected to serve the class, or only because others
+        require it."""
         instance, wanted = self._instance, self._instance.desired.get(k)
         ways: list[cp_model.IntVar] = []
         for s in group:
@@ -149,8 +150,8 @@ class _Selection:
                 self.model.add_implication(self.serving[s], self.fulfilled[k])
 
     def _cover(self) -> None:
-        """What a class produces, less what others require of it, reaches what is desired of it where that counts as
-        fulfilled, and is never less than nothing."""
+        """Constraints: the produced utility of a class, less the utility required of it, reaches the desired utility
+        where the class counts as fulfilled, and is never negative."""
         instance = self._instance
         drawn: dict[int, list[Any]] = {k: [] for k in instance.needed}
         for s, needs in enumerate(instance.requires):
@@ -165,7 +166,7 @@ class _Selection:
                 self.model.add(self.fulfilled[k] == 1)
 
 
-def _stages(instance: Instance) -> Iterator[tuple[Criterion, int, int]]:
+def _stages(instance: IntegerProgram) -> Iterator[tuple[Criterion, int, int]]:
     """The criteria packed into few objectives; with each the radix of what is below its first criterion, and its
     least."""
     todo = itertools.chain(instance.criteria[:-1], _table_order(len(instance.cls)))

@@ -9,11 +9,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, Final, Literal
+from typing import Annotated, Any, Final, Literal
 
+from msgspec import Meta, Struct
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from app.base.yaml_source import dotted, suggestion, validation_message
+from app.messages.base import Stamp, doc
 
 SCALE: Final = 8.0
 """The scale's end for intensity, desired utility and produced utility: t_i = t_u = t_v of the thesis."""
@@ -25,7 +27,7 @@ SourceKind = Literal["motivation", "operator", "rest"]
 
 
 class UnknownDesireClass(Exception):
-    """No desire class has this name. ``name`` is the one asked for, ``known`` those there are."""
+    """No desire class has this name. ``name`` is the unknown one, ``known`` those there are."""
 
     def __init__(self, name: str, known: Iterable[str]) -> None:
         self.name = name
@@ -34,7 +36,7 @@ class UnknownDesireClass(Exception):
 
 
 class InvalidDesire(Exception):
-    """A desire was refused. ``field`` is the dotted name of what is wrong, ``message`` says what is allowed."""
+    """A desire was refused. ``field`` is the dotted name of the invalid field, ``message`` says what is allowed."""
 
     def __init__(self, field: str, message: str) -> None:
         self.field = field
@@ -50,8 +52,7 @@ class NoParameters(BaseModel):
 
 @dataclass(frozen=True, slots=True)
 class DesireClass:
-    """What can be desired: its name in configuration and REST, words for people, and its parameters as a pydantic
-    model."""
+    """A desire class: its name in configuration and REST, words for people, and its parameters as a pydantic model."""
 
     name: str
     title: str
@@ -104,30 +105,24 @@ class DesireClasses(Mapping[str, DesireClass]):
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """Who asked: a motivation of the robot, an operator at the console or a REST client, by name."""
+    """The author of a desire: a motivation of the robot, an operator at the console or a REST client, by name."""
 
     kind: SourceKind
     name: str
 
 
-@dataclass(frozen=True, slots=True)
-class Desire:
-    """One desire, as it stands in the Intention Workspace.
+class Desire(Struct, frozen=True, rename={"cls": "class"}):
+    """One desire of the Intention Workspace."""
 
-    ``intensity`` in ]0, 8]; ``utility`` (desired) in [0, 8], 0 inhibits the class; ``security`` must be fulfilled;
-    ``params`` as validated by the class; ``created`` and ``expires`` are stamps (seconds of the robot's clock),
-    ``expires`` None for a desire that stays until removed.
-    """
-
-    id: str
-    cls: str
-    intensity: float
-    utility: float
-    security: bool
-    params: Mapping[str, Any]
+    id: Annotated[str, Meta(examples=["d-3f0c81a2b4"])]
+    cls: Annotated[str, Meta(examples=["FindQRCodes"])]
+    intensity: Annotated[float, Meta(description="How much it is desired, over 0 and at most 8.", examples=[8])]
+    utility: Annotated[float, Meta(description="Utility desired, 0 to 8; 0 inhibits the class.", examples=[4])]
+    security: Annotated[bool, doc("Whether it must be fulfilled.")]
+    params: Annotated[Mapping[str, Any], doc("Parameters as the class declares them.")]
     source: Source
-    created: float
-    expires: float | None = None
+    created: Stamp
+    expires: Annotated[float | None, doc("When it expires (robot's clock, s); null: never.")] = None
 
 
 def checked_number(field: str, value: object, *, above: float | None = None) -> float:
@@ -145,7 +140,7 @@ def checked_number(field: str, value: object, *, above: float | None = None) -> 
 def strongest_first(desire: Desire) -> tuple[float, bool, float]:
     """Sort key: the most intense desire first; of equally intense ones security before others, then the newest.
 
-    The thesis leaves the tie open. The newest wins so that whoever asks now is heard; security so that nobody can
-    silence it without saying so louder.
+    The thesis leaves the tie open. The newest wins, so that a new request takes effect; security wins, so that only a
+    desire of greater intensity can override it.
     """
     return (-desire.intensity, not desire.security, -desire.created)

@@ -20,7 +20,7 @@ class Hysteresis:
     dwell_s: float = 0.0
 
 
-class Hold:
+class HysteresisState:
     """Decides by a :class:`Hysteresis`, and remembers since when a switch is held back."""
 
     def __init__(self, limits: Hysteresis) -> None:

@@ -1,11 +1,11 @@
-"""A selection problem in whole numbers: what both exact searches work on.
+"""A selection problem in whole numbers, the input of both exact searches.
 
-Strategies that cannot be part of any useful selection are left out: those of classes that nobody desires and nothing
+Strategies that cannot be part of any useful selection are left out: those of classes without a desire that no strategy
 requires, those of inhibited classes or requiring one, and those too weak for their class where nothing else needs it.
 
 The objective is lexicographic: Ω first, then the ties of ARCHITECTURE.md in order. Each criterion is a whole-number
-linear form; :attr:`Instance.fulfil`, ``serve`` and ``pay`` hold them combined into one whole number in mixed radix
-(Python's integers have no bound), :attr:`Instance.criteria` one by one.
+linear form; :attr:`IntegerProgram.fulfil`, ``serve`` and ``pay`` hold them combined into one whole number in mixed
+radix (Python's integers have no bound), :attr:`IntegerProgram.criteria` one by one.
 
 1. Ω, in 10⁻⁶ (weights and values are thousandths)
 2. Σ i' f a v: more utility to the more intense desire
@@ -14,7 +14,7 @@ linear form; :attr:`Instance.fulfil`, ``serve`` and ``pay`` hold them combined i
 5. fewest strategies
 6. table order: of the first strategy in which two selections differ, the one that has it
 
-By 3 to 5 no set of strategies that serves nothing survives: without it a selection is never worse, and by 5 better.
+By 3 to 5 no selection contains strategies that serve nothing: without them it is never worse, and by 5 better.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class Infeasible(Exception):
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class ProgramSolution:
     """``chosen`` kept-strategy indices s; ``bound`` of Ω in 10⁻⁶ (without the offset); ``proven`` optimal in every
     criterion."""
 
@@ -53,7 +53,7 @@ class Criterion:
 
 
 @dataclass(frozen=True, slots=True)
-class Instance:
+class IntegerProgram:
     """Whole numbers only. Index s counts the strategies kept, k the classes concerned.
 
     ``table`` (s) index in the problem's table; ``cls`` (s) class k; ``utility`` (s) v; ``requires`` (s) {k: l};
@@ -105,7 +105,7 @@ class Instance:
         return round((millionths + self.omega_offset) / 1e6, 6)
 
 
-def build_instance(problem: Problem, *, relaxed: frozenset[str] = frozenset()) -> Instance:
+def build_integer_program(problem: Problem, *, relaxed: frozenset[str] = frozenset()) -> IntegerProgram:
     """The whole-number form of ``problem``; γ4 is dropped for the classes in ``relaxed``. Raises InvalidProblem."""
     desires = problem.desires
     table = problem.table
@@ -149,13 +149,13 @@ def build_instance(problem: Problem, *, relaxed: frozenset[str] = frozenset()) -
     criteria = _criteria(
         problem,
         intensity,
-        cls,
-        utility,
-        tuple(int(table.strategies[index].name not in problem.previous) for index in kept),
-        tuple(costs.get(thrift, 0) if thrift else 0 for costs in cost_of),
+        cls=cls,
+        utility=utility,
+        fresh=tuple(int(table.strategies[index].name not in problem.previous) for index in kept),
+        thrift_cost=tuple(costs.get(thrift, 0) if thrift else 0 for costs in cost_of),
     )
     fulfil, serve, pay, omega_unit, omega_shift = _combined(criteria, frozenset(desired))
-    return Instance(
+    return IntegerProgram(
         problem=problem,
         classes=names,
         table=tuple(kept),

@@ -14,12 +14,11 @@ from app.attention.strategies import CLOSED, Strategy
 
 @dataclass(frozen=True, slots=True)
 class Intention:
-    """What the robot attends to.
+    """The selection in force and its consequences.
 
     ``stamp`` when it was applied; ``selection`` the solver's answer; ``strategies`` those selected; ``divisors`` φ of
     every filter that some strategy of the table sets (math.inf: closed); ``parameters`` P' by module; ``reasons`` by
-    desired class; ``desires`` the strongest of each class that it answers; ``capacities`` the budgets it was found
-    under.
+    desired class; ``desires`` the strongest of each class at the time; ``capacities`` the budgets at the time.
     """
 
     stamp: float
@@ -33,8 +32,8 @@ class Intention:
 
 
 def divisors_of(strategies: Collection[Strategy], controlled: Collection[str]) -> dict[str, float]:
-    """Φ': φ of each controlled filter. Where several strategies set one, the fastest wins; where none does, it
-    closes."""
+    """Φ': φ of each controlled filter. Of several strategies that set one, the smallest φ wins; a filter that none sets
+    is closed."""
     divisors = dict.fromkeys(sorted(controlled), CLOSED)
     for strategy in strategies:
         for name, divisor in strategy.filters.items():
@@ -43,10 +42,10 @@ def divisors_of(strategies: Collection[Strategy], controlled: Collection[str]) -
 
 
 def parameters_of(strategies: Collection[Strategy], desires: Mapping[str, Desire]) -> dict[str, dict[str, Any]]:
-    """P': each selected strategy hands its class's desire's parameters, and its own over them, to the modules it
-    concerns: its utility and its costs rest on its own.
+    """P': the parameters of each module: of each selected strategy, the parameters of its class's desire, overridden by
+    its own, on which its utility and costs depend.
 
-    Where several classes concern one module, the more intense desire has the last word.
+    Where several classes set parameters of one module, the more intense desire overrides.
     """
     parameters: dict[str, dict[str, Any]] = {}
     ordered = sorted(strategies, key=lambda s: desires[s.cls].intensity if s.cls in desires else 0.0)

@@ -1,4 +1,4 @@
-"""What the Intention Translator needs of others: filters, modules' parameters, a clock, a solver."""
+"""Interfaces that the Intention Translator uses: filters, parameters of modules, a solver."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any, Protocol
 from app.attention.problem import Problem, Selection
 
 
-class FilterBank(Protocol):
+class FilterTarget(Protocol):
     """The runtime's filters, by ``"Module.port"``."""
 
     def names(self) -> Collection[str]:
@@ -21,25 +21,18 @@ class FilterBank(Protocol):
 
 
 class ParameterSink(Protocol):
-    """Where the parameters P' of modules go."""
+    """Receives the parameters P' of modules."""
 
     def configure(self, module: str, parameters: Mapping[str, Any]) -> None:
         """Hand ``module`` all its parameters; an empty mapping returns it to its own settings."""
         ...
 
 
-class Clock(Protocol):
-    """The robot's clock."""
-
-    def now(self) -> float: ...
-    async def sleep_until(self, stamp: float) -> None: ...
-
-
 class Solver(Protocol):
-    """What answers problems. All but ``recall`` are called beside the event loop, one at a time."""
+    """Solves selection problems. All methods but ``recall`` are called beside the event loop, one at a time."""
 
     def prepare(self, problem: Problem) -> None:
-        """Load what such problems may take, before the first is asked."""
+        """Load the libraries that such problems may need, before the first is solved."""
         ...
 
     def recall(self, problem: Problem) -> Selection | None:

@@ -7,13 +7,13 @@ from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 
 from app.attention.desires import Desire
-from app.attention.interfaces import Clock
 from app.attention.problem import Reason
 from app.attention.strategies import CLOSED, Strategy
 from app.attention.translator import IntentionTranslator
 from app.attention.workspace import IntentionWorkspace
-from app.messages import LaneRow, Lanes
+from app.messages import LaneRow, Lanes, LaneState
 from app.runtime.channel import Channel
+from app.runtime.clock import Clock
 from app.runtime.graph import Graph
 
 #: Relative rates are measured over this long.
@@ -84,7 +84,7 @@ class LaneSampler:
         every = {name for names in self._filters.values() for name in names}
         self._windows = {name: RatioWindow() for name in sorted(every)}
 
-    def forget(self) -> None:
+    def reset(self) -> None:
         """Measure from now on."""
         self._windows = {name: RatioWindow() for name in self._windows}
 
@@ -150,13 +150,13 @@ class LaneSampler:
         return names, divisor, rate, {name: divisors[name] for names in served for name in names}
 
 
-def _state(desire: Desire | None, strategies: list[str], reason: Reason | None) -> tuple[str, str]:
+def _state(desire: Desire | None, strategies: list[str], reason: Reason | None) -> tuple[LaneState, str]:
     if desire is None:
         if strategies:
-            return "needed", f"Nobody desires it, but another strategy at work needs it: {', '.join(strategies)}."
-        return "undesired", "Nobody desires it."
+            return "needed", f"No desire for it, but another strategy needs it: {', '.join(strategies)}."
+        return "undesired", "No desire for it."
     if reason is None:
-        return "unfulfilled", "Being weighed: the next intention will tell."
+        return "unfulfilled", "Waiting for the next intention."
     return reason.state, reason.text
 
 
@@ -190,9 +190,9 @@ class LaneMonitor:
             due = max(due + period_s, self._pace.now())
             await self._pace.sleep_until(due)
 
-    def forget(self) -> None:
+    def reset(self) -> None:
         """Time has jumped."""
-        self._sampler.forget()
+        self._sampler.reset()
 
     def _sample(self) -> Lanes:
         current = self._translator.current

@@ -1,4 +1,4 @@
-"""What all problems over one table of strategies share, computed once: its whole numbers and its mutual exclusions."""
+"""The table of strategies in whole numbers, with its mutual exclusions: computed once for all problems over it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from app.attention.desires import GRAIN
 from app.attention.strategies import Strategy
 
 _FEW = 64
-"""So many strategies of a class that share no filter are compared pair by pair."""
+"""Strategies of a class that share no filter are compared pair by pair up to this number."""
 
 
 _MOST = 2**53
@@ -70,13 +70,13 @@ def prepare(strategies: tuple[Strategy, ...]) -> PreparedTable:
     return PreparedTable(
         strategies,
         tuple(thousandths(s.utility, s.name, ": utility") for s in strategies),
-        tuple(
+        requires=tuple(
             {c: thousandths(need, s.name, ": requires ", c) for c, need in s.requires.items() if need > 0}
             for s in strategies
         ),
-        tuple(costs),
-        {cls: _members(strategies, indices) for cls, indices in by_class.items()},
-        totals,
+        costs=tuple(costs),
+        members={cls: _members(strategies, indices) for cls, indices in by_class.items()},
+        totals=totals,
     )
 
 

@@ -43,8 +43,8 @@ class Problem:
     """One selection problem.
 
     ``desires`` holds the strongest desire of each class; ``strategies`` the table in order; ``capacities`` the m_j;
-    ``previous`` the strategies selected now (ties keep them); ``thrift`` the resource that ties are decided by (the
-    first one there is, if absent); ``prepared`` the table in whole numbers, where it is computed already.
+    ``previous`` the strategies selected now (ties keep them); ``thrift`` the resource that decides ties (by default the
+    first one); ``prepared`` the table in whole numbers, if it is computed already.
     """
 
     desires: Mapping[str, Desire]
@@ -66,7 +66,7 @@ class Problem:
         return replace(self, prepared=self.table)
 
     def without(self, cls: str) -> Problem:
-        """The same problem had nobody desired ``cls``."""
+        """The same problem without the desire of ``cls``."""
         return replace(self, desires={name: desire for name, desire in self.desires.items() if name != cls})
 
     def with_capacity(self, resource: str, capacity: float) -> Problem:
@@ -76,10 +76,10 @@ class Problem:
 
 @dataclass(frozen=True, slots=True)
 class Alternative:
-    """What would serve a desire better.
+    """A change that would serve a desire better.
 
-    ``kind`` "capacity": ``amount`` more of ``resource``; "without": nobody desiring class ``without``. ``utility`` is
-    what the class would then get.
+    ``kind`` "capacity": ``amount`` more of ``resource``; "without": no desire of the class ``without``. ``utility`` is
+    the utility that would then be produced for the class.
     """
 
     kind: Literal["capacity", "without"]
@@ -92,10 +92,10 @@ class Alternative:
 
 @dataclass(frozen=True, slots=True)
 class Reason:
-    """Why a desired class gets what it gets.
+    """The reason for the result of a desired class.
 
-    ``utility`` is what it gets, ``wanted`` what its desire asks for at least, ``best`` the most that any selection
-    could give. ``text`` is a sentence for people. ``searched``: whether there was time to look for all that would help.
+    ``utility`` is the utility produced for it, ``wanted`` the desired one, ``best`` the most that any selection could
+    give. ``text`` is a sentence for people. ``searched``: whether the search for alternatives was complete.
     """
 
     state: ReasonState
@@ -146,9 +146,9 @@ def used(problem: Problem, selected: Collection[str]) -> dict[str, float]:
 
 
 def assess(problem: Problem, selected: Collection[str], *, relaxed: Collection[str] = ()) -> Selection | None:
-    """``selected`` under γ1–γ5 and 4.9, whoever chose it: a Selection (not proven), or None if it breaks a constraint.
+    """The strategies ``selected`` as a Selection (not proven), or None if they break γ1–γ5 or 4.9.
 
-    γ4 is not asked of the classes in ``relaxed``.
+    γ4 does not apply to the classes in ``relaxed``.
     """
     wanted = frozenset(selected)
     chosen = [s for s in problem.strategies if s.name in wanted]
@@ -194,7 +194,13 @@ def assess(problem: Problem, selected: Collection[str], *, relaxed: Collection[s
             omega += problem.weights.spare * (problem.capacities[resource] - use[resource])
     omega = round(omega, 6)
     return Selection(
-        tuple(s.name for s in chosen), tuple(fulfilled), omega, float("inf"), use, False, relaxed=tuple(relaxed)
+        tuple(s.name for s in chosen),
+        tuple(fulfilled),
+        omega=omega,
+        bound=float("inf"),
+        use=use,
+        proven=False,
+        relaxed=tuple(relaxed),
     )
 
 

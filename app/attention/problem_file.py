@@ -31,7 +31,7 @@ class DesireEntry(BaseModel):
         1.0, description="Desired utility u: how good it must be at least; 0 inhibits the class."
     )
     security: bool = Field(False, description="Whether it must be fulfilled.")
-    params: dict[str, Any] = Field(default={}, description="What it hands to the modules of its strategies.")
+    params: dict[str, Any] = Field(default={}, description="Parameters for the modules of its strategies.")
 
 
 class ProblemFile(StrategyFile):
@@ -81,12 +81,12 @@ def read_problem(document: Document, folder: Path) -> StatedProblem:
             Desire(
                 f"desires[{index}]",
                 entry.cls,
-                entry.intensity,
-                entry.utility,
-                entry.security,
-                entry.params,
-                _HERE,
-                float(index),
+                intensity=entry.intensity,
+                utility=entry.utility,
+                security=entry.security,
+                params=entry.params,
+                source=_HERE,
+                created=float(index),
             )
         )
     strongest: dict[str, Desire] = {}

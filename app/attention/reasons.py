@@ -27,9 +27,10 @@ def explain(
 ) -> dict[str, Reason]:
     """A reason for each desired class, in the problem's order.
 
-    Alternatives are searched for the unfulfilled first, then for the more intense, until the time is over; 0 searches
-    none. What is not ``searched`` then says so. ``resources`` gives the units that texts use. ``give_up`` is asked
-    before each step and ends the search too. Call it beside the event loop. Raises InvalidProblem.
+    Alternatives are searched for the unfulfilled classes first, then by falling intensity, until the time is over (0:
+    none are searched); a reason without a complete search has ``searched`` False. ``resources`` gives the units of the
+    texts. ``give_up`` is called before each step; True ends the search. Call it beside the event loop. Raises
+    InvalidProblem.
     """
     deadline = time.perf_counter() + time_limit_s
     problem = problem.with_table()
@@ -42,7 +43,8 @@ def explain(
 
 @dataclass(frozen=True, slots=True)
 class _Facts:
-    """What reasons rest on: by class ``got``, the utility produced for it, and ``by``, the strategies that do."""
+    """Facts for the reasons: by class ``got``, the utility produced for it, and ``by``, the strategies that produce
+    it."""
 
     problem: Problem
     selection: Selection
@@ -81,27 +83,29 @@ def _reason(facts: _Facts, desire: Desire, variants: Variants | None) -> Reason:
     if got and got >= best:
         return Reason("fulfilled", got, wanted, best, f"fulfilled at its best ({got:g}) by {by}")
     why = "" if got else _obstacle(facts, desire, best)
-    alternatives, searched = _alternatives(facts, desire, got, best, why, variants)
+    alternatives, searched = _alternatives(facts, desire, got=got, best=best, why=why, variants=variants)
     offer = " or ".join(_words(alternative) for alternative in alternatives)
     if got:
         text = f"fulfilled at {got:g} of {best:g} by {by}"
         if offer:
             text += f"; would get {alternatives[0].utility:g} {offer}"
-        return Reason("degraded", got, wanted, best, text, alternatives, searched)
+        return Reason(
+            "degraded", got, wanted=wanted, best=best, text=text, alternatives=alternatives, searched=searched
+        )
     text = f"unfulfilled: {why}" if why else "unfulfilled: what it needs does not fit beside what is worth more"
     if cls in facts.selection.relaxed:
         text += ", though its security is asked for"
     if offer:
         text += f"; would be fulfilled {offer}"
-    return Reason("unfulfilled", 0.0, wanted, best, text, alternatives, searched)
+    return Reason("unfulfilled", 0.0, wanted=wanted, best=best, text=text, alternatives=alternatives, searched=searched)
 
 
 def _alternatives(
     facts: _Facts, desire: Desire, got: float, best: float, why: str, variants: Variants | None
 ) -> tuple[tuple[Alternative, ...], bool]:
-    """What would serve the desire better, and whether all that could was looked for."""
+    """Changes that would serve the desire better, and whether the search for them was complete."""
     cls, wanted = desire.cls, desire.utility
-    # Where no amount of a resource helps, another desire may still be in the way.
+    # If no amount of a resource helps, another desire may still prevent it.
     if why and not _inhibitors(facts, cls):
         return (), True
     if variants is None:

@@ -1,4 +1,4 @@
-"""When a solver that failed is asked again."""
+"""Back-off: when a solver that failed is called again."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Retry:
         self._timeline = timeline
         self._wait_s = _FIRST_S
         self._failing = False
-        #: When to ask again; None while it answers, or is being asked.
+        #: Time of the next call; None while the solver answers, or is running.
         self.at: float | None = None
 
     def begin(self) -> None:

@@ -22,17 +22,17 @@ from operator import itemgetter
 import numpy as np
 from numpy.typing import NDArray
 
-from app.attention.class_options import Choice, Option, list_options
-from app.attention.integer_program import Answer, Infeasible, Instance
+from app.attention.class_options import ClassOptions, Option, list_options
+from app.attention.integer_program import Infeasible, IntegerProgram, ProgramSolution
 
 _SMALL = 400
-"""Below so many combinations of options the multipliers cost more than they save."""
+"""Number of combinations of options below which the multipliers cost more than they save."""
 _BEAM = 12
 _SWEEPS = 3
 _MOST_LABELS = 20_000
 _MOST_STEPS = 30_000
-"""With several graded resources few labels dominate others: after so many steps, about 40 ms, CP-SAT is quicker. With
-one, labels proved every measured instance sooner."""
+"""Limit of the labels examined with several graded resources, where few labels dominate others: beyond it (about 40 ms)
+CP-SAT is quicker. With one such resource, labels proved every measured instance sooner."""
 
 Floats = NDArray[np.float64]
 _Node = tuple["Option", "_Node | None"]
@@ -41,13 +41,13 @@ _Label = tuple[int, int, _Node | None]
 
 
 def solve_search(
-    instance: Instance,
+    instance: IntegerProgram,
     deadline: float,
     *,
     most_labels: int = _MOST_LABELS,
     most_steps: float | None = None,
     firm: bool = False,
-) -> Answer | None:
+) -> ProgramSolution | None:
     """The lexicographic optimum of ``instance``, or the best found until ``deadline`` (of ``time.perf_counter``).
 
     ``most_labels`` are kept at a time, ``most_steps`` looked at (None: as many as pay, for instances of this kind). A
@@ -64,20 +64,22 @@ def solve_search(
     if most_steps is None:
         most_steps = math.inf if choice.graded <= 1 else _MOST_STEPS
     if not choice.groups:
-        return Answer((), instance.omega_criterion(choice.best), True)
+        return ProgramSolution((), instance.omega_criterion(choice.best), True)
     combinations_ = 1
     for group in choice.groups:
         combinations_ *= len(group)
     known: tuple[int, _Node | None] | None = None
     multipliers = [0] * len(choice.capacities)
     if combinations_ <= _SMALL:
-        # Over in milliseconds; but on a computer that stands still meanwhile even that can be too long.
+        # Takes milliseconds; but on a computer that is suspended meanwhile even that can be too long.
         deadline = math.inf
     elif choice.capacities:
         multipliers = _multipliers(choice, instance.omega_unit)
         choice, multipliers = _ordered(choice, multipliers)
         known, _, _ = _search(choice, multipliers, None, _BEAM, deadline if firm else math.inf)
-    found, cut, finished = _search(choice, multipliers, known and known[0], most_labels, deadline, most_steps)
+    found, cut, finished = _search(
+        choice, multipliers, known=known and known[0], width=most_labels, deadline=deadline, most_steps=most_steps
+    )
     result = found or known
     if firm and not finished and time.perf_counter() > deadline:
         return None
@@ -91,11 +93,11 @@ def solve_search(
     while node is not None:
         option, node = node
         chosen += option.strategies
-    return Answer(tuple(sorted(chosen)), instance.omega_criterion(choice.best - least), least == loss)
+    return ProgramSolution(tuple(sorted(chosen)), instance.omega_criterion(choice.best - least), least == loss)
 
 
 def _search(
-    choice: Choice,
+    choice: ClassOptions,
     multipliers: Sequence[int],
     known: int | None,
     width: int,
@@ -166,7 +168,7 @@ def _search(
     return (end[1], end[2]), cut, True
 
 
-def _futures(choice: Choice, multipliers: Sequence[int]) -> tuple[list[list[int]], list[list[int]], list[int]]:
+def _futures(choice: ClassOptions, multipliers: Sequence[int]) -> tuple[list[list[int]], list[list[int]], list[int]]:
     """For each step, over the classes from there on: the least and most use of each resource, and the relaxed loss."""
     size, steps = len(choice.capacities), len(choice.groups)
     low = [[0] * size for _ in range(steps + 1)]
@@ -214,7 +216,7 @@ def _narrow(
     return narrow, bounds[width][0] + ahead
 
 
-def _relaxed(choice: Choice, multipliers: Sequence[int]) -> int:
+def _relaxed(choice: ClassOptions, multipliers: Sequence[int]) -> int:
     """The Lagrangian bound: no selection loses less."""
     bound = -sum(m * c for m, c in zip(multipliers, choice.capacities, strict=True))
     for group in choice.groups:
@@ -222,7 +224,7 @@ def _relaxed(choice: Choice, multipliers: Sequence[int]) -> int:
     return bound
 
 
-def _multipliers(choice: Choice, unit: int) -> list[int]:
+def _multipliers(choice: ClassOptions, unit: int) -> list[int]:
     """Multipliers near those of the greatest Lagrangian bound, found one resource at a time by bisection on its slack.
 
     Any multipliers ≥ 0 give a valid bound; better ones only cut more. In Ω per unit of the resource meanwhile.
@@ -265,11 +267,12 @@ def _multipliers(choice: Choice, unit: int) -> list[int]:
     return [int(m * 2**40) * unit >> 40 for m in found]
 
 
-def _ordered(choice: Choice, multipliers: Sequence[int]) -> tuple[Choice, list[int]]:
-    """Resources by how many classes use them, the first counting in full; classes so that labels stay few.
+def _ordered(choice: ClassOptions, multipliers: Sequence[int]) -> tuple[ClassOptions, list[int]]:
+    """Order resources by the number of classes that use them (the first counts exactly), and classes so that labels
+    stay few.
 
-    Classes that share a resource of few users stand together, so that what it has left is soon no longer told apart;
-    then the others, the least decided last.
+    Classes that share a resource with few users follow each other, so that the rest of the resource soon needs no
+    distinction; then the others, the least decided last.
     """
     size = len(choice.capacities)
     users = [sum(any(option.costs[j] for option in group) for group in choice.groups) for j in range(size)]

@@ -15,7 +15,7 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import Final
 
-from app.attention.integer_program import Answer, Infeasible, Instance, build_instance
+from app.attention.integer_program import Infeasible, IntegerProgram, ProgramSolution, build_integer_program
 from app.attention.prepared import InvalidProblem, PreparedTable
 from app.attention.problem import Alternative, Problem, Reason, Selection, Weights, assess
 from app.attention.search import solve_search
@@ -33,7 +33,7 @@ __all__ = [
 ]
 
 
-CpSat = Callable[[Instance, float, tuple[int, ...]], Answer | None]
+CpSat = Callable[[IntegerProgram, float, tuple[int, ...]], ProgramSolution | None]
 _CPSAT: Final = "app.attention.cpsat"
 
 
@@ -56,11 +56,11 @@ def solve(problem: Problem, *, time_limit_s: float = 1.0, firm: bool = False) ->
     problem = problem.with_table()
     relaxed: list[str] = []
     try:
-        instance = build_instance(problem)
+        instance = build_integer_program(problem)
         answer = _solve_instance(instance, deadline, firm)
     except Infeasible:
         relaxed = _relaxation(problem, deadline, firm)
-        instance = build_instance(problem, relaxed=frozenset(relaxed))
+        instance = build_integer_program(problem, relaxed=frozenset(relaxed))
         answer = _solve_instance(instance, deadline, firm)
     if answer is None:
         raise SolverFailed(f"no selection was found within {time_limit_s:g} s")
@@ -76,7 +76,7 @@ def solve(problem: Problem, *, time_limit_s: float = 1.0, firm: bool = False) ->
     )
 
 
-def _solve_instance(instance: Instance, deadline: float, firm: bool) -> Answer | None:
+def _solve_instance(instance: IntegerProgram, deadline: float, firm: bool) -> ProgramSolution | None:
     """Label search as long as it pays, then CP-SAT, started from what the search found."""
     answer = solve_search(instance, deadline, firm=firm)
     if answer is not None and answer.proven:
@@ -140,7 +140,7 @@ def _relaxation(problem: Problem, deadline: float, firm: bool) -> list[str]:
         if desire.cls not in served:
             continue
         try:
-            together = build_instance(problem, relaxed=frozenset(relaxed - {desire.cls}))
+            together = build_integer_program(problem, relaxed=frozenset(relaxed - {desire.cls}))
             answer = _solve_instance(together, deadline, firm)
         except Infeasible:
             continue

@@ -26,7 +26,7 @@ from pydantic import (
     WithJsonSchema,
 )
 
-from app.attention.calibration import RESOURCE, Calibration
+from app.attention.calibration import RESOURCE, CostCalibration
 from app.attention.desires import GRAIN, SCALE
 from app.attention.families import StrategyFamily
 from app.base.yaml_source import Document, KeyPath, dotted, load_yaml, suggestion, validation_message
@@ -40,7 +40,7 @@ MOST = 1e9
 
 @dataclass(frozen=True, slots=True)
 class Location:
-    """Where something was declared: ``file`` as people named it, ``line`` from 1."""
+    """Position of a declaration: ``file`` as given by the user, ``line`` from 1."""
 
     file: str
     line: int
@@ -51,7 +51,7 @@ class Location:
 
 @dataclass(frozen=True, slots=True)
 class Resource:
-    """What strategies share: ``capacity`` and costs are in ``unit``; capacity 1 with costs of 1 excludes mutually."""
+    """A shared resource: ``capacity`` and costs are in ``unit``; capacity 1 with costs of 1 excludes mutually."""
 
     name: str
     capacity: float
@@ -65,7 +65,7 @@ class Strategy:
 
     ``utility`` is the produced utility v in ]0, 8]. ``requires`` maps a class to the utility l that this strategy needs
     of it. ``filters`` maps ``"Module.port"`` to its divisor φ: an integer from 1, or ``math.inf`` for closed.
-    ``parameters`` maps a module to what it is handed while the strategy is selected. ``costs`` maps a resource to the
+    ``parameters`` maps a module to its parameters while the strategy is selected. ``costs`` maps a resource to the
     amount used.
     """
 
@@ -119,10 +119,11 @@ def exclusive(one: Strategy, other: Strategy) -> bool:
 
 
 def trimmed(table: StrategyTable, ports: Mapping[str, Collection[str]]) -> StrategyTable:
-    """The table for a program of which only the modules in ``ports`` (with these ports) are there.
+    """The table for a program that has only the modules in ``ports`` (with these ports).
 
-    Strategies lose the filters and parameters of what is not there; those that had filters and lost them all are left
-    out. What excluded each other by a filter that is gone still does: by a resource of its own, of which there is 1.
+    Strategies lose filters and parameters of missing modules; a strategy that had filters and lost them all is left
+    out. Strategies that excluded each other by a filter that is gone still do: by a resource of its own with capacity
+    1.
     """
 
     def there(name: str) -> bool:
@@ -182,7 +183,7 @@ class ResourceEntry(BaseModel):
 
 
 class CalibratedCost(BaseModel):
-    """A cost that calibration of this computer says, and the one that holds where it was not calibrated."""
+    """A cost taken from this computer's calibration, and the one used without a calibration."""
 
     model_config = ConfigDict(extra="forbid", strict=True)
 
@@ -217,7 +218,7 @@ class StrategyEntry(BaseModel):
         default={}, description="Classes it depends on, each with the utility l it needs of it."
     )
     parameters: dict[str, dict[str, Any]] = Field(
-        default={}, description="What it hands to modules while it is selected, by module."
+        default={}, description="Parameters of modules while it is selected, by module."
     )
     costs: dict[str, Cost] = Field(
         default={}, description="What it uses of each resource: an amount, or {calibrated_or: amount}."
@@ -239,18 +240,18 @@ class StrategyFile(BaseModel):
 def load_strategies(
     paths: Iterable[Path | str],
     *,
-    classes: Iterable[str],
+    classes: Iterable[str] | None,
     ports: Mapping[str, Collection[str]] | None = None,
     undivided: Collection[str] = (),
-    calibration: Calibration | None = None,
+    calibration: CostCalibration | None = None,
 ) -> StrategyTable:
     """Read strategy files, in the order given, into one table.
 
-    ``classes`` are the desire classes there are; ``ports`` maps each module to its ports (None: not checked);
-    ``undivided`` are filters that open or close and may not decimate (sound, whose every frame counts);
-    ``calibration`` says what calibrated costs are (None: what they are without one). A
-    resource may be declared in several files if they agree. Raises ConfigError, with file and line, for an unknown
-    class, module, port or resource, a name given twice, or a number out of its range.
+    ``classes`` are the desire classes; ``ports`` maps each module to its ports (None: not checked); ``undivided`` are
+    filters that may open or close but not decimate (sound, whose every frame counts); ``calibration`` gives calibrated
+    costs (None: the costs without one). A resource may be declared in several files if they agree. Raises ConfigError,
+    with file and line, for an unknown class, module, port or resource, a name given twice, or a number out of its
+    range.
     """
     documents = [load_yaml(path) for path in paths]
     files = [document.validate(StrategyFile) for document in documents]
@@ -266,14 +267,14 @@ def load_strategies(
 def build_table(
     files: Iterable[tuple[Document, StrategyFile]],
     *,
-    classes: Iterable[str],
+    classes: Iterable[str] | None,
     ports: Mapping[str, Collection[str]] | None = None,
     undivided: Collection[str] = (),
-    calibration: Calibration | None = None,
+    calibration: CostCalibration | None = None,
 ) -> StrategyTable:
     """The table of several read files; checks as :func:`load_strategies` does."""
     files = tuple(files)
-    known = sorted(set(classes))
+    known = None if classes is None else sorted(set(classes))
     resources: dict[str, Resource] = {}
     for document, file in files:
         for name, entry in file.resources.items():
@@ -292,25 +293,25 @@ def build_table(
                 raise document.error(
                     f"strategy {item.name!r} is already declared at {table[item.name].location}", (*at, "name")
                 )
-            _check_names(document, at, item, known, resources, ports, undivided)
+            _check_names(document, at, item=item, classes=known, resources=resources, ports=ports, undivided=undivided)
             costs = _costs(document, at, item, calibration)
             for key, value in (("utility", item.utility), *((f"requires.{c}", v) for c, v in item.requires.items())):
                 _check_amount(document, (*at, *key.split(".", 1)), value)
             table[item.name] = Strategy(
                 item.name,
                 item.cls,
-                item.utility,
-                dict(item.requires),
-                dict(item.filters),
-                {module: dict(values) for module, values in item.parameters.items()},
-                {name: cost for name, cost in costs.items() if cost},
-                Location(document.file, document.line(at)),
+                utility=item.utility,
+                requires=dict(item.requires),
+                filters=dict(item.filters),
+                parameters={module: dict(values) for module, values in item.parameters.items()},
+                costs={name: cost for name, cost in costs.items() if cost},
+                location=Location(document.file, document.line(at)),
             )
     return StrategyTable(tuple(table.values()), resources)
 
 
 def _entries(document: Document, file: StrategyFile) -> Iterator[tuple[KeyPath, StrategyEntry]]:
-    """All strategies of a file and where they stand in it."""
+    """All strategies of a file and their lines in it."""
     for index, item in enumerate(file.strategies):
         yield ("strategies", index), item
     for index, family in enumerate(file.families):
@@ -323,7 +324,9 @@ def _entries(document: Document, file: StrategyFile) -> Iterator[tuple[KeyPath, 
                 raise document.error(f"strategy {member['name']!r}: {what}", ("families", index)) from None
 
 
-def _costs(document: Document, at: KeyPath, item: StrategyEntry, calibration: Calibration | None) -> dict[str, float]:
+def _costs(
+    document: Document, at: KeyPath, item: StrategyEntry, calibration: CostCalibration | None
+) -> dict[str, float]:
     """Each resource's cost, calibrated ones rounded up to what the solver counts in."""
     costs: dict[str, float] = {}
     for name, cost in item.costs.items():
@@ -351,20 +354,20 @@ def _check_names(
     document: Document,
     at: KeyPath,
     item: StrategyEntry,
-    classes: list[str],
+    classes: list[str] | None,
     resources: Mapping[str, Resource],
     ports: Mapping[str, Collection[str]] | None,
     undivided: Collection[str],
 ) -> None:
     """Refuse a class, resource, module or port that does not exist, and a strategy that requires its own class."""
     name = item.name
-    if item.cls not in classes:
+    if classes is not None and item.cls not in classes:
         raise document.error(
             f"strategy {name!r} serves unknown class {item.cls!r}; {suggestion(item.cls, classes)}", (*at, "class")
         )
     for required in item.requires:
         where = (*at, "requires", required)
-        if required not in classes:
+        if classes is not None and required not in classes:
             raise document.error(
                 f"strategy {name!r} requires unknown class {required!r}; {suggestion(required, classes)}", where
             )
@@ -401,6 +404,6 @@ def _check_names(
             if module not in ports:
                 hint = suggestion(module, list(ports))
                 raise document.error(
-                    f"strategy {name!r} hands parameters to unknown module {module!r}; {hint}",
+                    f"strategy {name!r} sets parameters of unknown module {module!r}; {hint}",
                     (*at, "parameters", module),
                 )

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-import logging
 from collections import deque
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
+
+from app.base.observers import Observers
+from app.messages.base import Stamp, doc
 
 EventKind = Literal[
     "desire",
@@ -21,21 +23,19 @@ EventKind = Literal[
     "module",
     "stale",
     "goal",
+    "percept",
 ]
-
-_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
 class TimelineEvent:
-    """One event. ``id`` grows by one from 1; ``stamp`` is the robot's clock in seconds; ``subject`` names what it is
-    about (a desire class, a module, a filter); ``data`` is JSON-able; ``text`` is one sentence for people."""
+    """One event of the timeline; ``data`` is JSON as it is."""
 
-    id: int
-    stamp: float
+    id: Annotated[int, doc("Grows by one from 1.")]
+    stamp: Stamp
     kind: EventKind
-    subject: str
-    text: str
+    subject: Annotated[str, doc("What it is about: a desire class, a module, a filter.")]
+    text: Annotated[str, doc("One sentence.")]
     data: Mapping[str, Any] = field(default_factory=dict)
 
 
@@ -58,7 +58,7 @@ class Timeline:
         self._events: deque[TimelineEvent] = deque(maxlen=capacity)
         self._now = clock_now
         self._last = 0
-        self._observers: list[Callable[[TimelineEvent], None]] = []
+        self._observers: Observers[[TimelineEvent]] = Observers("the timeline")
 
     def add(
         self,
@@ -69,21 +69,15 @@ class Timeline:
         *,
         stamp: float | None = None,
     ) -> TimelineEvent:
-        """Note an event (``stamp`` None: now) and tell the observers."""
+        """Append an event (``stamp`` None: now) and notify the observers."""
         if stamp is None:
             if self._now is None:
                 raise ValueError("a timeline without a clock needs each event's stamp")
             stamp = self._now()
         self._last += 1
-        event = TimelineEvent(self._last, stamp, kind, subject, text, dict(data or {}))
+        event = TimelineEvent(self._last, stamp, kind=kind, subject=subject, text=text, data=dict(data or {}))
         self._events.append(event)
-        for observer in tuple(self._observers):
-            try:
-                observer(event)
-            except Exception:  # noqa: BLE001 - whatever a reader got wrong
-                # The history must not fail its writers: that reader is dropped, loudly.
-                self._observers.remove(observer)
-                _log.exception("an observer of the timeline failed and is no longer told: %r", observer)
+        self._observers.notify(event)
         return event
 
     def query(
@@ -110,18 +104,12 @@ class Timeline:
         return tuple(reversed(found))
 
     def clear(self) -> None:
-        """Forget every event; ids grow on, so that what is added after is told from what was."""
+        """Remove every event; ids grow on, so that events added later are distinct from the former ones."""
         self._events.clear()
 
     def observe(self, callback: Callable[[TimelineEvent], None]) -> Callable[[], None]:
-        """Call ``callback`` with every event from now on; returns what ends it."""
-        self._observers.append(callback)
-
-        def end() -> None:
-            if callback in self._observers:
-                self._observers.remove(callback)
-
-        return end
+        """Call ``callback`` with every event from now on; returns a function that ends this."""
+        return self._observers.add(callback)
 
     def statistics(self) -> TimelineStatistics:
         return TimelineStatistics(len(self._events), self._last, self._last - len(self._events))

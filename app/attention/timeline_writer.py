@@ -1,10 +1,10 @@
-"""What attention writes on the timeline: desires, intentions and filters, each with data for machines and a
-sentence."""
+"""Attention's events on the timeline: desires, intentions and filters, each with data for machines and a sentence."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+
+import msgspec
 
 from app.attention.desires import Desire, Source
 from app.attention.intention import Intention
@@ -12,7 +12,7 @@ from app.attention.strategies import CLOSED
 from app.attention.timeline import Timeline
 from app.attention.workspace import WorkspaceChange
 
-#: Kinds of sources whose words for people are others.
+#: Kinds of sources with another word in sentences.
 _KINDS = {"rest": "REST client"}
 
 
@@ -22,7 +22,7 @@ def note_desires(timeline: Timeline, change: WorkspaceChange) -> bool:
         _note_desire(timeline, "added", desire, f"{source_words(desire.source)} desires {desire.cls}")
     moved = bool(change.added or change.removed)
     for before, after in change.changed:
-        if replace(before, expires=after.expires) != after:
+        if msgspec.structs.replace(before, expires=after.expires) != after:
             moved = True
             _note_desire(timeline, "changed", after, f"desire for {after.cls} changed")
     for removal in change.removed:
@@ -59,7 +59,7 @@ def note_intention(timeline: Timeline, before: Intention | None, after: Intentio
 
 
 def note_filters(timeline: Timeline, before: Mapping[str, float], after: Mapping[str, float]) -> None:
-    """Note each filter of ``after`` whose φ moved; one not known ``before`` was closed."""
+    """Note each filter of ``after`` whose φ changed; one not in ``before`` was closed."""
     for name, phi in after.items():
         was = before.get(name, CLOSED)
         if was != phi:
@@ -73,7 +73,7 @@ def divisor_json(divisor: float) -> int | None:
 
 
 def source_words(source: Source) -> str:
-    """Whoever desires, as a sentence names it: its kind and its name, said once where they are the same."""
+    """The author of a desire as sentences name it: kind and name, once where they are equal."""
     kind = _KINDS.get(source.kind, source.kind)
     return kind if source.name in ("", source.kind) else f"{kind} {source.name}"
 

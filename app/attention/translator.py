@@ -17,9 +17,9 @@ from typing import Any, Final
 from app.attention.cached_solver import CachedSolver
 from app.attention.desires import GRAIN
 from app.attention.explaining import EXPLAIN_S, Explainer
-from app.attention.hysteresis import Hold, Hysteresis
+from app.attention.hysteresis import Hysteresis, HysteresisState
 from app.attention.intention import Intention, divisors_of, parameters_of
-from app.attention.interfaces import Clock, FilterBank, ParameterSink, Solver
+from app.attention.interfaces import FilterTarget, ParameterSink, Solver
 from app.attention.prepared import prepare
 from app.attention.problem import Problem, Selection, Weights, assess
 from app.attention.retry import Retry
@@ -28,11 +28,13 @@ from app.attention.strategies import MOST, StrategyTable
 from app.attention.timeline import Timeline
 from app.attention.timeline_writer import note_desires, note_filters, note_intention
 from app.attention.workspace import IntentionWorkspace, WorkspaceChange
+from app.base.observers import Observers
+from app.runtime.clock import Clock
 
 _log = logging.getLogger(__name__)
 
 _PATIENCE: Final = 3
-"""So many results in a row may come too late before one that still holds under the newest desires is applied."""
+"""Number of results in a row that may come too late before one that still holds under the newest desires is applied."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +61,7 @@ class IntentionTranslator:
         self,
         workspace: IntentionWorkspace,
         table: StrategyTable,
-        filters: FilterBank,
+        filters: FilterTarget,
         parameters: ParameterSink,
         timeline: Timeline,
         clock: Clock,
@@ -89,12 +91,12 @@ class IntentionTranslator:
         self._solver: Solver = solver or CachedSolver(time_limit_s=time_limit_s)
         self._explainer = Explainer(table.resources, explain_limit_s, offload)
         self._weights = weights or Weights()
-        self._hold = Hold(hysteresis or Hysteresis())
+        self._hold = HysteresisState(hysteresis or Hysteresis())
         self._retry = Retry(timeline)
         self._offload = offload
         self._prepared = prepare(table.strategies)
         self._capacities = table.capacities()
-        self._observers: list[Callable[[Intention], None]] = []
+        self._observers: Observers[[Intention]] = Observers("the intention")
         self._current: Intention | None = None
         self._version = 1
         self._answered = 0
@@ -120,18 +122,12 @@ class IntentionTranslator:
         return dict(self._capacities)
 
     def observe(self, callback: Callable[[Intention], None]) -> Callable[[], None]:
-        """Call ``callback`` with every intention applied, and again once its reasons are complete; returns what ends
-        it."""
-        self._observers.append(callback)
-
-        def end() -> None:
-            if callback in self._observers:
-                self._observers.remove(callback)
-
-        return end
+        """Call ``callback`` with every intention applied, and again once its reasons are complete; returns a function
+        that ends this."""
+        return self._observers.add(callback)
 
     def problem(self) -> Problem:
-        """The selection problem as it stands now."""
+        """The current selection problem."""
         previous = frozenset(self._current.selection.strategies) if self._current else frozenset()
         desires = self._workspace.strongest()
         return Problem(
@@ -173,7 +169,7 @@ class IntentionTranslator:
             await self._progress.wait()
 
     def refresh(self) -> None:
-        """Set every controlled filter again to what the current intention says, for modules that lost theirs."""
+        """Set every controlled filter again to the current intention's φ, for modules whose filters were reset."""
         if self._current is not None:
             self._filters.apply(dict(self._current.divisors))
 
@@ -186,7 +182,9 @@ class IntentionTranslator:
         """Translate until cancelled. The safe strategies hold until the solver's first answer."""
         if self._current is None and self._safe:
             problem = self.problem()
-            safe = assess(problem, self._safe) or Selection(self._safe, (), 0.0, math.inf, {}, False)
+            safe = assess(problem, self._safe) or Selection(
+                self._safe, (), omega=0.0, bound=math.inf, use={}, proven=False
+            )
             self._apply(problem, safe)
         try:
             async with asyncio.TaskGroup() as group:
@@ -208,7 +206,7 @@ class IntentionTranslator:
             self._late = 0
             if selection is not None:
                 self._apply(problem, selection)
-            self._tell_progress(answered=version)
+            self._note_progress(answered=version)
             if self._current is not None and version == self._version:
                 await self._explain(problem, self._current.selection, version)
 
@@ -220,8 +218,8 @@ class IntentionTranslator:
             _log.warning("part of the solver cannot be loaded: %s", failure)
 
     async def _answered_by_solver(self, problem: Problem, version: int) -> Selection | None:
-        """What shall be selected; None after a failure, which leaves the last intention in force and has the solver
-        asked again after a while."""
+        """The new selection; None after a failure: the last intention stays in force, and the solver is called again
+        after a while."""
         self._counts["solved"] += 1
         self._retry.begin()
         try:
@@ -247,7 +245,7 @@ class IntentionTranslator:
 
     def _failed(self, why: str) -> None:
         self._counts["failures"] += 1
-        # A moment to switch that has come would have it asked at every turn of the loop: that moment comes again.
+        # A switch that is due would make the loop call it at every turn; it becomes due again later.
         self._hold.release()
         self._retry.failed(why, self._clock.now())
         self._timer.set()
@@ -304,7 +302,7 @@ class IntentionTranslator:
         self._counts["applied"] += 1
         note_intention(self._timeline, before, intention)
         note_filters(self._timeline, old, changed)
-        self._tell(intention)
+        self._observers.notify(intention)
 
     def _configure(self, before: Mapping[str, Mapping[str, Any]], after: Mapping[str, Mapping[str, Any]]) -> None:
         for module in sorted({*before, *after}):
@@ -325,12 +323,13 @@ class IntentionTranslator:
             return
         if reasons is not None and reasons != self._current.reasons:
             self._current = replace(self._current, reasons=reasons)
-            self._tell(self._current)
+            self._observers.notify(self._current)
         self._explained = version
-        self._tell_progress()
+        self._note_progress()
 
     async def _keep_time(self) -> None:
-        """Let desires expire, look again at a switch held back once it has lasted, ask anew a solver that failed."""
+        """Remove expired desires, reconsider a switch that hysteresis held back, and call a solver that failed
+        again."""
         while True:
             self._timer.clear()
             wakes = [self._workspace.next_expiry, self._retry.at]
@@ -363,16 +362,7 @@ class IntentionTranslator:
         self._version += 1
         self._changed.set()
 
-    def _tell(self, intention: Intention) -> None:
-        for observer in tuple(self._observers):
-            try:
-                observer(intention)
-            except Exception:  # noqa: BLE001 - whatever an observer got wrong
-                # Attention must not end with a reader: that one is dropped, loudly.
-                self._observers.remove(observer)
-                _log.exception("an observer of the intention failed and is no longer told: %r", observer)
-
-    def _tell_progress(self, *, answered: int | None = None) -> None:
+    def _note_progress(self, *, answered: int | None = None) -> None:
         if answered is not None:
             self._answered = answered
         self._progress.set()

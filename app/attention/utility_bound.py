@@ -1,4 +1,4 @@
-"""The most utility that the strategies of a class could produce together, were resources without limit."""
+"""An upper bound of the utility that the strategies of a class produce together, with unlimited resources."""
 
 from __future__ import annotations
 
@@ -8,19 +8,20 @@ from app.attention.desires import GRAIN
 from app.attention.prepared import PreparedTable
 
 _MOST_STEPS = 5000
-"""Where a class's strategies exclude each other in so many ways that more must be tried, the best found counts."""
+"""Limit of the search where a class's strategies exclude each other in many ways; beyond it the best found counts."""
 
 
 def best_utility(table: PreparedTable, cls: str, inhibited: frozenset[str] = frozenset()) -> float:
-    """What those strategies of ``cls`` can produce that exclude each other in no pair and require no class
-    ``inhibited``. 0 where there are none. Takes time linear in the class, and a bounded number of steps beyond it."""
+    """The greatest utility of strategies of ``cls`` that exclude each other in no pair and require no class
+    ``inhibited``. 0 without such strategies. Takes time linear in the class, and a bounded number of steps beyond
+    it."""
     members = table.members.get(cls)
     if members is None:
         return 0.0
     able = [index for index in members.all if inhibited.isdisjoint(table.requires[index])]
     if members.exclusive:
         return max((table.utility[index] for index in able), default=0) / GRAIN
-    # Those that set one filter exclude each other: of each such group at most one is selected.
+    # Strategies that set one filter exclude each other: of each such group at most one is selected.
     groups = _groups(table, able, members.cliques)
     return _most(table, groups) / GRAIN
 

@@ -1,5 +1,5 @@
-"""What a class would get if there were more of a resource, or one desire less: variants of a problem, solved until a
-deadline, each once for all classes that ask."""
+"""Variants of a problem: more of a resource, or one desire less, and the utility that a class would get then. They are
+solved until a deadline, each once for all classes."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ class _Span:
 class Variants:
     """Solves variants of ``problem``, whose optimum is ``selection``, until ``deadline`` (of ``time.perf_counter``).
 
-    Two things spare most of the work. An optimum under a capacity is the optimum under every smaller one that it fits
-    into. And a desire that is not fulfilled takes nothing from others: without it, the optimum is the same.
-    ``missing`` becomes True when there was no time for a variant that was asked for.
+    Two facts save most of the work. An optimum under a capacity is the optimum under every smaller one that it fits
+    into. And a desire that is not fulfilled takes nothing from others: without it, the optimum is the same. ``missing``
+    becomes True if a requested variant was not solved in time.
     """
 
     def __init__(
@@ -59,7 +59,7 @@ class Variants:
                 self._spans[name].append(_span(self._base, name, round(capacity * GRAIN)))
         self._without: dict[str, _Optimum] = {}
         fulfilled = frozenset(selection.fulfilled)
-        #: The classes without whose desire the optimum may be another.
+        #: Classes whose desire affects the optimum.
         self._taking = tuple(
             cls for cls, d in problem.desires.items() if self._base is None or cls in fulfilled or d.utility == 0
         )
@@ -67,7 +67,7 @@ class Variants:
         self.missing = False
 
     def alternatives(self, cls: str, at_least: float) -> tuple[Alternative, ...]:
-        """What would give ``cls`` at least that utility: more of one resource, or one desire less."""
+        """Changes that would give ``cls`` at least that utility: more of one resource, or one desire less."""
         found = [a for resource in self._problem.capacities if (a := self._more(cls, resource, at_least)) is not None]
         return (*found, *self.without(cls, at_least))
 
@@ -76,7 +76,7 @@ class Variants:
         wanted, found = round(at_least * GRAIN), []
         others = self._taking
         if self._no_time():
-            # What was solved for others is all there is.
+            # Only variants solved for other classes are used.
             self.missing = self.missing or not self._without.keys() >= set(others) - {cls}
             others = tuple(self._without)
         for other in others:

@@ -9,10 +9,13 @@ import math
 import secrets
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Final, Literal
 
+import msgspec
+
 from app.attention.desires import Desire, DesireClasses, InvalidDesire, Source, checked_number, strongest_first
+from app.base.observers import Observers
 
 RemovalReason = Literal["removed", "expired"]
 
@@ -22,7 +25,7 @@ class _Unset:
 
 
 KEEP: Final = _Unset()
-"""As an argument of :meth:`IntentionWorkspace.change`: leave this field as it is."""
+"""Default of the arguments of :meth:`IntentionWorkspace.change`: this field stays as it is."""
 
 
 class UnknownDesire(Exception):
@@ -91,7 +94,7 @@ class IntentionWorkspace:
         self._new_id = new_id
         self._desires: dict[str, Desire] = {}
         self._expired: set[str] = set()
-        self._observers: list[Observer] = []
+        self._observers: Observers[[WorkspaceChange]] = Observers("the Intention Workspace")
         self._depth = 0
         self._pending: list[WorkspaceChange] = []
         self._notifying = False
@@ -184,7 +187,7 @@ class IntentionWorkspace:
         Raises UnknownDesire, or InvalidDesire naming the field; then nothing has changed.
         """
         before = self.get(desire_id)
-        after = replace(
+        after = msgspec.structs.replace(
             before,
             intensity=(
                 before.intensity if isinstance(intensity, _Unset) else checked_number("intensity", intensity, above=0)
@@ -208,7 +211,7 @@ class IntentionWorkspace:
         return desire
 
     def expire(self) -> tuple[Desire, ...]:
-        """Remove, in one transaction, the desires whose time is over, and return them."""
+        """Remove expired desires in one transaction, and return them."""
         now = self._now()
         over = tuple(d for d in self._desires.values() if d.expires is not None and d.expires <= now)
         with self.transaction():
@@ -219,9 +222,10 @@ class IntentionWorkspace:
 
     @contextmanager
     def transaction(self) -> Iterator[None]:
-        """All edits of the block as one: one notification at the end of the outermost, with the net effect.
+        """Join all edits of the block: one notification at the end of the outermost block, with the net effect.
 
-        A block that raises leaves the workspace as it was when that block began, whatever an enclosing one did before.
+        A block that raises restores the workspace as it was at that block's begin; earlier edits of an enclosing block
+        stay.
         """
         before = dict(self._desires)
         expired = set(self._expired)
@@ -245,18 +249,12 @@ class IntentionWorkspace:
                 self._notify()
 
     def observe(self, callback: Observer) -> Callable[[], None]:
-        """Call ``callback`` with every change from now on; returns what ends it.
+        """Call ``callback`` with every change from now on; returns a function that ends this.
 
-        Callbacks run at the end of the transaction, in the order they were added. One that edits the workspace is fine:
-        its change is told afterwards.
+        Callbacks run at the end of the transaction, in the order they were added. A callback may edit the workspace:
+        observers are notified of its change after the current one. A callback that raises is removed.
         """
-        self._observers.append(callback)
-
-        def end() -> None:
-            if callback in self._observers:
-                self._observers.remove(callback)
-
-        return end
+        return self._observers.add(callback)
 
     # --- Inside ----------------------------------------------------------------------------------------------------
 
@@ -275,20 +273,12 @@ class IntentionWorkspace:
     def _notify(self) -> None:
         if self._notifying:
             return
-        failures: list[Exception] = []
         self._notifying = True
         try:
             while self._pending:
-                change = self._pending.pop(0)
-                for observer in tuple(self._observers):
-                    try:
-                        observer(change)
-                    except Exception as failure:  # noqa: BLE001 - raised below: one observer must not keep the news from the others
-                        failures.append(failure)
+                self._observers.notify(self._pending.pop(0))
         finally:
             self._notifying = False
-        if failures:
-            raise ExceptionGroup("observers of the Intention Workspace failed", failures)
 
 
 def _checked_flag(value: object) -> bool:

@@ -1,1 +1,1 @@
-"""What every room uses: geometry, errors, files of unknown origin, compiled kernels, child processes, logging."""
+"""Foundations for all rooms: geometry, errors, files of unknown origin, compiled kernels, child processes, logging."""

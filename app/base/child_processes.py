@@ -26,9 +26,10 @@ def python(*arguments: str) -> list[str]:
 
 @contextmanager
 def safe_path() -> Iterator[None]:
-    """What ``multiprocessing`` starts meanwhile is as safe as :func:`python`: it takes no options, but the environment.
+    """Children of ``multiprocessing`` start as safely as with :func:`python`: it takes no options, but the environment.
 
-    Only while it starts: other programs that this one starts may be scripts with modules of theirs beside them.
+    The environment is changed only while they start: other programs that this one starts may be scripts that need
+    modules beside them.
     """
     with _one_at_a_time:
         before = os.environ.get(_SAFE_PATH)
@@ -43,9 +44,9 @@ def safe_path() -> Iterator[None]:
 
 
 def end_with_parent(number: int = signal.SIGTERM) -> None:
-    """From now on this process gets the signal ``number`` when the thread that started it ends; on Linux alone.
+    """Have Linux send this process the signal ``number`` when the thread that started it ends; no effect elsewhere.
 
-    A parent that has ended before is not noticed: compare ``os.getppid()`` with what it was.
+    A parent that has ended before is not noticed: compare ``os.getppid()`` with its former value.
     """
     if sys.platform == "linux":
         ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, number)

@@ -1,10 +1,10 @@
 """Numerical kernels: functions that numba compiles, once on a computer, and that run without the interpreter's lock.
 
-A kernel has an explicit signature, so that it is compiled when its file is imported (not at its first call, in the
-midst of a robot's run) and loaded from numba's cache afterwards. Files with kernels are imported late, by whoever
-computes with them. ``python -m app.base.compiled`` compiles all of them; set-up does so.
+A kernel has an explicit signature, so that it is compiled when its file is imported (not at its first call, while the
+robot runs) and loaded from numba's cache afterwards. Files with kernels are imported late, where their functions are
+first needed. ``python -m app.base.compiled`` compiles all of them; set-up does so.
 
-A kernel calls only kernels of its own file: numba's cache does not notice when one of another file changes.
+A kernel calls only kernels of its own file: numba's cache does not notice a change in another file.
 """
 
 from __future__ import annotations
@@ -35,16 +35,18 @@ except ImportError:  # Windows: two may compile at once, which does no harm
 F = TypeVar("F", bound=Callable[..., Any])
 
 _APP = Path(__file__).resolve().parents[1]
-#: How a file imports :func:`kernel` itself, not just this file's other functions. By its text alone: modules look for
-#: kernels in threads of their own at once, and what ``ast.parse`` builds in several threads can come to a SystemError.
+#: Matches a file that imports :func:`kernel` itself, not just other names of this file. It works on the text: modules
+#: look for kernels in several threads at once, and objects that ``ast.parse`` builds in several threads can cause a
+#: SystemError.
 _IMPORT = re.compile(r"^\s*from app\.base\.compiled import (?:\([^)]*|[^\n(]*)\bkernel\b", re.MULTILINE)
 
 
 def kernel(signature: str | list[str], *, fastmath: bool = False, **options: Any) -> Callable[[F], F]:
-    """Compile the function under it for ``signature``, as ``"float64[:](float32[::1], int64)"``; runs without the lock.
+    """Compile the decorated function for ``signature``, as ``"float64[:](float32[::1], int64)"``; it runs without the
+    GIL.
 
-    Arrays of a signature are writable ones: hand over a copy of one that is read-only. ``fastmath`` forgets NaN and
-    infinity: only for kernels that meet neither. Further ``options`` are numba's own.
+    Arrays of a signature are writable ones: pass a copy of a read-only one. ``fastmath`` ignores NaN and infinity: only
+    for kernels that get neither. Further ``options`` are numba's own.
     """
     import numba
 
@@ -61,24 +63,24 @@ def kernel_modules() -> list[str]:
 
 
 def is_ready() -> bool:
-    """Whether all kernels stand compiled, as they are now, in the cache of this computer."""
+    """Whether the cache of this computer holds the present version of all kernels."""
     return not _missing()
 
 
 def make_ready() -> None:
-    """Compile, in a child process, what is not compiled yet: this one goes on at its pace. Blocks until it is done.
+    """Compile, in a child process, every kernel that is not compiled yet. Blocks until it is done.
 
-    A failure to compile is left to whoever imports the kernels, who sees what it is.
+    A failure to compile is not raised here: the import of the kernel raises it.
     """
     if not is_ready():
         subprocess.run(python("-m", "app.base.compiled"), stdin=subprocess.DEVNULL, check=False)
 
 
 def compile_all(say: Callable[[str], None]) -> None:
-    """Compile every kernel that is not compiled yet, in as many processes as there are cores; ``say`` is told each file
-    when it is done. Raises what the first file that failed raises, once the others are done.
+    """Compile every kernel that is not compiled yet, in as many processes as there are cores; calls ``say`` with a line
+    for each finished file. Raises the exception of the first file that failed, once the others are done.
 
-    Several processes that want it at once take turns, and find it done.
+    Processes that compile at the same time take turns; the later ones find the kernels compiled.
     """
     with _alone():
         missing = {name: _digest(name) for name in _missing()}
@@ -134,7 +136,7 @@ def _note(name: str, digest: str) -> None:
     try:
         _stamp_file().write_text("".join(f"{n} {d}\n" for n, d in noted.items()), encoding="utf-8")
     except OSError:
-        return  # nowhere to note it: numba compiles anew, or not, by its own cache
+        return  # nowhere to note it: numba's own cache decides whether to compile again
 
 
 def _has_kernel(file: Path) -> bool:
@@ -158,7 +160,7 @@ def _cpu() -> str:
 
 
 def _stamp_file() -> Path:
-    """Beside the code, as numba's cache, where that may be written, else in the user's cache."""
+    """Path of the stamp: beside the code, as numba's cache, if that folder is writable, else in the user's cache."""
     beside = _APP / "__pycache__"
     if os.access(beside if beside.is_dir() else _APP, os.W_OK):
         return beside / "kernels.sha256"

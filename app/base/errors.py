@@ -4,9 +4,9 @@ from __future__ import annotations
 
 
 class ConfigError(Exception):
-    """A person's file says something that cannot be.
+    """A mistake in a file of the user.
 
-    ``message`` is one sentence that names what is wrong and what is allowed; ``file`` the file as the person named it;
+    ``message`` is one sentence that names the mistake and what is allowed; ``file`` the file as the user named it;
     ``line`` counts from 1 (0: the file as a whole); ``key`` is the dotted path of the value, "" for the whole file.
     """
 

@@ -145,7 +145,7 @@ class CameraModel:
     def from_vertical_fov(width: int, height: int, fovy: float) -> CameraModel:
         """Square pixels and a centred principal point; ``fovy`` is the full vertical field of view (rad)."""
         f = 0.5 * height / math.tan(0.5 * fovy)
-        return CameraModel(width, height, f, f, 0.5 * (width - 1), 0.5 * (height - 1))
+        return CameraModel(width, height, fx=f, fy=f, cx=0.5 * (width - 1), cy=0.5 * (height - 1))
 
     def project(self, points: FloatArray) -> FloatArray:
         """Pixels (..., 2) of ``points`` (..., 3) in the optical frame; NaN where a point is not in front."""
@@ -192,11 +192,11 @@ class FisheyeModel:
         return FisheyeModel(
             width,
             height,
-            width / horizontal,
-            height / vertical,
-            0.5 * (width - 1),
-            0.5 * (height - 1),
-            0.5 * max(horizontal, vertical),
+            fx=width / horizontal,
+            fy=height / vertical,
+            cx=0.5 * (width - 1),
+            cy=0.5 * (height - 1),
+            theta_max=0.5 * max(horizontal, vertical),
         )
 
     def project(self, points: FloatArray) -> FloatArray:

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 #: A photograph of more pixels (three bytes each, and as much again while it is worked on) is not decoded.
 MOST_PIXELS = 128_000_000
-#: Nor does an encoded one take more bytes: four for each pixel.
+#: Limit of an encoded image's size: four bytes for each pixel.
 MOST_BYTES = 4 * MOST_PIXELS
 
-#: How files of each kind begin that are decoded.
+#: First bytes of the image formats that are decoded.
 BEGINNINGS: dict[str, re.Pattern[bytes]] = {
     "JPEG": re.compile(rb"\xff\xd8\xff"),
     "PNG": re.compile(rb"\x89PNG\r\n\x1a\n"),
@@ -48,7 +48,7 @@ def kind_of(data: bytes | memoryview) -> str | None:
 
 
 def declared_size(data: bytes | memoryview) -> tuple[int, int] | None:
-    """Width and height (pixels) that the encoded picture ``data`` says it has; None where it does not say so."""
+    """Width and height (pixels) declared in the encoded picture ``data``; None without."""
     view = memoryview(data)
     kind = kind_of(view)
     try:

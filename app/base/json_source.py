@@ -6,7 +6,7 @@ import json
 from collections.abc import Callable
 from typing import Any
 
-#: No values lie deeper within others,
+#: Greatest depth of nested values,
 DEEPEST = 64
 #: and no whole number has more digits: what is greater is no float either.
 MOST_DIGITS = 250
@@ -32,7 +32,7 @@ def load_json(text: str, of_pairs: Callable[[list[tuple[str, Any]]], Any] | None
 
 
 def whole_number(text: str) -> int:
-    """The number that the digits ``text`` say. Raises BeyondBounds for more than ``MOST_DIGITS``."""
+    """The number of the digits ``text``. Raises BeyondBounds for more than ``MOST_DIGITS``."""
     if len(text) > MOST_DIGITS:
         raise BeyondBounds(f"a number has {len(text)} digits; at most {MOST_DIGITS} are read")
     return int(text)

@@ -1,6 +1,7 @@
-"""What is logged over and over is written a few times, then counted: a log must not fill a disk, nor hold up the loop.
+"""Rate limit for the log: repeated lines are written a few times, then counted, so that a log neither fills a disk nor
+blocks the event loop.
 
-Lines count as the same where the same place of the code logs the same words and values (and the same exception).
+Two lines are equal if the same statement logs the same words and values (and the same exception).
 """
 
 from __future__ import annotations
@@ -14,16 +15,16 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TextIO
 
-#: So many of the same are written, in a window of so long; of the others, how many they were, at its end.
+#: Equal lines written per window, and the window's length (s); the others are counted and reported at its end.
 FIRST = 5
 WINDOW_S = 10.0
-#: More different lines than this are not watched: the oldest is forgotten, once what it held is said.
+#: Number of different lines that are counted; beyond it the oldest is removed after its count is reported.
 MOST_LINES = 256
 
 
 @dataclass(slots=True)
 class _Line:
-    """One line in its window: when that began, its words, how many were written and how many were not."""
+    """One line in its window: the window's begin, the line's words, how many were written and how many were not."""
 
     since: float
     record: logging.LogRecord
@@ -31,7 +32,7 @@ class _Line:
     held: int = 0
 
 
-class SparingHandler(logging.StreamHandler[TextIO]):
+class RateLimitedHandler(logging.StreamHandler[TextIO]):
     """Writes to a stream; ``now`` gives seconds of any steady clock."""
 
     def __init__(self, stream: TextIO, *, now: Callable[[], float] = time.monotonic) -> None:
@@ -111,13 +112,13 @@ class SparingHandler(logging.StreamHandler[TextIO]):
 
 
 def _key(record: logging.LogRecord) -> int:
-    """Equal for records that say the same from the same place."""
+    """A key that is equal for records of the same statement with the same content."""
     error = record.exc_info[1] if record.exc_info else None
     values = {name: str(value) for name, value in vars(record).items() if name not in _OF_ONE}
     return hash((record.getMessage(), type(error), str(error), *sorted(values.items())))
 
 
-#: What differs between two records, or is in the message.
+#: Attributes in which two records of a line differ, or which are in the message.
 _OF_ONE = frozenset(
     {"args", "created", "msecs", "relativeCreated", "msg", "message", "exc_info", "exc_text", "asctime"}
     | {"thread", "threadName", "taskName"}

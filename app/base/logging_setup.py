@@ -1,7 +1,7 @@
 """Logs for people and for machines: one line per event.
 
-Text: ``08:45:49.123 INFO    QRCodeDetector  code found  text=door-1 sigma_m=0.02``, colours on a terminal only. JSON:
-one object a line. What is passed as ``extra={"key": value}`` to a logging call becomes ``key=value``, or a member.
+Text: ``08:45:49.123 INFO QRCodeDetector code found text=door-1 sigma_m=0.02``, colours on a terminal only. JSON: one
+object a line. Values passed as ``extra={"key": value}`` to a logging call become ``key=value``, or a member.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ import traceback
 from datetime import UTC, datetime
 from typing import Any, TextIO
 
-from app.base.log_rate_limit import SparingHandler
+from app.base.log_rate_limit import RateLimitedHandler
 
 LEVELS = ("debug", "info", "warning", "error")
 
-#: Libraries that tell more than anybody wants to read; what they warn of still comes through.
+#: Libraries whose information is of no interest here; their warnings are logged.
 _TALKATIVE = (
     "absl",
     "asyncio",
@@ -40,10 +40,10 @@ _COLORS = {"DEBUG": "2", "WARNING": "33", "ERROR": "31", "CRITICAL": "1;31"}
 def configure(level: str = "info", *, as_json: bool = False, stream: TextIO | None = None) -> None:
     """Send all logs of the process to ``stream`` (standard error by default), from ``level`` (of LEVELS) upwards.
 
-    What is logged over and over is counted instead (:mod:`app.base.log_rate_limit`).
+    Repeated lines are counted instead (:mod:`app.base.log_rate_limit`).
     """
     stream = sys.stderr if stream is None else stream
-    handler = SparingHandler(stream)
+    handler = RateLimitedHandler(stream)
     handler.setFormatter(JsonFormatter() if as_json else LineFormatter(colored=stream.isatty()))
     logging.basicConfig(level=level.upper(), handlers=[handler], force=True)
     logging.captureWarnings(True)
@@ -53,12 +53,12 @@ def configure(level: str = "info", *, as_json: bool = False, stream: TextIO | No
         library.propagate = True
         library.setLevel(logging.NOTSET if level == "debug" else logging.WARNING)
     if level == "debug":
-        # One line for every frame of every socket helps nobody, not even then.
+        # One line for every frame of every socket is too much even for debugging.
         logging.getLogger("websockets").setLevel(logging.INFO)
 
 
 class LineFormatter(logging.Formatter):
-    """One readable line per event; a traceback follows, indented, where an exception is logged."""
+    """Formats an event as one readable line; the traceback of an exception follows, indented."""
 
     def __init__(self, *, colored: bool = False) -> None:
         super().__init__()
@@ -84,7 +84,7 @@ class LineFormatter(logging.Formatter):
 
 
 class JsonFormatter(logging.Formatter):
-    """One JSON object per event: time (ISO 8601, UTC), level, module, message, then the event's own members."""
+    """Formats an event as a JSON object: time (ISO 8601, UTC), level, module, message, then the event's own members."""
 
     def format(self, record: logging.LogRecord) -> str:
         """The event as one line of JSON."""

@@ -1,6 +1,6 @@
 """Arrays from a numpy archive of unknown origin, which may be damaged.
 
-How large its arrays say they are is read before any is unpacked: an archive of 4 MB can hold gigabytes of zeros.
+The declared sizes of its arrays are checked before any is unpacked: an archive of 4 MB can hold gigabytes of zeros.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ MOST_ARRAYS = 1_000
 #: An array's header, which is Python text, is no longer: numpy's own bound.
 _LONGEST_HEADER = 10_000
 
-#: What reading a damaged archive raises: NotImplementedError and RuntimeError where its flags say what cannot be,
-#: SyntaxError and TokenError where an array's header, a Python literal, is none.
+#: Exceptions from a damaged archive: NotImplementedError and RuntimeError for impossible flags, SyntaxError and
+#: TokenError where an array's header is no Python literal.
 _DAMAGE = (
     ValueError, EOFError, KeyError, OverflowError, MemoryError, NotImplementedError, RuntimeError, SyntaxError,
     tokenize.TokenError, struct.error, zlib.error, zipfile.BadZipFile,
@@ -72,7 +72,7 @@ def _check_extent(file: BinaryIO, path: Path, what: str) -> None:
                     f"{what} has Python objects in `{name}`, which are not opened here: save plain arrays of numbers",
                     str(path),
                 )
-            # numpy makes room for what the header says; zipfile unpacks no more than what the archive does.
+            # numpy allocates the size in the header; zipfile unpacks no more than the size in the archive.
             total += max(member.file_size, math.prod(shape) * dtype.itemsize)
             if total > MOST_BYTES:
                 raise ConfigError(

@@ -1,4 +1,4 @@
-"""Where the program's own files are, in a checkout or installed from a wheel."""
+"""Paths of the program's own files, in a checkout or installed from a wheel."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ def checkout_dir() -> Path | None:
 
 
 def static_dir() -> Path:
-    """Where the built operator page lies, if it was built."""
+    """Folder of the built operator page, which need not exist."""
     return _PACKAGE / "console" / "static"
 
 
 def host_name() -> str:
-    """What this computer is called: ``$HBBA_HOST``, or its network name. Names its calibration."""
+    """Name of this computer: ``$HBBA_HOST``, or its network name. Its calibration has this name."""
     return os.environ.get("HBBA_HOST") or platform.node() or "this-computer"
 
 
@@ -41,7 +41,7 @@ def version() -> str:
 
 
 def processor() -> str:
-    """What this computer's processor calls itself, or its kind."""
+    """Model name of this computer's processor, or its architecture."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:

@@ -11,7 +11,7 @@ import stat
 from pathlib import Path
 from typing import BinaryIO
 
-#: What can be there instead of a regular file: the test that recognizes it, and its name.
+#: Kinds of files that are not regular: the test that recognizes each, and its name.
 _OTHERS = (
     (stat.S_ISFIFO, "a pipe"),
     (stat.S_ISCHR, "a device"),
@@ -43,7 +43,7 @@ def check_plain(path: Path | str) -> None:
 def read_plain(path: Path | str, most: int) -> bytes:
     """The content of the regular file ``path``. Raises OSError as :func:`open_plain`, and for over ``most`` bytes."""
     with open_plain(path) as file:
-        # One more than may be: a file of /proc says that it is empty, and one may grow while it is read.
+        # One byte more than allowed: a file of /proc has size 0, and a file may grow while it is read.
         size = os.fstat(file.fileno()).st_size
         if size <= most and len(data := file.read(most + 1)) <= most:
             return data

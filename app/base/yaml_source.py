@@ -30,9 +30,9 @@ KeyPath = tuple[str | int, ...]
 ModelT = TypeVar("ModelT", bound=BaseModel)
 
 
-#: What a mapping is called where it is written as YAML.
+#: YAML's word for a mapping, as messages use it.
 MAPPING = "a mapping (name: value lines)"
-#: What should stand there, by the type of pydantic's error.
+#: The value expected, by the type of pydantic's error.
 _SHAPES = {
     **dict.fromkeys(("model_type", "model_attributes_type", "dict_type", "mapping_type"), MAPPING),
     **dict.fromkeys(("list_type", "tuple_type"), "a list"),
@@ -66,7 +66,8 @@ _SCALARS = (
 
 
 class _CoreLoader(yaml.SafeLoader):
-    """SafeLoader with the scalars of YAML 1.2's core schema. Its errors tell most."""
+    """SafeLoader with the scalars of YAML 1.2's core schema. Of the loaders, its error messages are the most
+    precise."""
 
 
 class _QuickLoader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]  # known at run time alone
@@ -114,9 +115,9 @@ for _loader in (_CoreLoader, _QuickLoader):
 
 @dataclass(frozen=True)
 class Document:
-    """A file's content and where each value stands.
+    """A file's content and the position of each value.
 
-    ``data`` is what the file says (dict, list, str, int, float, bool, None); ``file`` its name for people; ``lines``
+    ``data`` is the parsed content (dict, list, str, int, float, bool, None); ``file`` its name for people; ``lines``
     the line, from 1, of each key path.
     """
 
@@ -149,7 +150,7 @@ class Document:
 
     def _explained(self, model: type[BaseModel], failure: ValidationError, at: KeyPath) -> ConfigError:
         details = failure.errors(include_url=False)
-        # A misspelt key is also a missing one: the misspelling says more.
+        # A misspelt key is also a missing one: the message about the misspelling is more helpful.
         first = next((detail for detail in details if detail["type"] == "extra_forbidden"), details[0])
         location = tuple(part for part in first["loc"] if part != "[key]")
         path = (*at, *location)
@@ -278,9 +279,9 @@ def likeliest(word: str, known: Collection[str]) -> str:
 
 
 def validation_message(model: type[BaseModel] | None, detail: ErrorDetails, mapping: str = MAPPING) -> str:
-    """One sentence for people about one pydantic error of ``model``: what is wrong and what is allowed.
+    """One sentence for people about one pydantic error of ``model``: the mistake and the allowed values.
 
-    Without a model it is not known which keys are allowed; ``mapping`` is what a mapping is called where it is written.
+    Without a model the allowed keys are not known; ``mapping`` is the word for a mapping in the file's format.
     """
     location = detail["loc"]
     if detail["type"] == "extra_forbidden":
@@ -291,17 +292,17 @@ def validation_message(model: type[BaseModel] | None, detail: ErrorDetails, mapp
         return "is missing"
     given = detail.get("input")
     if (shape := _SHAPES.get(detail["type"])) is not None:
-        return f"should be {mapping if shape == MAPPING else shape}, not {_told(given)}"
+        return f"should be {mapping if shape == MAPPING else shape}, not {_shown(given)}"
     text = str(detail["msg"])
     if detail["type"] == "string_pattern_mismatch" and (choices := _CHOICES.search(text)):
         text = f"should be one of {', '.join(choices[1].split('|'))}"
     text = _LIBRARYS_WORDS.sub("", text.removeprefix("Value error, "))
     if isinstance(given, str | int | float | bool):
-        text += f", not {_told(given)}"
+        text += f", not {_shown(given)}"
     return text
 
 
-def _told(given: object) -> str:
+def _shown(given: object) -> str:
     match given:
         case None:
             return "nothing"
@@ -345,9 +346,7 @@ def _walk(node: yaml.Node, path: KeyPath, lines: dict[KeyPath, int], file: str, 
             key = _key(key_node, file, path)
             here = (*path, key)
             if key in seen:
-                raise ConfigError(
-                    f"the key {key!r} stands here twice", file, key_node.start_mark.line + 1, dotted(here)
-                )
+                raise ConfigError(f"the key {key!r} is here twice", file, key_node.start_mark.line + 1, dotted(here))
             seen.add(key)
             lines.setdefault(here, key_node.start_mark.line + 1)
             _walk(value_node, here, lines, file, inside)
@@ -374,7 +373,7 @@ def _check_digits(node: yaml.ScalarNode, file: str, path: KeyPath) -> None:
 
 
 def _model_at(model: type[BaseModel], location: Sequence[str | int]) -> type[BaseModel] | None:
-    """The pydantic model that holds the value at ``location`` inside ``model``, if the annotations tell."""
+    """The pydantic model that holds the value at ``location`` inside ``model``, if the annotations say so."""
     kind: Any = model
     for key in location:
         candidates = _choices(kind)

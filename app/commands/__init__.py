@@ -6,14 +6,28 @@ import argparse
 from collections.abc import Mapping
 from typing import Any, Protocol
 
-from app.commands import bench, calibrate, check, completion, detect, doctor, experiment, log, replay, run, slam, solve
+from app.commands import (
+    bench,
+    calibrate,
+    check,
+    completion,
+    detect,
+    doctor,
+    experiment,
+    log,
+    new,
+    replay,
+    run,
+    slam,
+    solve,
+)
 
-#: What ``argparse`` gives for adding a command; its own type is private and generic.
+#: The object that ``argparse`` returns for adding commands; its own type is private and generic.
 Subparsers = Any
 
 
-class Command(Protocol):
-    """What each file here offers."""
+class CliCommand(Protocol):
+    """The functions of each command's file."""
 
     def add_parser(self, subparsers: Subparsers) -> None:
         """Declare the command's name, help and arguments."""
@@ -24,7 +38,7 @@ class Command(Protocol):
         ...
 
 
-COMMANDS: Mapping[str, Command] = {
+COMMANDS: Mapping[str, CliCommand] = {
     "run": run,
     "replay": replay,
     "log": log,
@@ -35,6 +49,7 @@ COMMANDS: Mapping[str, Command] = {
     "detect": detect,
     "experiment": experiment,
     "slam": slam,
+    "new": new,
     "bench": bench,
     "completion": completion,
 }

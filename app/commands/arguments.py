@@ -1,4 +1,4 @@
-"""What several commands take: the name of a log, times in it, names, numbers."""
+"""Arguments of several commands: the name of a log, times in it, names, numbers."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def find_log(text: str) -> Path:
 
 
 def recording_name(text: str) -> str:
-    """What a new recording shall be called (empty: by date and time), for argparse."""
+    """The name of a new recording (empty: by date and time), for argparse."""
     from app.logs.library import name_or_nothing
 
     try:
@@ -91,7 +91,7 @@ def names(text: str) -> tuple[str, ...]:
 
 
 def whole(least: int, most: int | None = None) -> Callable[[str], int]:
-    """What reads a whole number from ``least`` to ``most``, for argparse."""
+    """A function for argparse that reads a whole number from ``least`` to ``most``."""
 
     def read(text: str) -> int:
         if text.isdecimal() and least <= (value := int(text)) and (most is None or value <= most):

@@ -14,7 +14,7 @@ from app.commands.output import add_json
 
 
 def add_parser(subparsers: Any) -> None:
-    """Declare ``hbba bench``; what stands behind it is handed on to ``python -m benchmarks``."""
+    """Declare ``hbba bench``; arguments after it are passed to ``python -m benchmarks``."""
     parser = subparsers.add_parser(
         "bench",
         help="measure this program beside its peers",
@@ -37,6 +37,6 @@ def run(args: argparse.Namespace) -> int:
     for option in ("out", "markdown"):
         if getattr(args, option):
             options += [f"--{option}", str(Path(getattr(args, option)).absolute())]
-    # As ever, not by app.base.child_processes: the benchmarks are in the folder they run in, and are not installed.
+    # Without app.base.child_processes: the benchmarks are in the current folder, and are not installed.
     command = [sys.executable, "-m", "benchmarks", *args.names, *options]
     return subprocess.run(command, cwd=checkout, check=False).returncode

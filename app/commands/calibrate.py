@@ -16,15 +16,15 @@ from app.commands.output import add_json, print_json
 from app.commands.packaged import program_named
 
 if TYPE_CHECKING:
-    from app.attention.calibration import Calibration
+    from app.attention.calibration import CostCalibration
     from app.attention.strategies import StrategyTable
     from app.logs.log import Log, LogInfo
-    from app.logs.replay.calibration import Measurement, Progress, Run
+    from app.logs.replay.calibration_runs import CalibrationProgress, Measurement, Run
     from app.program.config import Configuration
 
 #: A recording shorter than this says little.
 LEAST_S = 5.0
-#: A channel with a smaller part of its nominal rate is told of.
+#: A channel with a smaller share of its nominal rate is reported.
 ENOUGH = 0.9
 
 
@@ -34,19 +34,19 @@ def add_parser(subparsers: Any) -> None:
         "calibrate",
         help="measure what each perception costs at each φ on this computer",
         description="Replay a recorded minute through each perception, at each φ that a strategy gives it; write CPU "
-        "use and events against φ, with the lines through them, where strategies find them, plot both, and tell what "
-        "each strategy costs by them. Interrupted, it goes on where it was.",
+        "use and events against φ, with the lines through them, where strategies find them, plot both, and "
+        "print the cost of each strategy. After an interruption, the next run continues.",
     )
     parser.add_argument("log", nargs="?", metavar="LOG", help="a log or a recording's name (default: the newest one)")
     parser.add_argument(
         "--config", type=Path, metavar="FILE", help="the program: a file, or a name as jackal (default: lab)"
     )
-    parser.add_argument("--seconds", type=_seconds, default=60.0, metavar="S", help="how much of it (default 60)")
-    parser.add_argument("--from", dest="begin", type=_seconds, default=0.0, metavar="S", help="beginning S into it")
+    parser.add_argument("--seconds", type=_seconds, default=60.0, metavar="S", help="seconds of it to use (default 60)")
+    parser.add_argument("--from", dest="begin", type=_seconds, default=0.0, metavar="S", help="begin S seconds into it")
     parser.add_argument("--only", type=names, metavar="A,B", help="these modules alone")
     parser.add_argument(
         "--phi", type=_sweep, action="append", metavar="M.PORT=A-B",
-        help="measure this input at every φ from A to B, and nothing but what is named so",
+        help="measure this input at every φ from A to B, and no input without such an option",
     )  # fmt: skip
     parser.add_argument(
         "--offsets", action="store_true", help="from every starting offset of each φ, as the thesis did (φ runs each)"
@@ -56,9 +56,9 @@ def add_parser(subparsers: Any) -> None:
         type=whole(1, 100),
         default=1,
         metavar="N",
-        help="do all N times over, for a computer with other work",
+        help="repeat everything N times, for a computer with other load",
     )
-    parser.add_argument("--fresh", action="store_true", help="measure anew what an interrupted run had measured")
+    parser.add_argument("--fresh", action="store_true", help="also repeat the measurements of an interrupted run")
     parser.add_argument(
         "--out", type=Path, metavar="FILE", help="write here (default: calibration/<host>.yaml of the program)"
     )
@@ -90,7 +90,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _calibrate(args: argparse.Namespace, configuration: Configuration, log: Log) -> int:
     from app.commands.calibrate_report import relations_table, strategies_document, strategies_table
-    from app.logs.replay.calibration import Progress, plan
+    from app.logs.replay.calibration_runs import CalibrationProgress, plan
 
     info = log.info
     if args.seconds < LEAST_S:
@@ -116,7 +116,7 @@ def _calibrate(args: argparse.Namespace, configuration: Configuration, log: Log)
         "program": configuration.program.model_dump_json(include={"modules"}),
     }  # fmt: skip
     output = args.out or configuration.calibration_file
-    progress = Progress(output.with_suffix(".partial.json"), key)
+    progress = CalibrationProgress(output.with_suffix(".partial.json"), key)
     if not args.fresh and (taken_up := progress.load()):
         print(f"{taken_up} runs were made before and are taken up (--fresh measures them again)", file=sys.stderr)
     print(f"{len(runs)} runs of {seconds:.0f} s of {info.path.name}; Ctrl-C keeps what is measured", file=sys.stderr)
@@ -126,7 +126,9 @@ def _calibrate(args: argparse.Namespace, configuration: Configuration, log: Log)
         _check_writable(file)
     before = _before(output)
     try:
-        results = _measure(log, configuration, runs, progress, info.begin + args.begin, seconds)
+        results = _measure(
+            log, configuration, runs=runs, progress=progress, begin=info.begin + args.begin, seconds=seconds
+        )
         calibration = _calibration(results, version, f"{info.path.name}, {seconds:.0f} s", before)
         _write(calibration, output)
         progress.discard()
@@ -165,11 +167,11 @@ def _doubts(configuration: Configuration, info: LogInfo, runs: Sequence[Run]) ->
 
 
 def _measure(
-    log: Log, configuration: Configuration, runs: list[Run], progress: Progress, begin: float, seconds: float
+    log: Log, configuration: Configuration, runs: list[Run], progress: CalibrationProgress, begin: float, seconds: float
 ) -> dict[Run, Measurement]:
     from app.commands.progress import shown
     from app.logs.replay.batch_replay import batches
-    from app.logs.replay.calibration import measure_all
+    from app.logs.replay.calibration_runs import measure_all
     from app.logs.replay.measure import Bench
 
     bench = Bench(log, configuration, begin, begin + seconds, _table(configuration).filters)
@@ -189,7 +191,7 @@ def _measure(
 
 
 def _spans(batch: Sequence[Run]) -> str:
-    """What ``batch`` measures: each input with its least and greatest φ."""
+    """The measurements of ``batch`` in words: each input with its least and greatest φ."""
     spans: dict[str, list[int]] = {}
     for run in batch:
         spans.setdefault(run.relation, []).append(run.phi)
@@ -218,10 +220,10 @@ def _newest() -> Path:
 
 def _table(configuration: Configuration) -> StrategyTable:
     from app.attention.strategies import load_strategies
-    from app.modules.desire_classes import desire_classes
+    from app.program.desire_classes import desire_classes
 
     files = [configuration.path(file) for file in configuration.program.strategies]
-    return load_strategies(files, classes=[kind.name for kind in desire_classes()])
+    return load_strategies(files, classes=desire_classes(configuration))
 
 
 def _inputs(configuration: Configuration, log: Log, only: Sequence[str] | None) -> dict[str, list[str]]:
@@ -240,19 +242,22 @@ def _inputs(configuration: Configuration, log: Log, only: Sequence[str] | None) 
     }
 
 
-def _before(output: Path) -> Calibration | None:
-    """What was measured before and is not measured now: it is kept. Raises ConfigError for a file that is none."""
-    from app.attention.calibration import Calibration
+def _before(output: Path) -> CostCalibration | None:
+    """Former measurements that are not repeated now: they are kept. Raises ConfigError for a file that is no
+    calibration."""
+    from app.attention.calibration import CostCalibration
     from app.base.yaml_source import load_yaml
 
-    return load_yaml(output).validate(Calibration) if output.is_file() else None
+    return load_yaml(output).validate(CostCalibration) if output.is_file() else None
 
 
-def _calibration(results: dict[Run, Measurement], version: str, log: str, before: Calibration | None) -> Calibration:
-    from app.attention.calibration import Calibration
-    from app.logs.replay.calibration import relations
+def _calibration(
+    results: dict[Run, Measurement], version: str, log: str, before: CostCalibration | None
+) -> CostCalibration:
+    from app.attention.calibration import CostCalibration
+    from app.logs.replay.calibration_runs import relations
 
-    return Calibration(
+    return CostCalibration(
         host=paths.host_name(),
         made=datetime.now(UTC).isoformat(timespec="seconds"),
         processor=paths.processor(),
@@ -274,7 +279,7 @@ def _check_writable(output: Path) -> None:
         raise ConfigError(f"cannot be written: {failure.strerror}; choose another with --out", str(output)) from None
 
 
-def _write(calibration: Calibration, output: Path) -> None:
+def _write(calibration: CostCalibration, output: Path) -> None:
     import yaml
 
     from app.logs.replay.calibration_plot import plot

@@ -1,16 +1,16 @@
-"""What ``hbba calibrate`` tells at its end: the relations it measured, and what strategies cost by them."""
+"""The report of ``hbba calibrate``: the relations it measured, and the costs of strategies by them."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Set
 from typing import Any
 
-from app.attention.calibration import RESOURCE, Calibration, relation_name
+from app.attention.calibration import RESOURCE, CostCalibration, relation_name
 from app.attention.strategies import CLOSED, Strategy, StrategyTable
 from app.runtime.graph import ModuleSpec
 
 
-def relations_table(calibration: Calibration, measured: Set[str]) -> str:
+def relations_table(calibration: CostCalibration, measured: Set[str]) -> str:
     """The relations for people; those that were not ``measured`` now are named as kept."""
     lines = []
     for name, relation in calibration.relations.items():
@@ -27,12 +27,13 @@ def relations_table(calibration: Calibration, measured: Set[str]) -> str:
 
 
 def strategies_table(
-    declared: StrategyTable, calibration: Calibration, measured: Set[str], modules: Mapping[str, ModuleSpec]
+    declared: StrategyTable, calibration: CostCalibration, measured: Set[str], modules: Mapping[str, ModuleSpec]
 ) -> str:
-    """What each strategy that uses one of ``measured`` costs: as ``declared``, loaded without a calibration, and by
+    """The cost of each strategy that uses one of ``measured``: as ``declared``, loaded without a calibration, and by
     ``calibration``; "" where there is none.
 
-    An input that was not measured (its channel is not in the recording) is named: the measured cost is without it.
+    An input that was not measured (its channel is not in the recording) is named: the measured cost does not include
+    it.
     """
     rows = strategies_document(declared, calibration, measured, modules)
     if not rows:
@@ -46,7 +47,7 @@ def strategies_table(
 
 
 def strategies_document(
-    declared: StrategyTable, calibration: Calibration, measured: Set[str], modules: Mapping[str, ModuleSpec]
+    declared: StrategyTable, calibration: CostCalibration, measured: Set[str], modules: Mapping[str, ModuleSpec]
 ) -> list[dict[str, Any]]:
     """The same for programs, costs in % of one core: ``name``, ``declared``, ``measured``, and the inputs that the
     measured cost is ``without``."""

@@ -12,7 +12,7 @@ from app.base.errors import ConfigError
 from app.commands.output import add_json, print_json
 from app.commands.packaged import config_file
 
-#: Raises ConfigError for a mistake; returns what is allowed but should be known, if there can be any.
+#: Raises ConfigError for a mistake; returns warnings, if there can be any.
 _Check = Callable[[Path], "tuple[str, ...] | None"]
 
 
@@ -43,7 +43,7 @@ def run(args: argparse.Namespace) -> int:
             mistake = str(failure)
             print(mistake, file=sys.stderr)
         if kind is not None and not args.json:
-            print(f"{path}: {kind}, no mistake found{_counted(warnings)}")
+            print(f"{path}: {kind}, no mistake found{_counted(warnings)}{_packages(path, kind)}")
         for warning in warnings:
             print(warning, file=sys.stderr)
         results.append({"file": str(path), "kind": kind, "mistake": mistake, "warnings": warnings})
@@ -56,9 +56,24 @@ def _counted(cautions: Sequence[str]) -> str:
     return f", {len(cautions)} warning{'s' * (len(cautions) > 1)}" if cautions else ""
 
 
+def _packages(path: Path, kind: str) -> str:
+    """The packages of others whose modules and files a program uses, for people."""
+    from app.base.extensions import split_package_file
+    from app.base.yaml_source import load_yaml
+    from app.program.config import ProgramConfig
+
+    if kind != "program":
+        return ""
+    program = load_yaml(path).validate(ProgramConfig)
+    named = [spec.class_path.partition(":")[0].partition(".")[0] for spec in program.modules.values()]
+    files = [split_package_file(file) for file in (program.robot, *program.channels, *program.strategies)]
+    others = sorted({*named, *(inside[0] for inside in files if inside)} - {"app", "hbba"})
+    return f"; it uses {', '.join(others)}" if others else ""
+
+
 def check_file(path: Path) -> tuple[str, Sequence[str]]:
-    """Validate one file, and everything it names; return what kind of configuration it is, and what is allowed but
-    should be known, in sentences. Raises ConfigError."""
+    """Validate one file, and everything it names; return the kind of configuration, and warnings in sentences. Raises
+    ConfigError."""
     from app.base.yaml_source import load_yaml
 
     if path.suffix == ".urdf":
@@ -94,12 +109,12 @@ def _program(path: Path) -> tuple[str, ...]:
 
 
 def _robot(path: Path) -> None:
-    from app.robots.devices.config import DevicesConfig
+    from app.robots.config import RobotConfig
     from app.robots.factory import load_body
 
     robot = load_body(path)
     _robot_model(robot.model)
-    if not isinstance(robot, DevicesConfig):
+    if isinstance(robot, RobotConfig):
         _world(robot.world)
         if robot.scenario is not None:
             _scenario(robot.scenario)
@@ -139,12 +154,14 @@ def _problem(path: Path) -> None:
 
 
 def _strategies(path: Path) -> tuple[str, ...]:
-    """Check a table by itself, then every program in the folder above that uses it, for its modules and ports."""
+    """Check a table by itself, then every program in the folder above that uses it, for its classes and ports."""
     from app.attention.strategies import load_strategies
-    from app.modules.desire_classes import desire_classes
 
-    load_strategies([path], classes=[kind.name for kind in desire_classes()])
-    return _programs(path)
+    load_strategies([path], classes=None)
+    programs = _programs_naming(path)
+    if not programs:
+        return (f"{path}: no program beside it names this file: desire classes, modules and ports are not checked",)
+    return _programs(programs)
 
 
 def _remap(path: Path) -> None:
@@ -156,19 +173,21 @@ def _remap(path: Path) -> None:
 def _channels(path: Path) -> tuple[str, ...]:
     """Check a table by itself, then every program beside it that uses it."""
     from app.base.yaml_source import load_yaml
-    from app.program.config import ChannelTable
+    from app.program.config import ChannelTableFile
 
     document = load_yaml(path)
-    for name, spec in document.validate(ChannelTable).root.items():
+    for name, spec in document.validate(ChannelTableFile).root.items():
         try:
             _ = spec.message_type
         except KeyError:
-            raise document.error(f"{name}.type: there is no message type {spec.message!r}", (name, "type")) from None
-    return _programs(path)
+            raise document.error(f"{name}.type: {spec.no_message()}", (name, "type")) from None
+        except ConfigError as failure:
+            raise document.error(f"{name}.type: {failure.message}", (name, "type")) from failure
+    return _programs(_programs_naming(path))
 
 
-def _programs(path: Path) -> tuple[str, ...]:
-    return tuple(caution for program in _programs_naming(path) for caution in _program(program))
+def _programs(programs: Sequence[Path]) -> tuple[str, ...]:
+    return tuple(caution for program in programs for caution in _program(program))
 
 
 def _programs_naming(path: Path) -> list[Path]:
@@ -182,26 +201,37 @@ def _programs_naming(path: Path) -> list[Path]:
             try:
                 data = load_yaml(candidate).data
             except ConfigError:
-                continue  # somebody else's file; it is not what was asked about
+                continue  # another file has the mistake; the check is about this one
             if not isinstance(data, Mapping) or "modules" not in data:
                 continue
-            named = [data.get("channels"), *(data.get("strategies") or ())]
-            if wanted in [(folder / str(name)).resolve() for name in named if name]:
+            channels = data.get("channels")
+            named = [*(channels if isinstance(channels, list) else [channels]), *(data.get("strategies") or ())]
+            if wanted in [_named_file(str(name), folder) for name in named if name]:
                 found.append(candidate)
     return found
 
 
+def _named_file(name: str, folder: Path) -> Path | None:
+    """The file that a program in ``folder`` names; None for one of a package that is not installed."""
+    from app.base.extensions import package_file
+
+    try:
+        return package_file(name, folder).resolve()
+    except ConfigError:
+        return None  # the program's own check says so
+
+
 def _calibration(path: Path) -> None:
-    from app.attention.calibration import Calibration
+    from app.attention.calibration import CostCalibration
     from app.base.yaml_source import parse
 
-    parse(path, Calibration)
+    parse(path, CostCalibration)
 
 
 #: Kind, the keys by which it is known, its check.
 _KINDS: tuple[tuple[str, frozenset[str], _Check], ...] = (
     ("program", frozenset({"modules", "robot"}), _program),
-    ("robot", frozenset({"model", "world", "base"}), _robot),
+    ("robot", frozenset({"model", "world", "base", "kind"}), _robot),
     ("scenario", frozenset({"people", "sounds", "drive"}), _scenario),
     ("array of microphones", frozenset({"positions"}), _array),
     ("problem", frozenset({"desires"}), _problem),

@@ -7,10 +7,11 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from app.base import paths
+from app.commands.parser import Parser
 
 SHELLS = ("bash", "zsh", "fish")
 
-#: What takes a log: a file, or the name of one of the user's recordings.
+#: Arguments that take a log: a file, or the name of one of the user's recordings.
 _TAKE_LOGS = ("hbba calibrate", "hbba log ", "hbba replay", "hbba slam")
 
 _LOGS = {"bash": "_hbba_logs", "zsh": "_hbba_logs", "fish": "(_hbba_logs)"}
@@ -64,7 +65,7 @@ def add_parser(subparsers: Any) -> None:
     """Declare ``hbba completion``."""
     parser = subparsers.add_parser(
         "completion",
-        help="print what makes your shell complete commands and names",
+        help="print a completion script for your shell",
         description="Print a script that makes your shell complete commands, options, files, recordings and scenarios. "
         "bash: hbba completion bash > ~/.local/share/bash-completion/completions/hbba; zsh: hbba completion zsh > "
         "FOLDER/_hbba with a FOLDER of $fpath; fish: hbba completion fish > ~/.config/fish/completions/hbba.fish.",
@@ -82,7 +83,7 @@ def run(args: argparse.Namespace) -> int:
     for each in leaves(parser):
         for action in each._actions:
             if (kind := _kind_of(each.prog, action)) is not None:
-                # Where shtab looks for it.
+                # The attribute that shtab reads.
                 action.complete = kind  # type: ignore[attr-defined]
     scenarios = sorted(path.stem for path in (paths.config_dir() / "scenarios").glob("*.yaml"))
     functions = _FUNCTIONS[args.shell].replace("SCENARIOS", " ".join(["none", *scenarios]))
@@ -92,6 +93,8 @@ def run(args: argparse.Namespace) -> int:
 
 def leaves(parser: argparse.ArgumentParser) -> Iterator[argparse.ArgumentParser]:
     """The parsers of the commands that do something: ``parser`` itself, or those below it."""
+    if isinstance(parser, Parser):
+        parser.fill()
     below = [action for action in parser._actions if isinstance(action, argparse._SubParsersAction)]
     if not below:
         yield parser
@@ -101,7 +104,7 @@ def leaves(parser: argparse.ArgumentParser) -> Iterator[argparse.ArgumentParser]
 
 
 def _kind_of(command: str, action: argparse.Action) -> Mapping[str, Any] | None:
-    """How the value of ``action`` is completed; None where that is not known."""
+    """The completion for the value of ``action``; None if it has none."""
     import shtab
 
     if action.dest in ("file", "log") and not action.option_strings and command.startswith(_TAKE_LOGS):

@@ -1,4 +1,4 @@
-"""``hbba doctor``: is this computer ready for ``hbba run``, and if not, what is missing and what to do."""
+"""``hbba doctor``: checks whether this computer is ready for ``hbba run``; names what is missing, and the remedy."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ REINSTALL = "install the project again: this file is its own"
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """One thing looked at: what was found and, if it is not ``ok``, what to do about it.
+    """One check: its finding and, if it is not ``ok``, the remedy.
 
     ``required``: ``hbba run`` does not work without.
     """
@@ -66,6 +66,7 @@ def checks(port: int) -> Iterable[Callable[[], Finding]]:
     return (
         python,
         configuration,
+        packages,
         graphics,
         lambda: port_free("127.0.0.1", port),
         cores,
@@ -83,7 +84,7 @@ def checks(port: int) -> Iterable[Callable[[], Finding]]:
 
 
 def table(findings: Iterable[Finding]) -> str:
-    """The findings for people: what is well, what is missing and what to do."""
+    """The findings for people, with remedies."""
     findings = list(findings)
     lines = []
     for finding in findings:
@@ -119,6 +120,25 @@ def configuration() -> Finding:
     except ConfigError as failure:
         return Finding("configuration", False, True, str(failure), "correct it; `hbba check FILE` looks again")
     return Finding("configuration", True, True, f"{path} ({kind})")
+
+
+def packages() -> Finding:
+    """What packages of others bring by entry points, and that all of it can be imported."""
+    from app.base.errors import ConfigError
+    from app.base.extensions import DISTRIBUTION, GROUPS, announced_configurations, extensions
+
+    found: list[str] = []
+    try:
+        announced_configurations()
+        for group, kind in GROUPS.items():
+            for name, extension in extensions(group).items():
+                if group != "hbba.configurations":
+                    extension.load()
+                if extension.distribution != DISTRIBUTION:
+                    found.append(f"{kind}: {name} ({extension.distribution})")
+    except ConfigError as failure:
+        return Finding("packages", False, False, str(failure), "correct or uninstall the package")
+    return Finding("packages", True, False, ", ".join(found) or "none beside the program's own")
 
 
 def graphics() -> Finding:
@@ -207,7 +227,7 @@ def page() -> Finding:
 
 
 def kernels() -> Finding:
-    """What the program computes with, compiled for this computer."""
+    """Check the numerical kernels compiled for this computer."""
     from app.base import compiled
 
     ready = compiled.is_ready()
@@ -219,17 +239,17 @@ def face_model() -> Finding:
     """YuNet's network, and that this computer's OpenCV reads it."""
     import cv2
 
-    from app.modules.perception.faces.yunet import MODEL, FaceFinder
+    from app.modules.perception.faces.yunet import MODEL, YuNetDetector
 
     try:
-        FaceFinder()
+        YuNetDetector()
     except cv2.error as failure:
         return Finding("face model", False, False, f"{MODEL} cannot be read: {failure.err}", REINSTALL)
     return Finding("face model", True, False, f"YuNet ({MODEL.name})")
 
 
 def voice_network() -> Finding:
-    """The network that tells voices from other sounds, run by ONNX Runtime."""
+    """Check the network that distinguishes voices from other sounds, run by ONNX Runtime."""
     from app.modules.perception.voices.voice_activity import MODEL
 
     remedy = "pip install 'onnxruntime>=1.20,<1.33'; without it the robot runs, and locates no voices"
@@ -251,19 +271,19 @@ def cameras() -> Finding:
 
 def audio() -> Finding:
     """Sound cards, for a body of devices, and whether they can be reached."""
-    from app.robots.devices.pictures import Unavailable
+    from app.robots.devices.pictures import InputUnavailable
     from app.robots.devices.sound import sounddevice
 
     only = "only for --robot webcam; there, --microphones FILE takes a sound file instead"
     try:
         inputs = [device["name"] for device in sounddevice().query_devices() if device["max_input_channels"]]
-    except Unavailable as failure:
+    except InputUnavailable as failure:
         return Finding("microphones", False, False, str(failure).partition(";")[0], only)
     return Finding("microphones", bool(inputs), False, ", ".join(inputs) or "none", only)
 
 
 def speech() -> Finding:
-    """Whether people of the simulated world can say any text."""
+    """Check the speech synthesis for people of the simulated world."""
     found = importlib.util.find_spec("espeakng_loader") is not None
     remedy = "pip install 'hbba[speech]'; only for scenarios whose people say text, as none of the project's do"
     return Finding("spoken text", found, False, "espeak-ng" if found else "no espeak-ng", remedy)

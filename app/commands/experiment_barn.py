@@ -16,7 +16,7 @@ from app.commands.packaged import program_named
 if TYPE_CHECKING:
     from app.experiments.barn.experiment import BarnPlan
     from app.experiments.barn.result import WorldResult
-    from app.experiments.results_store import KeptResults
+    from app.experiments.results_store import ResultsStore
 
 
 def add_parser(experiments: Any) -> None:
@@ -40,7 +40,7 @@ def add_parser(experiments: Any) -> None:
     parser.add_argument("--seed", type=whole(0), default=1, metavar="S", help="of the robot's noise (default 1)")
     parser.add_argument("--jobs", type=whole(1, 256), metavar="N", help="worlds at a time (default: one a core)")
     parser.add_argument("--out", type=Path, metavar="FOLDER", help="where results are kept (default: your data folder)")
-    parser.add_argument("--fresh", action="store_true", help="begin anew; earlier results are moved aside")
+    parser.add_argument("--fresh", action="store_true", help="start again; earlier results are moved aside")
     add_json(parser)
     parser.add_argument("--plot", action="append", default=[], metavar="ID", help="draw this world and the way driven")
 
@@ -49,7 +49,7 @@ def run(args: argparse.Namespace) -> int:
     """Run it. Raises ConfigError."""
     from app.experiments.barn.experiment import done, plan
     from app.experiments.barn.experiment import run as run_worlds
-    from app.experiments.results_store import KeptResults, default_folder
+    from app.experiments.results_store import ResultsStore, default_folder
 
     what = plan(
         args.worlds or _default_worlds(),
@@ -62,18 +62,18 @@ def run(args: argparse.Namespace) -> int:
     for named in args.plot:
         if named not in {world.name for world in what.chosen}:
             raise ConfigError(f"world {named!r} is not among those to run", "--plot")
-    kept = KeptResults(args.out or default_folder("barn"), what.of(), fresh=args.fresh)
+    kept = ResultsStore(args.out or default_folder("barn"), what.of(), fresh=args.fresh)
     if kept.moved and not args.fresh:
         print(f"hbba experiment barn: other results were there; they are in {kept.moved} now", file=sys.stderr)
     before = done(what, kept)
     if before:
         print(f"hbba experiment barn: {len(before)} of {len(what.chosen)} worlds are done already", file=sys.stderr)
     results = _run_shown(what, kept, before, run_worlds)
-    _tell(args, what, kept, results)
+    _report(args, what, kept, results)
     return 0
 
 
-def _run_shown(what: BarnPlan, kept: KeptResults, before: tuple[WorldResult, ...], run_worlds: Any) -> Any:
+def _run_shown(what: BarnPlan, kept: ResultsStore, before: tuple[WorldResult, ...], run_worlds: Any) -> Any:
     from app.base import logging_setup
     from app.commands.progress import shown
 
@@ -83,25 +83,25 @@ def _run_shown(what: BarnPlan, kept: KeptResults, before: tuple[WorldResult, ...
         counts[result.outcome] = counts.get(result.outcome, 0) + 1
     with shown("crossing") as progress:
 
-        def told(result: WorldResult, number: int, total: int) -> None:
+        def finished(result: WorldResult, number: int, total: int) -> None:
             counts[result.outcome] = counts.get(result.outcome, 0) + 1
             so_far = ", ".join(f"{count} {outcome}" for outcome, count in counts.items())
             progress(number, total, f"{so_far}; world {result.world}: {result.outcome}, {result.time_s:.1f} s")
 
-        return run_worlds(what, kept, told)
+        return run_worlds(what, kept, finished)
 
 
-def _tell(args: argparse.Namespace, what: BarnPlan, kept: KeptResults, results: tuple[WorldResult, ...]) -> None:
+def _report(args: argparse.Namespace, what: BarnPlan, kept: ResultsStore, results: tuple[WorldResult, ...]) -> None:
     from app.base.yaml_source import load_yaml
     from app.experiments.barn.report import failures, plot, table
-    from app.experiments.barn.result import Summary
+    from app.experiments.barn.result import BarnSummary
     from app.robots.factory import load_body
 
     if args.json:
         print_json(
             {
                 "of": what.of(),
-                "summary": Summary.of(results).document(),
+                "summary": BarnSummary.of(results).document(),
                 "worlds": [result.document() for result in results],
             }
         )
@@ -120,7 +120,7 @@ def _tell(args: argparse.Namespace, what: BarnPlan, kept: KeptResults, results: 
 
 
 def _controller(named: str | None) -> dict[str, dict[str, object]]:
-    """What ``--controller`` sets. Raises ConfigError."""
+    """The settings given by ``--controller``. Raises ConfigError."""
     from app.base.yaml_source import suggestion
     from app.modules.behaviors.navigation.tracking.control_cycle import CONTROLLERS
 

@@ -37,20 +37,20 @@ def add_parser(experiments: Any) -> None:
         "--blind", action="store_true", help="without the Kinect: quicker, but what is lower than the laser is not seen"
     )
     parser.add_argument("--out", type=Path, metavar="FOLDER", help="where results are kept (default: your data folder)")
-    parser.add_argument("--fresh", action="store_true", help="begin anew; earlier results are moved aside")
+    parser.add_argument("--fresh", action="store_true", help="start again; earlier results are moved aside")
     add_json(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     """Run it. Raises ConfigError."""
     from app.base import logging_setup
-    from app.commands.body import scenario_file
+    from app.commands.body_options import scenario_file
     from app.commands.progress import shown
     from app.experiments.goals.experiment import done, plan
     from app.experiments.goals.experiment import run as run_goals
     from app.experiments.goals.report import failures, table
-    from app.experiments.goals.result import Summary
-    from app.experiments.results_store import KeptResults, default_folder
+    from app.experiments.goals.result import GoalsSummary
+    from app.experiments.results_store import ResultsStore, default_folder
 
     scenario = None if args.scenario is None else scenario_file(args.scenario)
     if args.scenario is not None and scenario is None:
@@ -63,7 +63,7 @@ def run(args: argparse.Namespace) -> int:
         jobs=args.jobs or os.cpu_count() or 1,
         cameras=not args.blind,
     )
-    kept = KeptResults(args.out or default_folder("goals"), what.of(), fresh=args.fresh)
+    kept = ResultsStore(args.out or default_folder("goals"), what.of(), fresh=args.fresh)
     if kept.moved and not args.fresh:
         print(f"hbba experiment goals: other results were there; they are in {kept.moved} now", file=sys.stderr)
     before = done(what, kept)
@@ -74,7 +74,7 @@ def run(args: argparse.Namespace) -> int:
     with_contact = sum(bool(result.touched) for result in before)
     with shown("goals") as progress:
 
-        def told(result: GoalResult, number: int, total: int) -> None:
+        def finished(result: GoalResult, number: int, total: int) -> None:
             nonlocal reached, with_contact
             reached += result.outcome == "reached"
             with_contact += bool(result.touched)
@@ -86,12 +86,12 @@ def run(args: argparse.Namespace) -> int:
                 f"{reached} of {number} reached, {with_contact} with contact",
             )
 
-        results = run_goals(what, kept, told, lambda stage: progress(len(before), args.count, stage))
+        results = run_goals(what, kept, finished, lambda stage: progress(len(before), args.count, stage))
     if args.json:
         print_json(
             {
                 "of": what.of(),
-                "summary": Summary.of(results).document(),
+                "summary": GoalsSummary.of(results).document(),
                 "goals": [result.document() for result in results],
             }
         )

@@ -1,4 +1,4 @@
-"""Before a robot runs, what it computes with is compiled: beside it, that would starve it for minutes."""
+"""Compiles the numerical kernels before a robot runs: beside it, compilation would take its processor for minutes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``hbba log``: what recordings there are and what is in them; cutting, repairing and exporting them."""
+"""``hbba log``: lists recordings and shows, cuts, repairs and exports one."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from app.commands.output import add_json, print_json
 
 
 def add_parser(subparsers: Any) -> None:
-    """Declare ``hbba log`` and what it can do."""
+    """Declare ``hbba log`` and its actions."""
     parser = subparsers.add_parser(
         "log",
-        help="list, look into, cut, repair and export recordings",
-        description="Look after recordings. FILE is a log (of this program, a ROS bag, a CARMEN log) or the name of "
+        help="list, inspect, cut, repair and export recordings",
+        description="Manage recordings. FILE is a log (of this program, a ROS bag, a CARMEN log) or the name of "
         "one of your recordings. Without anything, list these.",
     )
     actions = parser.add_subparsers(dest="action", metavar="ACTION")
@@ -37,7 +37,7 @@ def add_parser(subparsers: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Do it. Exit code 2 for a person's mistake or a log that cannot be read, 1 where the disk does not take it."""
     from app.logs.log import LogError
-    from app.logs.output import DiskTrouble
+    from app.logs.output_file import DiskTrouble
 
     doing = {"info": _info, "cut": _cut, "repair": _repair, "export": _export, None: _list, "list": _list}[args.action]
     try:
@@ -96,8 +96,8 @@ def _add_cut(actions: Any) -> None:
     parser = actions.add_parser(
         "cut",
         help="copy a piece of a log into a new one",
-        description="Copy what arrived between two times, with the state that stood at the first, and everything that "
-        f"is attached. Nothing is encoded anew. Times are {TIMES}.",
+        description="Copy the messages that arrived between two times, the state at the first, and everything that "
+        f"is attached. Messages are copied, not encoded again. Times are {TIMES}.",
     )
     _add_file(parser)
     _add_times(parser)
@@ -120,7 +120,7 @@ def _cut(args: argparse.Namespace) -> int:
     if args.json:
         print_json(asdict(report))
         return 0
-    standing = f", {report.standing} of them state that stood at the begin" if report.standing else ""
+    standing = f", {report.standing} of them state from before the begin" if report.standing else ""
     print(
         f"{out}: {clock(report.end - report.begin)} from {clock(report.begin - first)} to {clock(report.end - first)}, "
         f"{report.messages + report.standing} records{standing}, {size(report.bytes)}"
@@ -184,7 +184,7 @@ def _add_export(actions: Any) -> None:
 
 def _export(args: argparse.Namespace) -> int:
     from app.commands.progress import shown
-    from app.log_tools.export.run import Wish, export
+    from app.log_tools.export.exporter import Wish, export
     from app.logs.open import open_log
 
     path = find_log(args.file)
@@ -192,7 +192,7 @@ def _export(args: argparse.Namespace) -> int:
     try:
         begin, end = _times(args, log.info.begin, log.info.end)
         folder = args.out or Path(f"{path.stem}-export")
-        wish = Wish(args.kind, folder, args.channels, begin, end, args.every, args.force)
+        wish = Wish(args.kind, folder, channels=args.channels, begin=begin, end=end, every=args.every, force=args.force)
         with shown(f"export {path.name}") as progress:
             result = export(log, wish, progress)
     finally:
@@ -243,7 +243,7 @@ def _add_json(parser: argparse.ArgumentParser) -> None:
 
 
 def _times(args: argparse.Namespace, first: float, last: float) -> tuple[float, float]:
-    """Begin and end asked for, within the log (robot's clock, s). Raises ConfigError."""
+    """The requested begin and end, within the log (robot's clock, s). Raises ConfigError."""
     begin = first if args.begin is None else args.begin(first)
     end = last if args.end is None else args.end(first)
     if begin > last or end < first:

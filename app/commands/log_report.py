@@ -1,4 +1,4 @@
-"""What ``hbba log`` says: the list of recordings, the contents of one, what a repair found."""
+"""The reports of ``hbba log``: the list of recordings, the contents of one, the result of a repair."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from app.logs.mcap.channel_sizes import channel_bytes
 from app.logs.mcap.open_file import is_being_written
 from app.logs.mcap.structure import is_mcap
 from app.logs.open import open_log
-from app.logs.output import Progress, unwatched
+from app.logs.output_file import Progress, unwatched
 
 State = Literal["complete", "recording", "unfinished", "damaged"]
 
-#: What a recording's state means, and what to do.
+#: The meaning of a recording's state, and a remedy.
 _ADVICE: Mapping[State, str] = {
     "complete": "",
     "recording": "is being recorded now; look again when that has ended",
@@ -32,7 +32,7 @@ _ADVICE: Mapping[State, str] = {
 
 @dataclass(frozen=True, slots=True)
 class ChannelContents:
-    """A channel in a log: ``rate_hz`` as it came, ``nominal_hz`` as it should; ``bytes`` before compression."""
+    """A channel in a log: ``rate_hz`` measured, ``nominal_hz`` of the table; ``bytes`` before compression."""
 
     name: str
     type: str
@@ -43,8 +43,9 @@ class ChannelContents:
 
 
 @dataclass(frozen=True, slots=True)
-class Contents:
-    """What is in a log. Times in seconds of the robot's clock. ``problem`` says why ``state`` is not ``complete``."""
+class LogContents:
+    """The contents of a log. Times in seconds of the robot's clock. ``problem`` says why ``state`` is not
+    ``complete``."""
 
     path: str
     format: str
@@ -64,10 +65,10 @@ class Contents:
     undecided: str = ""
 
 
-def look_into(path: Path, remap: Remap | None = None, progress: Progress = unwatched) -> Contents:
-    """Everything there is to say. Raises LogError where it is no log at all, ConfigError where ``remap`` does not fit.
+def look_into(path: Path, remap: Remap | None = None, progress: Progress = unwatched) -> LogContents:
+    """All facts of a log. Raises LogError if it is no log, ConfigError if ``remap`` does not fit.
 
-    Reads what stands at a file's end; all of it only where that is missing (``progress`` counts the bytes).
+    Reads the end section of the file; the whole file only without one (``progress`` counts the bytes).
     """
     try:
         log = open_log(path, remap)
@@ -86,14 +87,14 @@ def look_into(path: Path, remap: Remap | None = None, progress: Progress = unwat
         ChannelContents(
             channel.name,
             channel.message_type.__name__,
-            channel.count,
-            channel.count / info.duration_s if info.duration_s > 0 else None,
-            channel.rate_hz,
-            sizes.get(channel.name),
+            messages=channel.count,
+            rate_hz=channel.count / info.duration_s if info.duration_s > 0 else None,
+            nominal_hz=channel.rate_hz,
+            bytes=sizes.get(channel.name),
         )
         for channel in sorted(info.channels.values(), key=lambda channel: channel.name)
     )
-    return Contents(
+    return LogContents(
         path=str(path),
         format=info.format,
         state="complete",
@@ -111,10 +112,10 @@ def look_into(path: Path, remap: Remap | None = None, progress: Progress = unwat
     )
 
 
-def _undecided(doubt: Undecided) -> Contents:
-    """What is known of a bag before a remap file assigns its topics to channels."""
+def _undecided(doubt: Undecided) -> LogContents:
+    """Facts of a bag before a remap file assigns its topics to channels."""
     info = doubt.info
-    return Contents(
+    return LogContents(
         path=str(info.path),
         format=info.format,
         state="complete",
@@ -132,8 +133,8 @@ def _undecided(doubt: Undecided) -> Contents:
     )
 
 
-def _unreadable(path: Path, failure: LogError, progress: Progress) -> Contents:
-    """What is known of an MCAP file that does not open. Raises LogError if nothing is, or if it is not damaged."""
+def _unreadable(path: Path, failure: LogError, progress: Progress) -> LogContents:
+    """Facts of an MCAP file that does not open. Raises LogError if there are none, or if it is not damaged."""
     found = examine(path, progress)
     if found.healthy:
         raise failure
@@ -142,7 +143,7 @@ def _unreadable(path: Path, failure: LogError, progress: Progress) -> Contents:
         state = "recording"
     elif not found.messages and not found.attachments:
         raise LogError(f"{path}: {NOTHING}")
-    return Contents(
+    return LogContents(
         path=str(path),
         format="MCAP",
         state=state,
@@ -159,7 +160,7 @@ def _unreadable(path: Path, failure: LogError, progress: Progress) -> Contents:
     )
 
 
-def print_contents(contents: Contents, *, as_json: bool) -> None:
+def print_contents(contents: LogContents, *, as_json: bool) -> None:
     """To standard output."""
     if as_json:
         print_json(asdict(contents))
@@ -245,7 +246,7 @@ def recordings_document(found: Sequence[Recording], folder: Path, free_bytes: in
 
 
 def print_recordings(found: Sequence[Recording], folder: Path, free_bytes: int) -> None:
-    """The list of what was found in ``folder``, on a disk with ``free_bytes`` left, to standard output."""
+    """Print the recordings of ``folder``, on a disk with ``free_bytes`` left, to standard output."""
     if not found:
         print(f"There are no recordings in {folder} yet.")
         return
@@ -265,7 +266,7 @@ def print_recordings(found: Sequence[Recording], folder: Path, free_bytes: int) 
 
 
 def repair_lines(report: RepairReport) -> list[str]:
-    """What a repair found and did, for people."""
+    """The result of a repair, for people."""
     length = clock(report.end - report.begin)
     if report.healthy:
         return [f"{report.path}: there is nothing to repair: {report.messages} records over {length} are well"]
@@ -282,7 +283,7 @@ def repair_lines(report: RepairReport) -> list[str]:
         share = 100 * report.unreadable_bytes / report.bytes
         lines.append(f"Unreadable in all: at most {size(report.unreadable_bytes)} ({share:.1f} % of the file)")
     if report.orphans:
-        lines.append(f"{report.orphans} records were left out: nothing tells any more what they are.")
+        lines.append(f"{report.orphans} records were left out: their type is lost.")
     if not report.ended:
         lines.append(
             f"The recording ends at {length}, where the file does. Whether anything came after cannot be known: it was "

@@ -19,7 +19,7 @@ def add_json(parser: argparse.ArgumentParser, text: str = "print one JSON docume
 
 
 def json_text(document: Any) -> str:
-    """``document`` as standard output can show it: paths as text, what is no number (NaN, ∞) as null."""
+    """``document`` as JSON can show it: paths as text, numbers that are not finite (NaN, ∞) as null."""
     unicode = (sys.stdout.encoding or "").lower().startswith("utf")
     return json.dumps(_plain(document), indent=2, ensure_ascii=not unicode, allow_nan=False)
 

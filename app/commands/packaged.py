@@ -1,4 +1,5 @@
-"""Configuration by name: the program's own files are found from any folder, in a checkout and from a wheel alike."""
+"""Configuration by name: the program's own files are found from any folder, in a checkout and from a wheel alike; and
+the programs that installed packages announce."""
 
 from __future__ import annotations
 
@@ -9,6 +10,7 @@ from typing import Literal
 
 from app.base import paths
 from app.base.errors import ConfigError
+from app.base.extensions import announced_configurations, package_file, split_package_file
 
 #: Kinds of configuration; "configuration" is any of them, a program before the others.
 Kind = Literal["program", "robot", "scenario", "array", "configuration"]
@@ -21,9 +23,13 @@ _FOLDERS: dict[Kind, tuple[str, ...]] = {
     "configuration": ("", "robots", "scenarios", "arrays", "worlds", "strategies", "calibration"),
 }
 
+#: The kinds that packages announce by name.
+_OF_PACKAGES: frozenset[Kind] = frozenset({"program", "configuration"})
+
 
 def config_file(named: str | Path, kind: Kind, option: str = "") -> Path:
-    """The file that ``named`` means: a path that exists; else a path in ``config/``, or a name there, of the program's.
+    """The file that ``named`` means: a path that exists; else a path in ``config/``, or a name there, of the program's;
+    else ``package:NAME/PATH``, or a program that a package announces.
 
     Raises ConfigError, which names those that there are, for ``option``.
     """
@@ -38,6 +44,13 @@ def config_file(named: str | Path, kind: Kind, option: str = "") -> Path:
             for path in (folder / inside, folder / f"{inside}.yaml"):
                 if path.is_file() and path.parent in folders and (kind != "program" or _is_program(path)):
                     return path.resolve()
+    if split_package_file(given) is not None:
+        file = package_file(given, root)
+        if not file.is_file():
+            raise ConfigError(f"there is no {kind} {named}", option)
+        return file
+    if kind in _OF_PACKAGES and (announced := announced_configurations().get(str(named))) is not None:
+        return announced
     known = config_names(kind)
     close = difflib.get_close_matches(inside.stem, known, n=1)
     hint = f"; did you mean {close[0]!r}? Allowed:" if close else ";"
@@ -51,12 +64,14 @@ def program_named(named: str | Path | None) -> Path | None:
 
 
 def config_names(kind: Kind) -> list[str]:
-    """The names of the program's own files of ``kind``, as :func:`config_file` takes them."""
+    """The names of files of ``kind``, as :func:`config_file` takes them: the program's own, then those of packages."""
     root = paths.config_dir()
     files = [path for folder in _FOLDERS[kind] for path in sorted((root / folder).glob("*.yaml"))]
     if kind == "configuration":
-        return [path.relative_to(root).with_suffix("").as_posix() for path in files]
-    return [path.stem for path in files if kind != "program" or _is_program(path)]
+        own = [path.relative_to(root).with_suffix("").as_posix() for path in files]
+    else:
+        own = [path.stem for path in files if kind != "program" or _is_program(path)]
+    return [*own, *(announced_configurations() if kind in _OF_PACKAGES else ())]
 
 
 def _is_program(path: Path) -> bool:

@@ -1,13 +1,11 @@
-"""The command line as argparse reads it: every command, and refusals that say what was probably meant."""
+"""The parser of the command line: every command, and refusals with a suggestion."""
 
 from __future__ import annotations
 
 import argparse
 import difflib
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
-
-from app.commands import COMMANDS
 
 
 class _Version(argparse.Action):
@@ -23,11 +21,21 @@ class _Version(argparse.Action):
         parser.exit()
 
 
-class _Parser(argparse.ArgumentParser):
-    """Refuses what it does not know itself, with its own usage: argparse leaves that to the parser of all commands."""
+class Parser(argparse.ArgumentParser):
+    """Refuses unknown arguments itself, with its own usage: argparse leaves that to the parser of all commands."""
+
+    #: What declares the rest of its arguments, once they are needed.
+    filler: Callable[[], None] | None = None
+
+    def fill(self) -> None:
+        """Declare what was left till its arguments are needed."""
+        filler, self.filler = self.filler, None
+        if filler is not None:
+            filler()
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> tuple[Any, list[str]]:
         """Nothing is left unknown."""
+        self.fill()
         known, unknown = super().parse_known_args(args, namespace)
         if unknown:
             options = [option[2:] for option in self._option_string_actions if option.startswith("--")]
@@ -36,7 +44,7 @@ class _Parser(argparse.ArgumentParser):
         return known, unknown
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
-        """As argparse, which suggests nothing before Python 3.14."""
+        """As argparse; a suggestion is added, which argparse does only from Python 3.14 on."""
         if action.choices is not None and value not in action.choices:
             known = [str(choice) for choice in action.choices]
             words = f"invalid choice: {value!r}{_hint(str(value), known)} (choose from {', '.join(known)})"
@@ -50,7 +58,9 @@ def _hint(given: str, known: Iterable[str], before: str = "") -> str:
 
 def build_parser() -> argparse.ArgumentParser:
     """The parser of the whole command line."""
-    parser = _Parser(
+    from app.commands import COMMANDS  # which declare themselves with this parser
+
+    parser = Parser(
         prog="hbba",
         description="A robot runtime with selective attention and a web operator console.",
         epilog="Start with `hbba run`, and with `hbba doctor` where something does not work.",

@@ -1,4 +1,4 @@
-"""How far a long work is: a bar on a terminal, a line now and then elsewhere."""
+"""Progress of a long operation: a bar on a terminal, a line now and then elsewhere."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Protocol
 
-#: Where there is no terminal: a line after so long (s), and not more often.
+#: Without a terminal: a line after this time (s), and at most one in it.
 LINE_EVERY_S = 5.0
 
 
-#: Telling a bar more often (s) costs more than what it tells of.
+#: Least time (s) between two updates of a bar: more frequent ones cost more than the work they report.
 _BAR_EVERY_S = 0.05
 
 
@@ -20,22 +20,22 @@ class Progress(Protocol):
     """To be called as often as one likes."""
 
     def __call__(self, done: float, total: float, text: str = "") -> None:
-        """So much is ``done`` of the ``total``; ``text`` says what was done last."""
+        """Update: ``done`` of the ``total``; ``text`` describes the last step."""
         ...
 
 
 def part(progress: Progress, before: int, files: int, name: str) -> Progress:
     """The progress within one of ``files``, ``before`` of which are done already."""
 
-    def tell(done: float, total: float, text: str = "") -> None:
+    def update(done: float, total: float, text: str = "") -> None:
         progress(before + (done / total if total else 1), files, text or name)
 
-    return tell
+    return update
 
 
 @contextmanager
 def shown(title: str) -> Iterator[Progress]:
-    """Show the progress of what goes on inside, on standard error; the bar is taken away at the end."""
+    """Show the progress of the block on standard error; the bar is removed at the end."""
     from rich.console import Console
     from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemainingColumn
     from rich.progress import Progress as Bar
@@ -70,7 +70,7 @@ class _Lines:
     def __call__(self, done: float, total: float, text: str = "") -> None:
         now = time.monotonic()
         share = done / total if total else 1.0
-        if self._first is None or share <= self._first[1]:  # what was done before tells nothing of the pace
+        if self._first is None or share <= self._first[1]:  # steps of a former run do not count for the speed
             self._first = now, share
         if now >= self._due:
             self._due = now + LINE_EVERY_S
@@ -78,7 +78,7 @@ class _Lines:
             print(line.rstrip(), file=sys.stderr, flush=True)
 
     def _left(self, now: float, share: float) -> str:
-        """How long it will take yet, in words; "" for a minute or less, or while that cannot be told."""
+        """Remaining time in words; "" for a minute or less, or while it is unknown."""
         assert self._first is not None
         began, before = self._first
         if share <= before:

@@ -1,4 +1,4 @@
-"""``hbba replay FILE``: live a recording again, with the console to look at it or without."""
+"""``hbba replay FILE``: play a recording back, with the console to look at it or without."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from app.logs.replay.options import ReplayOptions
     from app.logs.replay.replay import Replay
 
-#: How often it is looked whether anybody still watches (s).
+#: Period (s) of checking for connected viewers.
 LOOK_S = 1.0
 
 
@@ -36,7 +36,7 @@ def add_parser(subparsers: Any) -> None:
     """Declare ``hbba replay``."""
     parser = subparsers.add_parser(
         "replay",
-        help="live a recording again",
+        help="play a recording back",
         description="Run the modules on a recording: of this program (MCAP), a ROS 1 or ROS 2 bag, or a CARMEN log. "
         "With the console, where it can be paused and scrubbed; with --headless as fast as the machine allows, the "
         f"same each time. Times are {TIMES}.",
@@ -52,23 +52,23 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("--only", type=names, metavar="A,B", help="run only these modules; the rest comes from the log")
     parser.add_argument(
         "--phi", type=_phi, action="append", default=[], metavar="M.PORT=N",
-        help="hold this filter at this divisor (off: closed), whatever attention wants; may be given several times",
+        help="fix this filter at this divisor (off: closed) instead of what attention selects; may be repeated",
     )  # fmt: skip
     parser.add_argument(
         "--offset",
         type=whole(0),
         default=0,
         metavar="K",
-        help="let the first K messages of each held or attended filter go by",
+        help="skip the first K messages at each filter that is fixed or set by strategies",
     )
-    parser.add_argument("--no-desires", action="store_true", help="leave out the desires that people had")
+    parser.add_argument("--no-desires", action="store_true", help="leave out the recorded desires of operators")
     parser.add_argument(
         "--config", type=Path, metavar="FILE", help="run this program (a file, a name), not the recorded one"
     )
     parser.add_argument("--remap", type=Path, metavar="FILE", help="which topics of a ROS bag are which channels")
     parser.add_argument("--record", type=recording_name, metavar="NAME", help="record the replay under this name")
-    parser.add_argument("--headless", action="store_true", help="without the console; prints what came of it")
-    add_json(parser, "with --headless: print what came of it as one JSON document instead")
+    parser.add_argument("--headless", action="store_true", help="without the console; prints a report")
+    add_json(parser, "with --headless: print the report as one JSON document instead")
     parser.add_argument("--out", type=Path, metavar="FILE", help="with --headless: write that JSON document here")
     parser.add_argument(
         "--exit-when-unwatched", type=_seconds, metavar="S", help="end S seconds after the last viewer left"
@@ -133,7 +133,7 @@ def _headless(args: argparse.Namespace, log: Log, options: ReplayOptions) -> int
 
     from app.commands.progress import shown
     from app.commands.replay_report import print_report
-    from app.logs.replay.headless import Watch, run_headless
+    from app.logs.replay.headless import ReplayWatch, run_headless
 
     cv2.setNumThreads(1)
     logging_setup.configure("warning" if args.log_level == "info" else args.log_level, as_json=args.log_json)
@@ -142,7 +142,7 @@ def _headless(args: argparse.Namespace, log: Log, options: ReplayOptions) -> int
     begin = log.info.begin if options.begin is None else options.begin
     end = log.info.end if options.end is None else options.end
     with shown(f"replay {log.info.path.name}") as progress:
-        watch = Watch(lambda position: progress(position - begin, end - begin))
+        watch = ReplayWatch(lambda position: progress(position - begin, end - begin))
         report = run_headless(log, options, speed=_finite(args.speed), watch=watch)
     if args.json:
         print_json(report.document())
@@ -163,7 +163,7 @@ def _with_console(
 
     if args.speed is not None and FASTEST < args.speed < math.inf:
         raise ConfigError(f"--speed {args.speed:g}: with the console at most {FASTEST:g}, or max")
-    past = opened()  # read beside the body, in a thread of its own
+    past = opened()  # read beside the body, in another thread
     stack.callback(past.close)
     begin = log.info.begin if options.begin is None else options.begin
     clock = ReplayClock(begin, log.info.end if options.end is None else options.end)
@@ -177,7 +177,7 @@ def _with_console(
         print(note)
     listener = stack.enter_context(listen(host, console.port if args.port is None else args.port))
     host_names = (*console.host_names, *args.host_name)
-    live = _live(args, replay, clock, past, listener, token, host_names)
+    live = _live(args, replay, clock=clock, past=past, listener=listener, token=token, host_names=host_names)
     return asyncio.run(until_stopped(live, Stopping()))
 
 
@@ -194,6 +194,7 @@ async def _live(
     import cv2
 
     from app.console.app import create_app
+    from app.console.panels import load_panels
     from app.console.server import address_of, serve
     from app.logs.replay.playback import Playback
 
@@ -203,8 +204,9 @@ async def _live(
     announce = announcer(f"HBBA replays {past.info.path.name}", host, port, token, open_browser=args.open)
     speed = 1.0 if args.speed is None else _finite(args.speed)
     playback = Playback(replay.system, replay.body, clock, past, speed=speed)
+    panels = await asyncio.to_thread(load_panels)
     app = create_app(  # takes long: before anything plays
-        replay.system, token=token, host=host, host_names=host_names, playback=playback
+        replay.system, token=token, host=host, host_names=host_names, playback=playback, panels=panels
     )
     async with replay, playback:
         up = asyncio.Event()
@@ -235,7 +237,7 @@ async def _failed(replay: Replay) -> None:
 
 
 async def _unwatched(app: FastAPI, up: asyncio.Event, after_s: float) -> None:
-    """Wait until nobody has watched for ``after_s`` since one could."""
+    """Wait until no viewer was connected for ``after_s``, counted from the first time one could."""
     await up.wait()
     unwatched_s = 0.0
     while unwatched_s < after_s:

@@ -1,4 +1,4 @@
-"""What came of a replay, as tables for people."""
+"""The report of a replay, as tables for people."""
 
 from __future__ import annotations
 

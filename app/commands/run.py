@@ -21,9 +21,9 @@ from urllib.parse import quote
 
 from app.base import logging_setup
 from app.commands.arguments import file_named
-from app.commands.body import add_body_options, chosen
+from app.commands.body_options import add_body_options, chosen
 from app.commands.kernels import kernels_ready
-from app.runtime.realtime import be_punctual
+from app.runtime.realtime import tune_for_latency
 
 if TYPE_CHECKING:
     from app.program.config import Configuration
@@ -104,7 +104,7 @@ def token_for(args: argparse.Namespace, host: str) -> str | None:
 
 
 async def until_stopped(live: Coroutine[Any, Any, None], stopping: Stopping) -> int:
-    """Run ``live`` to its end, or until asked to stop, whatever is being done then. Raises what it raises."""
+    """Run ``live`` to its end, or until a stop is requested at any time. Raises what it raises."""
     loop = asyncio.get_running_loop()
     running = asyncio.create_task(live)
     stopping.install(lambda: loop.call_soon_threadsafe(running.cancel))
@@ -132,6 +132,7 @@ async def _live(
     import cv2
 
     from app.console.app import create_app
+    from app.console.panels import load_panels
     from app.console.server import address_of, serve
     from app.program.system import System
     from app.robots.factory import create_link
@@ -145,7 +146,9 @@ async def _live(
     log.info("starting", extra={"configuration": configuration.program_document.file})
     clock = RealClock()
     system = System(configuration, link=create_link(body, clock.offset), body=body, clock=clock)
-    app = create_app(system, token=token, host=host, host_names=names)  # takes so long that a driver would notice it
+    panels = await asyncio.to_thread(load_panels)
+    # Building takes long enough to disturb driving.
+    app = create_app(system, token=token, host=host, host_names=names, panels=panels)
     async with system:
         await serve_once_started(system, lambda: serve(app, host, port, listener=listener, started=announce))
 
@@ -160,7 +163,7 @@ async def serve_once_started(system: System, serve: Callable[[], Coroutine[Any, 
     try:
         await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
         if not failure.done():
-            be_punctual()
+            tune_for_latency()
             console = asyncio.create_task(serve(), name="console")
             tasks.append(console)
             await asyncio.wait({console, failure}, return_when=asyncio.FIRST_COMPLETED)
@@ -175,7 +178,7 @@ async def serve_once_started(system: System, serve: Callable[[], Coroutine[Any, 
 
 
 def announcer(what: str, host: str, port: int, token: str | None, *, open_browser: bool) -> Callable[[str], None]:
-    """What says where the console is, and opens it if asked to, once it listens."""
+    """A function that prints the console's address, and opens it if requested, once the console listens."""
 
     def announce(url: str) -> None:
         print(f"{what}: {login_url(url, token)}  (Ctrl-C stops it)", flush=True)
@@ -188,7 +191,7 @@ def announcer(what: str, host: str, port: int, token: str | None, *, open_browse
 
 
 def login_url(url: str, token: str | None) -> str:
-    """What to open in a browser. The token goes behind the #, which no browser sends to a server or logs."""
+    """The address for a browser. The token follows the #, a part that no browser sends to a server or logs."""
     return url if token is None else f"{url}/#token={quote(token, safe='')}"
 
 
@@ -203,7 +206,8 @@ class Stopping:
         self._begun = False
 
     def install(self, ask: Callable[[], object]) -> None:
-        """From now on, signals call ``ask``. Python's own handlers, as they run even where the event loop is stuck."""
+        """Install handlers of signals that call ``ask``: Python's own, which run even while the event loop is
+        blocked."""
         self._ask = ask
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:  # else: started by nohup
@@ -218,7 +222,7 @@ class Stopping:
         self._ask()
 
     def begin(self) -> None:
-        """The way down has begun: it may take the time allowed."""
+        """Note the begin of the shutdown: it may take the time allowed."""
         if self._begun:
             return
         self._begun = True

@@ -85,7 +85,7 @@ def run(args: argparse.Namespace) -> int:
         from app.commands.solve_report import report_consequences, report_selection
 
         plain = not _speaks_unicode()
-        # Reasons may take all the time that is left: what is selected is seen meanwhile.
+        # Reasons may take all the remaining time: the selection is printed before.
         print(report_selection(stated, selection, plain=plain), flush=True)
         selection = _explained(stated, selection, deadline)
         print(report_consequences(stated, selection, *_consequences(stated, selection), plain=plain))
@@ -121,20 +121,28 @@ def _consequences(stated: StatedProblem, selection: Selection) -> tuple[dict[str
 
 
 def _answer_as_json(stated: StatedProblem, selection: Selection, deadline: float) -> dict[str, object]:
-    from app.attention.serialize import selection_to_json
+    import msgspec
+
+    from app.attention.intention import Intention
+    from app.attention.reports import intention_report
     from app.commands.solve_report import unexplained
 
     selection = _explained(stated, selection, deadline)
     divisors, parameters = _consequences(stated, selection)
-    answer = selection_to_json(
-        selection,
-        strategies=stated.table.strategies,
-        capacities=stated.problem.capacities,
-        resources=stated.table.resources,
+    problem = stated.problem
+    intention = Intention(
+        stamp=0.0,
+        selection=selection,
+        strategies=tuple(s for s in stated.table.strategies if s.name in selection.strategies),
         divisors=divisors,
+        parameters=parameters,
         reasons=selection.reasons,
+        desires=problem.desires,
+        capacities=problem.capacities,
     )
-    return answer | {"parameters": parameters, "unexplained": unexplained(selection)}
+    answer: dict[str, object] = msgspec.to_builtins(intention_report(intention, stated.table.resources))
+    # A problem in a file is of no time, and its desires have no ids.
+    return {k: v for k, v in answer.items() if k not in ("stamp", "desires")} | {"unexplained": unexplained(selection)}
 
 
 def _speaks_unicode() -> bool:

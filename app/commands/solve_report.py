@@ -18,7 +18,7 @@ _PLAIN = str.maketrans({"Ω": "O", "φ": "f", "∞": "-", "█": "#", "░": "."
 
 
 def report_selection(stated: StatedProblem, selection: Selection, *, plain: bool = False) -> str:
-    """The answer's first part: what is selected, before its reasons are known; ``plain`` uses ASCII only."""
+    """The answer's first part: the selection, before its reasons are known; ``plain`` uses ASCII only."""
     problem = stated.problem
     served = {s.cls for s in problem.strategies}
     lines = [_headline(selection)]

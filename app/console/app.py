@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import AsyncIterator, Mapping, Sequence
 from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,6 +18,7 @@ from app.console.live.endpoint import live
 from app.console.live.hub import Hub
 from app.console.live.protocol import COSTMAP
 from app.console.page import install_page
+from app.console.panels import Panel, panels_router
 from app.console.problems import install_problem_handlers
 from app.console.replays import Replays
 from app.console.rest.attention import attention_router
@@ -28,6 +29,7 @@ from app.console.rest.percepts import percepts_router
 from app.console.rest.playback import playback_router
 from app.console.rest.program import program_router, robot_router
 from app.console.rest.recordings import recordings_router
+from app.console.rest.routing import records
 from app.console.rest.session import session_router
 from app.console.rest.viewers import viewers_router
 from app.console.view.relay import view_router
@@ -49,6 +51,7 @@ def create_app(
     host: str = "127.0.0.1",
     host_names: Sequence[str] = (),
     early_view: bool = True,
+    panels: Mapping[str, Panel] | None = None,
 ) -> FastAPI:
     """The console of ``system``: REST and live stream under ``/api/v1``, the 3D view under ``/viser``, the page at /.
 
@@ -56,9 +59,11 @@ def create_app(
     ``static_dir`` holds the built page (default: where the build puts it). ``token`` None: whoever is on this computer
     may use it, under a name of this computer; see :mod:`app.console.access.auth`. ``host_names`` are names that it is
     reached by beside this computer's own, where a token is needed. ``host`` is where replays that are started from here
-    listen. ``early_view``: start the 3D view with the program rather than with its first viewer.
+    listen. ``early_view``: start the 3D view with the program rather than with its first viewer. ``panels`` are those
+    of packages, by name (:func:`app.console.panels.load_panels`).
     """
-    hub = Hub(system, playback)
+    panels = panels or {}
+    hub = Hub(system, playback, sorted({channel for panel in panels.values() for channel in panel.channels}))
     view = View(system, lambda: hub.is_shown(COSTMAP), early=early_view, playback=playback)
     door = Door(token, host_names)
     replays = Replays(host, token, host_names)
@@ -87,7 +92,7 @@ def create_app(
     app.state.replays = replays
     install_problem_handlers(app)
     api = APIRouter(prefix=API)
-    for router in (
+    routers = (
         desires_router(system),
         attention_router(system),
         robot_router(system, hub),
@@ -99,7 +104,8 @@ def create_app(
         viewers_router(hub, view),
         session_router(door),
         playback_router(playback),
-    ):
+    )
+    for router in routers:
         api.include_router(router)
 
     @api.websocket("/live")
@@ -108,7 +114,8 @@ def create_app(
 
     app.include_router(api)
     app.include_router(view_router(view))
-    describe(app, API, token_needed=token is not None)
+    app.include_router(panels_router(panels))
+    describe(app, API, answers=records(routers), token_needed=token is not None)
 
     install_page(app, static_dir or paths.static_dir())
     return app

@@ -1,18 +1,18 @@
-"""REST and the live stream described for tools, and a page to read, all served without anything from elsewhere."""
+"""REST (OpenAPI) and the live stream (AsyncAPI) described for tools; ``docs`` leads to a page that shows REST."""
 
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Sequence
 from typing import Any
 
 from fastapi import FastAPI, Request
 from fastapi.openapi.utils import get_openapi
-from fastapi.responses import HTMLResponse, Response
+from fastapi.responses import RedirectResponse, Response
 from fastapi.routing import APIRoute
 
+from app.console import schema
 from app.console.access.auth import COOKIE, OPEN_PATHS, cookie_name
-from app.console.description_page import page
-from app.console.json_schema import with_plain_lists
 from app.console.problems import ProblemDocument
 from app.console.rest.answers import Json, problem_content
 
@@ -31,11 +31,14 @@ _TAGS = [
     {"name": "robot", "description": "Its body: pose, guard, emergency stop."},
     {"name": "maps", "description": "Where the robot has been, where it is, and where it shall go."},
     {"name": "program", "description": "Modules and channels."},
-    {"name": "recordings", "description": "What the robot lived, kept on disk and lived again."},
+    {"name": "recordings", "description": "Logs of the robot: record, list, download, replay."},
     {"name": "playback", "description": "Where a recording is played: its transport."},
     {"name": "session", "description": "Logging in."},
 ]
 
+
+#: Swagger UI on ``openapi.json``, as Vite built it; relative to ``docs``.
+REST_PAGE = "../../rest.html"
 
 #: How a client shows that it may.
 _SCHEMES = {
@@ -78,16 +81,17 @@ def operation_id(route: APIRoute) -> str:
     return route.name
 
 
-def describe(app: FastAPI, prefix: str, *, token_needed: bool = False) -> None:
+def describe(app: FastAPI, prefix: str, *, answers: Sequence[type[Any]] = (), token_needed: bool = False) -> None:
     """Serve ``openapi.json``, ``live.json`` and ``docs`` under ``prefix``; must come after the routes it describes.
 
-    ``token_needed``: requests need the token or a session. The first call of ``app.openapi()`` takes a fifth of
-    a second, which a driver would notice: call it off the event loop.
+    ``answers`` are the records that its routes answer with. ``token_needed``: requests need the token or a session.
+    The first call of ``app.openapi()`` takes a fifth of a second, which a driver would notice: call it off the event
+    loop.
     """
 
     def document() -> dict[str, Any]:
         if app.openapi_schema is None:
-            app.openapi_schema = _document(app, token_needed)
+            app.openapi_schema = _document(app, answers, token_needed)
         return app.openapi_schema
 
     # mypy takes a method for something that cannot be replaced.
@@ -112,12 +116,13 @@ def describe(app: FastAPI, prefix: str, *, token_needed: bool = False) -> None:
         return Json(await asyncio.to_thread(described))
 
     @app.get(f"{prefix}/docs", include_in_schema=False)
-    async def docs(request: Request) -> Response:
-        return HTMLResponse(page(await asyncio.to_thread(request.app.openapi)))
+    async def docs() -> Response:
+        # A built page beside the operator page: relative, so that a proxy may serve the console under a path.
+        return RedirectResponse(REST_PAGE)
 
 
-def _document(app: FastAPI, token_needed: bool) -> dict[str, Any]:
-    schema = get_openapi(
+def _document(app: FastAPI, answers: Sequence[type[Any]], token_needed: bool) -> dict[str, Any]:
+    document = get_openapi(
         title="HBBA console",
         version="1",
         summary="A robot with selective attention.",
@@ -127,22 +132,23 @@ def _document(app: FastAPI, token_needed: bool) -> dict[str, Any]:
         servers=[{"url": "/", "description": "The console that serves this description."}],
         routes=app.routes,
     )
-    components = schema.setdefault("components", {})
+    components = document.setdefault("components", {})
     models = components.setdefault("schemas", {})
     problem = ProblemDocument.model_json_schema(ref_template="#/components/schemas/{model}")
     models.update(problem.pop("$defs", {}))
+    models.update(schema.sent(answers))
     models["ProblemDocument"] = problem
     # FastAPI describes its own shape of a refused body, which never leaves this console.
     for name in ("HTTPValidationError", "ValidationError"):
         models.pop(name, None)
     components["responses"] = {name: {"description": when, "content": problem_content()} for name, _, when in _COMMON}
     components["securitySchemes"] = _SCHEMES
-    schema["security"] = [{name: []} for name in _SCHEMES] + ([] if token_needed else [{}])
-    for path, operations in schema["paths"].items():
+    document["security"] = [{name: []} for name in _SCHEMES] + ([] if token_needed else [{}])
+    for path, operations in document["paths"].items():
         for method, operation in operations.items():
             _complete(path, method, operation)
-    with_plain_lists(schema)
-    return schema
+    schema.with_plain_lists(document)
+    return document
 
 
 def _complete(path: str, method: str, operation: dict[str, Any]) -> None:

@@ -1,4 +1,4 @@
-"""The operator page: the files that Vite built, or a plain page that says how to build them."""
+"""The pages that Vite built (the operator's, and the one on REST), or a plain one that says how to build them."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ background:#0c1016}code{background:#1c2430;padding:.1em .4em;border-radius:4px}a
 <h1>The robot runs, its page is not built</h1>
 <p>In a checkout, <code>make run</code> builds it. By hand: <code>cd web &amp;&amp; npm ci
 &amp;&amp; npm run build</code>, then reload this page.</p>
-<p>REST works without it: see <a href="/api/v1/docs">its description</a>.</p></html>
+<p>REST works without it: see <a href="api/v1/openapi.json">its description</a>.</p></html>
 """
 
 
@@ -38,7 +38,7 @@ class Page(StaticFiles):
         try:
             return await super().get_response(path, scope)
         except HTTPException as error:
-            if error.status_code == 404 and path in (".", "index.html"):
+            if error.status_code == 404 and path in (".", "index.html", "rest.html"):
                 return HTMLResponse(_NOT_BUILT)
             raise
 

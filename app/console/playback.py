@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from app.console.records.recordings import PlaybackReport
 from app.runtime.clock import Clock
 from app.runtime.replay_clock import ReplayClock
 
@@ -14,19 +15,19 @@ if TYPE_CHECKING:
 PERIOD_S = 0.1
 
 
-def playback_json(playback: Playback) -> dict[str, Any]:
+def playback_report(playback: Playback) -> PlaybackReport:
     """What is played, and where it is; stamps are the recording's."""
     state = playback.state
-    return {
-        "file": playback.info.path.name,
-        "begin": state.begin,
-        "end": state.end,
-        "position": state.position,
-        "speed": state.speed,
-        "playing": state.playing,
-        "phase": state.phase,
-        "problem": state.problem or None,
-    }
+    return PlaybackReport(
+        file=playback.info.path.name,
+        begin=state.begin,
+        end=state.end,
+        position=state.position,
+        speed=state.speed,
+        playing=state.playing,
+        phase=state.phase,
+        problem=state.problem or None,
+    )
 
 
 def rate(clock: Clock) -> float:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from app.attention.desires import Desire, Source
+from app.console.records.recordings import RecorderReport
 from app.logs.control import RECORD
-from app.messages import RecorderStatus
+from app.messages import RecorderState, RecorderStatus
 from app.runtime.channel import Channel
 
 if TYPE_CHECKING:
@@ -20,8 +21,8 @@ _ASKED_HERE = ("operator", "rest")
 _NEWS_AFTER_S = 0.9
 
 
-class RecorderReport:
-    """What the Recorder does, as JSON; ``channel`` is where it tells so, None in a program without a Recorder."""
+class RecorderWatch:
+    """What the Recorder does; ``channel`` is where it reports so, None in a program without a Recorder."""
 
     def __init__(self, system: System) -> None:
         self._system = system
@@ -42,7 +43,9 @@ class RecorderReport:
     def status(self) -> RecorderStatus:
         """What it said last; before that, that it is idle."""
         latest = None if self.channel is None else self.channel.latest
-        return latest or RecorderStatus(0.0, "idle", "", 0.0, 0.0, 0, 0, 0, 0, "")
+        return latest or RecorderStatus(
+            0.0, "idle", name="", began=0.0, duration_s=0.0, bytes=0, messages=0, dropped=0, queued_bytes=0, reason=""
+        )
 
     def writes(self, name: str) -> bool:
         """Whether the recording ``name`` is being written now."""
@@ -60,8 +63,8 @@ class RecorderReport:
             return None
         return self.status.name if self._state() == "recording" else str(desire.params.get("name", ""))
 
-    def json(self) -> dict[str, Any] | None:
-        """``{stamp, state, name, began, …}`` (docs/live-stream.md); None in a program without a Recorder."""
+    def report(self) -> RecorderReport | None:
+        """What it does now; None in a program without a Recorder."""
         if self.channel is None:
             return None
         status, state = self.status, self._state()
@@ -69,21 +72,21 @@ class RecorderReport:
         current = self._system.translator.current
         parameters = {} if current is None else current.parameters.get(self._module, {})
         desire = self._system.workspace.strongest().get(RECORD)
-        return {
-            "stamp": self._system.clock.now(),
-            "state": state,
-            "name": status.name,
-            "began": status.began or None,
-            "duration_s": round(status.duration_s, 3),
-            "bytes": status.bytes,
-            "messages": status.messages,
-            "dropped": status.dropped,
-            "queued_bytes": status.queued_bytes,
-            "keep_minutes": parameters.get("keep_minutes", 0) if busy else 0,
-            "desired": desire is not None and desire.utility > 0,
-            "reason": self._reason(desire),
-            "available": self.available,
-        }
+        return RecorderReport(
+            stamp=self._system.clock.now(),
+            state=state,
+            name=status.name,
+            began=status.began or None,
+            duration_s=round(status.duration_s, 3),
+            bytes=status.bytes,
+            messages=status.messages,
+            dropped=status.dropped,
+            queued_bytes=status.queued_bytes,
+            keep_minutes=parameters.get("keep_minutes", 0) if busy else 0,
+            desired=desire is not None and desire.utility > 0,
+            reason=self._reason(desire),
+            available=self.available,
+        )
 
     def problem(self) -> str:
         """Why the recording that was running has ended by itself, in words, until it is stopped or another begins; ""
@@ -93,11 +96,17 @@ class RecorderReport:
 
     def news(self) -> bool:
         """Whether there is something to tell since this was last true: a change, or that time has gone by."""
-        told = self.json()
-        if told is None:
+        now_so = self.report()
+        if now_so is None:
             return False
-        words = tuple(
-            told[key] for key in ("state", "name", "dropped", "keep_minutes", "desired", "reason", "available")
+        words = (
+            now_so.state,
+            now_so.name,
+            now_so.dropped,
+            now_so.keep_minutes,
+            now_so.desired,
+            now_so.reason,
+            now_so.available,
         )
         now = self._system.clock.now()
         if words == self._told and now - self._told_at < _NEWS_AFTER_S:
@@ -105,7 +114,7 @@ class RecorderReport:
         self._told, self._told_at = words, now
         return True
 
-    def _state(self) -> str:
+    def _state(self) -> RecorderState:
         state = self.status.state
         return "stopped" if self._failure() and state in ("recording", "ring") else state
 

@@ -28,3 +28,8 @@ def encode(value: Any) -> bytes:
 def encode_text(value: Any) -> str:
     """``value`` as compact JSON, for a text frame."""
     return _encoder.encode(value).decode()
+
+
+def frame(kind: str, record: Any) -> str:
+    """``record`` as the message ``kind`` of the live stream: its members after the member ``type``."""
+    return f'{{"type":"{kind}",{encode_text(record)[1:]}'

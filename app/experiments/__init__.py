@@ -1,1 +1,1 @@
-"""The thesis's experiments and our own, each run unattended: `hbba experiment NAME`."""
+"""Experiments of the thesis and of this project, each run unattended: `hbba experiment NAME`."""

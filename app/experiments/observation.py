@@ -1,4 +1,4 @@
-"""What is looked on at while a program runs: ages of its messages, its rhythm, what it found."""
+"""Observation of a running program: ages of its messages, regularity, detections."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ import psutil
 from app.messages import Exploitation, Faces, Landmarks, LinkStatus, LoudNoise, SceneTruth, SoundSources
 from app.program.system import System
 
-#: What perceptions and behaviors make, each message with the stamp of what it was made of.
+#: Channels of perceptions and behaviors, whose messages carry the stamp of their input.
 RESULTS = (
     "qr_codes",
     "faces",
@@ -28,14 +28,14 @@ RESULTS = (
     "exploitation",
 )
 BEHAVIOR_PERIOD_S = 0.1
-#: Later than this a beat of a 10 Hz behavior was missed.
+#: Period (s) above which a tick of a 10 Hz behavior counts as missed.
 MISSED_S = 0.15
 LOOP_BEAT_S = 0.01
 
 
 @dataclass(frozen=True, slots=True)
 class Ages:
-    """How old a channel's messages were when they came (s): ``count`` of them, median, 95th percentile, the oldest."""
+    """Ages of a channel's messages on arrival (s): ``count``, median, 95th percentile, maximum."""
 
     count: int
     median: float
@@ -44,7 +44,7 @@ class Ages:
 
     @staticmethod
     def of(ages: Sequence[float]) -> Ages:
-        """Of none, all are NaN."""
+        """Statistics of ``ages``; NaN without any."""
         if not ages:
             return Ages(0, math.nan, math.nan, math.nan)
         return Ages(len(ages), float(np.median(ages)), float(np.percentile(ages, 95)), max(ages))
@@ -55,12 +55,11 @@ class Outcome:
     """One condition of the experiment over ``seconds``.
 
     ``cpu`` of the program and ``body_cpu`` of its world in % of a core; ``world_rate`` simulated time over real time.
-    ``ages`` by channel. ``dropped``: messages that no inbox had room for, by ``Module.port``; ``lost_audio``: frames of
-    sound among them. ``beats`` of the base's arbiter (10 Hz), of which ``missed`` came later than 150 ms. ``stops``:
-    times the guard stopped the wheels since commands were stale. ``loop_late_p99_s`` of the event loop. ``found``:
-    codes, faces, noises and voices, by kind. ``series``: (s, age) by channel, for the plot. ``utilities`` served at the
-    end by class. ``others_cpu``: what programs besides these two took of the computer, % of a core. ``script``: how far
-    the drive came, in words.
+    ``ages`` by channel. ``dropped``: messages dropped by full inboxes, by ``Module.port``; ``lost_audio``: frames of
+    sound among them. ``beats``: ticks of the base's arbiter (10 Hz), of which ``missed`` came later than 150 ms.
+    ``stops``: stops by the guard for stale commands. ``loop_late_p99_s`` of the event loop. ``found``: codes, faces,
+    noises and voices, by kind. ``series``: (s, age) by channel, for the plot. ``utilities`` served at the end by class.
+    ``others_cpu``: CPU of all other programs, % of a core. ``script``: progress of the drive, in words.
     """
 
     attention: bool
@@ -85,7 +84,7 @@ class Outcome:
 
 
 def document(outcomes: Sequence[Outcome], settings: dict[str, Any]) -> dict[str, Any]:
-    """Everything but the series, for machines; what is not known is null."""
+    """All but the series, as JSON; unknown values are null."""
     entries = []
     for outcome in outcomes:
         entry = asdict(outcome)
@@ -95,7 +94,7 @@ def document(outcomes: Sequence[Outcome], settings: dict[str, Any]) -> dict[str,
 
 
 class Observer:
-    """Looks on at ``system`` between :meth:`begin` and :meth:`outcome`, wanting nothing of it."""
+    """Observes ``system`` between :meth:`begin` and :meth:`outcome` without any demand of its own."""
 
     def __init__(self, system: System, body: int | None) -> None:
         self._system = system
@@ -117,7 +116,7 @@ class Observer:
         self._dropped: Counter[str] = Counter()
 
     def begin(self) -> None:
-        """From now on."""
+        """Start the observation."""
         system = self._system
         self._origin = system.clock.now()
         for name in (*RESULTS, "landmarks"):
@@ -129,11 +128,11 @@ class Observer:
             system.link.demand("scene_truth", True)
         self._dropped = self._drops()
         self._spent = self._spend()
-        beat = asyncio.create_task(self._feel_the_loop(), name="loop lateness")
+        beat = asyncio.create_task(self._measure_loop_delay(), name="loop lateness")
         self._ends.append(lambda: _cancel(beat))
 
     def outcome(self, *, attention: bool, script: str = "") -> Outcome:
-        """What was seen since :meth:`begin`; looks on no more."""
+        """The observation since :meth:`begin`; ends it."""
         system = self._system
         seconds = system.clock.now() - self._origin
         ours, bodys, busy = (now - then for now, then in zip(self._spend(), self._spent, strict=True))
@@ -199,7 +198,7 @@ class Observer:
         self._guard = status.guard
 
     def _spend(self) -> tuple[float, float, float]:
-        """CPU time (s) of the program, of its body and of everything; NaN where the body is no process of its own."""
+        """CPU time (s) of the program, of its body and of all programs; NaN for a body without a process of its own."""
         if self._body is None:
             return math.nan, math.nan, math.nan
         return _cpu_s([self._process]), _cpu_s(_family(self._body)), _busy_s()
@@ -214,7 +213,7 @@ class Observer:
             }
         )
 
-    async def _feel_the_loop(self) -> None:
+    async def _measure_loop_delay(self) -> None:
         loop = asyncio.get_running_loop()
         while True:
             due = loop.time() + LOOP_BEAT_S
@@ -235,7 +234,7 @@ def _cpu_s(processes: Iterable[psutil.Process]) -> float:
 
 
 def _busy_s() -> float:
-    """CPU time that all programs of this computer together have taken (s)."""
+    """CPU time of all programs of this computer (s)."""
     times = psutil.cpu_times()
     return float(sum(times) - times.idle - getattr(times, "iowait", 0.0) - getattr(times, "guest", 0.0))
 

@@ -1,6 +1,6 @@
-"""Trials in child processes, a few at a time: a world that takes its process down takes no other trial with it.
+"""Trials in child processes, several at a time: a crash of one process loses no other trial.
 
-``Trials`` gives one result a trial; ``TrialSeries`` any number of them, each as soon as it is there.
+``Trials`` gives one result per trial; ``TrialSeries`` any number of them, each at once.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ from app.robots.simulated.gl import gl_environment
 T = TypeVar("T")
 R = TypeVar("R")
 
-#: One thread each: there is a process for every core.
+#: One thread each: there is one process per core.
 _SINGLE = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 class TrialLost(Exception):
-    """A child process died in a trial; the message says which and what is left to do."""
+    """A child process died in a trial; the message names it and what is left."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,13 +38,13 @@ class _Result(Generic[R]):
 
 @dataclass(frozen=True, slots=True)
 class _Over:
-    """The trial has given all its results; or it ended by ``error``."""
+    """End of a trial, by ``error`` if it failed."""
 
     error: Exception | None = None
 
 
 class TrialSeries(Generic[T, R]):
-    """What ``work(trial, give)`` gives, for every one of ``trials`` in ``jobs`` processes; all must be picklable."""
+    """Results of ``work(trial, give)`` for every one of ``trials`` in ``jobs`` processes; all must be picklable."""
 
     def __init__(self, work: Callable[[T, Callable[[R], None]], None], trials: Sequence[T], jobs: int) -> None:
         self._work = work
@@ -52,7 +52,7 @@ class TrialSeries(Generic[T, R]):
         self._jobs = max(1, min(jobs, len(trials)))
 
     def __iter__(self) -> Iterator[tuple[T, R]]:
-        """Each result with its trial, when it comes. Raises what ``work`` raises, and TrialLost."""
+        """Each result with its trial, on arrival. Raises the errors of ``work``, and TrialLost."""
         for name in _SINGLE:
             os.environ.setdefault(name, "1")  # children inherit it; it is read when they load the library
         for name, value in gl_environment().items():  # as is how to draw, when they import MuJoCo
@@ -89,7 +89,7 @@ class TrialSeries(Generic[T, R]):
         finally:
             for connection in under_way:
                 connection.close()
-            for child in children:  # a trial under way has no other end
+            for child in children:  # a running trial is ended only so
                 child.terminate()
             for child in children:
                 child.join()
@@ -102,7 +102,7 @@ class Trials(Generic[T, R]):
         self._series: TrialSeries[T, R] = TrialSeries(_Once(work), trials, jobs)
 
     def __iter__(self) -> Iterator[tuple[T, R]]:
-        """Trials with their results, as they end. Raises what ``work`` raises, and TrialLost."""
+        """Trials with their results, in the order of completion. Raises the errors of ``work``, and TrialLost."""
         return iter(self._series)
 
 
@@ -136,7 +136,7 @@ def _lost() -> TrialLost:
 
 
 def _serve(connection: Connection, work: Callable[[T, Callable[[R], None]], None]) -> None:
-    """In a child: work the trials that come until there are no more."""
+    """In a child: run trials until there are no more."""
 
     def give(result: R) -> None:
         connection.send(_Result(result))
@@ -156,7 +156,7 @@ def _serve(connection: Connection, work: Callable[[T, Callable[[R], None]], None
 
 
 def _portable(error: Exception) -> Exception:
-    """``error`` as it can be sent, with where it was raised."""
+    """``error`` in a picklable form, with its traceback."""
     where = "".join(traceback.format_exception(error))
     try:
         copy: Exception = pickle.loads(pickle.dumps(error))
@@ -167,7 +167,7 @@ def _portable(error: Exception) -> Exception:
 
 
 def _quiet() -> None:
-    """Leave Ctrl-C to the parent, which ends its children, and do not outlive it."""
+    """Ignore Ctrl-C, which the parent handles, and end with the parent."""
     import cv2
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -1,4 +1,4 @@
-"""Results of an experiment kept while it goes on, a line of JSON each: a broken run goes on where it ended."""
+"""Store of an experiment's results, one JSON line each, so that an interrupted run can be resumed."""
 
 from __future__ import annotations
 
@@ -19,11 +19,10 @@ def default_folder(experiment: str) -> Path:
     return (Path(named) if named else Path(data) / "hbba" / "experiments") / experiment
 
 
-class KeptResults:
-    """The file ``results.jsonl`` in ``folder``: a first line that says what they are of, then one result a line.
-
-    Results of something else (other worlds, another program) are moved aside, as ``results.old.jsonl``, and so are all
-    of them if ``fresh``. Raises ConfigError where the folder or the file cannot be used.
+class ResultsStore:
+    """The file ``results.jsonl`` in ``folder``: a first line with their identity, then one result a line. Results of
+    another identity (other worlds, another program) are moved aside, as ``results.old.jsonl``, and so are all of them
+    if ``fresh``. Raises ConfigError where the folder or the file cannot be used.
     """
 
     def __init__(self, folder: Path, of: dict[str, Any], *, fresh: bool = False) -> None:
@@ -42,7 +41,7 @@ class KeptResults:
             raise ConfigError(f"cannot be used for results: {failure.strerror or failure}", str(folder)) from None
 
     def add(self, result: dict[str, Any]) -> None:
-        """Keep ``result``, on the disk before it returns. Raises ConfigError where the disk refuses."""
+        """Store ``result``; on disk before it returns. Raises ConfigError on a disk error."""
         try:
             with self.file.open("a", encoding="utf-8") as lines:
                 lines.write(json.dumps(result, allow_nan=False) + "\n")
@@ -52,7 +51,7 @@ class KeptResults:
             raise ConfigError(f"cannot be written: {failure.strerror or failure}", str(self.file)) from None
 
     def _read(self) -> list[dict[str, Any]] | None:
-        """The results that are there; None where they are of something else. A line cut off by a crash is dropped."""
+        """The stored results; None for another identity. A line cut off by a crash is dropped."""
         if not self.file.exists():
             return []
         found: list[dict[str, Any]] = []
@@ -78,7 +77,7 @@ class KeptResults:
 
 
 def program_digest(config: Path) -> str:
-    """Of the program's configuration and of its code: results of another program are not put beside its own."""
+    """Digest of the program's configuration and code: results of different programs are not combined."""
     digest = hashlib.sha256()
     for folder, ending in ((config.resolve().parent, "*.yaml"), (Path(paths.__file__).parents[1], "*.py")):
         for file in sorted(folder.rglob(ending)):

@@ -1,4 +1,4 @@
-"""A program in the simulated world, with the world's truth beside it for whoever measures."""
+"""A program in the simulated world, with the world's ground truth for measurements."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 
 from app.base import paths
 from app.base.errors import ConfigError
-from app.experiments.lockstep import able
+from app.experiments.world_run import able
 from app.program.config import Configuration, load_configuration
 from app.program.system import System
 from app.robots.config import RobotConfig
@@ -19,23 +19,23 @@ from app.runtime.clock import RealClock, VirtualClock
 
 @dataclass(frozen=True, slots=True)
 class SimulatedProgram:
-    """A ``configuration``, its ``body`` telling the truth, and the ``scenario`` that it lives in."""
+    """A ``configuration``, its ``body`` with ground truth, and the ``scenario`` of its world."""
 
     configuration: Configuration
     body: RobotConfig
     scenario: Path
 
     def system(self) -> tuple[System, SimulatedLink]:
-        """A program to be entered, and its body. Raises ConfigError."""
+        """A program, as context manager, and its body. Raises ConfigError."""
         clock = RealClock()
         link = create_link(self.body, clock.offset)
         assert isinstance(link, SimulatedLink)
         return System(self.configuration, link=link, body=self.body, clock=clock), link
 
     def virtual_system(self, *, recorded: bool) -> tuple[System, LockstepLink]:
-        """A program to be entered on a loop of virtual time, its body with all senses in step with it.
+        """A program, as context manager, on a loop of virtual time, with its body and all sensors in step.
 
-        Only if it is ``recorded`` has it Recorders. Raises ConfigError.
+        Only if ``recorded`` it has Recorders. Raises ConfigError.
         """
         clock = VirtualClock(float(round(RealClock().now())))
         link = create_lockstep(self.body, clock, cameras=True, microphones=True)

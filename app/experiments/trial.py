@@ -1,4 +1,4 @@
-"""The tour-guide trial of the thesis (4.4.2, figure 4.8), once, with attention: driven by its script, and told."""
+"""The tour-guide trial of the thesis (4.4.2, figure 4.8), once, with attention: driven by its script."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from dataclasses import dataclass
 
 from app.attention.desires import Source
 from app.base.errors import ConfigError
-from app.experiments.lockstep import PATIENCE_S
 from app.experiments.observation import Observer, Outcome
 from app.experiments.script import Waypoint, drive_script, load_script
 from app.experiments.simulated import SimulatedProgram
+from app.experiments.world_run import PATIENCE_S
 from app.logs.control import RECORD
 from app.logs.replay.headless import wait_for_disk
 from app.modules.recording.recorder import Recorder
@@ -24,17 +24,17 @@ _OPERATOR = Source("operator", "the experiment")
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
-    """An event of the trial: seconds since its begin, what it is about, in words."""
+class TrialEvent:
+    """An event of the trial: seconds since its begin, its kind, its text."""
 
     at: float
     subject: str
     text: str
 
 
-#: How often it is looked whether the file is closed (real s).
+#: Period (real s) of the check whether the file is closed.
 _LOOK_S = 0.05
-#: What of the timeline tells the trial's story.
+#: Kinds of timeline events that are reported.
 _KINDS = ("desire", "intention", "guard", "module", "overload")
 
 
@@ -44,11 +44,11 @@ def run(
     leg: Callable[[int, int, str], None],
     *,
     virtual: bool = False,
-) -> tuple[Outcome, list[Told]]:
-    """Drive the script to its end; ``leg(number, of, label)`` is told each of its legs as it begins.
+) -> tuple[Outcome, list[TrialEvent]]:
+    """Drive the script to its end; ``leg(number, of, label)`` is called at the begin of each leg.
 
     ``record``: name of a recording of it, at the fullest rate there is a strategy for. In ``virtual`` time every sensor
-    keeps its rate and nothing is late, however slow the computer; nothing then tells what it cost. Raises LinkFailed,
+    keeps its rate and nothing is late, however slow the computer; CPU figures are meaningless then. Raises LinkFailed,
     ConfigError, ScriptBlocked.
     """
     if not virtual:
@@ -58,7 +58,7 @@ def run(
 
 async def _run(
     program: SimulatedProgram, record: str | None, leg: Callable[[int, int, str], None], *, virtual: bool = False
-) -> tuple[Outcome, list[Told]]:
+) -> tuple[Outcome, list[TrialEvent]]:
     script = load_script(program.scenario)
 
     def progress(number: int, waypoint: Waypoint) -> None:
@@ -85,7 +85,7 @@ async def _run(
         await drive_script(system, script, progress)
         outcome = observer.outcome(attention=True)
         events = [
-            Told(event.stamp - begin, event.subject, event.text)
+            TrialEvent(event.stamp - begin, event.subject, event.text)
             for event in system.timeline.query(since=begin, kinds=_KINDS)
         ]
         return outcome, events

@@ -1,4 +1,4 @@
-"""Cutting a piece out of an MCAP log: its records as they are, and before them the state that stood when it begins."""
+"""Cuts a piece out of an MCAP log: its records unchanged, and before them the state at its begin."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from app.logs import layout
 from app.logs.log import LogError
 from app.logs.mcap.bounds import BoundedReader, check_chunks
 from app.logs.mcap.structure import DAMAGE, MAGIC
-from app.logs.output import McapCopy, Progress, check_new, durable, replacing, unwatched
+from app.logs.output_file import McapCopy, Progress, check_new, durable, replacing, unwatched
 from app.logs.ros.converters import converter
 from app.logs.ros.record import MAIN
 from app.logs.stamps import SECOND, from_ns, to_ns
@@ -25,15 +25,16 @@ from app.messages import DesiresRecord, Divisors, IntentionRecord, Landmarks, Mo
 
 #: Messages that stay true until the next on their channel; a log's own word (``layout.LATCHED``) goes before.
 STATES = frozenset(kind.__name__ for kind in (DesiresRecord, IntentionRecord, Divisors, Landmarks, ModuleRecord))
-#: Topics of other programs that are written once and stay true, whatever their quality of service says.
+#: Topics of other programs that are written once and stay valid, in spite of their quality of service.
 STANDING_TOPICS = frozenset({"/tf_static", "/robot_description"})
 
 
 @dataclass(frozen=True, slots=True)
 class CutReport:
-    """What came of a cut: ``begin`` and ``end`` asked for, within the log (robot's clock, s).
+    """Result of a cut: ``begin`` and ``end`` requested, within the log (robot's clock, s).
 
-    ``messages`` are records of the piece, ``standing`` those put at its begin because they still held there.
+    ``messages`` are records of the piece, ``standing`` the state records from before ``begin`` that were put at its
+    begin.
     """
 
     out: Path
@@ -75,9 +76,13 @@ def cut(
             )
         wanted = _wanted(path, summary, channels)
         with replacing(out, force) as part, part.open("wb") as target:
-            messages, standing = _copy(path, stream, summary, target, (begin_ns, end_ns), wanted, progress)
+            messages, standing = _copy(
+                path, stream, summary=summary, target=target, span=(begin_ns, end_ns), wanted=wanted, progress=progress
+            )
             durable(target)
-    return CutReport(out, from_ns(begin_ns), from_ns(end_ns), messages, standing, out.stat().st_size)
+    return CutReport(
+        out, from_ns(begin_ns), end=from_ns(end_ns), messages=messages, standing=standing, bytes=out.stat().st_size
+    )
 
 
 def span(path: Path) -> tuple[float, float]:
@@ -126,7 +131,7 @@ def _copy(
 
 
 def _standing(reader: SeekingReader, wanted: dict[int, Channel], begin: int) -> Iterator[Message]:
-    """What still held at ``begin``, in the order it came."""
+    """State messages still valid at ``begin``, in the order they arrived."""
     found: list[Message] = []
     for channel in wanted.values():
         if not _is_state(channel):
@@ -155,7 +160,7 @@ def _is_state(channel: Channel) -> bool:
 
 
 def _has_subjects(channel: Channel) -> bool:
-    """Whether each message tells of one of several things, each of which has a state of its own."""
+    """Whether each message is about one of several subjects, each of which has a state of its own."""
     # Several publishers latch one static transform each on one topic.
     return channel.metadata.get(layout.MESSAGE) == ModuleRecord.__name__ or channel.topic == "/tf_static"
 

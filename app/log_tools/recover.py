@@ -1,8 +1,8 @@
-"""Reading an MCAP file that may be broken anywhere: what is sound in it, and where it is not.
+"""Reads an MCAP file that may be damaged anywhere: its intact records, and the damaged stretches between them.
 
-MCAP (https://mcap.dev/spec) is a row of records, each an opcode, a length and that many bytes; messages lie in
+MCAP (https://mcap.dev/spec) is a sequence of records, each an opcode, a length and that many bytes; messages are in
 chunks, compressed, with a checksum. So one damaged record costs itself alone if its end can still be found: by its
-length where a record follows there, else by searching for the next bytes that are a record beyond doubt.
+length if a record follows there, else by a search for the next bytes that are certainly a record.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from io import BytesIO
 from mmap import mmap
 from typing import TypeAlias, TypeVar
 
-import lz4.frame  # type: ignore[import-untyped]
+import lz4.frame
 import zstandard
 from mcap.data_stream import ReadDataStream, RecordBuilder
 from mcap.exceptions import McapError
@@ -28,7 +28,8 @@ from app.logs.mcap.structure import MAGIC, RECORD_HEAD
 
 #: Channel (2), sequence (4), log time (8), publish time (8); the payload follows.
 MESSAGE = struct.Struct("<HIQQ")
-#: Begin (8), end (8), size and checksum of the records (8, 4), length of the compression's name (4).
+#: Fields before a chunk's records: begin (8), end (8), size and checksum of the records (8, 4), length of the
+#: compression's name (4).
 CHUNK = struct.Struct("<QQQII")
 ATTACHMENT_TIMES = struct.Struct("<QQ")
 
@@ -45,10 +46,10 @@ Buffer: TypeAlias = mmap | bytes
 
 
 @dataclass(frozen=True, slots=True)
-class Sound:
-    """A record that holds together. ``content`` of a chunk is its records, decompressed.
+class IntactRecord:
+    """An intact record. ``content`` of a chunk is its records, decompressed.
 
-    ``whole`` is False for a chunk whose end is missing: ``content`` is then what could be decompressed of its begin.
+    ``whole`` is False for a chunk whose end is missing: ``content`` is then the part that could be decompressed.
     """
 
     opcode: int
@@ -60,7 +61,7 @@ class Sound:
 
 
 @dataclass(frozen=True, slots=True)
-class Broken:
+class DamagedStretch:
     """Bytes that are no record. ``begin_ns`` and ``end_ns`` are a damaged chunk's own word on its messages' times.
 
     ``remains`` is what of a damaged chunk can still be decompressed: good for definitions that nothing else gives.
@@ -75,7 +76,7 @@ class Broken:
 
 
 @dataclass(frozen=True, slots=True)
-class Attached:
+class RecoveredAttachment:
     """An attachment, its checksum checked."""
 
     log_time: int
@@ -85,19 +86,19 @@ class Attached:
     data: bytes
 
 
-def scan(data: Buffer) -> Iterator[Sound | Broken]:
+def scan(data: Buffer) -> Iterator[IntactRecord | DamagedStretch]:
     """Every record of an MCAP file, in order, and every stretch between them that is none.
 
     Never raises for what the bytes are. A footer is sound only where the file's end follows it.
     """
     size = len(data)
     if data[: len(MAGIC)] != MAGIC:
-        yield Broken(0, min(len(MAGIC), size), "the mark at the file's begin")
+        yield DamagedStretch(0, min(len(MAGIC), size), "the mark at the file's begin")
     position = len(MAGIC)
     chunked = False
     while position < size:
         found = _record(data, position)
-        if isinstance(found, Sound) and (_checked(found.opcode) or _head_like(data, found.end)):
+        if isinstance(found, IntactRecord) and (_checked(found.opcode) or _head_like(data, found.end)):
             chunked = chunked or found.opcode == Opcode.CHUNK
             yield found
             position = found.end
@@ -105,13 +106,13 @@ def scan(data: Buffer) -> Iterator[Sound | Broken]:
                 return
             continue
         chunked = chunked or data[position : position + 1] == bytes([Opcode.CHUNK])
-        broken = found if isinstance(found, Broken) else Broken(position, found.end, "a record")
+        broken = found if isinstance(found, DamagedStretch) else DamagedStretch(position, found.end, "a record")
         by_length = broken.end if position < broken.end < size and _head_like(data, broken.end) else None
         end = by_length or _next_record(data, position + 1, chunked)
         if end == size and broken.remains and broken.end > size:
-            # Cut off rather than damaged: what was written of the chunk is as it was meant.
-            yield Sound(Opcode.CHUNK, position, end, _whole_records(broken.remains), whole=False)
-            yield Broken(
+            # Cut off rather than damaged: the part written is valid.
+            yield IntactRecord(Opcode.CHUNK, position, end, _whole_records(broken.remains), whole=False)
+            yield DamagedStretch(
                 position,
                 end,
                 "the file ends within a chunk, whose readable begin was kept",
@@ -120,7 +121,9 @@ def scan(data: Buffer) -> Iterator[Sound | Broken]:
             )
             return
         what = "the file ends within a record" if end == size and broken.end > size else broken.what
-        yield Broken(position, end, what, broken.begin_ns, broken.end_ns, broken.remains)
+        yield DamagedStretch(
+            position, end, what=what, begin_ns=broken.begin_ns, end_ns=broken.end_ns, remains=broken.remains
+        )
         position = end
 
 
@@ -153,7 +156,7 @@ def strict(kind: type[RecordT], content: bytes) -> RecordT | None:
     return record if written[RECORD_HEAD.size :] == content else None
 
 
-def read_attachment(content: bytes) -> Attached | None:
+def read_attachment(content: bytes) -> RecoveredAttachment | None:
     """The attachment in ``content``, or None where it is damaged."""
     length = _attachment_length(content)
     if length is None or length != len(content):
@@ -170,18 +173,18 @@ def read_attachment(content: bytes) -> Attached | None:
             position += 4 + size
     except UnicodeDecodeError:
         return None
-    return Attached(log_time, create_time, texts[0], texts[1], content[position + 8 : length - 4])
+    return RecoveredAttachment(log_time, create_time, texts[0], texts[1], content[position + 8 : length - 4])
 
 
 # --- One record ----------------------------------------------------------------------------------------------------
 
 
-def _record(data: Buffer, position: int) -> Sound | Broken:
-    """The record at ``position``, or what is wrong with it; ``Broken.end`` is then where its length says it ends."""
+def _record(data: Buffer, position: int) -> IntactRecord | DamagedStretch:
+    """The record at ``position``, or a damaged stretch there, whose ``end`` is as its length field says."""
     size = len(data)
     head = data[position : position + RECORD_HEAD.size]
     if len(head) < RECORD_HEAD.size:
-        return Broken(position, size, "a record")
+        return DamagedStretch(position, size, "a record")
     opcode, length = RECORD_HEAD.unpack(head)
     begin = position + RECORD_HEAD.size
     end = begin + length
@@ -190,13 +193,17 @@ def _record(data: Buffer, position: int) -> Sound | Broken:
     if opcode == Opcode.ATTACHMENT:
         return _attachment(data, position, min(end, size + 1))
     if end > size:
-        return Broken(position, size + 1, "a record")
+        return DamagedStretch(position, size + 1, "a record")
     if not _known(opcode):
-        return Broken(position, end, "a record of no known kind")
+        return DamagedStretch(position, end, "a record of no known kind")
     if opcode == Opcode.FOOTER and (length != 20 or data[end : end + len(MAGIC) + 1] != MAGIC):
-        return Broken(position, end, "the footer")
+        return DamagedStretch(position, end, "the footer")
     content = data[begin:end]
-    return Sound(opcode, position, end, content) if _holds(opcode, content) else Broken(position, end, "a record")
+    return (
+        IntactRecord(opcode, position, end, content)
+        if _holds(opcode, content)
+        else DamagedStretch(position, end, "a record")
+    )
 
 
 def _holds(opcode: int, content: bytes) -> bool:
@@ -229,7 +236,7 @@ _CERTAIN = frozenset({Opcode.CHUNK, Opcode.ATTACHMENT, Opcode.MESSAGE_INDEX, Opc
                       Opcode.HEADER, Opcode.SCHEMA, Opcode.CHANNEL})  # fmt: skip
 
 
-def _chunk(data: Buffer, position: int, end: int) -> Sound | Broken:
+def _chunk(data: Buffer, position: int, end: int) -> IntactRecord | DamagedStretch:
     """The chunk at ``position``. Its length is written twice; where they differ, the one that the checksum proves."""
     begin = position + RECORD_HEAD.size
     head = data[begin : begin + CHUNK.size + 4 + 8]
@@ -238,9 +245,9 @@ def _chunk(data: Buffer, position: int, end: int) -> Sound | Broken:
         compression = {b"": "", b"lz4": "lz4", b"zstd": "zstd"}[head[CHUNK.size : CHUNK.size + name_length]]
         (inner,) = struct.unpack_from("<Q", head, CHUNK.size + name_length)
     except (struct.error, KeyError):
-        return Broken(position, end, "a chunk's head")
+        return DamagedStretch(position, end, "a chunk's head")
     if size > MOST_UNPACKED:
-        return Broken(position, end, f"a chunk that says it unpacks to {amount(size)}", first, last)
+        return DamagedStretch(position, end, f"a chunk that says it unpacks to {amount(size)}", first, last)
     payload = begin + CHUNK.size + name_length + 8
     remains = b""
     for stop in dict.fromkeys((payload + inner, end)):
@@ -248,10 +255,10 @@ def _chunk(data: Buffer, position: int, end: int) -> Sound | Broken:
             content = _decompress(data[payload:stop], compression, size)
             remains = remains or content
             if _proven(content, size, crc):
-                return Sound(Opcode.CHUNK, position, stop, content, compression)
+                return IntactRecord(Opcode.CHUNK, position, stop, content, compression)
     if not remains and payload + inner > len(data):
         remains = _decompress(data[payload:], compression, size)
-    return Broken(position, end, "a chunk", first, last, remains)
+    return DamagedStretch(position, end, what="a chunk", begin_ns=first, end_ns=last, remains=remains)
 
 
 def _proven(content: bytes, size: int, crc: int) -> bool:
@@ -268,12 +275,12 @@ def _decompress(data: bytes, compression: str, size: int) -> bytes:
     if not compression:
         return data
     content, broken = _decompress_pieces(data, compression, size, _PIECE)
-    # What a piece gives before its damage is lost with it: where there is damage, small ones keep more.
+    # The output of a piece before its damage is lost with it: with damage, small pieces keep more.
     return _decompress_pieces(data, compression, size, _SMALL_PIECE)[0] if broken else content
 
 
 def _decompress_pieces(data: bytes, compression: str, size: int, step: int) -> tuple[bytes, bool]:
-    """What can be decompressed feeding ``step`` bytes at a time, and whether damage was met."""
+    """The bytes that can be decompressed with ``step`` bytes of input at a time, and whether damage was found."""
     pieces: list[bytes] = []
     length = 0
     try:
@@ -288,7 +295,7 @@ def _decompress_pieces(data: bytes, compression: str, size: int, step: int) -> t
 
 
 def _lz4(data: bytes, step: int) -> Iterator[bytes]:
-    """What ``data`` unpacks to, in pieces of ``_PIECE`` at most."""
+    """The unpacked content of ``data``, in pieces of ``_PIECE`` at most."""
     machine = lz4.frame.LZ4FrameDecompressor()
     for begin in range(0, len(data), step):
         piece = machine.decompress(data[begin : begin + step], max_length=_PIECE)
@@ -318,18 +325,18 @@ def _whole_records(content: bytes) -> bytes:
     return content[:end]
 
 
-def _attachment(data: Buffer, position: int, end: int) -> Sound | Broken:
+def _attachment(data: Buffer, position: int, end: int) -> IntactRecord | DamagedStretch:
     begin = position + RECORD_HEAD.size
     for stop in (end, begin + (_attachment_length(data[begin : begin + 4096]) or 0)):
         if begin < stop <= len(data):
             content = data[begin:stop]
             if read_attachment(content) is not None:
-                return Sound(Opcode.ATTACHMENT, position, stop, content)
-    return Broken(position, end, "an attached file")
+                return IntactRecord(Opcode.ATTACHMENT, position, stop, content)
+    return DamagedStretch(position, end, "an attached file")
 
 
 def _attachment_length(content: bytes) -> int | None:
-    """How long the attachment that begins ``content`` is by its own fields."""
+    """Length of the attachment at the begin of ``content``, by its own fields."""
     position = ATTACHMENT_TIMES.size
     try:
         for _ in range(2):
@@ -359,16 +366,16 @@ def _known(opcode: int) -> bool:
 
 
 def _next_record(data: Buffer, position: int, chunked: bool) -> int:
-    """Where the next record that is one beyond doubt begins at or after ``position``; the file's end if none does.
+    """Offset of the next certain record at or after ``position``; the file's end if there is none.
 
-    In a file of chunks, messages lie nowhere else: what looks like one is a damaged chunk's inside.
+    In a file of chunks, messages are in chunks alone: bytes that look like one are the content of a damaged chunk.
     """
     while found := _CANDIDATE.search(data, position):
         position = found.start()
         opcode = found[0][0]
         inside = (Opcode.MESSAGE, Opcode.SCHEMA, Opcode.CHANNEL)
         record = _record(data, position) if not (chunked and opcode in inside) else None
-        if isinstance(record, Sound) and (_head_like(data, record.end) or record.opcode == Opcode.FOOTER):
+        if isinstance(record, IntactRecord) and (_head_like(data, record.end) or record.opcode == Opcode.FOOTER):
             return position
         position += 1
     return len(data)

@@ -1,4 +1,4 @@
-"""Making a broken recording readable again: whatever is sound in it goes into a new file with index and summary."""
+"""Makes a damaged recording readable: its intact records go into a new file with index and summary."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from mcap.records import Channel, Header, MessageIndex, Metadata, Schema
 
 from app.base.plain_file import open_plain
 from app.log_tools import recover
-from app.log_tools.recover import Broken, Sound
+from app.log_tools.recover import DamagedStretch, IntactRecord
 from app.logs.layout import PROFILE, library
 from app.logs.log import LogError
 from app.logs.mcap.open_file import is_being_written
 from app.logs.mcap.structure import MAGIC
-from app.logs.output import McapCopy, Progress, check_new, durable, replacing, unwatched
+from app.logs.output_file import McapCopy, Progress, check_new, durable, replacing, unwatched
 from app.logs.stamps import SECOND, from_ns
 
-#: What there is to say of a file that begins as MCAP files do, and holds nothing more.
+#: Message about a file that begins as MCAP files do, and holds nothing more.
 NOTHING = "nothing in it can be read, nor recovered: it begins as a log does, but holds no message that is whole"
 
 #: A damaged chunk's word on its end is believed no further than this beyond the last message.
@@ -36,8 +36,8 @@ _LONGEST_GAP_NS = 3600 * SECOND
 class Loss:
     """A damaged stretch of a file: ``bytes`` of it at ``offset``, ``what`` they were.
 
-    ``seconds`` (robot's clock) lie between the messages before and after it, so that at most these are missing; None
-    where nothing tells. ``index`` is True where only what speeds up reading was hurt, and no message can be missing.
+    ``seconds`` (robot's clock) are between the messages before and after it: at most these are missing; None if
+    unknown. ``index`` is True if only an index was damaged, which speeds up reading, so that no message is missing.
     """
 
     offset: int
@@ -49,13 +49,13 @@ class Loss:
 
 @dataclass(frozen=True, slots=True)
 class RepairReport:
-    """What a repair found and did.
+    """Result of a repair.
 
-    ``out`` is the new file, None where there was nothing to repair (``healthy``) or only a look was asked for.
-    ``finished``: the file has its summary and end. ``ended``: the end of its messages stands in it; without that, more
-    may have come, and nothing tells how much. ``begin`` and ``end`` (robot's clock, s) of the ``messages``
-    recovered, equal if there are none; ``orphans`` are messages whose channel nothing tells. ``unreadable_bytes`` of
-    the file's ``bytes`` could not be read.
+    ``out`` is the new file, None if there was nothing to repair (``healthy``) or nothing was to be written.
+    ``finished``: the file has its summary and end. ``ended``: the end of its messages is in it; without that, an
+    unknown number of messages is missing. ``begin`` and ``end`` (robot's clock, s) of the ``messages`` recovered, equal
+    if there are none; ``orphans`` are messages of an unknown channel. ``unreadable_bytes`` of the file's ``bytes``
+    could not be read.
     """
 
     path: Path
@@ -81,17 +81,17 @@ class RepairReport:
 def repair(
     path: Path, out: Path | None, *, force: bool = False, progress: Progress = unwatched, in_place: bool = False
 ) -> RepairReport:
-    """Copy what is sound in the MCAP file ``path`` to ``out``; nothing is written where ``path`` is healthy.
+    """Copy the intact records of the MCAP file ``path`` to ``out``; nothing is written if ``path`` is healthy.
 
-    ``in_place`` replaces ``path`` itself (``out`` is then not looked at). Works on any program's MCAP file. Blocks;
-    ``progress`` counts bytes. Raises LogError where nothing at all can be recovered, or ``out`` cannot be written.
+    ``in_place`` replaces ``path`` itself (``out`` is ignored). Works on any program's MCAP file. Blocks; ``progress``
+    counts bytes. Raises LogError if nothing at all can be recovered, or ``out`` cannot be written.
     """
     target = path if in_place or out is None else out
     if not in_place:
         check_new(target, force)
     _check_closed(path)
     with _mapped(path) as data:
-        found = _Look(data, progress, 2)
+        found = _Examination(data, progress, 2)
         report = _report(path, None, len(data), found)
         if report.healthy:
             return report
@@ -106,14 +106,15 @@ def repair(
 
 
 def examine(path: Path, progress: Progress = unwatched) -> RepairReport:
-    """What :func:`repair` would find, without writing anything. Raises LogError where ``path`` cannot be read."""
+    """The report that :func:`repair` would give, without writing anything. Raises LogError if ``path`` cannot be
+    read."""
     with _mapped(path) as data:
-        return _report(path, None, len(data), _Look(data, progress, 1))
+        return _report(path, None, len(data), _Examination(data, progress, 1))
 
 
 def _check_closed(path: Path) -> None:
-    """Raise LogError while ``path`` is being recorded: most of what comes is not in it yet, and nothing is broken."""
-    with suppress(OSError):  # who reads it next will say so
+    """Raise LogError while ``path`` is being recorded: its last messages are not in it yet, and nothing is damaged."""
+    with suppress(OSError):  # reported by the next reader
         if path.is_file() and is_being_written(path):
             raise LogError(f"{path} is being recorded now; there is nothing to repair until that has ended")
 
@@ -135,7 +136,7 @@ def _mapped(path: Path) -> Iterator[mmap.mmap]:
         raise LogError(f"{path} cannot be read: {failure.strerror or failure}") from failure
 
 
-def _report(path: Path, out: Path | None, size: int, found: _Look) -> RepairReport:
+def _report(path: Path, out: Path | None, size: int, found: _Examination) -> RepairReport:
     known = {number: count for number, count in found.counts.items() if number in found.channels}
     return RepairReport(
         path=path,
@@ -154,8 +155,8 @@ def _report(path: Path, out: Path | None, size: int, found: _Look) -> RepairRepo
     )
 
 
-class _Look:
-    """One going through all records: definitions wherever they stand, what there is, and what is hurt."""
+class _Examination:
+    """One pass through all records: definitions, counts, and damage."""
 
     def __init__(self, data: mmap.mmap, progress: Progress, rounds: int) -> None:
         self.header: Header | None = None
@@ -171,13 +172,13 @@ class _Look:
         self._data = data
         self._data_ended = False
         #: Stretches that may have held messages, until it is known what time comes after them.
-        self._open: list[Broken] = []
+        self._open: list[DamagedStretch] = []
         #: Offsets of each channel's messages in the last chunk, which its index must agree with.
         self._offsets: dict[int, list[int]] = {}
         doubtful = []
         for part in recover.scan(data):
             progress(part.end, rounds * len(data))
-            if isinstance(part, Sound):
+            if isinstance(part, IntactRecord):
                 self._sound(part)
             else:
                 self._broken(part)
@@ -194,7 +195,7 @@ class _Look:
         """Whether the messages come to their end within the file: what ends them is there, or the file's own end."""
         return self._data_ended or (len(self._data) >= 2 * len(MAGIC) and self._data[-len(MAGIC) :] == MAGIC)
 
-    def _sound(self, part: Sound) -> None:
+    def _sound(self, part: IntactRecord) -> None:
         match part.opcode:
             case Opcode.CHUNK:
                 self._chunk(part)
@@ -215,17 +216,17 @@ class _Look:
             case _:
                 self._define(part.opcode, part.content)
 
-    def _broken(self, part: Broken) -> None:
+    def _broken(self, part: DamagedStretch) -> None:
         helpers = (Opcode.MESSAGE_INDEX, Opcode.DATA_END, Opcode.FOOTER)
         if self._data_ended or part.offset == 0 or self._data[part.offset] in helpers:
             self._hurt_index(part, part.what)
         else:
             self._open.append(part)
 
-    def _hurt_index(self, part: Sound | Broken, what: str) -> None:
+    def _hurt_index(self, part: IntactRecord | DamagedStretch, what: str) -> None:
         self.losses.append(Loss(part.offset, part.end - part.offset, what, 0.0, index=True))
 
-    def _chunk(self, part: Sound) -> None:
+    def _chunk(self, part: IntactRecord) -> None:
         self._offsets = {}
         if not self.counts:
             self.compression = part.compression
@@ -244,7 +245,7 @@ class _Look:
         self.end = log_time if self.end is None else max(self.end, log_time)
         return int(channel)
 
-    def _index(self, part: Sound) -> None:
+    def _index(self, part: IntactRecord) -> None:
         index = recover.strict(MessageIndex, part.content)
         if index is not None and sorted(at for _, at in index.records) != self._offsets.get(index.channel_id, []):
             self._hurt_index(part, "an index")
@@ -261,14 +262,14 @@ class _Look:
             for opcode, _, content in recover.records(remains):
                 self._define(opcode, content)
 
-    def _summary_holds(self, footer: Sound) -> bool:
+    def _summary_holds(self, footer: IntactRecord) -> bool:
         start, _, crc = struct.unpack("<QQI", footer.content)
         if not len(MAGIC) <= start < footer.offset:
             return False
         return not crc or zlib.crc32(self._data[start : footer.end - 4]) == crc
 
     def _settle(self, after: int | None) -> None:
-        """The next readable message came at ``after`` (None: there is none): so long lasts what is missing before."""
+        """Set the duration of the open losses: the next readable message came at ``after`` (None: there is none)."""
         for part in self._open:
             since = self.end if self.end is not None else part.begin_ns
             until = after if after is not None else part.end_ns
@@ -279,7 +280,7 @@ class _Look:
         self._open.clear()
 
 
-def _rewrite(data: mmap.mmap, found: _Look, stream: IO[bytes], progress: Progress) -> None:
+def _rewrite(data: mmap.mmap, found: _Examination, stream: IO[bytes], progress: Progress) -> None:
     """Write everything sound to ``stream``."""
     header = found.header or Header(PROFILE, library())
     copy = McapCopy(stream, header.profile, header.library, found.compression)
@@ -293,7 +294,7 @@ def _rewrite(data: mmap.mmap, found: _Look, stream: IO[bytes], progress: Progres
 
     for part in recover.scan(data):
         progress(len(data) + part.end, 2 * len(data))
-        if isinstance(part, Broken):
+        if isinstance(part, DamagedStretch):
             continue
         if part.opcode == Opcode.CHUNK:
             for opcode, _, content in recover.records(part.content):

@@ -1,1 +1,1 @@
-"""Logs: writing them, reading them, and what they hold; knows messages and nothing of modules, bodies or the web."""
+"""Logs: writing and reading them; depends on messages, not on modules, bodies or the web."""

@@ -1,7 +1,7 @@
-"""What lies in the folder of recordings: sizes and lengths, read from each file once.
+"""The recordings in a folder: sizes and lengths, read from each file once.
 
-A file's length stands in its summary at the end. Reading that of hundreds of files at every look would cost; so it is
-kept for as long as the file's size and time of change stay.
+A file's length is in its summary at the end. Reading that of hundreds of files at every listing is too slow; so it is
+cached until the file's size or modification time changes.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from mcap.records import Metadata
 
 from app.base.plain_file import open_plain
 from app.logs.layout import FACTS
-from app.logs.library import NAME, SUFFIX, RecordingLibrary
+from app.logs.library import RecordingLibrary
 from app.logs.log import LogError
 from app.logs.mcap.bounds import BoundedReader
 from app.logs.mcap.chunks import body, spans
@@ -32,11 +32,11 @@ _STAMP = struct.Struct("<Q")
 
 @dataclass(frozen=True, slots=True)
 class Recording:
-    """A file of the folder.
+    """A recording's file.
 
-    ``complete``: it was closed as it should be; if not, its ``end`` is not known. ``written``: it is being written.
-    ``begin`` and ``end`` (robot's clock, s) of its messages, None where they cannot be told. ``robot`` as its facts
-    name it, "" where they do not. ``modified`` is the file's own time (s, Unix).
+    ``complete``: it was closed properly; if not, its ``end`` is not known. ``written``: it is being written. ``begin``
+    and ``end`` (robot's clock, s) of its messages, None if unknown. ``robot`` is the name in its facts, "" without.
+    ``modified`` is the file's own time (s, Unix).
     """
 
     name: str
@@ -69,25 +69,19 @@ class Catalog:
 
     def recordings(self) -> list[Recording]:
         """Every recording, the newest first; none where there is no folder yet. Raises OSError if it cannot be read."""
-        try:
-            with os.scandir(self._library.folder) as entries:
-                paths = [Path(entry.path) for entry in entries if entry.name.endswith(SUFFIX) and entry.is_file()]
-        except FileNotFoundError:
-            return []
         known = {}
         with self._lock:
-            for path in paths:
-                name = path.name.removesuffix(SUFFIX)
-                # Others may delete it between two looks.
+            for name, path in self._library.entries():
+                # Another program may delete it meanwhile.
                 with suppress(FileNotFoundError):
-                    if NAME.fullmatch(name) is not None:
+                    if path.is_file():
                         known[name] = self._look(name, path, path.stat())
             self._known = known
         found = [recording for _, recording in known.values()]
         return sorted(found, key=lambda r: (r.modified if r.begin is None else r.begin, r.name), reverse=True)
 
     def has(self, name: str) -> bool:
-        """Whether there is a recording of this name. Raises ValueError for a name that may not be."""
+        """Whether there is a recording of this name. Raises ValueError for an invalid name."""
         return self._library.path(name).is_file()
 
     def written(self, name: str) -> bool:
@@ -107,7 +101,7 @@ class Catalog:
 
 
 def read(name: str, path: Path, status: os.stat_result) -> Recording:
-    """What the file at ``path`` says of itself in its summary, or, where it has none, in its first records."""
+    """Facts of the file at ``path``, from its summary or, where it has none, from its first records."""
     blank = Recording(name, status.st_size, status.st_mtime, complete=False)
     try:
         with open_plain(path) as file:
@@ -136,7 +130,7 @@ def _summarized(file: BinaryIO, blank: Recording) -> Recording:
 
 
 def _begun(file: BinaryIO, blank: Recording) -> Recording:
-    """What the records before the first message tell."""
+    """Facts from the records before the first message."""
     robot = ""
     with suppress(LogError, *DAMAGE):
         for span in spans(file):

@@ -1,8 +1,8 @@
-"""How a recording is laid out as an MCAP file: what its writer, reader, repairer and cutter agree on.
+"""The layout of a recording as an MCAP file, shared by writer, reader, repair and cut.
 
 Profile ``ros2``: CDR payloads, ``ros2msg`` schemas. One MCAP channel for each topic. ``log_time`` is the arrival
-(robot's clock), the same for all records that one message becomes; ``publish_time`` is the capture. The records of
-a message are written in the order the encoder gives them, the main one last of its parts: where it is, all are.
+(robot's clock), the same for all records that one message becomes; ``publish_time`` is the capture. The records of a
+message are written in the order the encoder gives them, the main one last of its parts: where it is, all are.
 ``Manifest.files`` are attachments under their names; ``Manifest.facts`` is the metadata record :data:`FACTS`.
 """
 
@@ -23,7 +23,8 @@ MESSAGE = "hbba_message"
 #: Which part of a message the topic carries; absent on the topic that has one record for every message.
 PART = "hbba_part"
 RATE_HZ = "rate_hz"
-#: "true" where the newest message stays true until the next: whoever begins in the middle needs the last one before.
+#: "true" if the newest message stays valid until the next: a reader that begins in the middle needs the last one
+#: before.
 LATCHED = "latched"
 #: "true" on a topic that is only drawn from messages, for viewers, and not read back; it has none of the others.
 DERIVED = "hbba_derived"
@@ -32,7 +33,7 @@ DERIVED = "hbba_derived"
 FACTS = "hbba"
 
 
-#: What the library named in the file's header begins with.
+#: Prefix of the library's name in the file's header.
 NAME = "hbba"
 
 

@@ -1,4 +1,4 @@
-"""What a log is to whoever reads it, whichever format it came in: messages by channel in the order they arrived."""
+"""A log for its readers, in any format: messages by channel in the order they arrived."""
 
 from __future__ import annotations
 
@@ -30,17 +30,17 @@ class LoggedChannel:
     name: str
     message_type: type[Any]
     count: int
-    #: As the channel's table said when it was recorded; None where it is not known.
+    #: The value in the channel table at the time of recording; None if unknown.
     rate_hz: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class LogInfo:
-    """What a log holds. ``begin`` and ``end`` (robot's clock, s) of its first and last message, equal if it is empty.
+    """Facts of a log. ``begin`` and ``end`` (robot's clock, s) of its first and last message, equal if it is empty.
 
-    ``format`` names it for people (``HBBA MCAP``, ``ROS 1 bag``, ``ROS 2 bag``, ``CARMEN``). ``ignored`` names topics
-    that carry what this program has no message for, and why; ``notes`` says what the reader had to assume.
-    ``timed`` is False where the times of messages are assumed, too.
+    ``format`` is its name for people (``HBBA MCAP``, ``ROS 1 bag``, ``ROS 2 bag``, ``CARMEN``). ``ignored`` names
+    topics for which this program has no message, and why; ``notes`` are assumptions of the reader. ``timed`` is False
+    if the times of messages are assumed, too.
     """
 
     path: Path
@@ -64,7 +64,7 @@ class Log(Protocol):
 
     @property
     def info(self) -> LogInfo:
-        """What it holds; read from the summary, not by going through the messages, where the format has one."""
+        """Its facts; read from the summary, not by going through the messages, where the format has one."""
         ...
 
     @property

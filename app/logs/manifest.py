@@ -1,4 +1,4 @@
-"""What a recording carries beside its messages, so that it can be replayed alone: files and facts."""
+"""Files and facts that a recording carries beside its messages, so that it can be replayed alone."""
 
 from __future__ import annotations
 

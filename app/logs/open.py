@@ -1,4 +1,4 @@
-"""Any log that the program can read, told by what is in the file: our recordings, ROS bags, CARMEN laser logs."""
+"""Opens any log that the program can read, recognised by its content: our recordings, ROS bags, CARMEN laser logs."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from app.logs.mcap.structure import DAMAGE, MAGIC, RECORD_HEAD, is_closed
 _BAG = b"#ROSBAG V"
 _SQLITE = b"SQLite format 3\x00"
 _GZIP = b"\x1f\x8b"
-#: What a head of a file must be long enough for: the beginning of a CARMEN log is text.
+#: Bytes of a file's head that suffice to recognise every format: the beginning of a CARMEN log is text.
 _HEAD = 4096
 
 ACCEPTED = (
@@ -29,9 +29,9 @@ ACCEPTED = (
 def open_log(path: Path, remap: Remap | None = None) -> Log:
     """The log at ``path``; ``remap`` says which topics of a ROS bag become which channels.
 
-    Raises LogError for a file that cannot be read or is none of the accepted kinds; RemapError, a LogError, where a
-    bag's topics do not say which of them is meant, or ``remap`` is given to a log whose channels have their names;
-    ConfigError (file, line) where ``remap`` names what the bag does not have.
+    Raises LogError for a file that cannot be read or is of no accepted format; RemapError, a LogError, if a bag's
+    topics are ambiguous, or ``remap`` is given for a log whose channels have their names; ConfigError (file, line) if
+    ``remap`` names something that the bag does not have.
     """
     if path.is_dir():
         if not (path / "metadata.yaml").is_file():
@@ -111,7 +111,7 @@ def _mcap(path: Path, head: bytes, remap: Remap | None) -> Log:
 
 
 def _is_ours(path: Path, head: bytes, whole: bool) -> bool:
-    """Whether hbba wrote it: by the header's library, or, where another tool copied it, by what it carries."""
+    """Whether hbba wrote it: by the header's library, or, if another tool copied it, by its attachments."""
     at = len(MAGIC) + RECORD_HEAD.size
     for _ in range(2):  # profile, library
         length = int.from_bytes(head[at : at + 4], "little")

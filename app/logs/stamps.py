@@ -30,11 +30,11 @@ def from_ns(nanoseconds: int) -> float:
 
 
 class Onward:
-    """The stamps (s) of one sensor's messages in the order of a log, with those that go back put in their place.
+    """Makes the stamps (s) of one sensor's messages, in the order of a log, increase.
 
-    A log's order is that of arrival, which is right where a stamp is not: a clock that was set, a message that was
-    stamped wrongly. Such a stamp becomes the one before plus the last step. Where the next one goes on from it, the
-    clock was set: stamps follow it then, and wait until it has caught up.
+    A log's order is that of arrival, which is right where a stamp is not: a clock that was set, a message with a wrong
+    stamp. Such a stamp becomes the one before plus the last step. If the next stamp continues from it, the clock was
+    set: stamps follow it then, and wait until it has caught up.
     """
 
     __slots__ = ("_given", "_last", "_newest", "_step", "back", "first_back", "most_back_s", "seen")
@@ -44,15 +44,15 @@ class Onward:
         self._last = -math.inf
         self._given = -math.inf
         self._step = 0.0
-        #: How many stamps went back, by how much (s) at most, the number of the first (from 0; -1: none did), and how
-        #: many there were.
+        #: Number of stamps that went back, by how much (s) at most, the index of the first (from 0; -1: none), and the
+        #: number of all stamps.
         self.back = 0
         self.most_back_s = 0.0
         self.first_back = -1
         self.seen = 0
 
     def next(self, stamp: float) -> float:
-        """``stamp``, or what is in its place: never less than the one before."""
+        """``stamp``, or its replacement: never less than the one before."""
         self.seen += 1
         went_back = stamp < self._newest
         follows = self._last < self._newest and stamp >= self._last

@@ -1,1 +1,1 @@
-"""Maps that are kept: their folder, their files, and the one way to whoever makes them."""
+"""Maps on disk: their folder, their files, and the service of the module that makes them."""

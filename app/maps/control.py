@@ -1,6 +1,7 @@
-"""How others speak to whoever keeps the map without knowing the module: save, load, place the robot, mark zones.
+"""The service of the map in use, for other parts of the program: save, load, place the robot, mark zones.
 
-Other modules may keep something with each map (a ``MapLayer``): what the camera knows of the floor, for instance.
+The module that makes the map attaches a MapKeeper. Other modules may add a MapLayer: data of theirs that is saved and
+loaded with each map, for instance obstacles that only a camera sees.
 """
 
 from __future__ import annotations
@@ -11,6 +12,8 @@ from pathlib import Path
 from typing import Protocol
 
 from app.base.geometry import Pose2
+from app.base.observers import Observers
+from app.base.service_slot import ServiceSlot
 from app.messages import Zone
 
 #: File names, and what writes each.
@@ -21,13 +24,13 @@ SLAM = "SLAM"
 
 
 class MapUnavailable(Exception):
-    """What was asked cannot be done now; the message says why and what would help."""
+    """The request cannot be met now; the message says why and what would help."""
 
 
 class MapKeeper(Protocol):
-    """What makes and follows the map; all methods are called on the event loop.
+    """Makes and follows the map; all methods are called on the event loop.
 
-    Each raises MapUnavailable, in words for people, for what cannot be done, and then has changed nothing.
+    Each raises MapUnavailable, with a message for people, if the request cannot be met; nothing has changed then.
     """
 
     @property
@@ -36,19 +39,19 @@ class MapKeeper(Protocol):
         ...
 
     async def save(self, name: str, others: Files | None = None) -> None:
-        """Keep the map under ``name``, which it has from then on, and ``others`` with it; an older one of this name is
-        replaced, wholly or not at all. What else was kept with the map in use, under its former name, goes along."""
+        """Save the map and the files ``others`` under ``name``, its name from then on; an older map of this name is
+        replaced, wholly or not at all. Other files saved with the map under its former name are copied."""
         ...
 
     async def load(self, name: str, X_MB: Pose2 | None = None, extend: bool = False) -> None:
-        """Take the map ``name`` into use, the robot being at ``X_MB`` or, where nobody knows, looking for itself.
+        """Take the map ``name`` into use. The robot is at ``X_MB``; if None, it localizes itself.
 
-        ``extend``: the map goes on growing; else it stays as it is.
+        ``extend``: the map grows further; else it stays as it is.
         """
         ...
 
     async def begin(self) -> None:
-        """Begin an empty map without a name, the robot at its origin."""
+        """Begin an empty map without a name, with the robot at its origin."""
         ...
 
     async def place(self, X_MB: Pose2) -> None:
@@ -56,7 +59,7 @@ class MapKeeper(Protocol):
         ...
 
     async def search(self) -> None:
-        """The robot is somewhere on the map: look for it."""
+        """Localize the robot, which is anywhere on the map."""
         ...
 
     async def mark(self, zones: tuple[Zone, ...]) -> None:
@@ -65,131 +68,116 @@ class MapKeeper(Protocol):
 
 
 class MapLayer(Protocol):
-    """What another module than the keeper knows of the map in use; all methods are called on the event loop."""
+    """Data of a module other than the keeper that belongs to the map in use; all methods are called on the event
+    loop."""
 
     async def files(self) -> Files:
-        """What to keep with the map, as it is now."""
+        """The files to save with the map, as the data is now."""
         ...
 
     async def load(self, name: str) -> None:
-        """The map ``name`` is in use now: what was kept with it counts, nothing else.
+        """Load the layer saved with the map ``name``, which is in use now, in place of the present one.
 
-        Raises MapUnavailable, in words for people, where that is not known.
+        Raises MapUnavailable, with a message for people, if it cannot be read.
         """
         ...
 
-    async def forget(self) -> None:
+    async def clear(self) -> None:
         """A map without a name is in use now, of which nothing is known."""
         ...
 
 
-class MapControl:
-    """The one way to the map: a service of the program. The module attaches itself while it lives."""
+class MapControl(ServiceSlot[MapKeeper]):
+    """The service of the map in use: its keeper, which a module attaches while it runs, and the layers beside it."""
 
     def __init__(self, log: logging.Logger | None = None) -> None:
-        self._keeper: MapKeeper | None = None
-        self._layers = Layers()
-        self._observers: list[Callable[[], None]] = []
+        super().__init__(lambda: MapUnavailable("this program makes no maps: SLAM2D does not run"))
+        self._layers = MapLayers()
+        self._observers: Observers[[]] = Observers("the map in use")
         self._log = log or logging.getLogger(__name__)
 
     async def add(self, layer: MapLayer) -> Callable[[], None]:
-        """Keep ``layer`` with every map, and tell it of the one in use; returns what takes it away."""
+        """Save ``layer`` with every map, and load it for the map in use; returns a function that removes it."""
         leave = self._layers.add(layer)
-        if self._keeper is not None:
-            await self._told(self._keeper.name, same=True)
+        if self.available:
+            await self._load_layers(self.provider.name, same=True)
         return leave
 
-    def on_change(self, callback: Callable[[], None]) -> None:
-        """Call ``callback()`` whenever another map was taken into use or begun, before its layers are told: what was a
-        place on the former one is none any more."""
-        self._observers.append(callback)
+    def on_change(self, callback: Callable[[], None]) -> Callable[[], None]:
+        """Call ``callback()`` when another map was loaded or created, before its layers are loaded: places on the
+        former map are void. Returns a function that ends this."""
+        return self._observers.add(callback)
 
     async def resume(self, name: str, *, same: bool) -> None:
-        """A keeper that is about to attach has the map ``name`` in use; ``same``: its former instance had it too, and
-        who was told of it then knows more than what was kept."""
-        await self._told(name, same=same)
+        """Load the layers for the map ``name``, which a keeper about to attach has in use.
 
-    def attach(self, keeper: MapKeeper) -> Callable[[], None]:
-        """The keeper is there; returns what detaches it."""
-        self._keeper = keeper
-
-        def detach() -> None:
-            if self._keeper is keeper:
-                self._keeper = None
-
-        return detach
-
-    @property
-    def available(self) -> bool:
-        """Whether anybody keeps a map."""
-        return self._keeper is not None
+        ``same``: its former instance used the same map; layers loaded for it stay as they are, for they are newer than
+        their files.
+        """
+        await self._load_layers(name, same=same)
 
     @property
     def keeper(self) -> MapKeeper:
-        """Whoever keeps the map. Raises MapUnavailable where nobody does."""
-        if self._keeper is None:
-            raise MapUnavailable("this program makes no maps: SLAM2D does not run")
-        return _Layered(self._keeper, self._layers, self._changed)
+        """The keeper of the map, with its layers. Raises MapUnavailable while there is none."""
+        return _Layered(self.provider, self._layers, self._observers.notify)
 
-    def _changed(self) -> None:
-        for observer in tuple(self._observers):
-            observer()
-
-    async def _told(self, name: str, *, same: bool) -> None:
+    async def _load_layers(self, name: str, *, same: bool) -> None:
         try:
-            await self._layers.tell(name, same=same)
+            await self._layers.load(name, same=same)
         except MapUnavailable as lack:
             self._log.warning("%s", lack)
 
 
-class Layers:
-    """All layers, and which map each was told of."""
+class MapLayers:
+    """All layers, each with the name of the map it was loaded for (None: for none yet)."""
 
     def __init__(self) -> None:
-        self._told: dict[MapLayer, str | None] = {}
+        self._loaded_for: dict[MapLayer, str | None] = {}
 
     def add(self, layer: MapLayer) -> Callable[[], None]:
-        """One more, which was told of none; returns what takes it away."""
-        self._told[layer] = None
+        """Add a layer that was loaded for no map yet; returns a function that removes it."""
+        self._loaded_for[layer] = None
 
         def leave() -> None:
-            self._told.pop(layer, None)
+            self._loaded_for.pop(layer, None)
 
         return leave
 
-    async def tell(self, name: str, *, same: bool) -> None:
-        """Tell all, also those that are added meanwhile, that the map ``name`` is in use ("": it has none); ``same``:
-        not those that were told of it before. Raises what the first raises that cannot, once all are told."""
+    async def load(self, name: str, *, same: bool) -> None:
+        """Load every layer for the map ``name`` ("": clear it), also layers added meanwhile; ``same``: only those not
+        loaded for it yet. Raises the first MapUnavailable of a layer once all are done."""
         lack: MapUnavailable | None = None
         if not same:
-            self._told = dict.fromkeys(self._told)
-        while (due := next((layer for layer, told in self._told.items() if told != name), None)) is not None:
-            self._told[due] = name
+            self._loaded_for = dict.fromkeys(self._loaded_for)
+        while (
+            due := next((layer for layer, map_name in self._loaded_for.items() if map_name != name), None)
+        ) is not None:
+            self._loaded_for[due] = name
             try:
-                await (due.load(name) if name else due.forget())
+                await (due.load(name) if name else due.clear())
             except MapUnavailable as failure:
                 lack = lack or failure
         if lack is not None:
             raise lack
 
     async def files(self, name: str) -> Files:
-        """What those keep that were told of the map ``name``."""
+        """The files of all layers that were loaded for the map ``name``."""
         files: dict[str, Callable[[Path], None]] = {}
-        for layer in [layer for layer, told in self._told.items() if told == name]:
+        for layer in [layer for layer, map_name in self._loaded_for.items() if map_name == name]:
             files |= await layer.files()
         return files
 
-    def call(self, name: str, former: str) -> None:
-        """The map ``former`` has this name from now on."""
-        for layer, told in self._told.items():
-            if told == former:
-                self._told[layer] = name
+    def rename(self, former: str, name: str) -> None:
+        """Note that the map ``former`` has the name ``name`` now."""
+        for layer, map_name in self._loaded_for.items():
+            if map_name == former:
+                self._loaded_for[layer] = name
 
 
 class _Layered:
     """A keeper with layers."""
 
-    def __init__(self, keeper: MapKeeper, layers: Layers, changed: Callable[[], None]) -> None:
+    def __init__(self, keeper: MapKeeper, layers: MapLayers, changed: Callable[[], None]) -> None:
         self._keeper = keeper
         self._layers = layers
         self._changed = changed
@@ -202,17 +190,17 @@ class _Layered:
         former = self._keeper.name
         files = {**(others or {}), **await self._layers.files(former)}
         await self._keeper.save(name, files)
-        self._layers.call(name, former)
+        self._layers.rename(former, name)
 
     async def load(self, name: str, X_MB: Pose2 | None = None, extend: bool = False) -> None:
         await self._keeper.load(name, X_MB, extend)
         self._changed()
-        await self._layers.tell(name, same=False)
+        await self._layers.load(name, same=False)
 
     async def begin(self) -> None:
         await self._keeper.begin()
         self._changed()
-        await self._layers.tell("", same=False)
+        await self._layers.load("", same=False)
 
     async def place(self, X_MB: Pose2) -> None:
         await self._keeper.place(X_MB)

@@ -1,9 +1,9 @@
-"""The folder of maps: names, listing, keeping, renaming, deleting.
+"""The folder of maps: list, save, rename, delete.
 
-A map is a folder of its own: ``map.yaml`` and ``map.pgm`` (as ROS's ``map_server`` reads them), ``zones.yaml``, what
-its maker keeps beside them (``graph.npz``, the pose graph with which mapping goes on), and what others do
-(``things.npz``, what a camera saw stand where the laser sees nothing). A map that another program made is used as it is
-once its YAML file is called ``map.yaml``.
+A map is a folder of its own: ``map.yaml`` and ``map.pgm`` (as ROS's ``map_server`` reads them), ``zones.yaml``, files
+of the module that made it (``graph.npz``, the pose graph with which mapping goes on), and files of others
+(``obstacles.npz``, obstacles that only a camera sees). A map of another program is used as it is once its YAML file is
+called ``map.yaml``.
 """
 
 from __future__ import annotations
@@ -11,7 +11,6 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
-import re
 import shutil
 import tempfile
 import threading
@@ -23,16 +22,14 @@ from pathlib import Path
 import numpy as np
 
 from app.base.errors import ConfigError
+from app.base.named_library import NamedLibrary, data_folder
 from app.maps.control import MapUnavailable
-from app.maps.map_server import MOST_CELLS, pgm_bytes, read_map, yaml_text
+from app.maps.map_file import MOST_CELLS, pgm_bytes, read_map, yaml_text
 from app.maps.picture import shown_png
 from app.maps.zones import read_zones, zones_text
 from app.messages import OccupancyGrid, Zone
 
-#: What a map may be called: nothing that could leave the folder.
-NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}")
-
-#: What is being kept for so long (s) is not any more.
+#: Age (s) beyond which an unfinished map is abandoned.
 _ABANDONED_S = 3600.0
 
 MAP, PICTURE, ZONES, GRAPH = "map.yaml", "map.pgm", "zones.yaml", "graph.npz"
@@ -48,11 +45,11 @@ class MapNameTaken(MapUnavailable):
 
 @dataclass(frozen=True, slots=True)
 class MapFacts:
-    """What is known of a kept map.
+    """Facts of a saved map.
 
-    ``size_m``: width and height of its picture; ``known_m2``: how much of that is known; ``saved``: Unix time (s);
-    ``graph``: whether mapping can go on from it; ``zones``: how many it has; ``problem``: why it cannot be used, "" if
-    it can (the figures are 0 then).
+    ``size_m``: width and height of its picture; ``known_m2``: area of the known cells; ``saved``: Unix time (s);
+    ``graph``: whether mapping can go on from it; ``zones``: their number; ``problem``: the reason why it cannot be
+    used, "" if it can (the figures are 0 then).
     """
 
     name: str
@@ -65,26 +62,19 @@ class MapFacts:
     problem: str = ""
 
 
-class MapLibrary:
+class MapLibrary(NamedLibrary):
     """Maps in one folder. All methods touch the disk: call them off the event loop.
 
-    Those that take a name raise ValueError for one that may not be, UnknownMap for one that no map has, ConfigError for
-    a map whose files are damaged, and OSError where the disk refuses.
+    Methods that take a name raise ValueError for an invalid one, UnknownMap if no map has it, ConfigError for a map
+    whose files are damaged, and OSError.
     """
 
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
-        #: Several threads come here: none may see a map that is half replaced.
-        self._replacing = threading.Lock()
+    kind = "map"
 
-    def path(self, name: str) -> Path:
-        """The folder that the map ``name`` has or would have. Raises ValueError for a name that may not be."""
-        if not NAME.fullmatch(name):
-            raise ValueError(
-                f"a map's name has 1 to 100 letters, digits, '.', '_' or '-' and begins with a letter or a digit,"
-                f" not {name!r}"
-            )
-        return self.folder / name
+    def __init__(self, folder: Path) -> None:
+        super().__init__(folder)
+        #: Several threads call the methods: none may see a map that is half replaced.
+        self._replacing = threading.Lock()
 
     def names(self) -> list[str]:
         """Every map there is, sorted."""
@@ -99,12 +89,11 @@ class MapLibrary:
                 else:
                     left.rename(former)
             for left in self.folder.glob(".new-*"):
-                # Of a program that died while it kept a map: nobody writes one for that long.
+                # Left by a program that died while it saved a map: writing one takes less time.
                 with contextlib.suppress(FileNotFoundError):  # it was given up, or has become a map, just now
                     if time.time() - left.stat().st_mtime > _ABANDONED_S:
                         shutil.rmtree(left, ignore_errors=True)
-        found = (entry.name for entry in self.folder.iterdir() if (entry / MAP).is_file())
-        return sorted(name for name in found if NAME.fullmatch(name))
+        return sorted(name for name, path in self.entries() if (path / MAP).is_file())
 
     def existing(self, name: str) -> Path:
         """The folder of the map ``name``."""
@@ -116,11 +105,11 @@ class MapLibrary:
         return path
 
     def listing(self) -> list[MapFacts]:
-        """Every map with its facts, sorted by name; a damaged one says what its problem is."""
+        """Every map with its facts, sorted by name; ``problem`` describes damage."""
         return [self.facts(name) for name in self.names()]
 
     def facts(self, name: str) -> MapFacts:
-        """What is known of the map ``name``; a damaged one says what its problem is."""
+        """Facts of the map ``name``; ``problem`` describes damage."""
         path = self.existing(name)
         saved = (path / MAP).stat().st_mtime
         try:
@@ -131,7 +120,15 @@ class MapLibrary:
         cell = grid.resolution_m
         known = int(np.count_nonzero(grid.cells >= 0))
         size = width * cell, height * cell
-        return MapFacts(name, saved, size, cell, known * cell**2, (path / GRAPH).is_file(), len(zones))
+        return MapFacts(
+            name,
+            saved,
+            size_m=size,
+            resolution_m=cell,
+            known_m2=known * cell**2,
+            graph=(path / GRAPH).is_file(),
+            zones=len(zones),
+        )
 
     def grid(self, name: str) -> OccupancyGrid:
         """Its cells."""
@@ -153,10 +150,10 @@ class MapLibrary:
         others: Mapping[str, Callable[[Path], None]] | None = None,
         former: str = "",
     ) -> None:
-        """Keep ``grid`` and ``zones`` as the map ``name``; an older one of this name is replaced, wholly or not at all.
+        """Save ``grid`` and ``zones`` as the map ``name``; an older map of this name is replaced, wholly or not at all.
 
-        ``others``: file names and what writes each. ``former``: the name that this map had before, if any: what
-        somebody else keeps with it goes along.
+        ``others``: file names, and the function that writes each. ``former``: the name of this map before, if any:
+        files that others saved with it are copied.
         """
         path = self.path(name)
         if grid.cells.size > MOST_CELLS:
@@ -224,8 +221,5 @@ def _write(path: Path, data: bytes) -> None:
 
 
 def default_folder() -> Path:
-    """``$HBBA_MAPS``, or ``hbba/maps`` in the user's data folder (XDG Base Directory Specification)."""
-    if named := os.environ.get("HBBA_MAPS"):
-        return Path(named)
-    data = os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share"
-    return Path(data) / "hbba" / "maps"
+    """``$HBBA_MAPS``, or ``hbba/maps`` in the user's data folder."""
+    return data_folder("HBBA_MAPS", "maps")

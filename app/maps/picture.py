@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from app.messages import OccupancyGrid
 
-#: What an unknown cell is in :func:`values_png`.
+#: Value of an unknown cell in :func:`values_png`.
 UNKNOWN = 255
 #: The grey of each of a cell's values, and of those below 0 by their two's complement.
 _SHADES = np.full(256, 205, np.uint8)

@@ -1,4 +1,4 @@
-"""Zones as they stand in ``zones.yaml`` beside a map, and as people send them."""
+"""Zones in ``zones.yaml`` beside a map, and in requests."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ Metres = Annotated[float, Field(ge=-FURTHEST_M, le=FURTHEST_M, allow_inf_nan=Fal
 
 
 def crossing(polygon: NDArray[np.float64]) -> tuple[tuple[int, int], tuple[int, int]] | None:
-    """The first two sides, each by the indices of its corners, of ``polygon`` (N, 2; m) that cross in their midst.
+    """The first two sides of ``polygon`` (N, 2; m) that cross within, each by the indices of its corners.
 
-    None for a polygon none of whose sides do; sides may touch. For N up to 1000 or so: all pairs are looked at.
+    None for a polygon without such sides; sides may touch. For N up to 1000 or so: all pairs are compared.
     """
     after = np.roll(polygon, -1, axis=0)
     along = after - polygon
@@ -67,10 +67,10 @@ class ZoneEntry(BaseModel):
         area = 0.5 * math.fsum(
             a[0] * b[1] - b[0] * a[1] for a, b in zip(polygon, (*polygon[1:], polygon[0]), strict=True)
         )
-        # A crossed one may come to nothing though it covers something: its extent tells.
+        # A polygon that crosses itself may have area 0 though it covers something: its extent decides.
         xs, ys = zip(*polygon, strict=True)
         if abs(area) < SMALLEST_M2 and (max(xs) - min(xs)) * (max(ys) - min(ys)) < SMALLEST_M2:
-            raise ValueError("should cover some floor: its corners stand in one line or on one point")
+            raise ValueError("should cover some floor: its corners are on one line or on one point")
         return polygon
 
     @field_validator("polygon")
@@ -112,7 +112,7 @@ class ZoneFile(BaseModel):
 
 
 def checked(zones: Iterable[Zone]) -> tuple[Zone, ...]:
-    """``zones``, if they may be. Raises ValueError, which says what is wrong with them."""
+    """``zones``, if they are valid. Raises ValueError, which names the mistake."""
     return tuple(entry.zone() for entry in ZoneFile(zones=tuple(ZoneEntry.of(zone) for zone in zones)).zones)
 
 

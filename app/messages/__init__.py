@@ -1,11 +1,11 @@
 """Every message that crosses a channel: frozen, slotted dataclasses, passed by reference, never copied.
 
-Conventions (ARCHITECTURE.md, *Words*): SI units, radians, seconds; right-handed frames, x forward, y left, z up
-(REP 103/105: ``odom -> base_link -> ...``); camera optical frames x right, y down, z forward. ``stamp`` is the
-robot's clock at *capture*, seconds since the Unix epoch. Arrays are read-only: whoever makes a message passes its
-arrays through :func:`read_only`. Poses are named by monogram: ``X_WB`` is the pose of B in W, ``p_WB`` its
-translation; M is ``map`` (in ``p_BM`` a microphone), O ``odom``, B ``base_link``, C a camera's optical frame, L the
-laser, A the array of microphones, Q a QR code, F a face, S a sound source.
+Conventions (ARCHITECTURE.md, *Words*): SI units, radians, seconds; right-handed frames, x forward, y left, z up (REP
+103/105: ``odom -> base_link -> ...``); camera optical frames x right, y down, z forward. ``stamp`` is the robot's clock
+at *capture*, seconds since the Unix epoch. Arrays are read-only: the publisher of a message passes its arrays through
+:func:`read_only`. Poses are named by monogram: ``X_WB`` is the pose of B in W, ``p_WB`` its translation; M is ``map``
+(in ``p_BM`` a microphone), O ``odom``, B ``base_link``, C a camera's optical frame, L the laser, A the array of
+microphones, Q a QR code, F a face, S a sound source.
 """
 
 from __future__ import annotations
@@ -23,12 +23,14 @@ from app.messages.navigation import (
     Zones,
 )
 from app.messages.percepts import (
+    Darkness,
     EncodedImage,
     Face,
     Faces,
     Landmark,
     Landmarks,
     LoudNoise,
+    PerceptEvent,
     PlacedCode,
     PlacedFace,
     PlacedPercepts,
@@ -48,10 +50,12 @@ from app.messages.records import (
     IntentionRecord,
     LaneRow,
     Lanes,
+    LaneState,
     LoadRecord,
     LogLine,
     ModuleRecord,
     ReasonRecord,
+    RecorderState,
     RecorderStatus,
 )
 from app.messages.sensors import (
@@ -68,6 +72,7 @@ from app.messages.sensors import (
 
 __all__ = [
     "Audio",
+    "Darkness",
     "DesireRecord",
     "DesiresRecord",
     "Divisors",
@@ -84,6 +89,7 @@ __all__ = [
     "Landmark",
     "Landmarks",
     "LaneRow",
+    "LaneState",
     "Lanes",
     "LaserScan",
     "LinkStatus",
@@ -98,6 +104,7 @@ __all__ = [
     "OccupancyGrid",
     "Odometry",
     "OperatorDrive",
+    "PerceptEvent",
     "PersonTruth",
     "PlacedCode",
     "PlacedFace",
@@ -108,6 +115,7 @@ __all__ = [
     "QRCode",
     "QRCodes",
     "ReasonRecord",
+    "RecorderState",
     "RecorderStatus",
     "SceneTruth",
     "SeparatedSound",

@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol, TypeVar
+from typing import Annotated, Any, Protocol, TypeVar
 
+from msgspec import Meta
 from numpy.typing import NDArray
 
 ArrayT = TypeVar("ArrayT", bound=NDArray[Any])
+
+
+def doc(text: str) -> Meta:
+    """What a field of a record is, for the descriptions that are made of it: ``Annotated[float, doc("In m.")]``."""
+    return Meta(description=text)
+
+
+Stamp = Annotated[float, Meta(description="Seconds of the robot's clock (Unix epoch).", examples=[1795000000.25])]
 
 
 class Message(Protocol):

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class OperatorDrive:
-    """What an operator's hands say: ``linear`` and ``angular`` in [-1, 1] of the robot's limits (forward, left).
+    """An operator's command: ``linear`` and ``angular`` in [-1, 1] of the robot's limits (forward, left).
 
-    ``held`` is the dead-man: False means stop, whatever the rest says. ``stamp`` is the robot's clock at arrival,
+    ``held`` is the dead-man: False means stop, whatever the other fields. ``stamp`` is the robot's clock at arrival,
     ``sequence`` grows by one with each command of one operator session. ``override`` is a hold of its own: while it is
-    held, what stands in the way does not stop the robot, but only a crawl is allowed.
+    held, obstacles do not stop the robot, but only a crawl is allowed.
     """
 
     stamp: float
@@ -34,9 +34,9 @@ class Twist:
 
 @dataclass(frozen=True, slots=True)
 class Exploitation:
-    """Which behavior's command the arbiter let through: ``behavior`` is None when nobody drives.
+    """Which behavior's command the arbiter let through: ``behavior`` is None when no behavior drives.
 
-    ``limited`` says in words why the collision monitor slowed or stopped it, "" where it did not.
+    ``limited``: in words, why the collision monitor slowed or stopped it, "" where it did not.
     """
 
     stamp: float
@@ -50,7 +50,7 @@ class LinkStatus:
     """What the robot's link and its guard report, at 20 Hz.
 
     ``guard`` is one of ``idle`` (no command ever or a zero one), ``driving``, ``stale_command`` (no fresh command:
-    zero), ``e_stopped`` (latched: zero), ``sensor_failure``. ``reason`` says it to people. ``command_age_s`` is the
+    zero), ``e_stopped`` (latched: zero), ``sensor_failure``. ``reason``: the same in words. ``command_age_s`` is the
     age of the newest command at the guard, None before the first. ``applied`` is the twist the wheels are given now.
     ``world_rate`` is simulated time over real time (1.0 on hardware).
     """

@@ -1,7 +1,7 @@
-"""Where the robot is on a map, what the map is, and the way to a goal.
+"""Localization, maps, paths and navigation status.
 
-Frame M is ``map``, fixed in the world: ``map -> odom -> base_link``. What jumps when a loop is closed or the robot is
-found again is ``X_MO``; ``odom`` never jumps.
+Frame M is ``map``, fixed in the world: ``map -> odom -> base_link``. ``X_MO`` jumps when a loop is closed or the robot
+is relocalized; ``odom`` never jumps.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from app.base.geometry import Pose2
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Localization:
-    """Where the robot is on the map, as the scan taken at ``stamp`` says.
+    """Pose of the robot on the map by the scan taken at ``stamp``.
 
     ``X_MO`` places ``odom`` on the map, ``X_MB = X_MO @ X_OB(stamp)`` the robot. ``covariance`` (3, 3) float64 of
     ``X_MB``'s x, y (m^2) and theta (rad^2), along the map's axes. ``overlap`` in [0, 1] is the share of the scan that
     fits the map. ``map`` names the map, "" while it has no name. ``state`` is ``mapping`` (the map grows), ``tracking``
-    (the pose is followed on a map that stays), ``searching`` (the robot looks for itself on the map) or ``lost`` (what
-    the laser sees has not fitted the map for a while): only by the first two may be driven.
+    (the pose is followed on a map that stays), ``searching`` (relocalization on the map) or ``lost`` (scans have not
+    fitted the map for a while): only the first two are good enough for driving.
     """
 
     stamp: float
@@ -36,7 +36,7 @@ class Localization:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OccupancyGrid:
-    """A map of what is free and what is not, in ``frame`` (``map`` or ``odom``).
+    """An occupancy grid in ``frame`` (``map`` or ``odom``).
 
     ``cells`` (H, W) int8: −1 unknown, 0 free … 100 occupied (as ROS's ``nav_msgs/OccupancyGrid``). Cell [row, column]
     covers x from ``origin[0] + column * resolution_m`` and y from ``origin[1] + row * resolution_m``, one resolution
@@ -53,7 +53,7 @@ class OccupancyGrid:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlannedPath:
-    """A way to the goal: ``poses`` (N, 3) float64, x, y (m) and heading (rad) in ``frame``; none of them: no way."""
+    """A path to the goal: ``poses`` (N, 3) float64, x, y (m) and heading (rad) in ``frame``; empty without a path."""
 
     stamp: float
     frame: str
@@ -62,15 +62,15 @@ class PlannedPath:
 
 @dataclass(frozen=True, slots=True)
 class NavigationStatus:
-    """What a behavior that goes somewhere is about.
+    """Status of a behavior that drives to a goal.
 
-    ``behavior`` is its name. ``goal`` is what was asked for (on the map; a heading that nobody asked for is NaN), None
-    without one; ``target`` where it really goes: the nearest reachable place, if the goal itself is not one.
-    ``remaining_m`` of the path, None where there is none. ``progress_stamp`` is when it last came nearer, along its
-    path, than ever before on the way to this goal. ``recoveries`` counts them since the goal was given. ``state`` is
-    ``idle``, ``planning``, ``following`` a path, ``recovering`` (clears, backs off, turns), ``waiting`` for what it
-    needs (a pose, a map, fresh sensors, a free way), ``arrived`` or ``unreachable``; ``reason`` says it to people, and
-    what would help. ``period_s`` is the longest time between two commands of late, None where it was not measured.
+    ``behavior`` is its name. ``goal``: the desired pose (on the map; heading NaN for any), None without one;
+    ``target``: the end of the path: the nearest reachable place, if the goal is not reachable. ``remaining_m``: rest of
+    the path, None without one. ``progress_stamp``: the last time the rest of the path was shorter than ever before for
+    this goal. ``recoveries``: number of recovery actions since the goal was given. ``state`` is ``idle``, ``planning``,
+    ``following`` a path, ``recovering`` (clears, backs off, turns), ``waiting`` (for a pose, a map, fresh sensors, a
+    free path), ``arrived`` or ``unreachable``; ``reason``: the cause in words, and what would help. ``period_s``: the
+    longest recent time between two commands, None where it was not measured.
     """
 
     stamp: float

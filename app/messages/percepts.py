@@ -1,13 +1,18 @@
-"""What perceptions make of what the body senses."""
+"""Messages of perceptions."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated, Any
 
 import numpy as np
+from msgspec import Meta
 from numpy.typing import NDArray
 
 from app.base.geometry import Pose2, Pose3
+
+#: JSON Schema of a row of an array of points.
+POINT: dict[str, Any] = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -124,6 +129,16 @@ class Faces:
 
 
 @dataclass(frozen=True, slots=True)
+class Darkness:
+    """How bright one image is: ``luma`` in [0, 1], its mean; ``dark`` with hysteresis. ``frame`` names the camera."""
+
+    stamp: float
+    frame: str
+    luma: float
+    dark: bool
+
+
+@dataclass(frozen=True, slots=True)
 class LoudNoise:
     """A frame of sound much louder than those before it: ``ratio`` of its energy to their moving mean (thesis 4.2).
 
@@ -141,7 +156,7 @@ class SoundSource:
 
     ``track`` keeps its number from birth to death. ``power`` in [0, 1] is how strongly the microphones agree on the
     direction; ``level_db`` how loud it is, dB of full scale. ``active`` whether it sounds now; ``speech`` in [0, 1] is
-    the probability that it is a voice, NaN while nobody has judged. ``range_m`` from the microphones' middle, with
+    the probability that it is a voice, NaN while unknown. ``range_m`` from the microphones' middle, with
     standard deviation ``range_sigma_m``, supposes a standing person's mouth (the height Gaussian).
     """
 
@@ -242,7 +257,7 @@ class PlacedCode:
     text: str
     camera: str
     stamp: float
-    corners: NDArray[np.float64]
+    corners: Annotated[NDArray[np.float64], Meta(extra_json_schema={"items": POINT})]
     image: tuple[int, int]
 
 
@@ -258,3 +273,25 @@ class PlacedPercepts:
     sounds: tuple[PlacedSound, ...] = ()
     noises: tuple[LoudNoise, ...] = ()
     codes: tuple[PlacedCode, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class PerceptEvent:
+    """Something perceived appears, leaves or changes (docs/percept-events.md).
+
+    ``name`` is ``kind``, a dot, and ``appears``, ``leaves`` or ``changes``; ``subject`` is which of its kind (a
+    track's number, a code's text, a camera's frame; "" where there is but one). ``source`` names the sensor. ``stamp``
+    is the capture time of what showed the event, ``since`` that of the first sighting. ``p_OP`` (m, in ``odom``) is
+    where it was seen last and ``heading`` (rad, in ``odom``) in which direction from the robot; None where unknown.
+    ``confidence`` in [0, 1] is that of the last sighting.
+    """
+
+    stamp: float
+    name: str
+    kind: str
+    subject: str
+    source: str
+    since: float
+    confidence: float
+    p_OP: tuple[float, float, float] | None
+    heading: float | None

@@ -1,15 +1,18 @@
-"""What the program tells of itself.
-
-Recorded and replayed as any other message; nothing acts on them. A closed filter's divisor is inf."""
+"""Records of the program about itself. Recorded and replayed as any other message; no module acts on them. A closed
+filter's divisor is inf."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
+
+LaneState = Literal["fulfilled", "degraded", "unfulfilled", "inhibited", "undesired", "needed"]
+RecorderState = Literal["idle", "recording", "ring", "stopped"]
 
 
 @dataclass(frozen=True, slots=True)
 class DesireRecord:
-    """One desire as it stood: ``params`` is JSON; ``expires`` (robot's clock, s) is +inf for one that never does."""
+    """One desire at one moment: ``params`` is JSON; ``expires`` (robot's clock, s) is +inf without an expiry."""
 
     id: str
     cls: str
@@ -91,7 +94,7 @@ class LaneRow:
     divisor: float
     filters: tuple[str, ...]
     divisors: tuple[float, ...]
-    state: str
+    state: LaneState
     text: str
 
 
@@ -158,7 +161,7 @@ class RecorderStatus:
     """
 
     stamp: float
-    state: str
+    state: RecorderState
     name: str
     began: float
     duration_s: float

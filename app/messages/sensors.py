@@ -1,4 +1,4 @@
-"""What the body senses."""
+"""Messages of sensors."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ class GroundTruth:
 
 @dataclass(frozen=True, slots=True)
 class PersonTruth:
-    """Where a simulated person stands: feet ``x``, ``y`` (m) in the world, ``heading`` (rad) they look along.
+    """Place of a simulated person: feet ``x``, ``y`` (m) in the world, ``heading`` (rad) they look along.
 
     ``mouth`` (m) in the world; ``height_m`` of the whole person.
     """
@@ -112,10 +112,10 @@ class PersonTruth:
 
 @dataclass(frozen=True, slots=True)
 class SoundTruth:
-    """A sound that is being given off: ``kind`` (``speech``, ``clap``, ``door``, ``steps``, ``music``, ``alarm`` …).
+    """A sounding source: ``kind`` (``speech``, ``clap``, ``door``, ``steps``, ``music``, ``alarm`` …).
 
     ``p_WS`` (m) is its place in the world, ``began`` (robot's clock, s) when its first sample left there; ``active``
-    whether it is louder than its own pauses just now; ``person`` who makes it, "" for nobody.
+    whether it is louder now than its own pauses; ``person``: the name of its person, "" for none.
     """
 
     name: str

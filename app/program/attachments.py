@@ -4,58 +4,79 @@ from __future__ import annotations
 
 import mimetypes
 import os
+import posixpath
 import subprocess
 from pathlib import Path, PurePath
 
 from app.attention.calibration import calibration_file
 from app.base import paths
 from app.base.errors import ConfigError
+from app.base.extensions import ATTACHED, split_package_file
 from app.logs.manifest import YAML, AttachedFile, Manifest
 from app.program.config import Configuration
 from app.robots.config import RobotConfig
-from app.robots.factory import Body, body_files, load_body
+from app.robots.factory import Body, load_body
 from app.runtime.graph import Graph
 
 
 def snapshot(configuration: Configuration, graph: Graph, robot: str, body: Body | None = None) -> Manifest:
-    """Everything the program was put together from; ``robot`` is the body's name. Reads files.
+    """All files from which the program was built; ``robot`` is the body's name. Reads files.
 
-    ``body`` is what really ran, where that is not just as its file says (in another scenario, say).
+    ``body`` is the body that ran, if it differs from its file (in another scenario, for instance).
     """
     program = configuration.program
-    robot_file = configuration.path(program.robot).resolve()
-    files = [
-        Path(configuration.program_document.file).resolve(),
-        configuration.path(program.channels).resolve(),
-        *(configuration.path(file).resolve() for file in program.strategies),
-        # Another body may stand in for the one that the program's file names and goes on naming.
-        configuration.path(Path(configuration.program_document.data["robot"])).resolve(),
-        robot_file,
-        *_body_files(robot_file),
-        *(() if body is None else body_files(body)),
-    ]
+    folder = configuration.folder
+    document = Path(configuration.program_document.file).resolve()
+    files = {
+        document.name: document,
+        # Another body may replace the one that the program's file names.
+        **dict(
+            _named(configuration, file)
+            for file in (*program.channels, *program.strategies, Path(configuration.program_document.data["robot"]))
+        ),
+    }
+    robot_name, robot_file = _named(configuration, program.robot)
+    files[robot_name] = robot_file
+    for part in dict.fromkeys((*_body_files(robot_file), *(() if body is None else body.files))):
+        files.setdefault(_of_body(part, configuration), part)
     host = paths.host_name()
     if (measured := calibration_file(configuration.path(program.calibration), host)).is_file():
-        files.append(measured.resolve())
-    folder = configuration.folder
+        files[_name(measured.resolve(), folder)] = measured.resolve()
     facts = {
-        "program": files[0].name,
+        "program": document.name,
         "robot": robot,
-        "body": _name(robot_file, folder),
+        "body": robot_name,
         "version": paths.version(),
         "commit": _commit(),
         "host": host,
     }
     if isinstance(body, RobotConfig):
-        facts["scenario"] = "" if body.scenario is None else _name(body.scenario, folder)
+        facts["scenario"] = "" if body.scenario is None else _of_body(body.scenario, configuration)
     facts.update(stream_facts(graph))
-    return Manifest(tuple(_attached(file, folder) for file in dict.fromkeys(files)), facts)
+    return Manifest(tuple(_attached(name, file) for name, file in files.items()), facts)
+
+
+def _named(configuration: Configuration, path: Path) -> tuple[str, Path]:
+    """A path of the configuration: what it is called in a recording, and the file."""
+    file = configuration.path(path).resolve()
+    if inside := split_package_file(path):
+        return PurePath(ATTACHED, *inside).as_posix(), file
+    return _name(file, configuration.folder), file
+
+
+def _of_body(file: Path, configuration: Configuration) -> str:
+    """What a file that the body's own names is called in a recording: as it lies to that."""
+    named = configuration.program.robot
+    if split_package_file(named) is None:
+        return _name(file, configuration.folder)
+    robot_name, robot_file = _named(configuration, named)
+    return posixpath.normpath(posixpath.join(posixpath.dirname(robot_name), _name(file, robot_file.parent)))
 
 
 def _body_files(robot_file: Path) -> list[Path]:
-    """What describes the body; nothing where the file does not, since the link came from elsewhere."""
+    """Files that describe the body; none where the body's file names none, since the link was given by the caller."""
     try:
-        return [*body_files(load_body(robot_file))]
+        return [*load_body(robot_file).files]
     except ConfigError:
         return []
 
@@ -70,9 +91,9 @@ def stream_facts(graph: Graph) -> dict[str, str]:
     }
 
 
-def _attached(file: Path, folder: Path) -> AttachedFile:
+def _attached(name: str, file: Path) -> AttachedFile:
     media_type = YAML if file.suffix in (".yaml", ".yml") else mimetypes.guess_type(file.name)[0]
-    return AttachedFile(_name(file, folder), media_type or "application/octet-stream", file.read_bytes())
+    return AttachedFile(name, media_type or "application/octet-stream", file.read_bytes())
 
 
 def _name(file: Path, folder: Path) -> str:

@@ -1,8 +1,8 @@
-"""A body that died is started again, while program and console stay up.
+"""Restarts a body whose process died, while program and console keep running.
 
-Its odometry begins again elsewhere, so whatever was built on the old one is void: all modules end before and begin
-afresh after, as when a recording jumps. A body that dies or fails to start ``MOST_IN_A_ROW`` times in a row ends the
-program.
+The odometry of the new body begins at another origin, which invalidates everything computed from the old one: all
+modules stop first and start again with it, as when a recording jumps. After ``MOST_IN_A_ROW`` failures in a row (died,
+or did not start) the program ends.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import logging
 from collections.abc import Callable
 
 from app.attention.timeline import Timeline
+from app.base.observers import Observers
 from app.link import LinkFailed, RobotLink
 from app.runtime.clock import Clock
 from app.runtime.supervisor import Supervisor
@@ -20,11 +21,11 @@ log = logging.getLogger("hbba.body")
 MOST_IN_A_ROW = 5
 FIRST_DELAY_S = 0.5
 LONGEST_DELAY_S = 8.0
-#: A body that was up for so long is trusted again.
+#: Up-time (s) after which the count of failures is reset.
 TRUSTED_AFTER_S = 60.0
 
 
-class Restarts:
+class RestartBackoff:
     """When to start a body again: after 0.5 s, 1 s, 2 s ... 8 s, at most ``MOST_IN_A_ROW - 1`` times in a row."""
 
     def __init__(self) -> None:
@@ -46,37 +47,32 @@ class Restarts:
         return min(FIRST_DELAY_S * 2.0 ** (self._failures - 1), LONGEST_DELAY_S)
 
 
-class Revival:
+class BodyRestarter:
     """Starts ``link`` again after it has failed. ``problem`` says why the body does not answer; "" while it does."""
 
     def __init__(
-        self, link: RobotLink, supervisor: Supervisor, forget: Callable[[], None], timeline: Timeline, clock: Clock
+        self, link: RobotLink, supervisor: Supervisor, clear_state: Callable[[], None], timeline: Timeline, clock: Clock
     ) -> None:
-        """``forget`` clears every message that the program keeps."""
+        """``clear_state`` clears every message that the program keeps."""
         self._link = link
         self._supervisor = supervisor
-        self._forget = forget
+        self._clear_state = clear_state
         self._timeline = timeline
         self._clock = clock
-        self._restarts = Restarts()
-        self._observers: list[Callable[[str], None]] = []
+        self._restarts = RestartBackoff()
+        self._observers: Observers[[str]] = Observers("the body's state")
         self.problem = ""
 
     def up(self) -> None:
-        """The body has come up."""
+        """Note that the body runs."""
         self._restarts.up(self._clock.now())
 
     def observe(self, callback: Callable[[str], None]) -> Callable[[], None]:
-        """Call ``callback(problem)`` when the body is lost and when it is back (""); returns what ends it."""
-        self._observers.append(callback)
+        """Call ``callback(problem)`` when the body is lost and when it is back (""); returns a function that ends
+        this."""
+        return self._observers.add(callback)
 
-        def end() -> None:
-            if callback in self._observers:
-                self._observers.remove(callback)
-
-        return end
-
-    async def revive(self, failure: LinkFailed) -> LinkFailed | None:
+    async def restart(self, failure: LinkFailed) -> LinkFailed | None:
         """Bring the body up after ``failure``; returns None once it and the modules run again, else why it never will.
 
         Meanwhile no module runs, so nothing drives.
@@ -98,7 +94,7 @@ class Revival:
             else:
                 break
         self.up()
-        self._forget()
+        self._clear_state()
         self._supervisor.start_modules()
         self.problem = ""
         log.info("the body answers again")
@@ -114,8 +110,7 @@ class Revival:
         self._notify()
 
     def _notify(self) -> None:
-        for observer in tuple(self._observers):
-            observer(self.problem)
+        self._observers.notify(self.problem)
 
 
 def _final(failure: LinkFailed) -> LinkFailed:

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, RootModel
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, RootModel
 
-from app.attention.calibration import Calibration, calibration_file, load_calibration
+from app.attention.calibration import CostCalibration, calibration_file, load_cost_calibration
 from app.base import paths
 from app.base.errors import ConfigError
+from app.base.extensions import package_file, split_package_file
 from app.base.yaml_source import Document, load_yaml
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.graph import ModuleSpec
@@ -23,7 +26,7 @@ class _Model(BaseModel):
 
 
 class AttentionConfig(_Model):
-    """How intentions are chosen."""
+    """Settings of attention: how intentions are chosen."""
 
     safe_strategies: tuple[str, ...] = Field(
         (), description="strategies kept while the solver has not answered yet, or cannot"
@@ -35,7 +38,7 @@ class AttentionConfig(_Model):
 
 
 class ConsoleConfig(_Model):
-    """Where the console listens."""
+    """The address of the console."""
 
     host: str = "127.0.0.1"
     port: int = Field(8080, ge=0, le=65535, description="0: any free port")
@@ -46,11 +49,20 @@ class ConsoleConfig(_Model):
     )
 
 
+def _one_or_more(value: Any) -> Any:
+    return [value] if isinstance(value, str | Path) else value
+
+
 class ProgramConfig(_Model):
-    """One robot program, as it stands in its file; paths are relative to the file."""
+    """One robot program, as its file declares it.
+
+    Paths are relative to the file; ``package:NAME/PATH`` is a file of an installed package.
+    """
 
     robot: Path
-    channels: Path
+    channels: Annotated[tuple[Path, ...], BeforeValidator(_one_or_more)] = Field(
+        min_length=1, description="a table of channels, or several that have no channel in common"
+    )
     strategies: tuple[Path, ...] = Field(min_length=1)
     calibration: Path = Field(Path("calibration"), description="folder of what modules cost, a file for each computer")
     attention: AttentionConfig = AttentionConfig()
@@ -58,8 +70,8 @@ class ProgramConfig(_Model):
     modules: dict[str, ModuleSpec] = Field(min_length=1)
 
 
-class ChannelTable(RootModel[dict[str, ChannelSpec]]):
-    """The table of channels, as it stands in its file."""
+class ChannelTableFile(RootModel[dict[str, ChannelSpec]]):
+    """The file of the channel table."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,9 +81,10 @@ class Configuration:
     program: ProgramConfig
     channels: dict[str, ChannelSpec]
     program_document: Document
-    channels_document: Document
-    #: What modules cost on the computer it runs on; None where that was never measured.
-    calibration: Calibration | None = None
+    #: The document that holds the row of each channel.
+    channel_documents: Mapping[str, Document]
+    #: Measured costs of modules on this computer; None without a calibration.
+    calibration: CostCalibration | None = None
 
     @property
     def folder(self) -> Path:
@@ -80,21 +93,21 @@ class Configuration:
 
     @property
     def calibration_file(self) -> Path:
-        """Where the calibration of this computer is or would be."""
+        """Path of this computer's calibration, which need not exist."""
         return calibration_file(self.path(self.program.calibration), paths.host_name())
 
     def path(self, relative: Path) -> Path:
-        """A path of the configuration as an absolute one."""
-        return self.folder / relative
+        """A path of the configuration as an absolute one. Raises ConfigError for a package that is not installed."""
+        return package_file(relative, self.folder)
 
     def where(self, *key: str) -> str:
         """File and line of ``key`` of the program."""
         return f"{self.program_document.file}:{self.program_document.line(key)}"
 
     def wiring_error(self, message: str, key: tuple[str, ...]) -> ConfigError:
-        """The ConfigError for a mistake in the graph, pointing into the file where ``key`` stands."""
+        """The ConfigError for a mistake in the graph, with the line of ``key`` in its file."""
         if key[0] == "channels":
-            return self.channels_document.error(f"{'.'.join(key[1:])}: {message}", key[1:])
+            return self.channel_documents[key[1]].error(f"{'.'.join(key[1:])}: {message}", key[1:])
         return self.program_document.error(f"{'.'.join(key)}: {message}", key)
 
 
@@ -106,18 +119,40 @@ def load_configuration(path: Path, *, host: str | None = None) -> Configuration:
     document = load_yaml(path)
     program = document.validate(ProgramConfig)
     folder = Path(path).resolve().parent
-    for key, relative in [
-        (("robot",), program.robot),
-        (("channels",), program.channels),
-        *((("strategies", number), file) for number, file in enumerate(program.strategies)),
-    ]:
-        if not (folder / relative).is_file():
-            raise document.error(f"there is no file {relative} beside {path}", key)
-    channels_document = load_yaml(folder / program.channels)
-    channels = channels_document.validate(ChannelTable).root
+    _file(document, ("robot",), program.robot, folder)
+    tables = [
+        load_yaml(_file(document, ("channels", number), file, folder)) for number, file in enumerate(program.channels)
+    ]
+    for number, file in enumerate(program.strategies):
+        _file(document, ("strategies", number), file, folder)
+    channels, channel_documents = _channels(tables)
     host = host or paths.host_name()
-    calibration = load_calibration(folder / program.calibration, host)
+    calibration = load_cost_calibration(folder / program.calibration, host)
     if calibration is not None:
         measured = ", ".join(sorted(calibration.relations))
         log.info("costs as calibrated", extra={"host": host, "made": calibration.made, "filters": measured})
-    return Configuration(program, channels, document, channels_document, calibration)
+    return Configuration(program, channels, document, channel_documents, calibration)
+
+
+def _file(document: Document, key: tuple[str | int, ...], named: Path, folder: Path) -> Path:
+    """The file that ``document`` names under ``key``. Raises ConfigError where there is none."""
+    try:
+        found = package_file(named, folder)
+    except ConfigError as failure:
+        raise document.error(f"{named}: {failure.message}", key) from None
+    if not found.is_file():
+        beside = "" if split_package_file(named) else f" beside {document.file}"
+        raise document.error(f"there is no file {named}{beside}", key)
+    return found
+
+
+def _channels(tables: Iterable[Document]) -> tuple[dict[str, ChannelSpec], dict[str, Document]]:
+    """The rows of all ``tables``, and the document of each. Raises ConfigError for a channel that two of them have."""
+    rows: dict[str, ChannelSpec] = {}
+    documents: dict[str, Document] = {}
+    for table in tables:
+        for name, row in table.validate(ChannelTableFile).root.items():
+            if name in rows:
+                raise table.error(f"channel {name!r} is already in {documents[name].file}", (name,))
+            rows[name], documents[name] = row, table
+    return rows, documents

@@ -1,7 +1,7 @@
-"""What the program tells of itself as messages on channels: desires, intentions, φ, load, modules, events, log lines.
+"""The program's own records as messages on channels: desires, intentions, φ, load, modules, events, log lines.
 
-So the Recorder needs to know nothing of attention or supervision: it records channels. Each record is published when
-the thing it tells of changes, on the channel of its name if the program's table of channels has it.
+So the Recorder depends on neither attention nor supervision: it records channels. Each record is published at a change
+of its subject, on the channel of its name if the table of channels has it.
 """
 
 from __future__ import annotations
@@ -35,12 +35,12 @@ from app.runtime.supervisor import ModuleState
 
 NEVER = float("inf")
 
-#: Loggers whose lines tell of the Recorder itself or of the machinery below it: recording them would feed itself.
+#: Loggers of the Recorder itself and of the layers below it: recording their lines would cause more lines.
 _NOT_RECORDED = ("hbba.Recorder", "asyncio")
 
 
 class SelfReport:
-    """Publishes the records; :meth:`open` attaches it to what it tells of, :meth:`close` detaches it."""
+    """Publishes the records; :meth:`open` registers its observers, :meth:`close` removes them."""
 
     def __init__(
         self,
@@ -54,10 +54,10 @@ class SelfReport:
         self._now = now
         self._stack = ExitStack()
         self._divisors = divisors
-        self._told: Mapping[str, float] = {}
+        self._published: Mapping[str, float] = {}
 
     def open(self, workspace: IntentionWorkspace, translator: IntentionTranslator, timeline: Timeline) -> None:
-        """Begin to tell of attention and of the program's log."""
+        """Start to publish attention's records and log lines."""
         self._stack.callback(workspace.observe(lambda _: self._desires(workspace)))
         self._stack.callback(translator.observe(self._intention))
         self._stack.callback(timeline.observe(self._event))
@@ -67,7 +67,7 @@ class SelfReport:
             self._stack.callback(logging.getLogger().removeHandler, handler)
 
     def close(self) -> None:
-        """Tell nothing more."""
+        """Stop publishing."""
         self._stack.close()
 
     def load(self, load: Load) -> None:
@@ -94,8 +94,8 @@ class SelfReport:
         self._publish("intention", intention_record(intention))
         everything = self._divisors()
         divisors = {name: everything[name] for name in intention.divisors}
-        if divisors != self._told:
-            self._told = divisors
+        if divisors != self._published:
+            self._published = divisors
             self._publish("divisors", Divisors(self._now(), tuple(divisors), tuple(divisors.values())))
 
     def _event(self, event: TimelineEvent) -> None:
@@ -141,14 +141,16 @@ def intention_record(intention: Intention) -> IntentionRecord:
         capacities=tuple(intention.capacities.values()),
         parameters=json.dumps(parameters, ensure_ascii=False),
         reasons=tuple(
-            ReasonRecord(cls, reason.state, reason.utility, reason.wanted, reason.best, reason.text)
+            ReasonRecord(
+                cls, reason.state, utility=reason.utility, wanted=reason.wanted, best=reason.best, text=reason.text
+            )
             for cls, reason in intention.reasons.items()
         ),
     )
 
 
 class _LogHandler(logging.Handler):
-    """Hands log lines of any thread to the event loop."""
+    """Passes log lines of any thread to the event loop."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop, take: Callable[[int, str, str], None]) -> None:
         super().__init__(logging.INFO)

@@ -15,7 +15,6 @@ from pathlib import Path
 from types import TracebackType
 
 from app.attention.cached_solver import CachedSolver
-from app.attention.desires import DesireClasses
 from app.attention.explaining import EXPLAIN_S
 from app.attention.hysteresis import Hysteresis
 from app.attention.lanes import LaneMonitor, LaneSampler
@@ -30,10 +29,11 @@ from app.logs.manifest import Manifest
 from app.maps.control import MapControl
 from app.maps.library import MapLibrary
 from app.maps.library import default_folder as default_maps_folder
-from app.modules.desire_classes import desire_classes
+from app.messages import PerceptEvent
 from app.program.attachments import snapshot
-from app.program.body_restart import Revival
+from app.program.body_restart import BodyRestarter
 from app.program.config import Configuration, load_configuration
+from app.program.desire_classes import desire_classes
 from app.program.self_report import SelfReport
 from app.program.timeline_feed import TimelineFeed
 from app.robots.factory import Body, create_link, load_body
@@ -73,14 +73,14 @@ class System:
         reproducible: bool = False,
         recorded: Collection[str] = (),
     ) -> None:
-        """Build everything; ``link`` and ``clock`` replace the body that the configuration names and the real clock.
+        """Build everything; ``link`` and ``clock`` replace the configured body and the real clock.
 
-        ``body`` tells what ``link`` is, where its file does not tell all of it; recordings carry it. ``pins`` fixes
-        filters (``Module.port``), whatever strategies say of them. ``recordings`` is where recordings are kept, by
-        default the user's folder. ``new_id`` makes the ids of desires. ``partial``: strategies may name modules that
-        are not there, and serve without them. ``reproducible``: what happens may not depend on how fast this computer
-        is, so that two runs in virtual time are equal: the solver finds the optimum however long it takes and does not
-        tell how long, nobody watches the loop's real time, no load is reported. ``recorded``: channels that come from a
+        ``body`` describes ``link`` where its file does not; recordings carry it. ``pins`` fixes filters
+        (``Module.port``) against all strategies. ``recordings`` is the library of recordings, by default the user's
+        folder. ``new_id`` makes the ids of desires. ``partial``: strategies may name modules that do not exist, and are
+        used without them. ``reproducible``: nothing may depend on the speed of this computer, so that two runs in
+        virtual time are equal: the solver finds the optimum without a time limit and reports no solve time, the
+        watchdog of the loop is off, no load is reported. ``recorded``: channels that come from a
         recording, so that the program does not publish on them what it knows of itself. Raises ConfigError.
         """
         program = configuration.program
@@ -89,10 +89,10 @@ class System:
         self._reproducible = reproducible
         real = RealClock()
         self.clock: Clock = clock or real
-        #: What paces work for people, which goes on while a recording's time stands; else the robot's clock itself.
+        #: Paces work for people, which goes on while a recording is paused; else the robot's clock itself.
         self.pace: Clock = self.clock.pace if isinstance(self.clock, ReplayClock) else self.clock
         self.link = link or create_link(load_body(configuration.path(program.robot)), real.offset)
-        self.classes = DesireClasses(desire_classes())
+        self.classes = desire_classes(configuration)
         self.workspace = IntentionWorkspace(self.classes, self.clock.now, new_id=new_id)
         self.timeline = Timeline(program.attention.history, self.clock.now)
         self.recordings = recordings or RecordingLibrary(default_folder())
@@ -118,7 +118,7 @@ class System:
         )
         services[Manifest] = snapshot(configuration, self.graph, self.link.description.name, body)
         self.table = self._load_table()
-        #: What people must know of how it is configured.
+        #: Warnings about the configuration.
         self.cautions = self._attend()
         for name, pin in (pins or {}).items():
             self.graph.filters.pin(name, pin)
@@ -129,7 +129,7 @@ class System:
         self.watchdog = LoopWatchdog(meters)
         self.translator = self._make_translator()
         self._lanes = None if "lanes" in recorded else self._lane_monitor()
-        self.revival = Revival(self.link, self.supervisor, self._forget, self.timeline, self.clock)
+        self.body_restarter = BodyRestarter(self.link, self.supervisor, self._clear_state, self.timeline, self.clock)
         self._stack = AsyncExitStack()
         self._tasks: list[asyncio.Task[None]] = []
         self._report = SelfReport(self.graph.channels, self.clock.now, self.graph.filters.divisors)
@@ -149,12 +149,15 @@ class System:
                 log.warning("%s", caution)
             stack.push_async_callback(self.link.stop)
             await self.link.start()
-            self.revival.up()
+            self.body_restarter.up()
             self.supervisor.observe(self._feed.module)
             self.supervisor.observe(self._report.module)
             self._report.open(self.workspace, self.translator, self.timeline)
             stack.callback(self._report.close)
             stack.callback(self.link.attach("status", self._feed.guard))
+            for channel in self.graph.channels.values():
+                if channel.message_type is PerceptEvent:
+                    stack.callback(channel.observe(self._feed.percept))
             if not self._reproducible:
                 await stack.enter_async_context(self.watchdog)
             await stack.enter_async_context(self.supervisor)
@@ -176,39 +179,40 @@ class System:
         """Stop the modules, then the wheels, then the body."""
         await self._stack.aclose()
 
-    async def begin_anew(self, jump: Callable[[], None]) -> None:
-        """End every module, forget all that was said, have ``jump`` move clock and body, and start all afresh.
+    async def reset(self, jump: Callable[[], None]) -> None:
+        """Stop every module, clear all state, call ``jump``, which moves clock and body, and start all modules.
 
-        Desires of others than the modules, budgets and measured costs stay. Returns with the modules about to start.
+        Desires that modules did not add, budgets and measured costs stay. Returns when the modules are about to start.
         """
         await self.supervisor.stop_modules()
-        self._forget()
+        self._clear_state()
         self.timeline.clear()
         jump()
         self.supervisor.start_modules()
 
-    def _forget(self) -> None:
-        self.graph.forget()
-        self.freshness.forget()
-        self._feed.forget()
+    def _clear_state(self) -> None:
+        self.graph.reset()
+        self.freshness.reset()
+        self._feed.reset()
         if self._lanes is not None:
-            self._lanes.forget()
+            self._lanes.reset()
 
     async def keep_going(self) -> Exception:
-        """As :meth:`wait_failed`, but a failed body is started again where it can be, unless it keeps dying."""
+        """As :meth:`wait_failed`, but restarts a body that failed if it can be restarted, unless it fails again and
+        again."""
         while True:
             failure = await self.wait_failed()
             if not isinstance(failure, LinkFailed) or not self.link.description.restartable:
                 return failure
-            final = await self.revival.revive(failure)
+            final = await self.body_restarter.restart(failure)
             if final is not None:
                 return final
 
     async def wait_failed(self) -> Exception:
-        """Wait until the program cannot go on, and return why.
+        """Wait until the program cannot go on, and return the reason.
 
-        LinkFailed, in words for people, when the body is lost; any other error is a mistake of ours in what runs
-        beside the modules (those are restarted), and better met with a stop than with an attention that stands still.
+        LinkFailed, with a message for people, when the body is lost; any other exception is a bug in a task beside the
+        modules (modules are restarted): to stop is safer than to run without attention.
         """
         body = asyncio.create_task(self.link.wait_failed(), name="body's failure")
         try:
@@ -262,10 +266,10 @@ class System:
             return IntentionTranslator(
                 self.workspace,
                 self.table,
-                self.graph.filters,
-                self.graph,
-                self.timeline,
-                self.clock,
+                filters=self.graph.filters,
+                parameters=self.graph,
+                timeline=self.timeline,
+                clock=self.clock,
                 safe=safe,
                 solver=CachedSolver(time_limit_s=limit_s, timed=not self._reproducible),
                 explain_limit_s=PATIENT_S if self._reproducible else EXPLAIN_S,
@@ -304,6 +308,6 @@ class System:
 
 
 async def _cancelled(task: asyncio.Task[None]) -> None:
-    """Cancel ``task`` and wait for its end; a failure of its own is told by :meth:`System.wait_failed`."""
+    """Cancel ``task`` and wait for its end; :meth:`System.wait_failed` returns a failure of its own."""
     task.cancel()
     await asyncio.wait({task})

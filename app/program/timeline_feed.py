@@ -1,5 +1,5 @@
-"""What the program notes on its timeline besides attention's own events: modules, guard, exploitation, overload,
-channels whose news is too old.
+"""Events of the program on the timeline, beside those of attention: modules, guard, exploitation, overload, stale
+channels, percept events.
 
 A bad state is noted once on entering and once on leaving, never in between.
 """
@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from app.attention.timeline import Timeline
-from app.messages import Exploitation, LinkStatus
+from app.messages import Exploitation, LinkStatus, PerceptEvent
 from app.runtime.freshness import Freshness
 from app.runtime.load import Load
 from app.runtime.supervisor import ModuleState
@@ -34,6 +34,10 @@ _GUARD_WORDS = {
 }
 
 
+#: Kinds of percepts whose words for people are others.
+_PERCEPT_WORDS = {"code": "QR code", "noise": "loud noise", "dark": "darkness before"}
+
+
 class TimelineFeed:
     """Turns states into timeline events, one for each change."""
 
@@ -48,8 +52,8 @@ class TimelineFeed:
         self._stale: dict[str, int] = {}
         self._over = dict.fromkeys(budgets, 0)
 
-    def forget(self) -> None:
-        """Begin anew: whatever comes next is news."""
+    def reset(self) -> None:
+        """Clear the known states: the next report of each is an event again."""
         self._guard = ""
         self._behavior = None
         self._slow_world = False
@@ -95,8 +99,21 @@ class TimelineFeed:
         """The arbiter reported; noted when another behavior drives."""
         if message.behavior != self._behavior:
             self._behavior = message.behavior
-            text = f"{message.behavior} drives" if message.behavior else "Nobody drives"
+            text = f"{message.behavior} drives" if message.behavior else "No behavior drives"
             self._timeline.add("exploitation", message.behavior or "", text)
+
+    def percept(self, event: PerceptEvent) -> None:
+        """Something perceived appeared, left or changed: noted under the event's name."""
+        data = {
+            "kind": event.kind,
+            "subject": event.subject,
+            "source": event.source,
+            "since": event.since,
+            "confidence": round(event.confidence, 3),
+            "p_OP": None if event.p_OP is None else [round(value, 3) for value in event.p_OP],
+            "heading": None if event.heading is None else round(event.heading, 3),
+        }
+        self._timeline.add("percept", event.name, _percept_words(event), data, stamp=event.stamp)
 
     def freshness(self, channels: Mapping[str, Freshness]) -> None:
         """The channels as they are now, by name; noted when one stays stale, and when it is so no longer."""
@@ -132,9 +149,16 @@ class TimelineFeed:
                     self._timeline.add("overload", name, f"{name} is within its budget again", {"used": round(used, 1)})
 
 
+def _percept_words(event: PerceptEvent) -> str:
+    kind = _PERCEPT_WORDS.get(event.kind, event.kind)
+    words = f"{kind} {event.subject}".rstrip()
+    text = f"{words[0].upper()}{words[1:]} {event.name.rpartition('.')[2]}"
+    return text if event.p_OP is None else f"{text} at x {event.p_OP[0]:.1f} m, y {event.p_OP[1]:.1f} m in odom"
+
+
 def _freshness_words(name: str, now: Freshness) -> str:
     if now.state == "closed":
-        return f"{name} is no longer stale: nobody wants it any more"
+        return f"{name} is no longer stale: no subscription is open any more"
     if now.state != "stale":
         return f"{name} is up to date again"
     age = "nothing has come yet" if now.age_s is None else f"its newest message is {now.age_s:.2f} s old"

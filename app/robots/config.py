@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
-from app.base.errors import ConfigError
 from app.base.yaml_source import load_yaml
 from app.link import BaseLimits
 from app.robots.guard import GuardLimits
@@ -22,7 +21,7 @@ class _Model(BaseModel):
 
 
 class LimitsConfig(_Model):
-    """What the base may do (thesis 4.2), and how it brakes when the guard stops it."""
+    """Limits of the base (thesis 4.2), and its deceleration when the guard stops it."""
 
     linear_mps: Positive = 0.40
     angular_radps: Positive = 1.00
@@ -42,12 +41,67 @@ class LimitsConfig(_Model):
         return BaseLimits(self.linear_mps, self.angular_radps, self.linear_mps2, self.angular_radps2)
 
     def guard(self) -> GuardLimits:
-        """What the guard needs of it."""
+        """The limits as the guard uses them."""
         return GuardLimits(self.base(), self.command_timeout_s, self.sensor_timeout_s)
 
 
+def check_footprint(corners: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
+    """``corners`` if they are a convex polygon, counter-clockwise, around the base's origin. Raises ValueError."""
+    following = (*corners[1:], corners[0])
+    edges = [(bx - ax, by - ay) for (ax, ay), (bx, by) in zip(corners, following, strict=True)]
+    if any(math.hypot(*edge) < 1e-6 for edge in edges):
+        raise ValueError("two corners that follow each other are the same")
+    turns = [ax * by - ay * bx for (ax, ay), (bx, by) in zip(edges, (*edges[1:], edges[0]), strict=True)]
+    if all(turn < 0 for turn in turns):
+        raise ValueError("the corners go clockwise; name them counter-clockwise, as seen from above")
+    around = sum(math.atan2(turn, ax * bx + ay * by) for turn, (ax, ay), (bx, by) in zip(
+        turns, edges, (*edges[1:], edges[0]), strict=True
+    ))  # fmt: skip
+    if any(turn < -1e-9 for turn in turns) or abs(around - 2 * math.pi) > 1e-6:
+        raise ValueError("the polygon is not convex: going round it, every corner must turn left")
+    if any(ex * -ay - ey * -ax <= 0 for (ax, ay), (ex, ey) in zip(corners, edges, strict=True)):
+        raise ValueError("base_link, at (0, 0), does not lie inside it")
+    return corners
+
+
+def circle(radius_m: float, corners: int = 16) -> tuple[tuple[float, float], ...]:
+    """A regular polygon around a circle of ``radius_m``: a round body's footprint."""
+    reach = radius_m / math.cos(math.pi / corners)
+    angles = (2 * math.pi * number / corners for number in range(corners))
+    return tuple((round(reach * math.cos(a), 4), round(reach * math.sin(a), 4)) for a in angles)
+
+
+class BodyConfig(_Model):
+    """What the file of every body says; each kind of body adds its own. Paths are relative to the file."""
+
+    kind: str
+    name: str
+    model: Path
+    program: Path | None = Field(default=None, description="what `hbba run --robot` runs on it")
+    footprint: Annotated[tuple[tuple[float, float], ...], Field(max_length=64)] = Field(
+        default=(), description="corners (m) in base_link, convex, counter-clockwise; none: it does not move"
+    )
+    height_m: Positive = Field(default=1.5, description="what hangs higher is not in its way")
+    limits: LimitsConfig = LimitsConfig()
+
+    @field_validator("footprint")
+    @classmethod
+    def _footprint_is_sound(cls, corners: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
+        return check_footprint(corners) if corners else corners
+
+    @property
+    def standing_rates_hz(self) -> tuple[float, float, float]:
+        """How often the streams that every body has come: odometry, joints, status."""
+        return 100.0, 30.0, 20.0
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """The files that its own names and a recording must have to be understood."""
+        return (self.model,)
+
+
 class BaseConfig(_Model):
-    """The differential drive as its builder believes it to be, and how far wheels and encoders are from that.
+    """Nominal geometry of the differential drive, and errors of wheels and encoders.
 
     ``wheel_radius_m`` and ``track_m`` are the nominal values that odometry computes with. The errors are fractions of
     them (1-sigma, drawn once per start from the seed); ``slip`` is the 1-sigma fraction by which each wheel slips,
@@ -130,10 +184,10 @@ class ImvConfig(_Model):
 class MicrophonesConfig(_Model):
     """Stream ``microphones``: frames of samples taken together (thesis 4.2).
 
-    ``positions`` (m) are in ``link``. ``noise_db`` is a microphone's own noise, ``sensitivity_db`` the level
-    at 1 m of a talker of ordinary loudness (65 dB SPL there), both in dB of full scale. ``fans_db`` and ``wheels_db``
-    are the levels there of the robot's fans, and of its wheels at 0.4 m/s. ``shadow`` puts the torso between them, as a
-    rigid sphere on whose surface they sit; without it they hear a free field.
+    ``positions`` (m) are in ``link``. ``noise_db`` is a microphone's own noise, ``sensitivity_db`` the level at 1 m of
+    a talker of ordinary loudness (65 dB SPL there), both in dB of full scale. ``fans_db`` and ``wheels_db`` are the
+    levels there of the robot's fans, and of its wheels at 0.4 m/s. ``shadow``: whether the torso is modelled as a rigid
+    sphere with the microphones on its surface; without it they are in a free field.
     """
 
     rate: Annotated[int, Field(ge=8000, le=192000)] = 48000
@@ -165,7 +219,7 @@ class StatusConfig(_Model):
 
 
 class StreamsConfig(_Model):
-    """Every stream of the body. A sensor set to null is not there."""
+    """Every stream of the body; null for a missing sensor."""
 
     odometry: OdometryConfig = OdometryConfig()
     joints: JointsConfig = JointsConfig()
@@ -177,51 +231,22 @@ class StreamsConfig(_Model):
 
 
 class StartPose(_Model):
-    """Where the body stands at the start: metres and degrees in the world."""
+    """Start pose of the body: metres and degrees in the world."""
 
     x: float = 0.0
     y: float = 0.0
     heading_deg: float = 0.0
 
 
-def check_footprint(corners: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
-    """``corners`` if they are a convex polygon, counter-clockwise, around the base's origin. Raises ValueError."""
-    following = (*corners[1:], corners[0])
-    edges = [(bx - ax, by - ay) for (ax, ay), (bx, by) in zip(corners, following, strict=True)]
-    if any(math.hypot(*edge) < 1e-6 for edge in edges):
-        raise ValueError("two corners that follow each other are the same")
-    turns = [ax * by - ay * bx for (ax, ay), (bx, by) in zip(edges, (*edges[1:], edges[0]), strict=True)]
-    if all(turn < 0 for turn in turns):
-        raise ValueError("the corners go clockwise; name them counter-clockwise, as seen from above")
-    around = sum(math.atan2(turn, ax * bx + ay * by) for turn, (ax, ay), (bx, by) in zip(
-        turns, edges, (*edges[1:], edges[0]), strict=True
-    ))  # fmt: skip
-    if any(turn < -1e-9 for turn in turns) or abs(around - 2 * math.pi) > 1e-6:
-        raise ValueError("the polygon is not convex: going round it, every corner must turn left")
-    if any(ex * -ay - ey * -ax <= 0 for (ax, ay), (ex, ey) in zip(corners, edges, strict=True)):
-        raise ValueError("base_link, at (0, 0), does not lie inside it")
-    return corners
-
-
-def circle(radius_m: float, corners: int = 16) -> tuple[tuple[float, float], ...]:
-    """A regular polygon around a circle of ``radius_m``: a round body's footprint."""
-    reach = radius_m / math.cos(math.pi / corners)
-    angles = (2 * math.pi * number / corners for number in range(corners))
-    return tuple((round(reach * math.cos(a), 4), round(reach * math.sin(a), 4)) for a in angles)
-
-
-class RobotConfig(_Model):
-    """One body. :func:`load_robot_config` takes ``model``, ``world`` and ``scenario`` relative to the file itself."""
+class RobotConfig(BodyConfig):
+    """One simulated body. :func:`load_robot_config` takes ``world`` and ``scenario``, too, relative to the file."""
 
     kind: Literal["simulated"] = "simulated"
     name: str = "IRL-1/TR"
-    model: Path
     world: Path
     footprint: Annotated[tuple[tuple[float, float], ...], Field(min_length=3, max_length=64)] = Field(
         default=circle(0.28), description="corners (m) in base_link, convex, counter-clockwise, of what it covers"
     )
-    height_m: Positive = Field(default=1.5, description="what hangs higher is not in its way")
-    limits: LimitsConfig = LimitsConfig()
     base: BaseConfig = BaseConfig()
     streams: StreamsConfig = StreamsConfig()
     loudspeaker: LoudspeakerConfig | None = None
@@ -233,24 +258,37 @@ class RobotConfig(_Model):
         default=None, description="record every step of the guard in this file (guard_log.py)"
     )
 
-    @field_validator("footprint")
-    @classmethod
-    def _footprint_is_sound(cls, corners: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
-        return check_footprint(corners)
+    @property
+    def standing_rates_hz(self) -> tuple[float, float, float]:
+        """How often the streams that every body has come: odometry, joints, status."""
+        return self.streams.odometry.rate_hz, self.streams.joints.rate_hz, self.streams.status.rate_hz
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """Model and world, and the scenario if it has one."""
+        return (self.model, self.world, *((self.scenario,) if self.scenario is not None else ()))
+
+
+BodyT = TypeVar("BodyT", bound=BodyConfig)
+
+
+def load_body_config(path: Path | str, model: type[BodyT], *files: str) -> BodyT:
+    """Read a body's file as a ``model``; ``model``, ``program`` and the keys ``files`` are made absolute.
+
+    Raises ConfigError (file, line, key), also for a file that is missing.
+    """
+    document = load_yaml(path)
+    config = document.validate(model)
+    here = Path(path).resolve().parent
+    paths: dict[str, Path] = {}
+    for key in ("model", "program", *files):
+        if (named := getattr(config, key)) is not None:
+            paths[key] = (here / named).resolve()
+            if not paths[key].is_file():
+                raise document.error(f"{key}: there is no file {paths[key]}", (key,))
+    return config.model_copy(update=paths)
 
 
 def load_robot_config(path: Path | str) -> RobotConfig:
     """Read ``config/robots/<name>.yaml``; raises ConfigError (file, line, key), also for files that are missing."""
-    document = load_yaml(path)
-    config = document.validate(RobotConfig)
-    here = Path(path).resolve().parent
-    paths = {"model": (here / config.model).resolve(), "world": (here / config.world).resolve()}
-    if config.scenario is not None:
-        paths["scenario"] = (here / config.scenario).resolve()
-    for key, file in paths.items():
-        if not file.is_file():
-            raise document.error(f"{key}: there is no file {file}", (key,))
-    return config.model_copy(update=paths)
-
-
-__all__ = ["ConfigError", "RobotConfig", "load_robot_config"]
+    return load_body_config(path, RobotConfig, "world", "scenario")

@@ -1,15 +1,19 @@
-"""From configuration to a body."""
+"""Construction of bodies from configuration."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from app.base.errors import ConfigError
-from app.base.yaml_source import load_yaml, parse
+from app.base.extensions import extensions
+from app.base.yaml_source import load_yaml, parse, suggestion
 from app.link import RobotLink, StreamDescription
 from app.messages import JointState, LinkStatus, Odometry
-from app.robots.config import RobotConfig, StartPose, load_robot_config
-from app.robots.devices.config import JOINTS_HZ, ODOMETRY_HZ, STATUS_HZ, DevicesConfig, load_devices_config
+from app.robots.config import BodyConfig, RobotConfig, StartPose, load_robot_config
+from app.robots.devices.config import DevicesConfig, load_devices_config
 from app.robots.model import load_model
 from app.robots.simulated.link import SimulatedLink
 from app.robots.simulated.lockstep import LockstepLink
@@ -17,44 +21,63 @@ from app.robots.simulated.scenery.scenario_config import ScenarioConfig, load_sc
 from app.robots.simulated.world_config import WorldConfig
 from app.runtime.clock import Clock
 
-Body = RobotConfig | DevicesConfig
+Body = BodyConfig
+
+
+@dataclass(frozen=True, slots=True)
+class BodyKind:
+    """A kind of body: what an entry point of the group ``hbba.bodies`` names; its name is the ``kind`` of files.
+
+    ``load`` reads a file of that kind and raises ConfigError (:func:`app.robots.config.load_body_config` does most of
+    it). ``create`` makes the link, not yet started, of what ``load`` returned; its second argument plus
+    ``time.monotonic()`` is the robot's clock. It raises ConfigError.
+    """
+
+    load: Callable[[Path], BodyConfig]
+    create: Callable[[Any, float], RobotLink]
 
 
 def load_body(path: Path | str) -> Body:
-    """Read the body that the file describes, of whatever kind. Raises ConfigError (file, line, key)."""
-    data = load_yaml(path).data
-    if isinstance(data, dict) and data.get("kind") == "devices":
-        return load_devices_config(path)
-    return load_robot_config(path)
+    """Read the body of the file, of any kind. Raises ConfigError (file, line, key)."""
+    document = load_yaml(path)
+    named = document.data.get("kind", SIMULATED_KIND) if isinstance(document.data, dict) else SIMULATED_KIND
+    try:
+        kind = body_kind(named)
+    except ConfigError as failure:
+        raise document.error(f"kind: {failure.message}", ("kind",)) from failure
+    return kind.load(Path(path))
+
+
+def body_kind(name: object) -> BodyKind:
+    """The kind of body that the project or a package calls ``name``.
+
+    Raises ConfigError where there is none, naming those there are, or where its package cannot be used.
+    """
+    kinds = extensions("hbba.bodies")
+    extension = kinds.get(str(name))
+    if extension is None:
+        raise ConfigError(f"there is no kind of body {name!r}; {suggestion(str(name), list(kinds))}")
+    found = extension.load()
+    if not isinstance(found, BodyKind):
+        raise ConfigError(f"{extension.value} of {extension.distribution} is no BodyKind")
+    return found
 
 
 def standing_streams(body: Body) -> dict[str, StreamDescription]:
     """The streams that every body has."""
-    rates = (ODOMETRY_HZ, JOINTS_HZ, STATUS_HZ)
-    if isinstance(body, RobotConfig):
-        rates = (body.streams.odometry.rate_hz, body.streams.joints.rate_hz, body.streams.status.rate_hz)
     types = {"odometry": Odometry, "joints": JointState, "status": LinkStatus}
     return {
-        name: StreamDescription(name, kind, rate_hz) for (name, kind), rate_hz in zip(types.items(), rates, strict=True)
+        name: StreamDescription(name, message_type, rate_hz)
+        for (name, message_type), rate_hz in zip(types.items(), body.standing_rates_hz, strict=True)
     }
 
 
-def body_files(body: Body) -> tuple[Path, ...]:
-    """The files that the body's own file names and a recording must have to be understood."""
-    if isinstance(body, DevicesConfig):
-        return (body.model,)
-    return (body.model, body.world, *((body.scenario,) if body.scenario is not None else ()))
-
-
-def create_link(robot_config: Body, clock_offset: float) -> RobotLink:
-    """The body that ``robot_config`` asks for, not yet started; ``clock_offset`` + ``time.monotonic()`` is its clock.
+def create_link(body: Body, clock_offset: float) -> RobotLink:
+    """The link of ``body``, not yet started; ``clock_offset`` + ``time.monotonic()`` is its clock.
 
     Raises ConfigError (file, line, key) if its model or its world is wrong.
     """
-    if isinstance(robot_config, DevicesConfig):
-        return _devices(robot_config, clock_offset)
-    robot, world, scenario = simulated_parts(robot_config)
-    return SimulatedLink(robot, world, clock_offset, scenario)
+    return body_kind(body.kind).create(body, clock_offset)
 
 
 def create_lockstep(
@@ -67,7 +90,7 @@ def create_lockstep(
 ) -> LockstepLink:
     """The simulated body ``robot_config`` in the program's own process, in step with ``clock``; see ``lockstep.py``.
 
-    ``world`` stands in for the one that its file names. Raises ConfigError (file, line, key) if its model or its world
+    ``world`` replaces the one that its file names. Raises ConfigError (file, line, key) if its model or its world
     is wrong.
     """
     robot, world, scenario = simulated_parts(robot_config, world)
@@ -77,9 +100,9 @@ def create_lockstep(
 def simulated_parts(
     robot: RobotConfig, world: WorldConfig | None = None
 ) -> tuple[RobotConfig, WorldConfig, ScenarioConfig | None]:
-    """What a simulated body is put together from: itself, where it starts in its scenario; its world; the scenario.
+    """Parts of a simulated body: its configuration with the scenario's start, its world, the scenario.
 
-    ``world`` stands in for the one that its file names. Raises ConfigError.
+    ``world`` replaces the one that its file names. Raises ConfigError.
     """
     _check_model(robot)
     world = world or parse(robot.world, WorldConfig)
@@ -91,8 +114,13 @@ def simulated_parts(
     return robot, world, scenario
 
 
+def _simulated(config: RobotConfig, clock_offset: float) -> RobotLink:
+    robot, world, scenario = simulated_parts(config)
+    return SimulatedLink(robot, world, clock_offset, scenario)
+
+
 def _devices(config: DevicesConfig, clock_offset: float) -> RobotLink:
-    from app.robots.devices.link import DevicesLink  # with libraries for sound, which a simulated body does without
+    from app.robots.devices.link import DevicesLink  # imports sound libraries, which a simulated body does not need
 
     model = load_model(config.model)
     for device in (config.camera, config.microphones):
@@ -113,3 +141,9 @@ def _check_model(robot: RobotConfig) -> None:
     for link in sensors:
         if link not in model.links:
             raise ConfigError(f"has no link {link!r} for a sensor of {robot.name}", str(robot.model))
+
+
+SIMULATED_KIND = "simulated"
+#: What pyproject.toml names, as a package's does its own.
+SIMULATED = BodyKind(load_robot_config, _simulated)
+DEVICES = BodyKind(load_devices_config, _devices)

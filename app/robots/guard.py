@@ -1,10 +1,10 @@
-"""The guard: what stands between the program and the wheels, as pure functions of time, ages, flags and state.
+"""The guard: last check between the program and the wheels, as pure functions of time, ages, flags and state.
 
-It runs in the link's process at every control step and depends on nothing the runtime does: a runtime that is dead,
-frozen or stuck merely stops sending commands, and their age does the rest.
+It runs in the link's process at every control step, independent of the runtime: a dead or frozen runtime stops sending
+commands, and their age triggers the stop.
 
 - No fresh command for ``command_timeout_s`` (0.2 s): zero. Latched emergency stop: zero until it is cleared.
-- Speeds are clamped to the base's limits; a command that is no number is refused and counts as zero.
+- Speeds are clamped to the base's limits; a command with a non-finite value is refused and counts as zero.
 - An ordinary command is approached at the base's accelerations, up and down alike (thesis 4.2: 0.40 m/s^2, 4.00
   rad/s^2). A *safety* stop (stale command, emergency stop, failed sensor) sets the wheels' speed to zero at once; the
   drives then brake as hard as their torque limit lets them (``emergency_mps2`` of the robot's configuration).
@@ -22,11 +22,11 @@ from enum import StrEnum
 from app.link import BaseLimits
 
 FUTURE_TOLERANCE_S = 0.05
-"""How far a command's stamp may lie ahead of the guard's clock before the command is refused."""
+"""Greatest advance (s) of a command's stamp over the guard's clock."""
 
 
 class GuardMode(StrEnum):
-    """What the guard is doing; the values of ``LinkStatus.guard``."""
+    """State of the guard; the values of ``LinkStatus.guard``."""
 
     IDLE = "idle"
     DRIVING = "driving"
@@ -36,7 +36,7 @@ class GuardMode(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Velocity:
+class BaseVelocity:
     """A velocity of the base: forward (m/s) and turn (rad/s, left positive)."""
 
     linear_mps: float = 0.0
@@ -44,7 +44,7 @@ class Velocity:
 
     @property
     def is_finite(self) -> bool:
-        """Whether both parts are numbers."""
+        """Whether both parts are finite."""
         return math.isfinite(self.linear_mps) and math.isfinite(self.angular_radps)
 
     @property
@@ -53,20 +53,20 @@ class Velocity:
         return self.linear_mps == 0.0 and self.angular_radps == 0.0
 
 
-ZERO = Velocity()
+ZERO = BaseVelocity()
 
 
 @dataclass(frozen=True, slots=True)
-class Command:
-    """A velocity asked for at ``stamp`` (s, robot's clock)."""
+class VelocityCommand:
+    """A commanded velocity, at ``stamp`` (s, robot's clock)."""
 
     stamp: float
-    velocity: Velocity
+    velocity: BaseVelocity
 
 
 @dataclass(frozen=True, slots=True)
 class GuardLimits:
-    """The base's limits; how old (s) a command and a sensor the base must not drive without may get."""
+    """The base's limits; greatest age (s) of a command, and of a sensor that driving requires."""
 
     base: BaseLimits
     command_timeout_s: float = 0.2
@@ -75,32 +75,32 @@ class GuardLimits:
 
 @dataclass(frozen=True, slots=True)
 class GuardState:
-    """What the guard remembers from step to step.
+    """State between steps.
 
-    ``applied`` is what the wheels are given; ``command`` the newest command; ``e_stop`` the reason of the latched stop
-    or None; ``refused`` why the newest command cannot be obeyed, or None.
+    ``applied``: velocity of the wheels; ``command``: the newest command; ``e_stop``: reason of the latched stop or
+    None; ``refused``: reason of refusing the newest command, or None.
     """
 
-    applied: Velocity = ZERO
-    command: Command | None = None
+    applied: BaseVelocity = ZERO
+    command: VelocityCommand | None = None
     e_stop: str | None = None
     refused: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class GuardAction:
-    """What to do now: give the wheels ``target``, at once if ``immediate``, else along the ramp; and how to say it."""
+    """Action now: approach ``target``, at once if ``immediate``, else along the ramp; with mode and reason."""
 
     mode: GuardMode
     reason: str
-    target: Velocity
+    target: BaseVelocity
     immediate: bool
 
 
-def accept(state: GuardState, command: Command) -> GuardState:
-    """The state after ``command``: refused and held as zero if it is no number, ignored if older than the last."""
+def accept(state: GuardState, command: VelocityCommand) -> GuardState:
+    """The state after ``command``: refused and counted as zero if not finite, ignored if older than the last."""
     if not (command.velocity.is_finite and math.isfinite(command.stamp)):
-        refused = Command(state.command.stamp if state.command else -math.inf, ZERO)
+        refused = VelocityCommand(state.command.stamp if state.command else -math.inf, ZERO)
         return replace(state, command=refused, refused="the last command was not a number")
     if state.command is not None and command.stamp < state.command.stamp:
         return state
@@ -113,7 +113,7 @@ def e_stop(state: GuardState, reason: str) -> GuardState:
 
 
 def clear_e_stop(state: GuardState) -> GuardState:
-    """The state with the latch released: earlier commands are forgotten, so the base waits for a new one."""
+    """The state with the latch released: earlier commands are dropped, so the base waits for a new one."""
     return state if state.e_stop is None else replace(state, e_stop=None, command=None, refused=None)
 
 
@@ -124,19 +124,19 @@ def command_age(state: GuardState, now: float) -> float | None:
     return now - state.command.stamp
 
 
-def clamp(velocity: Velocity, limits: BaseLimits) -> Velocity:
+def clamp(velocity: BaseVelocity, limits: BaseLimits) -> BaseVelocity:
     """``velocity`` within the base's speeds."""
-    return Velocity(
+    return BaseVelocity(
         min(max(velocity.linear_mps, -limits.linear_mps), limits.linear_mps),
         min(max(velocity.angular_radps, -limits.angular_radps), limits.angular_radps),
     )
 
 
 def decide(now: float, state: GuardState, sensor_ages: Mapping[str, float], limits: GuardLimits) -> GuardAction:
-    """What the wheels may be given at ``now`` (s, robot's clock).
+    """The allowed motion at ``now`` (s, robot's clock).
 
-    ``sensor_ages``: seconds since each sensor last gave a value, for those the base must not drive without.
-    The most severe state wins: emergency stop, failed sensor, unusable or stale command.
+    ``sensor_ages``: seconds since the last value of each sensor that driving requires. The most severe state wins:
+    emergency stop, failed sensor, unusable or stale command.
     """
     if state.e_stop is not None:
         return GuardAction(GuardMode.E_STOPPED, f"emergency stop: {state.e_stop}", ZERO, immediate=True)
@@ -153,7 +153,7 @@ def decide(now: float, state: GuardState, sensor_ages: Mapping[str, float], limi
         return GuardAction(GuardMode.STALE_COMMAND, reason, ZERO, immediate=True)
     if age > limits.command_timeout_s:
         if state.command.velocity.is_zero and state.applied.is_zero:
-            return GuardAction(GuardMode.IDLE, "standing; nobody commands", ZERO, immediate=True)
+            return GuardAction(GuardMode.IDLE, "standing; no command", ZERO, immediate=True)
         return GuardAction(GuardMode.STALE_COMMAND, f"no fresh command for {age:.1f} s", ZERO, immediate=True)
     target = clamp(state.command.velocity, limits.base)
     if target.is_zero:
@@ -162,10 +162,11 @@ def decide(now: float, state: GuardState, sensor_ages: Mapping[str, float], limi
 
 
 def step(state: GuardState, action: GuardAction, limits: GuardLimits, dt_s: float) -> GuardState:
-    """The state ``dt_s`` seconds on: ``applied`` moved towards the action's target, never faster than the base may."""
+    """The state ``dt_s`` seconds later: ``applied`` moved towards the action's target, within the base's
+    accelerations."""
     if action.immediate:
         return replace(state, applied=action.target)
-    applied = Velocity(
+    applied = BaseVelocity(
         _approach(state.applied.linear_mps, action.target.linear_mps, limits.base.linear_mps2 * dt_s),
         _approach(state.applied.angular_radps, action.target.angular_radps, limits.base.angular_radps2 * dt_s),
     )

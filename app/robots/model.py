@@ -1,7 +1,7 @@
-"""The body's model as the program sees it: frames, joints and forward kinematics of a URDF file.
+"""Kinematic model of a body: frames, joints and forward kinematics of a URDF file.
 
-Only the kinematics are read here; shapes are for the physics and the console. (A mesh library would do it too, at a
-second of import time that every start of the link would pay.)
+Shapes are read by the physics and the console. (A mesh library would read all of it, at one second of import time for
+every start of the link.)
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class Joint:
 
     @property
     def moves(self) -> bool:
-        """Whether it has a position."""
+        """Whether it is movable."""
         return self.kind in MOVING_TYPES
 
     def pose(self, position: float) -> Pose3:
@@ -52,7 +52,7 @@ class Joint:
         return self.X_PJ
 
 
-class RobotModel:
+class KinematicModel:
     """The tree of links and joints of one URDF file."""
 
     def __init__(self, root: str, joints: tuple[Joint, ...]) -> None:
@@ -93,8 +93,8 @@ def rotation_about(axis: NDArray[np.float64], angle: float) -> NDArray[np.float6
     return np.asarray(np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * (cross @ cross))
 
 
-def load_model(path: Path) -> RobotModel:
-    """Read the URDF file ``path``. Raises ConfigError if it is none, or if its links are no tree."""
+def load_model(path: Path) -> KinematicModel:
+    """Read the URDF file ``path``. Raises ConfigError if it is invalid, or if its links do not form a tree."""
     try:
         with open_plain(path) as file:
             robot = ElementTree.parse(file).getroot()
@@ -112,7 +112,7 @@ def load_model(path: Path) -> RobotModel:
         raise ConfigError(
             f"its links must form one tree; these have no parent: {', '.join(roots) or 'none'}", str(path)
         )
-    return RobotModel(roots[0], joints)
+    return KinematicModel(roots[0], joints)
 
 
 def _joint(element: ElementTree.Element) -> Joint:

@@ -1,4 +1,4 @@
-"""Who listens to which stream of a body: one table for every kind of link whose streams come as they are."""
+"""Receivers of a body's streams: one table for every kind of link."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 from app.link import RobotDescription
 
 ALWAYS_ON = ("odometry", "joints", "status")
-"""Streams that run whether anybody listens or not."""
+"""Streams that run independent of demand."""
 
 
 class Receivers:
@@ -41,15 +41,16 @@ class Receivers:
         return True
 
     def listened(self, stream: str) -> bool:
-        """Whether anybody is attached to ``stream``."""
+        """Whether ``stream`` has a receiver."""
         return bool(self._receivers[stream])
 
     def deliver(self, stream: str, message: Any) -> None:
-        """Give ``message`` to everybody attached; one receiver's fault is the loop's to tell and cuts no other off."""
+        """Pass ``message`` to all receivers; an exception of one goes to the loop's handler and does not affect the
+        others."""
         for receive in tuple(self._receivers[stream]):
             try:
                 receive(message)
-            except Exception as failure:  # noqa: BLE001  # must not cut the others off, nor pass in silence
+            except Exception as failure:  # noqa: BLE001  # must neither affect the others nor pass in silence
                 asyncio.get_running_loop().call_exception_handler(
                     {"message": f"a receiver of {stream} raised", "exception": failure}
                 )

@@ -1,7 +1,7 @@
-"""How much the C library keeps of memory that was given back, in a program of many threads.
+"""Limits how much freed memory the C library keeps in a program of many threads.
 
 glibc gives each thread that allocates beside another a heap of its own (an arena, up to eight for each core), and each
-may keep the most that its thread ever used. Modules compute in threads of their own, each with its own peaks: the
+arena may keep the most that its thread ever used. Modules compute in threads of their own, each with its own peaks: the
 program can grow in steps until all of them have been reached.
 """
 
@@ -11,7 +11,8 @@ import ctypes
 
 #: glibc's ``M_ARENA_MAX`` (malloc.h).
 _M_ARENA_MAX = -8
-#: One for the event loop, one for all others. Most of what modules allocate they do under the interpreter's lock.
+#: Number of arenas: one for the event loop, one for all other threads. Modules allocate mostly under the interpreter
+#: lock, so they rarely contend.
 ARENAS = 2
 
 

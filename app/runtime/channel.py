@@ -13,19 +13,17 @@ For each subscription, at any time::
 from __future__ import annotations
 
 import asyncio
-import logging
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
+from app.base.observers import Observers
 from app.messages import Message
 from app.runtime.errors import ChannelClosed, InboxOverflow, WouldBlock
 from app.runtime.filter import RateFilter
 
 M = TypeVar("M", bound=Message)
-
-log = logging.getLogger("hbba.channel")
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +75,8 @@ class Subscription(Generic[M]):
         divisor: float,
         on_filter: Callable[[], None],
         on_close: Callable[[Subscription[M]], None],
+        *,
+        demands: bool = True,
     ) -> None:
         if capacity < 1:
             raise ValueError(f"the inbox of {name} needs room for at least 1 message, not {capacity}")
@@ -86,7 +86,7 @@ class Subscription(Generic[M]):
         self._capacity = capacity
         self.lossless = lossless
         #: Whether the channel is wanted while the filter is open; see :meth:`demand`.
-        self.demands = True
+        self.demands = demands
         self._on_filter = on_filter
         self._on_close = on_close
         self._inbox: deque[M] = deque()
@@ -185,9 +185,9 @@ class Subscription(Generic[M]):
         return not self.lossless or len(self._inbox) < self._capacity or self._closed or not self._attended
 
     async def wait_for_room(self, give_up_at: float) -> bool:
-        """Wait until a message is taken, or no more will be; False if the loop's time ``give_up_at`` came first.
+        """Wait until a message is taken, or the consumer leaves; False if the loop's time ``give_up_at`` came first.
 
-        However the wait ends, it leaves nothing behind.
+        A cancelled wait leaves no state behind.
         """
         loop = asyncio.get_running_loop()
         sender: asyncio.Future[bool] = loop.create_future()
@@ -220,18 +220,19 @@ class Subscription(Generic[M]):
         self._wake_senders()
 
     def leave(self) -> None:
-        """Say that nobody takes from here for now: the consumer is down.
+        """Mark the consumer as down.
 
-        The inbox goes on as before, but a lossless one that is full holds no sender up and what it loses is only
-        counted: a broken consumer is no fault of its producer.
+        The inbox goes on as before, but a lossless inbox that is full blocks no sender, and its losses are only
+        counted: a consumer that failed must not fail its producer.
         """
         self._attended = False
         self._wake_senders()
 
     def adopt(self) -> int:
-        """Take over from a consumer that is gone, with what waits; returns how many messages a lossless inbox lost.
+        """Take over from a consumer that ended, with the messages that wait; returns how many messages a lossless inbox
+        lost.
 
-        Whoever still waits here is cancelled, and the loss counts as known.
+        A ``receive`` of the former consumer that still waits is cancelled; the loss is not raised again.
         """
         self._attended = True
         if self._waiter is not None:
@@ -241,7 +242,7 @@ class Subscription(Generic[M]):
         return lost
 
     def discard(self) -> None:
-        """Throw away what waits; a loss that was not told yet is forgotten with it."""
+        """Discard the messages that wait, and a loss that was not raised yet."""
         self._discarded += len(self._inbox)
         self._inbox.clear()
         self._overflowed = 0
@@ -285,8 +286,8 @@ class Channel(Generic[M]):
         self.published = 0
         self._closed = False
         self._wanted = False
-        self._wanted_callbacks: list[Callable[[bool], None]] = []
-        self._observers: tuple[Callable[[M], None], ...] = ()
+        self._wanted_observers: Observers[[bool]] = Observers(f"demand for channel {name}")
+        self._observers: Observers[[M]] = Observers(f"channel {name}")
 
     def publish(self, message: M) -> None:
         """Give ``message`` to every subscription; never waits. Raises ChannelClosed after :meth:`close`."""
@@ -296,13 +297,13 @@ class Channel(Generic[M]):
         self.latest = message
         for subscription in self._subscriptions:
             subscription.offer(message)
-        for observer in self._observers:
-            observer(message)
+        if self._observers:
+            self._observers.notify(message)
 
     async def send(self, message: M, deadline_s: float) -> None:
         """Publish once every lossless inbox has room.
 
-        Raises InboxOverflow after ``deadline_s``, having given it to nobody.
+        Raises InboxOverflow after ``deadline_s``; no subscription received the message then.
         """
         for subscription in self._lossless:
             if not subscription.has_room():
@@ -312,7 +313,7 @@ class Channel(Generic[M]):
 
     async def _wait_room(self, deadline_s: float) -> None:
         give_up_at = asyncio.get_running_loop().time() + deadline_s
-        # From the start after each wait: meanwhile, another that had room may have been filled.
+        # All inboxes are checked again after each wait: one that had room may have been filled in the meantime.
         while full_one := next((s for s in self._lossless if not s.has_room()), None):
             in_time = await full_one.wait_for_room(give_up_at)
             if not in_time and (full := ", ".join(s.name for s in self._lossless if not s.has_room())):
@@ -329,9 +330,15 @@ class Channel(Generic[M]):
         if self._closed:
             raise ChannelClosed(f"{self.name}: {name} subscribed to a closed channel")
         subscription: Subscription[M] = Subscription(
-            name, self._now, capacity, lossless, divisor, self._update_wanted, self.unsubscribe
+            name,
+            self._now,
+            capacity=capacity,
+            lossless=lossless,
+            divisor=divisor,
+            on_filter=self._update_wanted,
+            on_close=self.unsubscribe,
+            demands=demands,
         )
-        subscription.demands = demands
         self._set_subscriptions((*self._subscriptions, subscription))
         return subscription
 
@@ -352,23 +359,18 @@ class Channel(Generic[M]):
         for subscription in self._subscriptions:
             subscription.end()
 
-    def forget(self) -> None:
+    def clear(self) -> None:
         """Forget :attr:`latest` and what waits in every inbox; the counters go on."""
         self.latest = None
         for subscription in self._subscriptions:
             subscription.discard()
 
     def observe(self, callback: Callable[[M], None]) -> Callable[[], None]:
-        """Call ``callback`` with every message published, within its ``publish``; returns what ends it.
+        """Call ``callback`` with every message published, within its ``publish``; returns a function that ends this.
 
-        An observer is no consumer: the channel is not :attr:`wanted` for it. It must not raise.
+        An observer is no subscription: the channel is not :attr:`wanted` for it. An observer that raises is removed.
         """
-        self._observers = (*self._observers, callback)
-
-        def end() -> None:
-            self._observers = tuple(o for o in self._observers if o is not callback)
-
-        return end
+        return self._observers.add(callback)
 
     @property
     def wanted(self) -> bool:
@@ -378,16 +380,11 @@ class Channel(Generic[M]):
     def on_wanted(self, callback: Callable[[bool], None]) -> Callable[[], None]:
         """Call ``callback(wanted)`` now and whenever :attr:`wanted` changes.
 
-        Returns what ends it, which may be called twice.
+        Returns a function that ends this, which may be called twice. A callback that raises later is removed.
         """
-        self._wanted_callbacks.append(callback)
+        remove = self._wanted_observers.add(callback)
         callback(self._wanted)
-
-        def end() -> None:
-            if callback in self._wanted_callbacks:
-                self._wanted_callbacks.remove(callback)
-
-        return end
+        return remove
 
     def _set_subscriptions(self, subscriptions: tuple[Subscription[M], ...]) -> None:
         self._subscriptions = subscriptions
@@ -398,12 +395,7 @@ class Channel(Generic[M]):
         wanted = any(s.demands and s.filter.is_open for s in self._subscriptions)
         if wanted != self._wanted:
             self._wanted = wanted
-            for callback in tuple(self._wanted_callbacks):
-                try:
-                    callback(wanted)
-                except Exception:  # logged with its traceback
-                    # It must not reach whoever happened to write the filter, half-way through an intention.
-                    log.exception("channel %s: a source could not be told whether it is wanted", self.name)
+            self._wanted_observers.notify(wanted)
 
     def statistics(self) -> ChannelStatistics:
         """The counters now, by subscription."""

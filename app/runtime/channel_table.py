@@ -11,6 +11,7 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from app import messages
+from app.base.extensions import load_named
 
 
 class PageColumn(BaseModel):
@@ -30,7 +31,9 @@ class ChannelSpec(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    message: str = Field(alias="type", description="name of a message class of app.messages")
+    message: str = Field(
+        alias="type", description="name of a message class of app.messages, or package.module:Class of another package"
+    )
     title: str = Field("", description="what people call it")
     rate_hz: float | None = Field(None, gt=0, description="nominal rate; none for a channel of events")
     frame: str = Field("", description="frame of the message's coordinates")
@@ -45,14 +48,21 @@ class ChannelSpec(BaseModel):
 
     @property
     def message_type(self) -> type[Any]:
-        """The message class. Raises KeyError for a name that ``app.messages`` does not have."""
-        found = vars(messages).get(self.message)
+        """The message class: a dataclass with a ``stamp``. Raises KeyError, which names it, where there is none."""
+        found = load_named(self.message) if ":" in self.message else vars(messages).get(self.message)
         if isinstance(found, type) and is_dataclass(found) and any(f.name == "stamp" for f in fields(found)):
             return found
         raise KeyError(self.message)
 
+    def no_message(self) -> str:
+        """The sentence for a type that there is not."""
+        return (
+            f"there is no message type {self.message!r}; allowed: a class of app.messages, or package.module:Class, a "
+            "dataclass with a stamp"
+        )
+
     def stale_after_s(self, divisor: float = 1) -> float | None:
-        """Age (s) beyond which a message is stale when one in ``divisor`` is asked for; None for events.
+        """Age (s) beyond which a message is stale at divisor ``divisor``; None for events.
 
         Judged against the *commanded* rate, or every switch of attention would raise a false alarm.
         """

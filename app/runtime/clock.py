@@ -74,7 +74,7 @@ class VirtualClock:
 
     def now(self) -> float:
         """``origin`` plus the virtual seconds that have passed on the running loop; its last reading outside one."""
-        # Outside any loop time stands still.
+        # Outside of an event loop time does not pass.
         with contextlib.suppress(RuntimeError):
             self._latest = self.origin + asyncio.get_running_loop().time()
         return self._latest
@@ -95,7 +95,7 @@ async def _sleep_until(clock: Clock, stamp: float) -> None:
         await asyncio.sleep(max(stamp - clock.now(), _SHORTEST_SLEEP_S))
 
 
-class _Job(Generic[T]):
+class _ThreadJob(Generic[T]):
     """Work in a thread: its ``result`` there, and the ``future`` that a task on the loop waits for."""
 
     def __init__(self, loop: VirtualTimeLoop, result: concurrent.futures.Future[T]) -> None:
@@ -124,7 +124,7 @@ class _Job(Generic[T]):
             self.deliver()
 
     def _wake(self, _: object) -> None:
-        with contextlib.suppress(RuntimeError):  # the loop is closed: nobody waits any more
+        with contextlib.suppress(RuntimeError):  # the loop is closed: nothing waits any more
             self._loop.call_soon_threadsafe(self.deliver if self._given_up else _nothing)
 
 
@@ -144,7 +144,7 @@ class _JumpingSelector(selectors.DefaultSelector):
         self._turns = self._turns + 1 if spinning else 0
         if spinning and not (jobs and self._turns > _LONGEST_SPIN):
             return super().select(0)
-        # Every task waits. Results are handed over one by one and in the order they were asked for, not as they come.
+        # Every task waits. Results are delivered one by one in the order of their calls, not of their arrival.
         while jobs:
             if jobs[0].future.done():
                 jobs.popleft()
@@ -165,18 +165,19 @@ class _JumpingSelector(selectors.DefaultSelector):
 
 
 class VirtualTimeLoop(asyncio.SelectorEventLoop):
-    """An event loop whose time stands still while anything runs and jumps to the next timer when everything waits.
+    """An event loop in virtual time: time does not pass while a task runs, and jumps to the next timer when all tasks
+    wait.
 
-    Work in threads counts as running, as long as it was started with ``run_in_executor`` (so ``asyncio.to_thread``
-    and ``Module.compute`` too), and its results arrive in the order it was asked for: a run is the same each time,
-    however slow the machine. Only a thread that does not come back within ``patience_s`` real seconds is given up,
-    and time goes on without it.
+    Work in threads counts as running if it was started with ``run_in_executor`` (so ``asyncio.to_thread`` and
+    ``Module.compute`` too). Its results arrive in the order of the calls: a run gives the same results each time,
+    however slow the machine. A thread that does not return within ``patience_s`` real seconds is given up, and time
+    passes without it.
     """
 
     def __init__(self, patience_s: float = 10.0) -> None:
         self.virtual_time = 0.0
         self.patience_s = patience_s
-        self.jobs: deque[_Job[Any]] = deque()
+        self.jobs: deque[_ThreadJob[Any]] = deque()
         selector = _JumpingSelector()
         super().__init__(selector)
         selector.loop = self
@@ -190,13 +191,13 @@ class VirtualTimeLoop(asyncio.SelectorEventLoop):
     def run_in_executor(  # type: ignore[override]  # typeshed names the variadics differently
         self, executor: concurrent.futures.Executor | None, func: Callable[..., T], *args: Any
     ) -> asyncio.Future[T]:
-        """As in asyncio, remembering that a thread owes a result."""
-        job = _Job(self, (executor or self._threads).submit(func, *args))
+        """As in asyncio; time does not pass until the thread returns its result."""
+        job = _ThreadJob(self, (executor or self._threads).submit(func, *args))
         self.jobs.append(job)
         return job.future
 
     async def shutdown_default_executor(self, timeout: float | None = None) -> None:
-        """As in asyncio, but ``timeout`` is not for threads to keep: it would be over at once."""
+        """As in asyncio, but without ``timeout``: in virtual time it would be over at once."""
         await super().shutdown_default_executor()
 
 

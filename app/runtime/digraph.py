@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 Feed = tuple[str, float]
 
 _MOST_STEPS = 1000
-"""The number of paths may double with each channel on a cycle: only those found in so many steps are compared."""
+"""Limit of the search: the number of paths may double with each channel on a cycle."""
 
 
 def find_cycle(followers: Mapping[str, Collection[str]]) -> list[str] | None:
@@ -69,7 +69,8 @@ def slowdowns(own: Mapping[str, float], feeds: Mapping[str, Sequence[Feed]]) -> 
 def _peeled(
     before: Mapping[str, Sequence[str]], after: Mapping[str, Sequence[str]], nodes: frozenset[str]
 ) -> list[str]:
-    """Those of ``nodes`` that have none of ``nodes`` before them, then those that have only these, and so on."""
+    """``nodes`` in layers: those without a predecessor among ``nodes``, then those whose predecessors are all in
+    earlier layers, and so on."""
     waits = {node: sum(other in nodes for other in before[node]) for node in nodes}
     order = [node for node, count in waits.items() if not count]
     for node in order:

@@ -1,4 +1,4 @@
-"""What can go wrong between modules: one class per meaning."""
+"""Exceptions of channels and modules: one class per meaning."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ class WouldBlock(Exception):
 
 
 class InboxOverflow(Exception):
-    """A lossless inbox was full; the message says whose, and how many messages were lost."""
+    """A lossless inbox was full; the message names it and the number of messages lost."""
 
 
 class ModuleFailed(Exception):
-    """A module cannot work as configured; the message says what to do."""
+    """A module cannot work as configured; the message gives a remedy."""

@@ -1,7 +1,7 @@
-"""Whether a channel's newest message may still be believed, judged against the rate that attention commands.
+"""Freshness of channels: whether the newest message is recent enough for the rate that attention commands.
 
-Judged against the nominal rate, every switch of attention would raise a false alarm; a channel that nobody wants is
-closed, not stale. The measured rate stands beside the commanded one (as openpilot's ``freq_ok`` does).
+Judged against the nominal rate, every switch of attention would raise a false alarm; a channel without an open
+subscription is closed, not stale. The measured rate is reported beside the commanded one (as openpilot's ``freq_ok``).
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
+from app.base.observers import Observers
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.digraph import Feed, slowdowns
 from app.runtime.filter import CLOSED
@@ -21,12 +22,12 @@ from app.runtime.supervisor import ModuleState
 
 log = logging.getLogger("hbba.freshness")
 
-#: ``live``: may be believed; ``waiting``: just started or opened, the first message is not due yet; ``stale``: too
-#: old, or its module is not running; ``closed``: nobody wants it.
+#: ``live``: recent enough; ``waiting``: just started or opened, the first message is not due yet; ``stale``: too old,
+#: or the producing module does not run; ``closed``: no subscription is open.
 FreshnessState = Literal["live", "waiting", "stale", "closed"]
 
-#: How long (s) the first message may take once a channel is opened or its module has first started: a camera's driver,
-#: or a process of its own behind the body, starts no sooner.
+#: Seconds allowed for the first message after a channel was opened or its module first started: a camera's driver, or a
+#: process behind the body, takes that long to start.
 GRACE_S = 5.0
 #: A channel that is stale for less (s) is not worth a line in the log: a computer is busy for a moment.
 HICCUP_S = 0.9
@@ -60,10 +61,11 @@ def judge(
 ) -> Freshness:
     """The state of a channel: a pure function.
 
-    ``divisor`` is φ between the source's nominal rate and the channel, ``CLOSED`` when nobody wants it; ``producer``
-    is the state of the module that publishes it, None for a channel fed from outside; ``since`` is when this divisor
-    began to hold: the next message is due one allowed age later, however old the last one is. ``opened`` is when the
-    channel was last opened, or its module first ran: the first message after that has :data:`GRACE_S` at least.
+    ``divisor`` is φ between the source's nominal rate and the channel, ``CLOSED`` without an open subscription;
+    ``producer`` is the state of the module that publishes it, None for a channel fed from outside; ``since`` is the
+    time from which this divisor holds: the next message is due one allowed age later, however old the last one is.
+    ``opened`` is the time when the channel was last opened, or its module first ran: the first message after that may
+    take :data:`GRACE_S`.
     """
     age_s = None if last_stamp is None else now - last_stamp
     if divisor == CLOSED:
@@ -85,9 +87,9 @@ def judge(
 
 
 def sources(graph: Graph) -> frozenset[str]:
-    """The channels that something can come on: a module here produces them, or they are fed from outside.
+    """The channels with a source: a module of the program produces them, or they are fed from outside.
 
-    On the others the program listens in vain, for its modules do not make use of them: nobody is to blame.
+    The other channels have subscriptions, but this program has no producer for them: silence there is no fault.
     """
     return frozenset(name for name, spec in graph.specs.items() if name in graph.producers or spec.external)
 
@@ -133,9 +135,8 @@ def commanded_divisors(graph: Graph) -> dict[str, float]:
 
 
 class FreshnessWatch:
-    """Follows every channel of a graph. :meth:`sample`, once a second or a few times, tells observers each change of
-    state, and the log what stays stale; :meth:`read` may be called whenever somebody wants to know.
-    """
+    """Freshness of every channel of a graph. :meth:`sample`, called about once a second, notifies observers of each
+    change of state and logs channels that stay stale; :meth:`read` may be called at any time."""
 
     def __init__(self, graph: Graph, states: Mapping[str, ModuleState]) -> None:
         self._graph = graph
@@ -146,15 +147,16 @@ class FreshnessWatch:
         self._stale_since: dict[str, float] = {}
         self._logged: set[str] = set()
         self._sources = sources(graph)
-        self._observers: list[Callable[[str, Freshness], None]] = []
+        self._observers: Observers[[str, Freshness]] = Observers("the freshness of channels")
         self.latest: dict[str, Freshness] = {}
 
-    def observe(self, callback: Callable[[str, Freshness], None]) -> None:
-        """Call ``callback(channel, freshness)`` whenever a channel's state becomes another."""
-        self._observers.append(callback)
+    def observe(self, callback: Callable[[str, Freshness], None]) -> Callable[[], None]:
+        """Call ``callback(channel, freshness)`` at every change of a channel's state; returns a function that ends
+        this."""
+        return self._observers.add(callback)
 
-    def forget(self) -> None:
-        """Begin anew: nothing measured, no state known, every channel's first message due from now on."""
+    def reset(self) -> None:
+        """Clear all measurements and states; every channel's first message is due from now on."""
         self._rates = {name: RateMeter() for name in self._rates}
         self._since.clear()
         self._stale_since.clear()
@@ -166,13 +168,12 @@ class FreshnessWatch:
         before, self.latest = self.latest, self.read(now)
         for name, freshness in self.latest.items():
             if name not in before or before[name].state != freshness.state:
-                for observer in self._observers:
-                    observer(name, freshness)
+                self._observers.notify(name, freshness)
             self._log(name, freshness, now)
         return self.latest
 
     def read(self, now: float) -> dict[str, Freshness]:
-        """The freshness of each channel at ``now``; tells nobody."""
+        """The freshness of each channel at ``now``; notifies no observer."""
         divisors = commanded_divisors(self._graph)
         return {name: self._judge(name, divisor, now) for name, divisor in divisors.items()}
 
@@ -193,7 +194,7 @@ class FreshnessWatch:
         if name not in self._sources:
             age_s = None if last_stamp is None else now - last_stamp
             return Freshness("closed" if divisor == CLOSED else "waiting", age_s, None, None)
-        freshness = judge(spec, divisor, last_stamp, state, now, since, opened)
+        freshness = judge(spec, divisor, last_stamp=last_stamp, producer=state, now=now, since=since, opened=opened)
         rate_hz = self._rates[name].sample(now, channel.published)
         return Freshness(freshness.state, freshness.age_s, freshness.limit_s, freshness.commanded_hz, rate_hz)
 
@@ -205,7 +206,7 @@ class FreshnessWatch:
                 log.info("channel %s is %s again", name, freshness.state)
         elif name not in self._logged and now - self._stale_since.setdefault(name, now) >= HICCUP_S:
             self._logged.add(name)
-            producer = self._graph.producers.get(name, "whoever feeds it")
+            producer = self._graph.producers.get(name, "its source outside the program")
             age = (
                 "nothing came yet" if freshness.age_s is None else f"its newest message is {freshness.age_s:.2f} s old"
             )

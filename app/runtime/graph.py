@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from app.base.errors import ConfigError
+from app.base.extensions import load_named
 from app.base.yaml_source import likeliest, validation_message
 from app.runtime.channel import Channel
 from app.runtime.channel_table import ChannelSpec
@@ -17,14 +18,14 @@ from app.runtime.digraph import find_cycle
 from app.runtime.errors import ModuleFailed
 from app.runtime.filter import CLOSED, RateFilter, check_divisor
 from app.runtime.module import Module, ModuleContext, Settings
-from app.runtime.pending_work import Activity
+from app.runtime.pending_work import PendingWork
 
 #: Raises the error for a wiring mistake: (message, key path in the configuration).
 WiringErrorFactory = Callable[[str, tuple[str, ...]], Exception]
 
 
 class WiringError(Exception):
-    """A graph that cannot be: the message says which module or channel, what is wrong and what is allowed."""
+    """An invalid graph: the message names the module or channel, the mistake and what is allowed."""
 
 
 def _plain_wiring_error(message: str, key: tuple[str, ...]) -> Exception:
@@ -32,7 +33,7 @@ def _plain_wiring_error(message: str, key: tuple[str, ...]) -> Exception:
 
 
 class ModuleSpec(BaseModel):
-    """One module as it stands in configuration; its name is its key in the file."""
+    """One module as configured; its name is its key in the file."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -60,7 +61,7 @@ class ModuleSlot:
 
     @property
     def title(self) -> str:
-        """What people call it."""
+        """The module's title, as the page shows it."""
         return self.module_class.title or self.name
 
     def renew(self) -> Module:
@@ -76,12 +77,13 @@ class ModuleSlot:
         return module
 
     def adopt_inputs(self) -> dict[str, int]:
-        """Give the inboxes to a new instance; returns how many messages each lossless input lost meanwhile, if any."""
+        """Give the inboxes to a new instance; returns the number of messages that each lossless input lost meanwhile,
+        if any."""
         lost = {name: port.subscription.adopt() for name, port in self.context.inputs.items() if port.connected}
         return {name: count for name, count in lost.items() if count}
 
     def leave_inputs(self) -> None:
-        """Say that nobody takes from the inboxes until the next instance adopts them."""
+        """Mark the consumer of all inboxes as down until the next instance adopts them."""
         for port in self.context.inputs.values():
             if port.connected:
                 port.subscription.leave()
@@ -98,7 +100,7 @@ class ModuleSlot:
 
 @dataclass(frozen=True, slots=True)
 class Pin:
-    """A filter held at φ = ``divisor`` whatever attention wants; the first ``offset`` messages go by."""
+    """A filter fixed at φ = ``divisor`` against attention; it skips the first ``offset`` messages."""
 
     divisor: float
     offset: int = 0
@@ -130,9 +132,9 @@ class FilterBank:
         return {name: f.divisor for name, f in self._filters.items()}
 
     def pin(self, name: str, pin: Pin) -> None:
-        """Take the filter ``name`` out of others' hands: from now on :meth:`apply` leaves it alone.
+        """Fix the filter ``name``: from now on :meth:`apply` does not change it.
 
-        Raises KeyError for a filter that does not exist and ValueError for a φ or an offset that cannot be.
+        Raises KeyError for a filter that does not exist, ValueError for an invalid φ or offset.
         """
         if pin.offset < 0:
             raise ValueError(f"an offset is a number of messages from 0, not {pin.offset}")
@@ -157,15 +159,15 @@ class FilterBank:
         """The filters that are pinned now."""
         return self._pinned.keys()
 
-    def begin_anew(self) -> None:
-        """Let the next message pass wherever a filter is open, a pinned one's after its offset: as at the start."""
+    def reset(self) -> None:
+        """Reset the phases of open filters: the next message passes, at a pinned filter after its offset."""
         for name, rate_filter in self._filters.items():
             rate_filter.begin(self._pinned.get(name, 0))
 
     def delay(self, offset: int) -> None:
-        """Let ``offset`` messages go by at every filter that is closed now, once, when it first opens.
+        """Skip ``offset`` messages at every filter that is closed now, once, when it first opens.
 
-        So each phase of a decimation can be tried. Raises ValueError for an offset that cannot be.
+        A calibration tries each phase of a decimation so. Raises ValueError for an invalid offset.
         """
         if offset < 0:
             raise ValueError(f"an offset is a number of messages from 0, not {offset}")
@@ -216,16 +218,16 @@ class Graph:
         """
         self._error = error
         self.clock = clock
-        self.activity = Activity()
+        self.pending_work = PendingWork()
         self.specs = dict(channels)
         self.channels: dict[str, Channel[Any]] = {}
         for name, channel_spec in channels.items():
             try:
                 self.channels[name] = Channel(name, channel_spec.message_type, clock.now)
             except KeyError:
-                raise error(
-                    f"there is no message type {channel_spec.message!r} in app.messages", ("channels", name, "type")
-                ) from None
+                raise error(channel_spec.no_message(), ("channels", name, "type")) from None
+            except ConfigError as failure:
+                raise error(failure.message, ("channels", name, "type")) from failure
         self.modules: dict[str, ModuleSlot] = {}
         for name, spec in modules.items():
             self.modules[name] = self._make_slot(name, spec, services)
@@ -281,7 +283,7 @@ class Graph:
         }
 
     def undivided(self) -> Collection[str]:
-        """The filters ``Module.port`` whose channel may not be decimated: open or closed, nothing between."""
+        """The filters ``Module.port`` whose channel may not be decimated: they are open or closed."""
         return self.filters.undivided()
 
     def inputs(self) -> dict[str, str]:
@@ -306,14 +308,14 @@ class Graph:
         """Hand the intention's parameters to ``module``. Raises KeyError for one that is not in the graph."""
         self.modules[module].configure(parameters)
 
-    def forget(self) -> None:
+    def reset(self) -> None:
         """Forget every message: what waits in inboxes, each channel's latest, how far each filter has counted; and
         what modules kept for their next instance."""
         for channel in self.channels.values():
-            channel.forget()
+            channel.clear()
         for slot in self.modules.values():
-            slot.context.kept.clear()
-        self.filters.begin_anew()
+            slot.context.persistent.clear()
+        self.filters.reset()
 
     def channel(self, name: str) -> Channel[Any]:
         """A channel by name. Raises KeyError naming those there are."""
@@ -324,7 +326,10 @@ class Graph:
 
     def _make_slot(self, name: str, spec: ModuleSpec, services: Mapping[type[Any], Any]) -> ModuleSlot:
         key = ("modules", name)
-        module_class = load_class(spec.class_path)
+        try:
+            module_class = load_class(spec.class_path)
+        except ConfigError as failure:
+            raise self._error(failure.message, (*key, "class")) from failure
         if module_class is None:
             raise self._error(f"{spec.class_path!r} is not a module class (package.module:Class)", (*key, "class"))
         try:
@@ -335,7 +340,7 @@ class Graph:
             raise self._error(validation_message(module_class.Settings, detail), (*key, "settings", *where)) from None
         try:
             context = ModuleContext(name, self.clock, settings, services)
-            context.activity = self.activity
+            context.pending_work = self.pending_work
             return ModuleSlot(name, module_class, spec, context)
         except ModuleFailed as failure:
             raise self._error(str(failure), key) from None
@@ -378,7 +383,9 @@ class Graph:
             self._check_type(channel, port.message_type, key)
             if channel_name not in self.producers and not self.specs[channel_name].external:
                 raise self._error(f"no module publishes on channel {channel_name}", key)
-            port.connect(channel, 1)
+            # A channel from outside has no source here that could rest: a log feeds only what is wanted.
+            outside = channel_name not in self.producers
+            port.connect(channel, 1, demands=port.wants == "always" or (port.wants == "never" and outside))
             decimable = self.specs[channel_name].decimable
             self.filters.add(f"{slot.name}.{port_name}", port.subscription.filter, decimable=decimable)
 
@@ -419,17 +426,11 @@ def _follow_demand(slot: ModuleSlot) -> None:
 
 
 def load_class(path: str) -> type[Module] | None:
-    """The module class at ``package.module:Class``, or None if there is none."""
-    module_path, _, class_name = path.partition(":")
-    if not all(part.isidentifier() for part in (*module_path.split("."), class_name)):
-        return None
-    try:
-        found = getattr(importlib.import_module(module_path), class_name, None)
-    except ModuleNotFoundError as failure:
-        # Only the named file itself being absent is the configuration's fault; a broken import inside it is ours.
-        if failure.name is None or not f"{module_path}.".startswith(f"{failure.name}."):
-            raise
-        return None
+    """The module class at ``package.module:Class``, or None if there is none.
+
+    Raises ConfigError where its file cannot be imported.
+    """
+    found = load_named(path)
     return found if isinstance(found, type) and issubclass(found, Module) else None
 
 

@@ -8,17 +8,17 @@ from typing import Any
 from app.runtime.clock import Clock
 from app.runtime.ports import Input
 
-#: Between two looks no more than this counts. When one module blocks the loop, the others wait without fault.
+#: At most this much time counts between two checks. While one module blocks the loop, the others are not at fault.
 LONGEST_STEP_S = 0.2
 #: A periodic handler is hung after this many of its periods.
 HUNG_PERIODS = 10
 
 
-class GivenTime:
-    """Time that modules had to work in: no more than passed by either clock.
+class LoopTime:
+    """Time available to modules: the lesser of the times that both clocks passed.
 
-    ``clock`` is theirs, which in a recording may stand or run faster than any computer; ``pace`` is real time there and
-    the same clock elsewhere.
+    ``clock`` is the modules' clock, which in a recording may be paused or run faster than any computer; ``pace`` is
+    real time there and the same clock elsewhere.
     """
 
     def __init__(self, clock: Clock, pace: Clock) -> None:
@@ -36,7 +36,7 @@ class GivenTime:
         return self._given_s
 
 
-class ProgressWatch:
+class HangDetector:
     """Watches one run of a module; call :meth:`look` about every 0.1 s.
 
     A module makes no progress when an input has messages waiting and none is taken for ``limit_s``, or when a
@@ -56,7 +56,7 @@ class ProgressWatch:
         self._seen: dict[str, tuple[float, float, float]] = {}
 
     def look(self, now: float) -> str | None:
-        """What the module is stuck on, in words, or None."""
+        """A description of what blocks the module, or None."""
         self._given_s += min(now - self._looked_at, LONGEST_STEP_S)
         self._looked_at = now
         seen: dict[str, tuple[float, float, float]] = {}

@@ -17,9 +17,9 @@ T = TypeVar("T")
 
 
 class CpuMeter:
-    """Accumulates the CPU time charged to one module; only ever grows.
+    """Accumulates the CPU time charged to one module; the sum never decreases.
 
-    ``stepping`` tells, from any thread, whether the event loop is inside a step of this module right now.
+    ``stepping``, readable from any thread: whether the event loop is inside a step of this module.
     """
 
     __slots__ = ("_lock", "_loop_ns", "_threads_ns", "stepping")
@@ -67,11 +67,11 @@ class MeteredCoroutine(Coroutine[Any, Any, T]):
         self._meter = meter
 
     def send(self, value: Any) -> Any:
-        """One step."""
+        """Run one step of the coroutine."""
         return self._meter.step(self._coroutine.send, value)
 
     def throw(self, *args: Any) -> Any:
-        """One step, entered by an exception."""
+        """Run one step of the coroutine, entered by an exception."""
         return self._meter.step(self._coroutine.throw, *args)
 
     def close(self) -> None:

@@ -1,8 +1,8 @@
-"""What a module is: typed ports, handlers, and a life cycle that the supervisor drives.
+"""The base of modules: typed ports, handlers, and a life cycle that the supervisor drives.
 
-A module declares its ports and handlers in its constructor and does nothing else there; heavy set-up belongs in
-``start``. A fresh instance is made for every (re)start, on the same ports: subscriptions, filters and counters
-outlive a crash.
+A module declares its ports and handlers in its constructor and does nothing else there; long set-up belongs in
+``start``. A new instance is made for every (re)start, on the same ports: subscriptions, filters and counters survive a
+crash.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from app.runtime.channel_table import ChannelSpec
 from app.runtime.clock import Clock
 from app.runtime.errors import InboxOverflow, ModuleFailed
 from app.runtime.load import CpuMeter, MeteredCoroutine
-from app.runtime.pending_work import Activity
+from app.runtime.pending_work import PendingWork
 from app.runtime.ports import Input, Output, Wants
 from app.runtime.worker import ModuleWorker
 
@@ -32,16 +32,15 @@ ServiceT = TypeVar("ServiceT")
 
 
 class Settings(BaseModel):
-    """Base of a module's settings, as they stand in configuration: frozen; unknown keys and what is no finite number
-    are refused."""
+    """Base of a module's settings, as configured: frozen; unknown keys and numbers that are not finite are refused."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
 @dataclass(frozen=True, slots=True)
 class Caution:
-    """What people must know of how a program is configured: a ``title`` of a few words, and a sentence that says why
-    and what to do. ``where``: its file and line, "" where it has none."""
+    """A warning about a program's configuration: a ``title`` of a few words, and a ``text`` of one sentence with the
+    reason and the remedy. ``where``: file and line, "" if unknown."""
 
     title: str
     text: str
@@ -52,7 +51,7 @@ class Caution:
 
 
 class ModuleContext:
-    """What a module slot keeps between restarts: ports, clock, settings, services, its CPU meter and its worker."""
+    """The state of a module that survives restarts: ports, clock, settings, services, its CPU meter and its worker."""
 
     def __init__(self, name: str, clock: Clock, settings: Settings, services: Mapping[type[Any], Any]) -> None:
         self.name = name
@@ -62,48 +61,54 @@ class ModuleContext:
         self.inputs: dict[str, Input[Any]] = {}
         self.outputs: dict[str, Output[Any]] = {}
         self.parameters: dict[str, Any] = {}
-        #: What an instance leaves to the one after a restart; see :attr:`Module.kept`.
-        self.kept: dict[str, Any] = {}
-        #: The latest instance made for this place.
+        #: Values that survive a restart; see :attr:`Module.persistent`.
+        self.persistent: dict[str, Any] = {}
+        #: The newest instance of the module.
         self.instance: Module | None = None
         self.meter = CpuMeter()
         self.worker = ModuleWorker(name)
-        #: For what may take long; its thread begins with the first of that.
-        self.behind = ModuleWorker(f"{name}, behind")
-        #: Where work in threads is counted; the graph's own.
-        self.activity = Activity()
+        #: Runs ``compute_background``; its thread starts with the first call.
+        self.background_worker = ModuleWorker(f"{name}, background")
+        #: Counts calls in threads; one object for the whole graph.
+        self.pending_work = PendingWork()
 
 
 class Module:
     """Base of all modules; see the top of this file, and docs/writing-a-module.md."""
 
-    #: What people call it.
+    #: Name of the module on the page and in messages.
     title: ClassVar[str] = ""
-    #: The model its settings are checked against.
+    #: Model that validates the settings.
     Settings: ClassVar[type[Settings]] = Settings
-    #: Which stream of the body each output relays: the way back from a recorded channel to the body's stream.
+    #: Desire classes (:class:`app.attention.desires.DesireClass`) that this module serves or needs; a program has the
+    #: union of its modules' classes. ``object``, for the type is above the runtime.
+    desire_classes: ClassVar[tuple[object, ...]] = ()
+    #: Stream of the body that each output relays; a replay feeds a recorded channel to the stream named here.
     streams: ClassVar[Mapping[str, str]] = {}
-    #: Inputs that only help with what comes on the others: nothing by themselves.
-    aids: ClassVar[frozenset[str]] = frozenset()
+    #: Inputs that improve the results of other inputs and are useless alone.
+    auxiliary_inputs: ClassVar[frozenset[str]] = frozenset()
 
     @classmethod
     def default_inputs(cls, channels: Mapping[str, ChannelSpec]) -> Mapping[str, str]:
-        """Input port: channel, for a module whose configuration names no inputs; ``channels`` is the whole table."""
+        """Channels by input port, for a module whose configuration names no inputs; ``channels`` is the whole table."""
         return {}
 
     def accept(self, name: str, message_type: type[Message]) -> None:
-        """Declare an input that configuration asks for and the constructor did not; a module that takes whatever there
-        is overrides it. By default nothing is declared, and the graph refuses the input.
+        """Declare an input that the configuration names and the constructor did not declare, for modules that accept
+        any input.
+
+        By default nothing is declared, and the graph refuses the input.
         """
 
     def __init__(self, context: ModuleContext) -> None:
         self._context = context
         self.name = context.name
         self.clock = context.clock
-        #: As configuration gives them; a subclass with its own ``Settings`` annotates this with that class.
+        #: The configured settings; a subclass with its own ``Settings`` annotates this with that class.
         self.settings: Settings = context.settings
         self.log = logging.getLogger(f"hbba.{context.name}")
-        #: When each periodic handler last came round, and its period (s): how the supervisor tells a hung one.
+        #: By periodic handler: time of its last call (robot's clock, s) and period (s). The supervisor detects hangs by
+        #: it.
         self.ticks: dict[str, tuple[float, float]] = {}
         self._handlers: list[tuple[Input[Any], Callable[[Any], Awaitable[None]]]] = []
         self._timers: list[tuple[float, Callable[[], Awaitable[None]]]] = []
@@ -112,13 +117,14 @@ class Module:
         context.instance = self
 
     @property
-    def kept(self) -> dict[str, Any]:
-        """What outlives this instance: after a restart the next one finds it here. For little that must not be told
-        twice (the next number to give out), or frozen values that would be lost for good (a map nobody saved); what it
-        may have failed of is handed on once, not again and again. Begins empty, and again whenever all begins anew (a
-        replay that jumps).
+    def persistent(self) -> dict[str, Any]:
+        """Values that survive a restart of the module: the next instance reads them here.
+
+        Meant for small values that must not repeat (the next number of a track) and for frozen values that cannot be
+        computed again (a map that was not saved). A value that may itself have caused the failure is to be removed once
+        it was read. The dictionary is empty at the beginning, and again after a reset of the program (a replay jumps).
         """
-        return self._context.kept
+        return self._context.persistent
 
     # --- declaring ---
 
@@ -144,7 +150,7 @@ class Module:
             port = Input(
                 self.name,
                 name,
-                message_type,
+                message_type=message_type,
                 capacity=capacity,
                 lossless=lossless,
                 always_open=always_open,
@@ -185,20 +191,21 @@ class Module:
     # --- to be overridden ---
 
     def check_wiring(self) -> None:
-        """Refuse what is wired so that it must not run: called once, with all ports wired and before anything starts.
+        """Refuse a wiring with which the module must not run: called once, with all ports wired and before anything
+        starts.
 
-        Raises ModuleFailed with a sentence that says what to do.
+        Raises ModuleFailed with a sentence that gives a remedy.
         """
 
     def cautions(self) -> tuple[Caution, ...]:
-        """What people must know of how this module is configured; asked once, with all ports wired."""
+        """Warnings about this module's configuration; called once, with all ports wired."""
         return ()
 
     async def start(self) -> None:
         """Set up what takes time or can fail; called before the first message."""
 
     async def stop(self) -> None:
-        """Release what ``start`` took; called once, whatever ended the module."""
+        """Release the resources of ``start``; called once, however the module ended."""
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
         """Take over the intention's parameters for this module (P'); called on the loop, again after a restart."""
@@ -243,23 +250,25 @@ class Module:
     # --- working ---
 
     async def compute(self, function: Callable[..., T], *args: Any) -> T:
-        """Run CPU-bound ``function(*args)`` in this module's thread, charging its CPU time to this module.
+        """Run CPU-bound ``function(*args)`` in this module's thread and charge its CPU time to this module.
 
-        One at a time, in the order asked. Raises what ``function`` raises.
+        Calls run one at a time, in order. Raises what ``function`` raises.
         """
         loop = asyncio.get_running_loop()
-        with self._context.activity.one():
+        with self._context.pending_work.one():
             return await loop.run_in_executor(self._context.worker, self._context.meter.call, function, *args)
 
-    async def compute_behind(self, function: Callable[..., T], *args: Any) -> T:
-        """As :meth:`compute`, in a second thread of this module: for work that may take long and holds up no message.
+    async def compute_background(self, function: Callable[..., T], *args: Any) -> T:
+        """As :meth:`compute`, in a second thread of this module: for long work that must delay no message.
 
-        What it shares with :meth:`compute` must bear two threads. It has the priority of all others: a thread of less
-        that holds the interpreter's lock would hold up everybody while the computer is busy.
+        Data shared with :meth:`compute` must be safe for two threads. The thread has normal priority: with a lower one,
+        a busy computer could suspend it while it holds the interpreter lock (GIL), and every other thread would wait.
         """
         loop = asyncio.get_running_loop()
-        with self._context.activity.one():
-            return await loop.run_in_executor(self._context.behind, self._context.meter.call, function, *args)
+        with self._context.pending_work.one():
+            return await loop.run_in_executor(
+                self._context.background_worker, self._context.meter.call, function, *args
+            )
 
     async def run(self, started: Callable[[], None] = lambda: None) -> None:
         """Live: start, call ``started``, serve every input and timer until cancelled or until one raises, stop."""

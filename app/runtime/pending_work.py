@@ -1,4 +1,4 @@
-"""Work in threads that the program waits for: who moves time by hand must let it end first."""
+"""Calls in threads that are under way: they must end before time is moved by a jump."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ import asyncio
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-#: A loop that does not say what it has left to do is quiet after so many turns, too: no chain of tasks is longer.
+#: Turns of the loop after which it counts as quiet, where its ready tasks are unknown: no chain of tasks is longer.
 LONGEST_SPIN = 100
 
 
-class Activity:
+class PendingWork:
     """Counts the calls under way; for use on the event loop."""
 
     def __init__(self) -> None:
-        #: How many there are now.
+        #: The number of calls under way.
         self.under_way = 0
         self._waiting: list[asyncio.Future[None]] = []
 
@@ -33,13 +33,13 @@ class Activity:
                         future.set_result(None)
 
     async def quiet(self) -> None:
-        """Wait until no task of the loop has anything to do but wait, and none of this is under way.
+        """Wait until every task of the loop waits and no call in a thread is under way.
 
-        Tasks that never wait are not waited for: after :data:`LONGEST_SPIN` turns of the loop it is quiet enough. What
-        the loop has left to do is read from its private ``_ready``, which asyncio's own loops have; on a loop without,
-        all those turns are taken each time.
+        Tasks that never wait are not waited for: the wait ends after :data:`LONGEST_SPIN` turns of the loop. The tasks
+        that are ready to run are read from the loop's private ``_ready``, which asyncio's own loops have; on another
+        loop all these turns are taken each time.
         """
-        # What is due in this turn of the loop or the next; empty, when it is asked for here, if everybody waits.
+        # Callbacks due in this turn of the loop or the next; empty here if every task waits.
         ready = getattr(asyncio.get_running_loop(), "_ready", None)
         for _ in range(LONGEST_SPIN):
             await self.ended()

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable
 from typing import Generic, Literal, TypeVar
 
+from app.base.observers import Observers
 from app.messages import Message
 from app.runtime.channel import Channel, Subscription
 from app.runtime.errors import ModuleFailed
@@ -13,18 +13,17 @@ from app.runtime.filter import CLOSED, RateFilter
 
 M = TypeVar("M", bound=Message)
 
-log = logging.getLogger("hbba.module")
-
 #: When an input wants its channel, so that the source must work: always; only while an output of its module is wanted;
-#: or never, what others made the source publish being enough. What is published comes in at any rate.
+#: or never (but a channel from outside the graph: a log feeds only what is wanted). What is published comes in at any
+#: rate.
 Wants = Literal["always", "if_wanted", "never"]
 
 
 class Input(Generic[M]):
     """An input port. Once wired, ``subscription`` is the module's end of a channel.
 
-    ``always_open`` inputs are not attention's to decimate: safety and self-motion, where a gap is a fault. What comes
-    in by an input that ``moves`` can move the body. ``wants`` says when the source must work for it; see
+    ``always_open``: attention may not decimate the input; for safety and self-motion, where a gap is a fault.
+    ``moves``: messages of the input can move the body. ``wants``: when the source must work for it, see
     :data:`Wants`.
     """
 
@@ -63,23 +62,23 @@ class Input(Generic[M]):
         """Whether configuration wired this port."""
         return self._subscription is not None
 
-    def connect(self, channel: Channel[M], divisor: float) -> None:
-        """Subscribe this port to ``channel`` (done once, by the graph)."""
+    def connect(self, channel: Channel[M], divisor: float, *, demands: bool = True) -> None:
+        """Subscribe this port to ``channel`` (done once, by the graph), which is wanted for it if it ``demands``."""
         self.channel = channel
         self._subscription = channel.subscribe(
             f"{self.module}.{self.name}",
             capacity=self.capacity,
             lossless=self.lossless,
             divisor=divisor,
-            demands=self.wants == "always",
+            demands=demands,
         )
 
 
 class Output(Generic[M]):
-    """An output port: publishes on its channel what its own filter lets through.
+    """An output port: publishes on its channel the messages that pass its own filter.
 
-    When the filter closes, the module's last word for this port (a stop, say) is published once, unfiltered; nothing
-    is said on a channel that is closed.
+    When the filter closes, the module's last message for this port (a stop, for instance) is published once,
+    unfiltered; a closed channel gets none.
     """
 
     def __init__(self, module: str, name: str, message_type: type[M]) -> None:
@@ -88,28 +87,28 @@ class Output(Generic[M]):
         self.message_type = message_type
         self.channel: Channel[M] | None = None
         self.filter = RateFilter(1, self._filter_changed)
-        #: Asked for a closing word when the filter closes.
+        #: Returns the last message when the filter closes.
         self.last_word: Callable[[], M | None] | None = None
         self.offered = 0
-        self._wanted_callbacks: list[Callable[[bool], None]] = []
-        self._told_wanted = False
+        self._wanted_observers: Observers[[bool]] = Observers(f"demand for {module}.{name}")
+        self._reported_wanted = False
         self._stop_listening: Callable[[], None] | None = None
 
     def connect(self, channel: Channel[M]) -> None:
         """Publish on ``channel`` from now on (done once, by the graph)."""
         self.channel = channel
-        if self._wanted_callbacks:
+        if self._wanted_observers:
             self._listen(channel)
 
     def succeed(self, former: Output[M]) -> None:
-        """Take over channel, filter and counter from ``former``, whose module instance is gone.
+        """Take over channel, filter and counter from ``former``, whose module instance has ended.
 
-        Whatever is left of that instance publishes into the void from then on.
+        Messages that the former instance still publishes are discarded.
         """
         self.channel, self.filter, self.offered = former.channel, former.filter, former.offered
         self.filter.on_change = self._filter_changed
         former.channel, former.filter, former.last_word = None, RateFilter(CLOSED), None
-        former.forget_callbacks()
+        former.clear_callbacks()
 
     def publish(self, message: M) -> None:
         """Publish ``message`` if the filter lets it pass; an unwired output swallows it."""
@@ -119,57 +118,47 @@ class Output(Generic[M]):
 
     @property
     def wanted(self) -> bool:
-        """Whether publishing would reach anyone: a module may save itself the work otherwise."""
+        """Whether publishing would reach a subscription: a module may skip the work otherwise."""
         return self.channel is not None and self.channel.wanted and self.filter.is_open
 
     def on_wanted(self, callback: Callable[[bool], None]) -> Callable[[], None]:
-        """Call ``callback(wanted)`` now and whenever :attr:`wanted` changes; returns what ends it.
+        """Call ``callback(wanted)`` now and whenever :attr:`wanted` changes; returns a function that ends this.
 
-        Ends by itself with this module instance: a restarted one registers anew.
+        It ends with this module instance: after a restart the next instance registers again.
         """
-        self._wanted_callbacks.append(callback)
+        remove = self._wanted_observers.add(callback)
         callback(self.wanted)
         if self._stop_listening is None and self.channel is not None:
-            self._told_wanted = self.wanted
+            self._reported_wanted = self.wanted
             self._listen(self.channel)
+        return remove
 
-        def end() -> None:
-            if callback in self._wanted_callbacks:
-                self._wanted_callbacks.remove(callback)
-
-        return end
-
-    def forget_callbacks(self) -> None:
-        """Forget everybody who asked to be told whether this output is wanted."""
-        self._wanted_callbacks.clear()
+    def clear_callbacks(self) -> None:
+        """Remove every callback of :meth:`on_wanted`."""
+        self._wanted_observers.clear()
         if self._stop_listening is not None:
             self._stop_listening()
             self._stop_listening = None
 
     def close_quietly(self) -> None:
-        """Close the filter without a last word: nothing was said yet."""
+        """Close the filter without a last message: nothing was published yet."""
         last_word, self.last_word = self.last_word, None
         self.filter.divisor = CLOSED
         self.last_word = last_word
 
     def _listen(self, channel: Channel[M]) -> None:
-        self._stop_listening = channel.on_wanted(self._tell_wanted)
+        self._stop_listening = channel.on_wanted(self._report_wanted)
 
     def _filter_changed(self, _before: float, after: float) -> None:
-        # On a stream that has ended a last word is not received, and a rewrite of many filters must not stop half-way.
+        # A closed stream delivers no last message, and a rewrite of many filters must not stop half-way.
         if after == CLOSED and self.channel is not None and not self.channel.closed and self.last_word is not None:
             message = self.last_word()
             if message is not None:
                 self.channel.publish(message)
-        self._tell_wanted(self.wanted)
+        self._report_wanted(self.wanted)
 
-    def _tell_wanted(self, _: bool) -> None:
+    def _report_wanted(self, _: bool) -> None:
         wanted = self.wanted
-        if wanted != self._told_wanted:
-            self._told_wanted = wanted
-            for callback in tuple(self._wanted_callbacks):
-                try:
-                    callback(wanted)
-                except Exception:
-                    # As in Channel: whoever wrote the filter is half-way through an intention.
-                    log.exception("%s.%s: a source could not be told whether it is wanted", self.module, self.name)
+        if wanted != self._reported_wanted:
+            self._reported_wanted = wanted
+            self._wanted_observers.notify(wanted)

@@ -1,4 +1,4 @@
-"""What a process does whose event loop is to be on time: the interpreter's own habits cost more than its work."""
+"""Settings of the Python interpreter and of Linux that keep an event loop on time."""
 
 from __future__ import annotations
 
@@ -8,27 +8,32 @@ import os
 import sys
 import threading
 
-#: A thread that waits for the interpreter asks the one at work to give way after so long (s). By default 5 ms: a
-#: control cycle goes from the loop to a thread and back, and so was up to 10 ms late beside modules that compute.
-GIVE_WAY_S = 0.001
-#: What a thread that decides where the robot drives is nicer by than the process: how Linux shares out processors.
-FIRST_NICENESS = -5
+#: Seconds after which a thread that waits for the interpreter lock (GIL) asks its holder to release it. Python's
+#: default is 5 ms: a control cycle goes from the loop to a thread and back, so it was up to 10 ms late beside modules
+#: that compute.
+SWITCH_INTERVAL_S = 0.001
+#: Niceness of a thread that controls motion, relative to the process: a lower value runs first on Linux.
+NICENESS_OFFSET = -5
 
 
-def be_punctual() -> None:
-    """Call it once everything stands. What there is by then stays: collections of garbage, which hold every thread for
-    0.1 s where they go through all objects of a program, need not look at it again. This is the last to do so."""
-    sys.setswitchinterval(GIVE_WAY_S)
+def tune_for_latency() -> None:
+    """Shorten the interpreter's pauses; call it once, after start-up.
+
+    It shortens the switch interval of threads, collects garbage a last time and freezes every object alive
+    (``gc.freeze``): later full collections skip these objects. A collection of a whole program holds all threads for
+    about 0.1 s.
+    """
+    sys.setswitchinterval(SWITCH_INTERVAL_S)
     gc.collect()
     gc.freeze()
 
 
-def go_first() -> None:
-    """Call it in a thread of short work that the robot's motion waits for: on a busy computer it runs before others.
+def raise_thread_priority() -> None:
+    """Raise the priority of the calling thread, whose short work the robot's motion waits for.
 
-    Linux grants it to root and to those who may (``ulimit -e 25`` and more); elsewhere all stays as it is.
+    Linux grants this to root and to users with the limit ``ulimit -e 25`` or more; elsewhere nothing changes.
     """
     if sys.platform == "linux":
-        niceness = os.getpriority(os.PRIO_PROCESS, os.getpid()) + FIRST_NICENESS
+        niceness = os.getpriority(os.PRIO_PROCESS, os.getpid()) + NICENESS_OFFSET
         with contextlib.suppress(PermissionError):
             os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), niceness)

@@ -1,7 +1,7 @@
-"""The clock of a recording played on a real event loop: it runs at any speed, stands, jumps and is moved by hand.
+"""The clock of a recording that is played on a real event loop: it runs at any speed, pauses and jumps.
 
-Modules see it as any other clock. :class:`VirtualClock` serves where nobody watches: this one goes on serving pages
-and pictures in real time while the recording's time stands still.
+Modules use it as any other clock. :class:`VirtualClock` serves headless replays: with this one, the console goes on in
+real time while the recording is paused.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from app.runtime.clock import RealClock
 
 #: A heap with fewer sleepers that gave up than this is not worth tidying.
 _FEW = 64
-#: A timer of the loop may come early by its resolution; then it is asked again, this much later at least.
+#: Least delay (s) of the next check after a timer of the loop that came early by its resolution.
 _SHORTEST_WAIT_S = 1e-4
 
 
-class _Run(NamedTuple):
+class _ClockRun(NamedTuple):
     """The reading was ``base`` at the real moment ``mark`` and has grown by ``rate`` s a second since."""
 
     base: float
@@ -31,10 +31,10 @@ class _Run(NamedTuple):
 
 
 class ReplayClock:
-    """Stands at ``start`` (s) until :meth:`run`; never reads more than ``end``.
+    """Paused at ``start`` (s) until :meth:`run`; its reading is at most ``end``.
 
-    ``real`` gives real seconds. Its reading never decreases except by :meth:`jump`. Sleepers whose time has come are
-    woken in the order of their stamps, then of their going to sleep. Sleeping takes O(log n).
+    ``real`` gives real seconds. The reading never decreases except by :meth:`jump`. Sleepers that are due are woken in
+    the order of their stamps, then of their calls. Sleeping takes O(log n).
     """
 
     def __init__(self, start: float, end: float = math.inf, *, real: Callable[[], float] = time.monotonic) -> None:
@@ -42,12 +42,12 @@ class ReplayClock:
         #: It never reads more than this (s).
         self.end = end
         # Replaced as a whole: read in other threads too.
-        self._state = _Run(start, real(), 0.0)
+        self._state = _ClockRun(start, real(), 0.0)
         self._sleepers: list[tuple[float, int, asyncio.Future[None]]] = []
         self._order = count()
         self._given_up = 0
         self._timer: asyncio.TimerHandle | None = None
-        #: Real time: what paces work that must go on while the recording stands.
+        #: Real time, for work that goes on while the recording is paused.
         self.pace = RealClock()
 
     # --- As modules see it -------------------------------------------------------------------------------------------
@@ -62,7 +62,7 @@ class ReplayClock:
         await self.sleep_until(self.now() + seconds) if seconds > 0 else await asyncio.sleep(0)
 
     async def sleep_until(self, stamp: float) -> None:
-        """Wait until ``now() >= stamp``, or until the next jump, wherever it leads: look at the clock afterwards."""
+        """Wait until ``now() >= stamp``, or until the next jump to any time: read the clock afterwards."""
         if stamp <= self.now():
             await asyncio.sleep(0)
             return
@@ -81,37 +81,37 @@ class ReplayClock:
 
     @property
     def rate(self) -> float:
-        """Seconds of the recording in a real second; 0 while it stands."""
+        """Seconds of the recording in a real second; 0 while it is paused."""
         return self._state.rate
 
     @property
     def next_due(self) -> float | None:
-        """The stamp that the first sleeper waits for; None while nobody sleeps."""
+        """The stamp that the first sleeper waits for; None without a sleeper."""
         while self._sleepers and self._sleepers[0][2].done():
             heapq.heappop(self._sleepers)
             self._given_up = max(0, self._given_up - 1)
         return self._sleepers[0][0] if self._sleepers else None
 
     def run(self, rate: float) -> None:
-        """Go on at ``rate`` times real time; 0: stand still. Raises ValueError for a rate below 0 or infinite."""
+        """Run at ``rate`` times real time; 0: pause. Raises ValueError for a rate below 0 or infinite."""
         if not 0 <= rate < math.inf:
             raise ValueError(f"a recording's time runs at a finite rate from 0, not {rate!r}")
         now = self.now()
-        self._state = _Run(now, self._real(), rate)
+        self._state = _ClockRun(now, self._real(), rate)
         self._wake()
 
     def jump(self, stamp: float) -> None:
         """Read ``stamp`` from now on, be it earlier or later, at the same rate, and release every sleeper."""
-        self._state = _Run(min(stamp, self.end), self._real(), self.rate)
+        self._state = _ClockRun(min(stamp, self.end), self._real(), self.rate)
         sleepers, self._sleepers, self._given_up = sorted(self._sleepers), [], 0
         for _, _, woken in sleepers:
             _resolve(woken)
         self._set_timer()
 
     def advance_to(self, stamp: float) -> None:
-        """Read ``stamp``, and wake whoever waits for it or for less; an earlier one than now changes nothing."""
+        """Advance to ``stamp`` and wake the sleepers that are due; an earlier stamp changes nothing."""
         now = self.now()
-        self._state = _Run(min(max(stamp, now), max(self.end, now)), self._real(), self.rate)
+        self._state = _ClockRun(min(max(stamp, now), max(self.end, now)), self._real(), self.rate)
         self._wake()
 
     # --- Inside ------------------------------------------------------------------------------------------------------
@@ -132,7 +132,7 @@ class ReplayClock:
             self._timer = asyncio.get_running_loop().call_later(wait_s, self._wake)
 
     def _tidy(self) -> None:
-        """Drop who gave up before their time once they are the greater part."""
+        """Drop sleepers that were cancelled once they are the greater part."""
         if self._given_up > _FEW and 2 * self._given_up > len(self._sleepers):
             self._sleepers = [sleeper for sleeper in self._sleepers if not sleeper[2].done()]
             heapq.heapify(self._sleepers)

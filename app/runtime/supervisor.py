@@ -1,10 +1,10 @@
-"""Starts modules, watches them, restarts those that raise or hang; the others never notice.
+"""The supervisor starts modules, watches them, and restarts those that raise or hang, without an effect on the others.
 
-A module that raises is restarted after 0.5 s, 1 s, 2 s ... 30 s; the delay starts afresh once it has run for a
-minute. A module that takes nothing for ``hang_after_s`` though messages wait, whose timer does not come round for
-ten periods (at least ``hang_after_s``), or that does not start within ``start_within_s``, is *hung*: reported,
-cancelled and restarted. While a module is down its outputs are stale, its inboxes keep what they can hold and count
-the rest, and nobody who sends to it waits for it.
+A module that raises is restarted after 0.5 s, 1 s, 2 s ... 30 s (exponential back-off); the delay is reset once it has
+run for a minute. A module is *hung* if it takes no message for ``hang_after_s`` while messages wait, if its timer is
+not called for ten periods (at least ``hang_after_s``), or if it does not start within ``start_within_s``: it is
+reported, cancelled and restarted. While a module is down, its outputs are stale, its inboxes keep what they can hold
+and count the rest, and no sender waits for it.
 """
 
 from __future__ import annotations
@@ -17,11 +17,12 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
+from app.base.observers import Observers
 from app.runtime.clock import Clock
 from app.runtime.errors import ModuleFailed
 from app.runtime.graph import ModuleSlot
 from app.runtime.half_imports import forget_half_imports
-from app.runtime.hang_detector import GivenTime, ProgressWatch
+from app.runtime.hang_detector import HangDetector, LoopTime
 from app.runtime.load import MeteredCoroutine
 from app.runtime.worker import ModuleWorker
 
@@ -42,9 +43,9 @@ Status = Literal["starting", "running", "failed", "hung", "stopped"]
 
 @dataclass(frozen=True, slots=True)
 class ModuleState:
-    """How a module is: its ``status``, since when, how often it was restarted, and its last problem in words.
+    """The state of a module: its ``status``, the time of the last change, the number of restarts, and its last problem.
 
-    ``stale`` says that its outputs must not be trusted (it is not running).
+    ``stale``: the module does not run, so its outputs must not be used.
     """
 
     name: str
@@ -59,21 +60,21 @@ class ModuleState:
         return self.status != "running"
 
 
-class _Run:
-    """One life of a module: its task, when it began to serve, and what it turns out to be stuck on."""
+class _ModuleRun:
+    """One run of a module: its task, when it began to serve, and what blocks it."""
 
     def __init__(self, slot: ModuleSlot, given: float, hung: asyncio.Future[str]) -> None:
         self.slot = slot
         self.began_at = given
         self.serving_since: float | None = None
         self.hung = hung
-        self._progress: ProgressWatch | None = None
+        self._progress: HangDetector | None = None
 
     def serve(self, now: float, given: float) -> None:
         """Note that it has started: at ``now`` of the robot's clock, ``given`` of the time modules have to work."""
         self.serving_since = now
         inputs = self.slot.context.inputs.values()
-        self._progress = ProgressWatch(inputs, self.slot.module.ticks, self.slot.spec.hang_after_s, given)
+        self._progress = HangDetector(inputs, self.slot.module.ticks, self.slot.spec.hang_after_s, given)
 
     def look(self, given: float) -> None:
         """Resolve ``hung`` if the module is."""
@@ -90,29 +91,23 @@ class Supervisor:
     """Runs a graph's modules: ``async with supervisor:`` starts them all and stops them all."""
 
     def __init__(self, slots: Mapping[str, ModuleSlot], clock: Clock, pace: Clock | None = None) -> None:
-        """``pace`` is the time that modules are given to work in, where that is not ``clock``'s: a recording's may run
-        faster than any module, or stand."""
+        """``pace`` is the time that modules get to work in, if it is not ``clock``'s: a recording's clock may be paused
+        or run faster than any module."""
         self._slots = slots
         self._clock = clock
         self._pace = pace or clock
-        self._given = GivenTime(clock, self._pace)
-        self._observers: list[Callable[[ModuleState], None]] = []
+        self._given = LoopTime(clock, self._pace)
+        self._observers: Observers[[ModuleState]] = Observers("the states of modules")
         self._tasks: dict[str, asyncio.Task[None]] = {}
         self._watching: asyncio.Task[None] | None = None
-        self._runs: dict[str, _Run] = {}
+        self._runs: dict[str, _ModuleRun] = {}
         #: Shut down, and at their last job.
         self._leaving: list[ModuleWorker] = []
         self.states = {name: ModuleState(name, "stopped", 0.0) for name in slots}
 
     def observe(self, callback: Callable[[ModuleState], None]) -> Callable[[], None]:
-        """Call ``callback(state)`` at every change of a module's state; returns what ends it."""
-        self._observers.append(callback)
-
-        def end() -> None:
-            if callback in self._observers:
-                self._observers.remove(callback)
-
-        return end
+        """Call ``callback(state)`` at every change of a module's state; returns a function that ends this."""
+        return self._observers.add(callback)
 
     async def __aenter__(self) -> Supervisor:
         self.start_modules()
@@ -171,7 +166,7 @@ class Supervisor:
         failed_before = False
         try:
             while True:
-                run = _Run(slot, self._given.now(), asyncio.get_running_loop().create_future())
+                run = _ModuleRun(slot, self._given.now(), asyncio.get_running_loop().create_future())
                 status, problem = await self._live(run, failed_before)
                 if run.serving_since is not None and self._clock.now() - run.serving_since >= TRUSTED_AFTER_S:
                     delay = FIRST_DELAY_S
@@ -185,7 +180,7 @@ class Supervisor:
         finally:
             self._change(slot, status="stopped")
 
-    async def _live(self, run: _Run, again: bool) -> tuple[Status, str]:
+    async def _live(self, run: _ModuleRun, again: bool) -> tuple[Status, str]:
         """Run a module until it ends or hangs and leave nothing of it running; returns how it ended, and why."""
         slot = run.slot
         restarts = self.states[slot.name].restarts + again
@@ -214,7 +209,7 @@ class Supervisor:
                     return "failed", "was cancelled"
                 log.debug("%s failed", slot.name, exc_info=task.exception())
                 return "failed", _in_words(task.exception())
-            # Before its task is cancelled, which takes time: from now on nothing it says is to be trusted.
+            # Set before its task is cancelled, which takes time: from now on its outputs must not be used.
             self._change(slot, status="hung", problem=run.hung.result())
             return "hung", run.hung.result()
         finally:
@@ -225,12 +220,12 @@ class Supervisor:
             self._replace_workers(slot)
 
     def _replace_workers(self, slot: ModuleSlot) -> None:
-        for worker in (slot.context.worker, slot.context.behind):
+        for worker in (slot.context.worker, slot.context.background_worker):
             worker.shutdown(cancel_futures=True)
             self._leaving.append(worker)
         self._leaving = [worker for worker in self._leaving if worker.alive]
         slot.context.worker = ModuleWorker(slot.name)
-        slot.context.behind = ModuleWorker(f"{slot.name}, behind")
+        slot.context.background_worker = ModuleWorker(f"{slot.name}, background")
 
     def _change(self, slot: ModuleSlot, *, status: Status, **changes: object) -> None:
         before = self.states[slot.name]
@@ -239,12 +234,7 @@ class Supervisor:
         if state == before:
             return
         self.states[slot.name] = state
-        for observer in tuple(self._observers):
-            try:
-                observer(state)
-            except Exception:  # logged with its traceback
-                # Who looks on must not decide whether a module is restarted.
-                log.exception("an observer of %s failed", slot.name)
+        self._observers.notify(state)
 
 
 def _report_failures(results: Iterable[object]) -> None:

@@ -1,7 +1,7 @@
-"""Notices that the event loop is blocked and names who blocks it: for people, not for safety.
+"""Detects that the event loop is blocked and names the module that blocks it: for people, not for safety.
 
-A thread of this process cannot act while one C call holds the interpreter lock, and then speaks only afterwards.
-The guard in the link's process is what stops the wheels.
+A thread of this process cannot run while a C call holds the interpreter lock, and reports only afterwards. The guard in
+the link's process stops the wheels.
 """
 
 from __future__ import annotations
@@ -27,17 +27,17 @@ PERIOD_S = 0.05
 PROJECT_ROOTS = (Path(__file__).resolve().parents[1],)
 #: The machinery every module is run by; it is named only when nothing above it is the project's.
 _MACHINERY = Path(__file__).resolve().parent
-#: What is outside of this frame started the loop and is not to blame for what the loop runs.
+#: Frames outside of this one started the loop; they do not cause what the loop runs.
 _LOOP_TURN = asyncio.BaseEventLoop._run_once.__code__  # type: ignore[attr-defined]  # not in typeshed
 
 
 @dataclass(frozen=True, slots=True)
 class Blockage:
-    """The loop does not come round: reported once when noticed, once (``over``) with its whole length.
+    """A blockage of the event loop: reported once when it is noticed, and once with its whole length (``over``).
 
     ``module`` is the one whose step it was, "" for work outside any module. ``where`` is ``file:line in function`` of
-    the innermost frame of the project, "" if there is none; ``blocking`` is the innermost frame of all, "" if nobody
-    was seen at work: the computer had no time for the program, or a call held the interpreter lock.
+    the innermost frame of the project, "" if there is none; ``blocking`` is the innermost frame of all, "" if no Python
+    frame ran: the computer had no time for the program, or a C call held the interpreter lock.
     """
 
     module: str
@@ -50,7 +50,7 @@ class Blockage:
         who = self.module or "something outside any module"
         if not self.blocking:
             return (
-                f"the event loop stood still for {self.lasted_s:.2f} s and nobody was seen at it: the computer had no "
+                f"the event loop was blocked for {self.lasted_s:.2f} s, not by Python code: the computer had no "
                 "time for this program, or a call held the interpreter lock"
             )
         place = f" at {self.where}" if self.where else ""
@@ -72,8 +72,8 @@ class WatchdogStatistics:
 class LoopWatchdog:
     """``async with LoopWatchdog(meters):`` watches the running loop from a daemon thread.
 
-    ``meters`` are the modules' CPU meters by name, which know whose step it is. ``report`` is called in the watchdog's
-    thread with each :class:`Blockage`, on entering and when it is over; it must not wait for the loop.
+    ``meters`` are the modules' CPU meters by name; they know which module's step runs. ``report`` is called in the
+    watchdog's thread with each :class:`Blockage`, on entering and when it is over; it must not wait for the loop.
     """
 
     def __init__(
@@ -151,7 +151,7 @@ class LoopWatchdog:
                     self._report(caught)
 
     def _look(self, late_s: float) -> Blockage | None:
-        # The meters first: the module is the one at work now, whatever the stack says a moment later.
+        # The meters are read first: they name the module of this moment; the stack is read a moment later.
         module = next((name for name, meter in self._meters.items() if meter.stepping), "")
         frame = sys._current_frames().get(self._loop_thread)
         frames = list(_outwards(frame))

@@ -19,7 +19,7 @@ T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
-class _Job:
+class _WorkerJob:
     run: Callable[[], None]
     future: Future[Any]
 
@@ -29,7 +29,7 @@ class ModuleWorker(Executor):
 
     def __init__(self, name: str) -> None:
         self._name = name
-        self._jobs: queue.SimpleQueue[_Job | None] = queue.SimpleQueue()
+        self._jobs: queue.SimpleQueue[_WorkerJob | None] = queue.SimpleQueue()
         self._thread: threading.Thread | None = None
         self._shut_down = False
 
@@ -44,7 +44,7 @@ class ModuleWorker(Executor):
                 return
             try:
                 result = function(*args, **kwargs)
-            except BaseException as error:  # noqa: BLE001  # handed to whoever awaits the future
+            except BaseException as error:  # noqa: BLE001  # raised where the future is awaited
                 future.set_exception(error)
             else:
                 future.set_result(result)
@@ -52,11 +52,11 @@ class ModuleWorker(Executor):
         if self._thread is None:
             self._thread = threading.Thread(target=self._run, name=f"module {self._name}", daemon=True)
             self._thread.start()
-        self._jobs.put(_Job(job, future))
+        self._jobs.put(_WorkerJob(job, future))
         return future
 
     def shutdown(self, wait: bool = False, *, cancel_futures: bool = False) -> None:
-        """Let the thread end after its last job, or after the one at work; never waits for it unless told to."""
+        """Let the thread end after its current job; waits for it only if ``wait``."""
         self._shut_down = True
         if cancel_futures:
             with suppress(queue.Empty):
@@ -73,7 +73,7 @@ class ModuleWorker(Executor):
 
     @property
     def alive(self) -> bool:
-        """Whether its thread has begun and not ended."""
+        """Whether the thread has started and not ended."""
         return self._thread is not None and self._thread.is_alive()
 
     def _run(self) -> None:

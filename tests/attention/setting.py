@@ -95,7 +95,7 @@ class Setting:
 
 
 class HeldSolver(CachedSolver):
-    """Answers when told to; ``waiting`` holds what it was asked."""
+    """Answers when a test resolves the future; ``waiting`` holds the problems with their futures."""
 
     def __init__(self) -> None:
         super().__init__()

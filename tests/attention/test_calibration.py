@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.attention.calibration import Calibration, Fit, Point, Relation, load_calibration
+from app.attention.calibration import CostCalibration, CostFit, Point, Relation, load_cost_calibration
 from app.attention.strategies import StrategyTable, load_strategies
 from app.base.errors import ConfigError
 
@@ -35,21 +35,21 @@ strategies:
 
 
 @pytest.fixture
-def calibration(tmp_path: Path) -> Calibration:
+def calibration(tmp_path: Path) -> CostCalibration:
     (tmp_path / "brain.yaml").write_text(FILE, encoding="utf-8")
-    found = load_calibration(tmp_path, "brain")
+    found = load_cost_calibration(tmp_path, "brain")
     assert found is not None
     return found
 
 
-def table(folder: Path, text: str, calibration: Calibration | None) -> StrategyTable:
+def table(folder: Path, text: str, calibration: CostCalibration | None) -> StrategyTable:
     file = folder / "table.yaml"
     file.write_text(text, encoding="utf-8")
     return load_strategies([file], classes=["See"], calibration=calibration)
 
 
 def test_a_calibrated_cost_is_the_measured_one_then_the_lines_then_the_tables(
-    tmp_path: Path, calibration: Calibration
+    tmp_path: Path, calibration: CostCalibration
 ) -> None:
     costs = [s.costs for s in table(tmp_path, TABLE, calibration).strategies]
     # Rounded up to the thousandth that the solver counts in; φ = 2 was not measured: 0.5 + 3.5 / 2.
@@ -58,8 +58,8 @@ def test_a_calibrated_cost_is_the_measured_one_then_the_lines_then_the_tables(
 
 
 def test_a_computer_that_was_not_calibrated_has_none(tmp_path: Path) -> None:
-    assert load_calibration(tmp_path, "other") is None
-    assert load_calibration(tmp_path / "nowhere", "other") is None
+    assert load_cost_calibration(tmp_path, "other") is None
+    assert load_cost_calibration(tmp_path / "nowhere", "other") is None
 
 
 def test_mistakes_name_file_line_and_what_is_allowed(tmp_path: Path) -> None:
@@ -71,15 +71,15 @@ def test_mistakes_name_file_line_and_what_is_allowed(tmp_path: Path) -> None:
         table(tmp_path, TABLE.replace("calibrated_or: 7", "calibrated: 7"), None)
     (tmp_path / "brain.yaml").write_text(FILE.replace("phi: 4", "phi: 0"), encoding="utf-8")
     with pytest.raises(ConfigError, match=r"brain\.yaml:7: .*phi"):
-        load_calibration(tmp_path, "brain")
+        load_cost_calibration(tmp_path, "brain")
 
 
 @given(st.floats(0, 50), st.floats(0, 50), st.lists(st.integers(1, 64), min_size=1, unique=True))
 def test_a_cost_is_never_negative_and_agrees_with_what_was_measured(
     base: float, slope: float, divisors: list[int]
 ) -> None:
-    line = Fit(base=base, slope=slope, residual=0)
+    line = CostFit(base=base, slope=slope, residual=0)
     points = tuple(Point(phi=phi, cpu=line.at(phi), events=0) for phi in divisors)
-    relation = Relation(points=points, cpu=Fit(base=-1, slope=0, residual=0), events=line)
+    relation = Relation(points=points, cpu=CostFit(base=-1, slope=0, residual=0), events=line)
     assert all(relation.cost(phi) == line.at(phi) for phi in divisors)
     assert relation.cost(1000) == 0

@@ -1,4 +1,4 @@
-"""Strategies generated from one entry: the same as if each stood in the file, and mistakes told where they are."""
+"""Strategies generated from one entry: the same as if each were in the file, with mistakes reported at their line."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from app.attention.calibration import Calibration, Fit, Point, Relation
+from app.attention.calibration import CostCalibration, CostFit, Point, Relation
 from app.attention.strategies import Strategy, StrategyTable, load_strategies
 from app.base.errors import ConfigError
 
@@ -37,7 +37,7 @@ strategies:
 """
 
 
-def load(tmp_path: Path, text: str, calibration: Calibration | None = None) -> StrategyTable:
+def load(tmp_path: Path, text: str, calibration: CostCalibration | None = None) -> StrategyTable:
     (tmp_path / "table.yaml").write_text(text)
     ports = {"SLAM2D": ("scans", "map")}
     return load_strategies([tmp_path / "table.yaml"], classes=("SLAM", "Balance"), ports=ports, calibration=calibration)
@@ -57,10 +57,17 @@ def test_a_member_is_what_would_stand_in_the_file(tmp_path: Path) -> None:
     assert family["slam-4"].location.line == 4
 
 
+def test_without_per_doubling_utility_goes_with_the_rate_and_filters_may_be_multiples(tmp_path: Path) -> None:
+    text = FAMILY.replace(", per_doubling: 1", "").replace("SLAM2D.map: off", "SLAM2D.map: 3 phi")
+    strategies = load(tmp_path, text).strategies
+    assert [s.utility for s in strategies] == [8, 2, 0.2]
+    assert [s.filters for s in strategies] == [{"SLAM2D.scans": phi, "SLAM2D.map": 3 * phi} for phi in (1, 4, 40)]
+
+
 def test_what_was_measured_on_this_computer_comes_first(tmp_path: Path) -> None:
-    line = Fit(base=0.5, slope=8.0, residual=0.0)
+    line = CostFit(base=0.5, slope=8.0, residual=0.0)
     relation = Relation(points=(Point(phi=4, cpu=2.25, events=10),), cpu=line, events=line)
-    measured = Calibration(host="here", made="", relations={"SLAM2D.scans with rays=3": relation})
+    measured = CostCalibration(host="here", made="", relations={"SLAM2D.scans with rays=3": relation})
     costs = [s.costs["cpu"] for s in load(tmp_path, FAMILY, measured).strategies]
     assert costs == [8.5, 2.25, 0.7], "the line, the point, the line"
 
@@ -80,11 +87,17 @@ def test_what_was_measured_on_this_computer_comes_first(tmp_path: Path) -> None:
             "names: slam",
             "names: should have {phi} in it once, in place of which each strategy's φ is written, not 'slam'",
         ),
+        (
+            "SLAM2D.scans: phi",
+            "SLAM2D.scans: 0 phi",
+            "a multiple of it such as 2 phi, an integer of at least 1, or off",
+        ),
+        ("SLAM2D.scans: phi", "SLAM2D.scans: true", "a multiple of it such as 2 phi, an integer of at least 1, or off"),
         ("class: SLAM", "class: SLAN", "unknown class 'SLAN'"),
         ("slope: 5}", "slope: -5}", "greater than or equal to 0"),
     ],
 )
-def test_mistakes_are_told_with_their_line(tmp_path: Path, old: str, new: str, words: str) -> None:
+def test_mistakes_are_reported_with_their_line(tmp_path: Path, old: str, new: str, words: str) -> None:
     with pytest.raises(ConfigError) as mistake:
         load(tmp_path, FAMILY.replace(old, new))
     assert words in str(mistake.value)

@@ -161,7 +161,12 @@ def test_no_variant_is_started_that_cannot_end_in_time(monkeypatch: pytest.Monke
     selection = solve(p)
     slow = replace(selection, solve_time_s=1e6)
     solved: list[object] = []
-    monkeypatch.setattr("app.attention.variants.solve", lambda *_, **__: solved.append(0) or selection)
+
+    def counted(*arguments: object, **_: object) -> Selection:
+        solved.append(arguments)
+        return selection
+
+    monkeypatch.setattr("app.attention.variants.solve", counted)
     reasons = explain(p, slow, time_limit_s=60)
     assert not solved
     assert (reasons["LocateFaces"].alternatives, reasons["LocateFaces"].searched) == ((), False)

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from app.attention.cpsat import solve_cpsat
 from app.attention.desires import Desire
-from app.attention.integer_program import Infeasible, build_instance
+from app.attention.integer_program import Infeasible, build_integer_program
 from app.attention.problem import Problem, assess
 from app.attention.search import solve_search
 from app.attention.solver import solve
@@ -66,7 +66,7 @@ def test_tableau_4_1(a: tuple[int, int], f: tuple[int, int], holds: bool, value:
 
 
 def test_first_worked_example() -> None:
-    """4.2.5: nobody desires SLAM, yet GoTo needs it."""
+    """4.2.5: there is no desire for SLAM, yet GoTo needs it."""
     selection = solve(problem([desire("GoTo", 8)], (SLAM, GOTO), CPU))
     assert selection.strategies == ("slam", "go-to")
     assert selection.fulfilled == ("GoTo",)
@@ -217,8 +217,8 @@ def test_equals_exhaustive_search(p: Problem) -> None:
 @given(problems())
 def test_both_searches_agree(p: Problem) -> None:
     """The label search and CP-SAT find the same selection or both find the security desires cannot be met."""
-    instance = build_instance(p)
-    answers = []
+    instance = build_integer_program(p)
+    answers: list[tuple[tuple[int, ...], float] | None] = []
     for search in (lambda: solve_search(instance, float("inf")), lambda: solve_cpsat(instance, float("inf"))):
         try:
             answer = search()
@@ -226,6 +226,7 @@ def test_both_searches_agree(p: Problem) -> None:
             answers.append(None)
         else:
             assume(answer is not None)  # many strategies that exclude nothing: not for the label search
+            assert answer is not None
             assert answer.proven
             answers.append((tuple(sorted(answer.chosen)), answer.bound))
     assert answers[0] == answers[1]
@@ -253,7 +254,7 @@ def test_both_searches_agree_where_many_contend(seed: int) -> None:
         ]
     desires = [desire(f"K{n}", chance.randint(1, 8), chance.choice([1, 1, 2]), security=n == 3) for n in range(1, 15)]
     p = problem(desires, tuple(table), {"cpu": 150.0, "arm0": 1, "arm1": 1}, previous=["k1-2", "k2-4", "k5-1"])
-    instance = build_instance(p)
+    instance = build_integer_program(p)
     ours, theirs = solve_search(instance, float("inf")), solve_cpsat(instance, float("inf"))
     assert ours is not None
     assert theirs is not None
@@ -326,7 +327,7 @@ def test_cp_sat_counts_what_later_classes_require() -> None:
         Strategy("s3", "B", 0.5),
     )
     p = problem([desire("A", 0.5, 0.5), desire("B", 0.5, 0.5)], table, {})
-    answer = solve_cpsat(build_instance(p), float("inf"))
+    answer = solve_cpsat(build_integer_program(p), float("inf"))
     assert answer is not None
     assert (answer.chosen, answer.bound) == ((0, 1, 3), 2_500_000)
 
@@ -359,16 +360,16 @@ def test_no_time_keeps_the_best_found_and_its_bound() -> None:
         for v in (1, 2, 4, 8)
     )
     p = problem([desire(f"{cls:02d}", 1 + cls % 7) for cls in range(60)], table, {"cpu": 500})
-    rough = solve_search(build_instance(p), float("inf"), most_labels=3)
+    rough = solve_search(build_integer_program(p), float("inf"), most_labels=3)
     assert rough is not None
     assert not rough.proven
     best = solve(p, time_limit_s=20)
     assert best.proven
-    found = build_instance(p).omega_of(rough.bound)
+    found = build_integer_program(p).omega_of(rough.bound)
     assert found >= best.omega
 
 
-def test_a_small_problem_is_solved_though_the_computer_stands_still() -> None:
+def test_a_small_problem_is_solved_though_the_computer_is_suspended() -> None:
     """Half a second can pass between two lines of a program: it must not cost what takes a millisecond."""
     p = problem(
         [desire("A", 8)], (Strategy("a", "A", 1, costs={"cpu": 70}), Strategy("b", "A", 2, costs={"cpu": 40})), CPU
@@ -383,7 +384,8 @@ def test_ctrl_c_is_still_the_programs_after_a_solution() -> None:
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         assert (
-            solve_cpsat(build_instance(problem([desire("FindQRCodes", 8)], TABLE_4_4, CPU)), float("inf")) is not None
+            solve_cpsat(build_integer_program(problem([desire("FindQRCodes", 8)], TABLE_4_4, CPU)), float("inf"))
+            is not None
         )
         caught = re.search(r"^SigCgt:\s*(\w+)", Path("/proc/self/status").read_text(), re.MULTILINE)
         assert caught is not None

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from app.attention.cpsat import solve_cpsat
-from app.attention.integer_program import Infeasible, Instance, build_instance
+from app.attention.integer_program import Infeasible, IntegerProgram, build_integer_program
 from app.attention.prepared import prepare
 from app.attention.problem import Problem
 from app.attention.search import solve_search
@@ -48,7 +48,7 @@ def many_resources(classes: int, resources: int, seed: int) -> Problem:
 @pytest.mark.parametrize("seed", range(2))
 def test_where_several_graded_resources_contend_cp_sat_proves_what_the_search_leaves(seed: int) -> None:
     p = many_resources(13, 3, 2 * seed)
-    instance = build_instance(p)
+    instance = build_integer_program(p)
     left = solve_search(instance, float("inf"))
     assert left is not None
     assert not left.proven
@@ -60,7 +60,7 @@ def test_where_several_graded_resources_contend_cp_sat_proves_what_the_search_le
 
 
 def test_where_one_graded_resource_contends_the_search_goes_on_to_the_proof() -> None:
-    answer = solve_search(build_instance(many_resources(50, 1, 0)), float("inf"))
+    answer = solve_search(build_integer_program(many_resources(50, 1, 0)), float("inf"))
     assert answer is not None
     assert answer.proven
 
@@ -77,7 +77,7 @@ def test_which_securities_fit_is_never_guessed_when_the_time_is_over(monkeypatch
     p = problem([desire("A", 4, security=True), desire("B", 5, security=True)], table, CPU)
     assert solve(p).relaxed == ("A",)
 
-    def too_late(instance: Instance, deadline: float, **_: Any) -> None:
+    def too_late(instance: IntegerProgram, deadline: float, **_: Any) -> None:
         if len(instance.security) == 2:
             raise Infeasible
 
@@ -117,4 +117,4 @@ def test_a_table_prepared_for_other_strategies_is_not_used() -> None:
     assert p.table is p.prepared
     other = replace(p, strategies=TABLE_4_4[1:])
     assert other.table is not p.prepared
-    assert build_instance(p) == replace(build_instance(replace(p, prepared=None)), problem=p)
+    assert build_integer_program(p) == replace(build_integer_program(replace(p, prepared=None)), problem=p)

@@ -97,7 +97,7 @@ def test_several_files_make_one_table(tmp_path: Path) -> None:
         ("{QRCodeDetector.images: 1}", "{images: 1}", 7, "named Module.port"),
         ("{QRCodeDetector.images: 1}", "{QRCodeDetector.images: 0}", 7, "integer of at least 1, or off"),
         ("{QRCodeDetector.images: 1}", "{QRCodeDetector.images: 1.5}", 7, "integer of at least 1, or off"),
-        ("{QRCodeDetector: {upscale", "{QRDetector: {upscale", 8, "parameters to unknown module 'QRDetector'"),
+        ("{QRCodeDetector: {upscale", "{QRDetector: {upscale", 8, "parameters of unknown module 'QRDetector'"),
         ("costs: {cpu: 80}", "costs: {gpu: 80}", 9, "unknown resource 'gpu'"),
         ("costs: {cpu: 80}", "costs: {cpu: -1}", 9, "greater than or equal to 0"),
         ("costs: {cpu: 80}", "costs: {cpu: 0.0001}", 9, "at most 3 decimals"),

@@ -21,7 +21,7 @@ from app.attention.workspace import WorkspaceChange
         (Source("rest", ""), "REST client"),
     ],
 )
-def test_whoever_desires_is_named_once(source: Source, words: str) -> None:
+def test_the_author_of_a_desire_is_named_once(source: Source, words: str) -> None:
     assert source_words(source) == words
     timeline = Timeline(10, lambda: 1.0)
     desire = Desire("d1", "Explore", 8.0, 2.0, False, {}, source, 1.0, None)

@@ -333,7 +333,7 @@ async def test_hysteresis_by_time() -> None:
 
 
 @in_virtual_time
-async def test_hysteresis_holds_back_no_desire_that_takes_from_nobody() -> None:
+async def test_hysteresis_holds_back_no_desire_that_takes_from_no_other() -> None:
     s = Setting(hysteresis=Hysteresis(gain=8, dwell_s=100))
     async with s.running():
         noises = s.add("DetectNoises", 1)

@@ -65,7 +65,7 @@ async def test_a_solver_failure_keeps_the_last_intention() -> None:
 
 @in_virtual_time
 async def test_a_solver_that_failed_is_asked_again_ever_more_seldom() -> None:
-    """What is desired is not left unheard until somebody desires something else."""
+    """A desire is answered after a failure, without another change of the workspace."""
     solver = FailingSolver()
     s = Setting(solver=solver)
     async with s.running():
@@ -132,7 +132,7 @@ async def test_a_part_of_the_solver_that_cannot_be_loaded_does_not_stop_attentio
     def missing(problem: Problem) -> None:
         raise ImportError("No module named 'ortools'")
 
-    solver.prepare = missing  # type: ignore[method-assign]
+    solver.prepare = missing
     s = Setting(solver=solver)
     async with s.running():
         s.add("DetectNoises")
@@ -199,7 +199,7 @@ async def test_observers_and_modules_that_fail_do_not_stop_attention(caplog: pyt
         raise ValueError("no such thing")
 
     s.translator.observe(broken)
-    s.sink.configure = refuse  # type: ignore[method-assign]
+    s.sink.configure = refuse
     async with s.running():
         s.add("LocateVoices", params={"x": 1})
         await s.translator.settled()
@@ -207,7 +207,7 @@ async def test_observers_and_modules_that_fail_do_not_stop_attention(caplog: pyt
         s.add("DetectNoises")
         await s.translator.settled()
         assert s.selected == ("9", "10")
-    assert "no longer told" in caplog.text
+    assert "an observer of the intention failed and is removed" in caplog.text
     assert "refused its parameters" in caplog.text
     assert s.events("module") == ["VoiceLocalizer", "LoudNoiseDetector"]
 
@@ -223,7 +223,7 @@ async def test_a_solver_that_cannot_even_remember_does_not_stop_attention() -> N
         def forget(problem: Problem) -> Selection | None:
             raise ZeroDivisionError
 
-        solver.recall = forget  # type: ignore[method-assign]
+        solver.recall = forget
         s.add("SLAM", ttl=5)
         await s.translator.settled()
         assert s.selected == ("9",)

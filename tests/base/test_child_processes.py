@@ -11,7 +11,7 @@ import pytest
 
 from app.base import child_processes
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 #: Files that may start an interpreter by its name: the helper itself, and the benchmarks, which are not installed.
 ALLOWED = {ROOT / "app" / "base/child_processes.py", ROOT / "app" / "commands" / "bench.py"}
 SPAWNING = """
@@ -44,7 +44,7 @@ def strangers_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     ("module", "arguments"),
     [
         ("app.base.compiled", []),
-        ("app.console.replay_process", ["0"]),  # of no console that lives: it ends at once
+        ("app.console.replay_process", ["0"]),  # of no running console: it ends at once
         ("app.cli", ["--version"]),
     ],
 )

@@ -10,16 +10,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.base.log_rate_limit import FIRST, MOST_LINES, WINDOW_S, SparingHandler
+from app.base.log_rate_limit import FIRST, MOST_LINES, WINDOW_S, RateLimitedHandler
 
 
 class Bench:
-    """A handler with its clock in the test's hands, and what it wrote."""
+    """A handler with a clock that the test sets, and its output."""
 
     def __init__(self) -> None:
         self.time = 0.0
         self.out = io.StringIO()
-        self.handler = SparingHandler(self.out, now=lambda: self.time)
+        self.handler = RateLimitedHandler(self.out, now=lambda: self.time)
 
     def log(self, words: str, *values: object, line: int = 1, **more: object) -> None:
         record = logging.LogRecord("hbba.x", logging.WARNING, "x.py", line, words, values, more.pop("exc_info", None))  # type: ignore[arg-type]
@@ -89,7 +89,7 @@ def test_other_values_places_and_exceptions_are_other_lines(bench: Bench) -> Non
 
 def test_it_is_said_by_itself(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("app.base.log_rate_limit.WINDOW_S", 0.01)
-    handler = SparingHandler(io.StringIO(), now=lambda: 0.0)
+    handler = RateLimitedHandler(io.StringIO(), now=lambda: 0.0)
     ended: list[bool] = []
     monkeypatch.setattr(handler, "say_held", lambda: ended.append(True))
     record = logging.LogRecord("x", logging.INFO, "x.py", 1, "again", (), None)

@@ -22,7 +22,7 @@ def test_arrays_by_name(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "header", [b"{'descr': '<f8", b"{(", b"'''", b"{'descr': '<f8', 'fortran_order': False, 'shape': 3}", b"\xff"]
 )
-def test_a_broken_header_is_told(header: bytes, tmp_path: Path) -> None:
+def test_a_broken_header_is_reported(header: bytes, tmp_path: Path) -> None:
     path = tmp_path / "some.npz"
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("a.npy", b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header)
@@ -110,12 +110,12 @@ def test_a_pipe_in_its_place_is_refused_and_not_waited_for(tmp_path: Path) -> No
         read_arrays(tmp_path / "some.npz", "the file")
 
 
-def test_what_is_not_there_is_told(tmp_path: Path) -> None:
+def test_a_missing_file_is_reported(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match="the file cannot be read: No such file"):
         read_arrays(tmp_path / "none.npz", "the file")
 
 
-def test_python_objects_are_told_by_their_name(tmp_path: Path) -> None:
+def test_python_objects_are_reported_by_their_name(tmp_path: Path) -> None:
     np.savez(tmp_path / "some.npz", a=np.arange(3), b=np.array([{}], dtype=object))
     with pytest.raises(ConfigError, match=r"the file has Python objects in `b`, .* save plain arrays of numbers"):
         read_arrays(tmp_path / "some.npz", "the file")

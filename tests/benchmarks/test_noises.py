@@ -2,9 +2,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.modules.perception.loud_noises import Rule
+from app.modules.perception.loud_noises import LoudnessRule
 from benchmarks.lab_noise import RATE, blocks, script
-from benchmarks.noises import listen, score, told_by_ours, told_by_the_plain_rule
+from benchmarks.noises import events_of_ours, events_of_the_plain_rule, listen, score
 
 
 def test_a_noise_is_found_once_and_all_else_is_wrong() -> None:
@@ -21,7 +21,7 @@ def test_the_laboratory_is_the_same_for_the_same_seed_and_ours_hears_its_claps()
     np.testing.assert_array_equal(first, again)
     assert not first[: round(0.3 * RATE)].any(), "the microphone is not on yet"
     hour = listen(plan)
-    right, found = score(told_by_ours(hour, Rule()), plan.truth)
+    right, found = score(events_of_ours(hour, LoudnessRule()), plan.truth)
     assert len(plan.truth) >= 2
     assert min(right, found) == 1.0
-    assert told_by_the_plain_rule(hour, Rule())[0] < 1.0, "the plain rule tells the switching on"
+    assert events_of_the_plain_rule(hour, LoudnessRule())[0] < 1.0, "the plain rule tells the switching on"

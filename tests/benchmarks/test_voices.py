@@ -47,7 +47,7 @@ def test_what_is_weaker_than_the_noise_is_no_onset(scene: Scene) -> None:
     assert score(breathing, found(FRONT, 0.2), 0.0).latencies_s[0] == 0
 
 
-def test_a_track_of_nobody_is_false_for_as_long_as_it_lasts(scene: Scene) -> None:
+def test_a_track_of_no_talker_is_false_for_as_long_as_it_lasts(scene: Scene) -> None:
     scored = score(scene, found(LEFT, 0.0), 0.0)
     assert scored.found == 0
     assert scored.false_s == (pytest.approx(1.0),)

@@ -1,4 +1,4 @@
-"""A building's squareness is told by the walls that scans see, under a trajectory's headings."""
+"""A building's squareness is measured on the walls that scans see, under a trajectory's headings."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def corner(turned: float, apart: float) -> NDArray[np.float64]:
 
 
 @pytest.mark.parametrize("skew_deg", [0.0, 0.5, -1.0])
-def test_what_is_skew_is_told_and_by_how_much(skew_deg: float) -> None:
+def test_skew_walls_are_measured(skew_deg: float) -> None:
     headings = np.array([0.1, 0.4, 0.7])
     pieces = [wall_pieces(corner(heading, np.pi / 2 + np.radians(skew_deg)), ANGLES) for heading in headings]
     assert sum(map(len, pieces)) > 40

@@ -10,7 +10,7 @@ import pytest
 from playwright.sync_api import Browser
 
 from app.log_tools.export import mp4
-from app.log_tools.export.run import Wish, export
+from app.log_tools.export.exporter import Wish, export
 from tests.log_tools.export.test_pictures import WRITERS, log_of
 
 SHOW = """async ([data, moments]) => {

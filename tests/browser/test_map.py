@@ -21,8 +21,8 @@ from playwright.sync_api import Page, expect
 from app.attention.desires import Source
 from app.base.geometry import Pose2
 from app.base.paths import config_dir
-from app.experiments.lockstep import WorldRun, run_in_world
 from app.experiments.script import Waypoint, drive_script
+from app.experiments.world_run import WorldRun, run_in_world
 from app.maps.library import MapLibrary
 from app.program.config import load_configuration
 from app.robots.config import load_robot_config
@@ -169,7 +169,7 @@ def test_a_kept_map_is_loaded_the_robot_finds_itself_and_goes_to_another_room(
     way = page.get_by_test_id("map-way")
     expect(way).to_have_attribute("data-state", "following")
     # Hands take over for as long as they hold, and the page says what comes then; Space ends the trip.
-    hold_until(page, "KeyA", page.get_by_test_id("drive-hint").filter(has_text="goes on to its goal"), 5_000)
+    hold_until(page, "KeyA", page.get_by_test_id("drive-hint").filter(has_text="continue to the goal"), 5_000)
     expect(driver).not_to_have_text(re.compile("You|Nobody"))
     page.keyboard.press("Space")
     page.get_by_test_id("map-cancel").wait_for(state="detached")

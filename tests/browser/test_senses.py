@@ -19,7 +19,7 @@ from app.base.paths import config_dir
 from app.commands.doctor import find_chromium
 from app.robots.model import load_model
 from app.robots.simulated.scenery.scenario_config import load_scenario
-from app.robots.simulated.scenery.scenario_state import Stage
+from app.robots.simulated.scenery.scenario_state import ScenarioState
 from tests.browser.running import CHROMIUM_ARGUMENTS, Robot, running_robot
 
 #: Chromium's own tone in place of a microphone, granted without a question.
@@ -96,7 +96,7 @@ def wait_for_mark(page: Page, selector: str, azimuth: float, elevation: float | 
 
 def test_a_talking_person_is_marked_and_heard_and_can_be_answered(robot: Robot, page: Page, scenario: Path) -> None:
     """The disc within 10 degrees of the mouth, the frame on the face; samples to hear, and the voice the other way."""
-    stage = Stage(load_scenario(scenario))
+    stage = ScenarioState(load_scenario(scenario))
     stage.advance(5.0, robot.start)
     (person,) = stage.people
     mouth = seen_from_the_panorama(robot, person.mouth)

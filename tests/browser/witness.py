@@ -9,7 +9,7 @@ from pydantic import Field
 
 from app.base.geometry import Pose2
 from app.messages import GroundTruth
-from app.modules.body import attach, robot_link
+from app.modules.stream_module import attach, robot_link
 from app.runtime.module import Module, ModuleContext, Settings
 
 STREAM = "ground_truth"

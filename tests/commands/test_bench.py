@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -29,14 +30,15 @@ def test_an_installed_program_says_where_the_benchmarks_are(
     )
 
 
-def test_results_are_written_where_the_person_stands(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_results_are_written_to_the_current_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     ran: list[list[str]] = []
 
-    class Done:
-        returncode = 0
+    def run(command: list[str], **_: object) -> subprocess.CompletedProcess[str]:
+        ran.append(command)
+        return subprocess.CompletedProcess(command, 0)
 
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("subprocess.run", lambda command, **_: ran.append(command) or Done())
+    monkeypatch.setattr("subprocess.run", run)
     assert cli.main(["bench", "solver", "--out", "rows.json", "--quick"]) == 0
     assert ran[0][3:] == ["solver", "--quick", "--out", str(tmp_path / "rows.json")]
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from app import cli
-from app.attention.calibration import load_calibration
+from app.attention.calibration import load_cost_calibration
 from app.base import paths
 from app.commands.calibrate import _newest
 from app.logs import open as opening
@@ -43,7 +43,7 @@ def test_strategies_cost_what_was_measured(program: Path, log_file: Path, capsys
     assert "CameraStream.images\n" in said.out
     assert "strategy        declared  measured" in said.out
     assert "kinect was recorded at 10.0 Hz of 15; what is measured on it holds for that" in said.err
-    calibration = load_calibration(program.parent / "calibration", paths.host_name())
+    calibration = load_cost_calibration(program.parent / "calibration", paths.host_name())
     assert calibration is not None
     relation = calibration.relations["CameraStream.images"]
     assert [point.phi for point in relation.points] == [1, 2, 4, 8]
@@ -63,7 +63,7 @@ def test_strategies_cost_what_was_measured(program: Path, log_file: Path, capsys
     assert result["written"][0] == str(folder / f"{paths.host_name()}.yaml")
     assert set(result["calibration"]["relations"]) == {"CameraStream.images", "PointCloudBuilder.images"}
     assert all(row["measured"] > 0 for row in result["strategies"])
-    both = load_calibration(folder, paths.host_name())
+    both = load_cost_calibration(folder, paths.host_name())
     assert both is not None
     assert both.relations["CameraStream.images"] == relation
     assert "PointCloudBuilder.images" in both.relations

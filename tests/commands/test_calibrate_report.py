@@ -1,11 +1,11 @@
-"""What a calibration tells people: relations, and what strategies cost by them."""
+"""The report of a calibration: relations, and the costs of strategies by them."""
 
 from __future__ import annotations
 
-from app.attention.calibration import Calibration
+from app.attention.calibration import CostCalibration
 from app.attention.strategies import CLOSED, Strategy, StrategyTable
 from app.commands.calibrate_report import relations_table, strategies_table
-from app.logs.replay.calibration import Measurement, Run, relations
+from app.logs.replay.calibration_runs import Measurement, Run, relations
 from app.runtime.graph import ModuleSpec
 
 MODULES = {
@@ -27,10 +27,10 @@ RESULTS = {
     Run("Eye", "left", 4): Measurement(0.6, 15, 60),
     Run("Ear", "sound", 1, parameters='{"microphones": 2}'): Measurement(3.0, 0, 60),
 }
-FOUND = Calibration(host="here", made="now", relations=relations(RESULTS))
+FOUND = CostCalibration(host="here", made="now", relations=relations(RESULTS))
 
 
-def test_each_strategy_that_uses_what_was_measured_is_told_with_what_it_declares() -> None:
+def test_each_strategy_with_a_measured_cost_is_reported_with_its_declared_one() -> None:
     said = strategies_table(TABLE, FOUND, {"Eye.left", "Ear.sound with microphones=2"}, MODULES).splitlines()
     assert said[2:] == [
         "see           6.00      4.00   (without Eye.right)",
@@ -41,7 +41,7 @@ def test_each_strategy_that_uses_what_was_measured_is_told_with_what_it_declares
     assert strategies_table(TABLE, FOUND, {"Nose.smell"}, MODULES) == ""
 
 
-def test_relations_tell_what_is_kept_and_what_finds_nothing() -> None:
+def test_relations_report_what_is_kept_and_what_finds_nothing() -> None:
     said = relations_table(FOUND, {"Eye.left"})
     assert "Ear.sound with microphones=2 (measured before, kept)" in said
     assert "Eye.left\n" in said

@@ -65,7 +65,7 @@ def kind(file: Path, capsys: pytest.CaptureFixture[str]) -> str:
     return capsys.readouterr().out.split(": ")[1].split(",")[0]
 
 
-def test_kinds_are_told_by_their_keys(capsys: pytest.CaptureFixture[str]) -> None:
+def test_kinds_are_recognised_by_their_keys(capsys: pytest.CaptureFixture[str]) -> None:
     assert [
         kind(CONFIG / name, capsys)
         for name in ("lab.yaml", "channels.yaml", "robots/irl1_tr.yaml", "robots/irl1_tr.urdf", "worlds/lab.yaml")
@@ -159,3 +159,30 @@ def test_an_output_that_can_move_the_robot_and_is_only_ever_closed_is_a_warning(
     line = text[: text.index("toward_twist, status: going_toward")].count("\n") + 1
     assert cli.main(["check", str(file)]) == 0
     assert capsys.readouterr().err.startswith(f"{file}:{line}: no strategy opens GoToward.twist, which leads to")
+
+
+def test_a_table_that_no_program_names_is_checked_by_itself_and_said_so(
+    config: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    alone = config / "alone" / "strategies.yaml"
+    alone.parent.mkdir()
+    alone.write_text("strategies: [{name: fly, class: Fly, utility: 8}]\n")
+    assert cli.main(["check", str(alone)]) == 0
+    said = capsys.readouterr()
+    assert said.out == f"{alone}: strategies, no mistake found, 1 warning\n"
+    assert said.err == (
+        f"{alone}: no program beside it names this file: desire classes, modules and ports are not checked\n"
+    )
+
+
+def test_a_file_that_a_program_names_by_its_package_is_checked_with_it(
+    config: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    package = config.parent / "kites_k"
+    config.rename(package)
+    (package / "__init__.py").touch()
+    monkeypatch.syspath_prepend(str(package.parent))
+    replace(package / "lab.yaml", "- strategies/lab.yaml", "- package:kites_k/strategies/lab.yaml")
+    replace(package / "strategies" / "lab.yaml", "class: FindQRCodes", "class: FindQRCades")
+    assert cli.main(["check", str(package / "strategies" / "lab.yaml")]) == 2
+    assert "unknown class 'FindQRCades'" in capsys.readouterr().err

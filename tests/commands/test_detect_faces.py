@@ -9,7 +9,7 @@ import pytest
 
 from app.base.geometry import Pose2
 from app.cli import main
-from benchmarks.face_scenes import facing, kinect_image
+from tests.scenery.face_scenes import facing, kinect_image
 
 
 @pytest.fixture(scope="module")
@@ -110,6 +110,7 @@ def test_mistakes_are_said_in_words(
     arguments: list[str], said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
+    code: object
     try:
         code = main(["detect", "faces", *arguments])
     except SystemExit as ended:

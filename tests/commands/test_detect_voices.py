@@ -33,7 +33,7 @@ def write(path: Path, sound: NDArray[np.int16], rate: int = RATE) -> str:
     return str(path)
 
 
-def test_a_talker_is_told_and_written_by_himself(
+def test_a_talker_is_reported_and_written_to_a_file(
     tmp_path: Path, talker: NDArray[np.int16], array: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = write(tmp_path / "room.flac", talker)
@@ -59,7 +59,7 @@ def test_a_talker_is_told_and_written_by_himself(
     assert voice.std() > 0.01
 
 
-def test_a_table_for_people_and_one_when_nobody_is_heard(
+def test_a_table_for_people_and_one_without_voices(
     tmp_path: Path, talker: NDArray[np.int16], array: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = write(tmp_path / "room.wav", talker)

@@ -10,7 +10,7 @@ import pytest
 from app import cli
 from app.experiments.barn.experiment import plan
 from app.experiments.barn.result import WorldResult
-from app.experiments.results_store import KeptResults
+from app.experiments.results_store import ResultsStore
 
 
 @pytest.mark.parametrize("which", ["trial", "overload"])
@@ -48,12 +48,12 @@ def barn_files(folder: Path) -> tuple[Path, Path]:
     worlds = folder / "worlds.json"
     world = {"id": 4, "cylinders": [], "start": [0, 0, 0], "goal": [3, 0], "path_length": 3.0}
     worlds.write_text(json.dumps({"worlds": [world]}))
-    kept = KeptResults(folder / "out", plan(worlds).of())
+    kept = ResultsStore(folder / "out", plan(worlds).of())
     kept.add(WorldResult("4", "success", 4.0, 1.5, 1.0, "", 0, 2.0, 0.1, (), ((0, 0, 0, 0), (4, 2, 0, 0))).document())
     return worlds, folder / "out"
 
 
-def test_barn_tells_what_is_done_and_draws_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_barn_reports_its_results_and_draws_them(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     worlds, out = barn_files(tmp_path)
     arguments = ["experiment", "barn", "--worlds", str(worlds), "--out", str(out)]
     assert cli.main([*arguments, "--plot", "4"]) == 0

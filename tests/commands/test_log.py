@@ -27,11 +27,10 @@ from app import cli
 from app.commands import progress as progressing
 from app.commands.arguments import moment
 from app.commands.log_report import clock, size
-from app.logs import output
 from app.logs.manifest import YAML, AttachedFile, Manifest
 from app.logs.mcap.open_file import create
 from app.logs.mcap.reader import McapLog
-from app.logs.output import Progress
+from app.logs.output_file import Progress
 from tests.logs.mcap.mcap_files import BEGIN, drive, write_log
 from tests.patience import PATIENCE_S
 
@@ -143,11 +142,11 @@ def test_a_mistake_leaves_standard_output_empty_for_programs(library: Path, caps
 
 
 @pytest.mark.parametrize("arguments", [[], ["info", "tour"]])
-def test_who_reads_no_further_is_told_nothing(arguments: list[str], library: Path) -> None:
+def test_a_reader_that_has_gone_causes_no_message(arguments: list[str], library: Path) -> None:
     read, write = os.pipe()
     os.close(read)
     code = "import sys; from app.cli import main; sys.exit(main(['log', *sys.argv[1:]]))"
-    # Unbuffered, as a long list is: the first line finds nobody.
+    # Unbuffered, as a long list is: the first line finds a closed pipe.
     done = subprocess.run(
         [sys.executable, "-u", "-c", code, *arguments],
         stdout=write,
@@ -206,7 +205,7 @@ def test_info_of_an_unfinished_log_says_what_can_be_read_and_what_to_do(
     assert document["messages"] > 100
 
 
-def test_a_recording_in_the_making_is_told_from_an_abandoned_one(
+def test_a_recording_being_written_is_distinct_from_an_abandoned_one(
     library: Path, made: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = create(library / "now.mcap")
@@ -361,7 +360,7 @@ def test_a_full_disk_is_said_and_leaves_nothing(
     def full(_: int) -> None:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    monkeypatch.setattr(output.os, "fsync", full)
+    monkeypatch.setattr("app.logs.output_file.os.fsync", full)
     assert hbba("cut", "tour") == 1
     assert f"the disk under {library} is full: tour-cut.mcap was not written" in capsys.readouterr().err
     assert [each.name for each in library.iterdir()] == ["tour.mcap"]

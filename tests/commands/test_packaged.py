@@ -113,7 +113,7 @@ def test_a_wrong_name_is_one_sentence_with_those_there_are(named: str, kind: Kin
             "--scenario: there is no scenario wlakers; did you mean 'walkers'? ",
         ),
         (["run", "--robot", "webcam", "--camera", "gone.mp4"], 2, "--camera: there is no file or folder gone.mp4"),
-        (["run", "--robot", "config/robots/webcam.yaml", "--scenario", "lab"], 2, "is for a simulated world"),
+        (["run", "--robot", "config/robots/webcam.yaml", "--scenario", "lab"], 2, "is for the simulated world"),
         (["run", "--config", "jackal", "--camera", "0"], 2, "is for a body of devices"),
         (["calibrate", "--config", "jakcal", "gone.mcap"], 2, "hbba calibrate: --config: there is no program jakcal"),
         (["experiment", "barn", "--config", "jakcal"], 2, "--config: there is no program jakcal"),

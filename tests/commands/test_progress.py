@@ -6,12 +6,11 @@ import io
 
 import pytest
 
-from app.commands import progress as progressing
 from app.commands.progress import shown
 
 
 class Clock:
-    """Stands until it is told."""
+    """A clock that is set by the test."""
 
     def __init__(self) -> None:
         self.now = 100.0
@@ -23,7 +22,7 @@ class Clock:
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
     made = Clock()
-    monkeypatch.setattr(progressing.time, "monotonic", made.monotonic)
+    monkeypatch.setattr("app.commands.progress.time.monotonic", made.monotonic)
     return made
 
 

@@ -212,7 +212,7 @@ def test_the_console_serves_a_replay_and_ends_with_a_signal(recording: Path) -> 
         process.communicate()
 
 
-def test_a_replay_that_nobody_watches_ends(recording: Path) -> None:
+def test_a_replay_without_viewers_ends(recording: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-m", "app.cli", "replay", str(recording), "--port", "0", "--exit-when-unwatched", "1"],
         capture_output=True, text=True, timeout=PATIENCE_S, check=False, cwd=Path(__file__).parents[2],

@@ -91,13 +91,13 @@ class Program:
 
 
 @pytest.fixture
-def not_punctual(monkeypatch: pytest.MonkeyPatch) -> None:
+def without_latency_tuning(monkeypatch: pytest.MonkeyPatch) -> None:
     """What is for the life of a process is not for that of a test."""
-    monkeypatch.setattr("app.commands.run.be_punctual", lambda: None)
+    monkeypatch.setattr("app.commands.run.tune_for_latency", lambda: None)
 
 
-@pytest.mark.usefixtures("not_punctual")
-async def test_nobody_is_served_before_the_modules_have_started() -> None:
+@pytest.mark.usefixtures("without_latency_tuning")
+async def test_no_request_is_served_before_the_modules_have_started() -> None:
     program, serving = Program(), asyncio.Event()
 
     async def serve() -> None:
@@ -112,7 +112,7 @@ async def test_nobody_is_served_before_the_modules_have_started() -> None:
     assert serving.is_set()
 
 
-@pytest.mark.usefixtures("not_punctual")
+@pytest.mark.usefixtures("without_latency_tuning")
 @pytest.mark.parametrize("while_starting", [True, False])
 async def test_a_body_lost_ends_it_whatever_is_done(while_starting: bool) -> None:
     program, serving = Program(), asyncio.Event()

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from app.cli import main
-from app.maps.map_server import read_map
+from app.maps.map_file import read_map
 from app.modules.perception.slam.relations import between
 from app.modules.perception.slam.storage import read_state
 from tests.modules.perception.slam.rooms import around, driven, half_circle, ring
@@ -91,7 +91,7 @@ def test_a_carmen_log_is_mapped_and_fewer_scans_are_taken(log: Path, capsys: pyt
         (["{folder}/true.log", "--scans", "left"], "no such channel 'left'; it has scan"),
     ],
 )
-def test_mistakes_are_told_in_a_sentence(
+def test_mistakes_are_reported_in_a_sentence(
     log: Path, arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     folder = log.parent
@@ -207,11 +207,11 @@ def test_the_intel_lab_is_mapped_to_millimetres(tmp_path: Path, capsys: pytest.C
 @pytest.mark.parametrize(
     ("line", "words"),
     [
-        ("FLASER 3 1 2 x 0 0 0 0 0 0 1.1 h 1.1", "line 2: 'x' stands where a number should"),
-        ("FLASER 3 1 2 3 0 0 0 y 0 0 1.1 h 1.1", "line 2: 'y' stands where a number should"),
+        ("FLASER 3 1 2 x 0 0 0 0 0 0 1.1 h 1.1", "line 2: 'x' found where a number should be"),
+        ("FLASER 3 1 2 3 0 0 0 y 0 0 1.1 h 1.1", "line 2: 'y' found where a number should be"),
     ],
 )
-def test_a_word_in_a_line_of_numbers_is_told_with_its_line(
+def test_a_word_in_a_line_of_numbers_is_reported_with_its_line(
     tmp_path: Path, line: str, words: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     log = tmp_path / "c.log"

@@ -31,7 +31,7 @@ def hbba_solve(*arguments: str) -> int:
 
 def answer(capsys: pytest.CaptureFixture[str], *arguments: str) -> dict[str, Any]:
     assert hbba_solve(*arguments, "--json") == 0
-    return json.loads(capsys.readouterr().out)  # type: ignore[no-any-return]
+    return json.loads(capsys.readouterr().out)
 
 
 def names(found: dict[str, Any]) -> list[str]:
@@ -136,7 +136,7 @@ desires: [{class: %s, intensity: 1}]
         ("requires: {}", "SLAM", ["slam-1"]),
     ],
 )
-def test_families_serve_classes_that_nobody_desires_too(
+def test_families_serve_undesired_classes_too(
     requires: str,
     desired: str,
     selected: list[str],
@@ -153,7 +153,7 @@ def said(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, pr
     return capsys.readouterr().out
 
 
-def test_what_nothing_serves_and_what_nobody_asks_is_said_at_the_top(
+def test_unserved_and_unused_classes_are_reported_at_the_top(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert "Nothing is desired: a problem says under `desires`" in said(capsys, monkeypatch, "")
@@ -293,7 +293,7 @@ def test_schema(capsys: pytest.CaptureFixture[str]) -> None:
 def test_a_sound_does_not_take_the_planner_from_peoples_goal_in_the_lab(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Nor does the goal take anybody's all: the others get less."""
+    """Nor does the goal take all of another: the others get less."""
     others = {"FindQRCodes": 8, "LocateFaces": 8, "DetectNoises": 8, "SLAM": 8, "Telepresence": 4, "LocateVoices": 8}
     desires = [{"class": cls, "intensity": intensity, "utility": 1} for cls, intensity in others.items()]
     goal = {"class": "GoTo", "intensity": INTENSITY, "utility": UTILITY, "params": {"x": 4, "y": -1}}

@@ -59,7 +59,7 @@ modules:
     inputs: {images: kinect, odometry: odometry}
     outputs: {clouds: point_cloud}
   Teleop:
-    class: app.modules.behaviors.teleop:Teleop
+    class: tests.console.versatile_teleop:VersatileTeleop
     inputs: {operator: operator_drive}
     outputs: {twist: teleop_twist}
   Microphones:
@@ -117,6 +117,7 @@ faces: {type: Faces, external: true}
 qr_codes: {type: QRCodes, external: true}
 sound_sources: {type: SoundSources, external: true}
 loud_noises: {type: LoudNoise, decimable: false, external: true}
+percept_events: {type: PerceptEvent, decimable: false, external: true}
 imv: {type: Image, rate_hz: 10, external: true}
 panorama_jpeg: {type: EncodedImage, external: true, log: never}
 localization: {type: Localization, frame: map, decimable: false, external: true, page: {every_hz: 10}}
@@ -274,4 +275,4 @@ def sound(stamp: float, first_sample: int, *, samples: int = 512, level: int = 1
     """A frame of eight microphones: each has its own number added to ``level``; number 1 is the front one."""
     places = np.array([[0.1 if number == 1 else 0.0, 0.0, 0.5] for number in range(8)])
     values = np.full((samples, 8), level, np.int16) + np.arange(8, dtype=np.int16)
-    return Audio(stamp, "microphones", values, 48_000, first_sample, places)
+    return Audio(stamp, "microphones", values.astype(np.int16), 48_000, first_sample, places)

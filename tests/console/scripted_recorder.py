@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from mcap.writer import Writer
 
@@ -77,7 +77,14 @@ class ScriptedRecorder(Module):
             await asyncio.to_thread(write_log, self.library.path(self._name), self._began, closed=False)
         self.say("ring" if self._ring else "recording")
 
-    def say(self, state: str, *, reason: str = "", messages: int = 0, dropped: int = 0) -> None:
+    def say(
+        self,
+        state: Literal["idle", "recording", "ring", "stopped"],
+        *,
+        reason: str = "",
+        messages: int = 0,
+        dropped: int = 0,
+    ) -> None:
         """Tell the program."""
         busy = state in ("recording", "ring")
         name, began = (self._name, self._began) if busy else ("", 0.0)

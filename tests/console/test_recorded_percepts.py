@@ -27,7 +27,7 @@ def manifest(folder: Path) -> Manifest:
     robot = paths.config_dir() / "robots" / "irl1_tr.yaml"
     program.write_text(program.read_text().replace("robot: robot.yaml", f"robot: {robot}"))
     system = System(load_configuration(program))
-    return system.graph.modules["Kinect"].context.services[Manifest]  # type: ignore[no-any-return]
+    return system.graph.modules["Kinect"].context.services[Manifest]
 
 
 @pytest.fixture

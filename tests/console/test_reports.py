@@ -10,6 +10,7 @@ import pytest
 from app.attention.timeline import TimelineEvent
 from app.console import reports
 from app.console.playback import rate
+from app.console.records.program import SourceState
 from app.messages import Exploitation, LinkStatus, Twist
 from app.program.system import System
 from app.runtime.clock import RealClock
@@ -20,10 +21,10 @@ from tests.patience import PATIENCE_S
 
 
 def test_freshness_is_told_in_milliseconds_and_beside_what_was_asked_for() -> None:
-    told = reports.freshness_json(Freshness("live", 0.012345, 0.3, 15 / 4, 3.7512))
-    assert told == {"state": "live", "age_ms": 12.3, "rate_hz": 3.75, "expected_hz": 3.75}
-    told = reports.freshness_json(Freshness("waiting", None, None, None))
-    assert told == {"state": "waiting", "age_ms": None, "rate_hz": None, "expected_hz": None}
+    told = reports.source_state("scan", Freshness("live", 0.012345, 0.3, 15 / 4, 3.7512))
+    assert told == SourceState("scan", "live", age_ms=12.3, rate_hz=3.75, expected_hz=3.75)
+    told = reports.source_state("scan", Freshness("waiting", None, None, None))
+    assert told == SourceState("scan", "waiting", age_ms=None, rate_hz=None, expected_hz=None)
 
 
 async def test_page_and_rest_and_timeline_tell_one_story_of_a_channel(
@@ -34,24 +35,24 @@ async def test_page_and_rest_and_timeline_tell_one_story_of_a_channel(
         found: dict[str, object] = next(channel for channel in channels if channel["name"] == name)
         return found
 
-    def source(name: str) -> dict[str, object]:
+    def source(name: str) -> SourceState:
         fresh = system.freshness.read(system.clock.now())
-        return next(told for told in reports.sources_json(system.graph, fresh) if told["channel"] == name)
+        return next(told for told in reports.source_states(system.graph, fresh) if told.channel == name)
 
-    assert (await listed("kinect"))["state"] == source("kinect")["state"] == "closed"
+    assert (await listed("kinect"))["state"] == source("kinect").state == "closed"
     subscription = system.graph.channel("kinect").subscribe("test")
-    assert (await listed("kinect"))["state"] == source("kinect")["state"] == "waiting"
+    assert (await listed("kinect"))["state"] == source("kinect").state == "waiting"
     body.emit("kinect", image(system.clock.now()))
     kinect = await listed("kinect")
     assert (kinect["state"], kinect["expected_hz"], kinect["stale_after_ms"]) == ("live", 15.0, 300.0)
-    assert source("kinect")["state"] == "live"
+    assert source("kinect").state == "live"
     # As if the picture had been taken long ago, after time enough to take another.
     late = system.freshness.read(system.clock.now() + 5.0)
     assert late["kinect"].state == "stale"
     system.graph.channel("kinect").unsubscribe(subscription)
     assert (await listed("kinect"))["state"] == "closed"
     assert (await listed("kinect"))["expected_hz"] == 0.0
-    assert {told["channel"] for told in reports.sources_json(system.graph, late)} == {
+    assert {told.channel for told in reports.source_states(system.graph, late)} == {
         "kinect", "imv", "microphones", "scan", "odometry", "joints", "exploitation",
     }  # fmt: skip
 
@@ -70,9 +71,9 @@ async def test_a_sensor_that_says_nothing_is_on_the_timeline(system: System) -> 
 
 def test_the_guard_of_a_fast_recording_is_silent_only_when_it_is_so_in_real_time() -> None:
     status = LinkStatus(100.0, "driving", "", False, 0.01, Twist(100.0, 0.1, 0.0), 1.0)
-    assert reports.guard_json(status, 100.6)["state"] == "silent"
-    assert reports.guard_json(status, 105.0, rate=20.0)["state"] == "driving"
-    assert reports.guard_json(status, 111.0, rate=20.0)["state"] == "silent"
+    assert reports.guard(status, 100.6).state == "silent"
+    assert reports.guard(status, 105.0, rate=20.0).state == "driving"
+    assert reports.guard(status, 111.0, rate=20.0).state == "silent"
     told = Exploitation(100.0, "Teleop", status.applied)
     assert reports.exploited(told, 100.6) is None
     assert reports.exploited(told, 105.0, rate=20.0) == "Teleop"

@@ -68,7 +68,7 @@ async def test_a_page_desires_no_pictures_where_nothing_makes_any(system: System
         hub = Hub(system)
         hub.open()
         hub.join("Ann")
-        assert "Telepresence" in system.classes
+        assert "Telepresence" not in system.classes
         assert system.workspace.desires() == ()
         hub.close()
 

@@ -35,3 +35,9 @@ def test_links_lead_somewhere(page: Path) -> None:
         if not there.exists() or (part and there.suffix == ".md" and part not in headings(there)):
             dead.append(target)
     assert not dead
+
+
+def test_every_page_has_a_place_in_the_site() -> None:
+    named = re.findall(r"^ +- .*: (\S+\.md)$", (ROOT / "mkdocs.yml").read_text(encoding="utf-8"), re.MULTILINE)
+    there = [str(page.relative_to(ROOT)) for page in [*ROOT.glob("*.md"), *ROOT.glob("docs/*.md")]]
+    assert sorted(name for name in named if not name.startswith("reference/")) == sorted(there)

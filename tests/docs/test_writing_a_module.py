@@ -9,7 +9,6 @@ import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import pytest
 import yaml
@@ -19,19 +18,18 @@ from app import cli
 from app.attention.desires import DesireClass, Source
 from app.base import paths
 from app.base.errors import ConfigError
-from app.experiments.lockstep import WorldRun, run_in_world
+from app.experiments.world_run import WorldRun, run_in_world
 from app.messages import Exploitation
-from app.modules import desire_classes as real_classes
 from app.program.config import Configuration, load_configuration
 from app.program.system import System
 from app.robots.config import RobotConfig
 from app.robots.factory import load_body
+from tests.distributions import announce
 from tests.robots.conftest import make_hall
 
 ROOT = Path(__file__).parents[2]
 MODULE = "app/modules/behaviors/approach.py"
 TEST = "tests/modules/behaviors/test_approach.py"
-CLASSES = "app/modules/desire_classes.py"
 PROGRAM = "config/lab.yaml"
 STRATEGIES = "config/strategies/approach.yaml"
 CHANNELS = "config/channels.yaml"
@@ -52,7 +50,7 @@ def blocks() -> dict[str, str]:
 @pytest.fixture
 def checkout(tmp_path: Path, blocks: dict[str, str], monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """A folder with the configuration and the page's module, class and strategies, put where the page says."""
-    assert blocks.keys() == {MODULE, TEST, CLASSES, PROGRAM, STRATEGIES, CHANNELS}
+    assert blocks.keys() == {MODULE, TEST, PROGRAM, STRATEGIES, CHANNELS}
     shutil.copytree(paths.config_dir(), tmp_path / "config")
     for name in (MODULE, TEST, STRATEGIES):
         written(tmp_path / name, blocks[name])
@@ -62,9 +60,6 @@ def checkout(tmp_path: Path, blocks: dict[str, str], monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(
         app.modules.behaviors, "__path__", [*app.modules.behaviors.__path__, str((tmp_path / MODULE).parent)]
     )
-    classes = with_the_class(blocks[CLASSES])
-    monkeypatch.setattr(real_classes, "desire_classes", classes)
-    monkeypatch.setattr("app.program.system.desire_classes", classes)
     yield tmp_path
     sys.modules.pop(IMPORTED, None)
     vars(app.modules.behaviors).pop("approach", None)
@@ -76,17 +71,22 @@ def written(path: Path, text: str) -> Path:
     return path
 
 
-def with_the_class(block: str) -> Any:
-    """``desire_classes`` of the real file with the page's block before it, and its one entry more in the tuple."""
-    source = (ROOT / CLASSES).read_text("utf-8")
-    before, function = source.split("def desire_classes()")
-    assert function.endswith("    )\n")
-    scope: dict[str, Any] = {"__name__": "desire_classes_of_a_reader"}
-    future, before = before.split("from __future__ import annotations\n")
-    function = function.removesuffix("    )\n")
-    text = f"{future}{before}\n{block}\n\ndef desire_classes(){function}        APPROACH,\n    )\n"
-    exec(compile(text, CLASSES, "exec"), scope)
-    return scope["desire_classes"]
+def test_the_page_begins_with_a_skeleton_that_is_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = (ROOT / "docs" / "writing-a-module.md").read_text("utf-8")
+    named = re.search(r"^hbba (new \w+ \w+) --in ~/robots$", text, flags=re.MULTILINE)
+    assert named is not None
+    assert cli.main([*named[1].split(), "--in", str(tmp_path)]) == 0
+    (package,) = tmp_path.iterdir()
+    assert f"cd ~/robots/{package.name}\n" in text
+    announce(package)
+    monkeypatch.syspath_prepend(str(package))
+    (name,) = re.findall(r"^hbba check (\w+)$", text, flags=re.MULTILINE)
+    capsys.readouterr()
+    assert cli.main(["check", name]) == 0
+    assert "program, no mistake found" in capsys.readouterr().out
+    assert f"hbba run --config {name} " in text
 
 
 def merged(checkout: Path, block: str) -> Path:

@@ -1,4 +1,4 @@
-"""The operator's hands: they follow a script, let go before what stands in the way, and never hold on to the sticks."""
+"""The simulated operator: follows a script, releases the sticks before an obstacle, and never holds on to them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from app.base.geometry import Pose2, Pose3, wrap_angle
 from app.experiments.script import (
     PATIENCE_S,
     ScriptBlocked,
-    Sticks,
+    StickCommand,
     Waypoint,
     drive_script,
     in_the_way,
@@ -41,7 +41,7 @@ def scan(stamp: float, distance: float = 5.0, bearing_deg: float = 0.0) -> Laser
 
 
 class World:
-    """A link and a channel whose sticks move a point robot: all that the hands know of a program."""
+    """A link and a channel whose sticks move a point robot: all that the operator uses of a program."""
 
     def __init__(self, clock: VirtualClock, start: Pose2, wall_x: float = math.inf) -> None:
         self.clock = clock
@@ -81,7 +81,7 @@ class World:
 def driven(
     script: list[dict[str, Any]], start: Pose2 | None = None, wall_x: float = math.inf, follows: bool = True
 ) -> tuple[World, list[int], float]:
-    """What the world became of the script, which legs were told, and how long it took."""
+    """The world after the script, the reported legs, and the duration."""
 
     async def main() -> tuple[World, list[int], float]:
         clock = VirtualClock()
@@ -169,14 +169,14 @@ def test_the_sticks_stay_in_their_range_and_turn_the_right_way(
     assert abs(sticks.angular) <= speed
     assert sticks.linear >= 0
     error = wrap_angle(math.atan2(y, x) - theta)
-    if sticks != Sticks(done=True) and 1e-3 < abs(error) < 3.1:
+    if sticks != StickCommand(done=True) and 1e-3 < abs(error) < 3.1:
         assert sticks.angular * error > 0
 
 
-def test_the_thesiss_trial_has_a_script_and_who_has_none_is_told(tmp_path: Path) -> None:
+def test_the_thesiss_trial_has_a_script_and_who_has_none_is_reported(tmp_path: Path) -> None:
     script = load_script()
     assert sum(leg.pause is not None for leg in script) == 3
     empty = tmp_path / "empty.yaml"
     empty.write_text("name: empty\n")
-    with pytest.raises(ConfigError, match="drives nobody"):
+    with pytest.raises(ConfigError, match="has no drive"):
         load_script(empty)

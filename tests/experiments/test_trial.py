@@ -1,4 +1,4 @@
-"""The trial in virtual time: driven to its end, seen by nobody's clock, recorded without a gap."""
+"""The trial in virtual time: driven to its end, independent of real time, recorded without a gap."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def test_a_trial_in_virtual_time_is_recorded_at_the_rates_of_its_sensors(
     blind = {"kinect": None, "imv": None, "microphones": None}
     body = program.body.model_copy(update={"streams": program.body.streams.model_copy(update=blind)})
     legs: list[str] = []
-    outcome, told = run(
+    outcome, events = run(
         replace(program, configuration=configuration, body=body),
         "turn",
         lambda number, of, label: legs.append(label),
@@ -47,7 +47,7 @@ def test_a_trial_in_virtual_time_is_recorded_at_the_rates_of_its_sensors(
     assert 0.3 < outcome.seconds < 5
     assert outcome.world_rate == 1.0
     assert outcome.missed == 0
-    assert any("Teleoperation" in event.text for event in told)
+    assert any("Teleoperation" in event.text for event in events)
     log = open_log(tmp_path / "turn.mcap")
     try:
         channels = log.info.channels

@@ -197,7 +197,7 @@ def test_latched_topics_of_other_programs_are_states(tmp_path: Path) -> None:
     assert [data for topic, _, _, data in standing if topic == "/map"] == [b"1 4"]
 
 
-def test_a_file_that_is_mcap_by_name_alone_is_told_apart(tmp_path: Path) -> None:
+def test_a_file_that_is_mcap_by_name_alone_is_refused(tmp_path: Path) -> None:
     (tmp_path / "noise.mcap").write_bytes(bytes(range(256)))
     with pytest.raises(LogError, match=r"noise\.mcap: is not MCAP inside, and only MCAP files can be cut"):
         cut(tmp_path / "noise.mcap", tmp_path / "piece.mcap")

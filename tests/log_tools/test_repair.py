@@ -61,11 +61,11 @@ def make_log(
     made = Made(stream.getvalue(), messages)
     if finish and chunked:
         done = 0
-        for index in SeekingReader(io.BytesIO(made.data)).get_summary().chunk_indexes:
-            stream.seek(index.chunk_start_offset + 9)
+        for place in SeekingReader(io.BytesIO(made.data)).get_summary().chunk_indexes:
+            stream.seek(place.chunk_start_offset + 9)
             chunk = Chunk.read(StreamReader(stream)._stream)
             done += sum(isinstance(record, Message) for record in breakup_chunk(chunk))
-            made.chunk_ends.append((index.chunk_start_offset + index.chunk_length, done))
+            made.chunk_ends.append((place.chunk_start_offset + place.chunk_length, done))
         assert len(made.chunk_ends) > 5
     return made
 
@@ -183,7 +183,7 @@ def test_the_definitions_of_a_damaged_first_chunk_come_from_the_summary(tmp_path
     assert loss.what == "a chunk"
 
 
-def test_what_is_missing_is_told_in_bytes_and_seconds(tmp_path: Path) -> None:
+def test_missing_parts_are_reported_in_bytes_and_seconds(tmp_path: Path) -> None:
     log = LOGS[CompressionType.ZSTD]
     (begin, before), (end, after) = log.chunk_ends[3:5]
     data = bytearray(log.data)

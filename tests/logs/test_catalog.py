@@ -49,7 +49,7 @@ def test_no_folder_is_no_recordings(tmp_path: Path) -> None:
     assert Catalog(RecordingLibrary(tmp_path / "not" / "there")).recordings() == []
 
 
-def test_a_closed_recording_tells_its_times_and_robot(library: RecordingLibrary) -> None:
+def test_a_closed_recording_has_times_and_robot(library: RecordingLibrary) -> None:
     write(library.path("tour"))
     (recording,) = Catalog(library).recordings()
     assert recording.name == "tour"
@@ -60,7 +60,7 @@ def test_a_closed_recording_tells_its_times_and_robot(library: RecordingLibrary)
     assert recording.robot == "IRL-1/TR"
 
 
-def test_one_that_was_not_closed_tells_when_it_began(library: RecordingLibrary) -> None:
+def test_one_that_was_not_closed_has_its_begin(library: RecordingLibrary) -> None:
     write(library.path("killed"), closed=False)
     (recording,) = Catalog(library).recordings()
     assert not recording.complete
@@ -69,7 +69,7 @@ def test_one_that_was_not_closed_tells_when_it_began(library: RecordingLibrary) 
     assert recording.robot == "IRL-1/TR"
 
 
-def test_one_that_a_program_writes_is_told_from_one_that_was_left(library: RecordingLibrary) -> None:
+def test_one_that_a_program_writes_is_distinct_from_one_that_was_left(library: RecordingLibrary) -> None:
     write(library.path("tour"), closed=False)
     catalog = Catalog(library)
     assert not catalog.recordings()[0].written

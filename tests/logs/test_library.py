@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.logs.library import NAME, RecordingLibrary, default_name
+from app.base.named_library import NAME
+from app.logs.library import RecordingLibrary, default_name
 
 
 def candidates(name: str, at: float = 0.0, count: int = 4) -> list[str]:
@@ -49,7 +50,7 @@ def test_names_made_of_the_time_sort_by_it(first: int, later: int) -> None:
     assert default_name(first) < default_name(first + later)
 
 
-def test_free_room_is_told_before_the_folder_exists(tmp_path: Path) -> None:
+def test_free_room_is_known_before_the_folder_exists(tmp_path: Path) -> None:
     assert RecordingLibrary(tmp_path / "not" / "yet").free_bytes() > 0
 
 

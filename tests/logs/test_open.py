@@ -1,4 +1,4 @@
-"""What a file is, is told by what is in it; whoever names another kind is told what is read."""
+"""Formats are recognised by content; a file of another kind is refused with the formats that are read."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ def room(side: int = 40, cell_m: float = 0.05) -> OccupancyGrid:
 
 @st.composite
 def trinary_grids(draw: st.DrawFn) -> OccupancyGrid:
-    """Grids whose cells a trinary picture can tell."""
+    """Grids whose cells a trinary picture can distinguish."""
     shape = draw(st.integers(1, 30)), draw(st.integers(1, 30))
     cells = draw(arrays.arrays(np.int8, shape, elements=st.sampled_from([-1, 0, 100])))
     figures = draw(st.floats(0.01, 1)), (draw(st.floats(-1e3, 1e3)), draw(st.floats(-1e3, 1e3)))

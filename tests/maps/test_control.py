@@ -40,7 +40,7 @@ class Keeper:
 
 
 class Layer:
-    """Remembers what it was told."""
+    """Records its calls."""
 
     def __init__(self, lacks: str = "") -> None:
         self.told: list[str] = []
@@ -54,7 +54,7 @@ class Layer:
         if name == self._lacks:
             raise MapUnavailable(f"nothing is known of {name}")
 
-    async def forget(self) -> None:
+    async def clear(self) -> None:
         self.told.append("")
 
 
@@ -62,7 +62,7 @@ def void(path: Path) -> None:
     path.touch()
 
 
-def test_nobody_keeps_maps_until_somebody_attaches_and_after_they_left() -> None:
+def test_there_is_a_keeper_while_one_is_attached() -> None:
     control = MapControl()
     with pytest.raises(MapUnavailable, match="makes no maps"):
         _ = control.keeper
@@ -74,7 +74,7 @@ def test_nobody_keeps_maps_until_somebody_attaches_and_after_they_left() -> None
     assert control.keeper.name == "second"
 
 
-async def test_a_layer_is_told_of_the_map_whoever_is_there_first() -> None:
+async def test_a_layer_is_loaded_for_the_map_in_either_order() -> None:
     control, early, late = MapControl(), Layer(), Layer()
     await control.add(early)
     assert early.told == [], "nobody knows yet which map is in use"
@@ -99,7 +99,7 @@ async def test_after_a_restart_on_the_same_map_a_layer_goes_on_and_on_another_it
     assert layer.told[-2:] == ["hall", "attic"]
 
 
-async def test_a_layer_added_while_another_map_is_being_loaded_is_told_of_that_in_the_end() -> None:
+async def test_a_layer_added_during_a_load_is_loaded_for_the_new_map() -> None:
     control, keeper, layer = MapControl(), Keeper("hall"), Layer()
     control.attach(keeper)
     keeper.go_on.clear()
@@ -121,7 +121,7 @@ async def test_what_layers_know_is_written_with_the_map_by_those_that_know_it() 
     assert list(keeper.kept["hall"]) == ["layer"]
     await control.resume("hall", same=True)
     assert layer.told == [""], "it has the name that it was kept under"
-    keeper.name = "attic"  # taken into use, and nobody was told yet
+    keeper.name = "attic"  # taken into use, and no layer is loaded yet
     await control.keeper.save("attic")
     assert not keeper.kept["attic"], "what it knows is of another map"
     leave()

@@ -20,6 +20,10 @@ from tests.maps.grids import room
 STAIRS = Zone("stairs", "keep_out", np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]), 1.0)
 
 
+def write_graph(path: Path) -> None:
+    path.write_bytes(b"graph")
+
+
 @pytest.fixture
 def library(tmp_path: Path) -> MapLibrary:
     return MapLibrary(tmp_path / "maps")
@@ -27,7 +31,7 @@ def library(tmp_path: Path) -> MapLibrary:
 
 def test_a_map_is_kept_listed_and_read(library: MapLibrary) -> None:
     assert library.listing() == []
-    library.keep("lab", room(), [STAIRS], {GRAPH: lambda path: path.write_bytes(b"graph")})
+    library.keep("lab", room(), [STAIRS], {GRAPH: write_graph})
     (facts,) = library.listing()
     assert (facts.name, facts.size_m, facts.resolution_m, facts.graph, facts.zones) == (
         "lab",
@@ -44,7 +48,7 @@ def test_a_map_is_kept_listed_and_read(library: MapLibrary) -> None:
 
 
 def test_keeping_replaces_the_older_map_wholly(library: MapLibrary) -> None:
-    library.keep("lab", room(), [STAIRS], {GRAPH: lambda path: path.write_bytes(b"graph")})
+    library.keep("lab", room(), [STAIRS], {GRAPH: write_graph})
     library.keep("lab", room(60))
     facts = library.facts("lab")
     assert (facts.size_m, facts.graph, facts.zones) == ((3.0, 3.0), False, 0)
@@ -95,7 +99,8 @@ def test_who_lists_maps_while_one_is_replaced_takes_it_for_no_dead_programs(
     library: MapLibrary, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     library.keep("lab", room())
-    rename, listers = Path.rename, []
+    rename = Path.rename
+    listers: list[threading.Thread] = []
 
     def slow_rename(path: Path, target: Path) -> Path:
         renamed = rename(path, target)
@@ -161,7 +166,8 @@ def test_folders_that_are_no_maps_are_let_be(library: MapLibrary) -> None:
 def test_its_picture_is_what_people_call_a_map(library: MapLibrary) -> None:
     library.keep("lab", room())
     pixels = cv2.imdecode(np.frombuffer(library.picture("lab"), np.uint8), cv2.IMREAD_UNCHANGED)
-    # The pillar stands in the south: low in the picture.
+    # The pillar is in the south: low in the picture.
+    assert pixels is not None
     assert pixels[40 - 1 - 13, 21] == 0
     assert (pixels[20, 20], pixels[0, 0]) == (254, 205)
 

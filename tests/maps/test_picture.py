@@ -12,7 +12,7 @@ GRID = OccupancyGrid(0.0, "map", np.array([[0, 50, 100], [-1, -1, 7]], np.int8),
 
 
 def pixels(png: bytes) -> list[list[int]]:
-    shown: np.ndarray = cv2.imdecode(np.frombuffer(png, np.uint8), cv2.IMREAD_UNCHANGED)
+    shown = np.asarray(cv2.imdecode(np.frombuffer(png, np.uint8), cv2.IMREAD_UNCHANGED))
     return shown.tolist()
 
 

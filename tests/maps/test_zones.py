@@ -59,7 +59,7 @@ def test_no_file_is_no_zones(tmp_path: Path) -> None:
         (("keep_out", "keep-out"), 4, r"zones\[0\].kind: should be 'keep_out' or 'slow'"),
         (("speed: 1.0", "speed: 0"), 6, r"zones\[0\].speed: should be greater than 0"),
         (("[1.0, 1.0], [0.0, 1.0]", ""), 5, r"zones\[0\].polygon"),
-        (("[1.0, 1.0], [0.0, 1.0]", "[2.0, 0.0]"), 5, "corners stand in one line"),
+        (("[1.0, 1.0], [0.0, 1.0]", "[2.0, 0.0]"), 5, "corners are on one line"),
         (
             ("[1.0, 0.0], [1.0, 1.0]", "[1.0, 1.0], [1.0, 0.0]"),
             5,
@@ -69,7 +69,7 @@ def test_no_file_is_no_zones(tmp_path: Path) -> None:
         (("[1.0, 1.0]", "[1.0, .inf]"), 5, r"zones\[0\].polygon\[2\]\[1\]"),
     ],
 )
-def test_a_mistake_is_told_with_its_line(tmp_path: Path, change: tuple[str, str], line: int, words: str) -> None:
+def test_a_mistake_is_reported_with_its_line(tmp_path: Path, change: tuple[str, str], line: int, words: str) -> None:
     text = zones_text([STAIRS])
     assert change[0] in text
     path = tmp_path / "zones.yaml"

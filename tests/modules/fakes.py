@@ -91,7 +91,7 @@ class Bench:
         self.link = link or FakeLink()
         self.link.now = self.clock.now
         channels = {
-            name: {"type": kind.__name__, "external": name in inputs} for name, kind in (inputs | outputs).items()
+            name: {"type": kind.__name__, "external": name in inputs} for name, kind in {**inputs, **outputs}.items()
         }
         spec = {
             "class": module,

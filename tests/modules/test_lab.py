@@ -7,21 +7,23 @@ from pathlib import Path
 
 import pytest
 
-from app.attention.desires import DesireClass, DesireClasses, Source
+from app.attention.desires import DesireClass, Source
 from app.attention.problem import Problem
 from app.attention.solver import solve
 from app.attention.strategies import Strategy, StrategyTable, load_strategies
 from app.attention.workspace import IntentionWorkspace
 from app.base.yaml_source import load_yaml
 from app.link import RobotLink
-from app.modules.desire_classes import desire_classes
 from app.modules.motivations.scenario_coordinator import USUAL
+from app.program.config import load_configuration
+from app.program.desire_classes import desire_classes
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.clock import VirtualClock, run_virtual
 from app.runtime.graph import Graph, ModuleSpec
 from tests.modules.fakes import FakeLink
 
 CONFIG = Path(__file__).parents[2] / "config"
+CLASSES = desire_classes(load_configuration(CONFIG / "lab.yaml"))
 
 
 def lab_graph() -> Graph:
@@ -34,19 +36,18 @@ def lab_graph() -> Graph:
         modules={name: ModuleSpec.model_validate(spec) for name, spec in lab["modules"].items()},
         services={
             RobotLink: FakeLink(),
-            IntentionWorkspace: IntentionWorkspace(DesireClasses(desire_classes()), clock.now),
+            IntentionWorkspace: IntentionWorkspace(CLASSES, clock.now),
         },
     )
 
 
 @pytest.fixture(scope="module")
 def table() -> StrategyTable:
-    classes = [desire_class.name for desire_class in desire_classes()]
-    return load_strategies([CONFIG / "strategies" / "lab.yaml"], classes=classes, ports=lab_graph().ports())
+    return load_strategies([CONFIG / "strategies" / "lab.yaml"], classes=CLASSES, ports=lab_graph().ports())
 
 
 def test_every_class_has_strategies_and_every_strategy_can_be_attended(table: StrategyTable) -> None:
-    assert set(table.classes) == {desire_class.name for desire_class in desire_classes()}
+    assert set(table.classes) == set(CLASSES)
     graph = lab_graph()
 
     async def main() -> None:
@@ -109,7 +110,7 @@ def test_full_rate_for_all_does_not_fit_but_each_alone_does(table: StrategyTable
 
 
 def test_while_voices_are_located_faces_are_looked_for_half_as_often(table: StrategyTable) -> None:
-    workspace = IntentionWorkspace(DesireClasses(desire_classes()), lambda: 0.0)
+    workspace = IntentionWorkspace(CLASSES, lambda: 0.0)
 
     def chosen() -> set[str]:
         selection = solve(Problem(workspace.strongest(), table.strategies, table.capacities()))
@@ -127,7 +128,7 @@ def test_while_voices_are_located_faces_are_looked_for_half_as_often(table: Stra
 def test_going_somewhere_pulls_in_slam_and_gets_cheaper_where_the_computer_is_wanted_for_more(
     table: StrategyTable,
 ) -> None:
-    workspace = IntentionWorkspace(DesireClasses(desire_classes()), lambda: 0.0)
+    workspace = IntentionWorkspace(CLASSES, lambda: 0.0)
 
     def chosen(capacity: float) -> set[str]:
         return set(solve(Problem(workspace.strongest(), table.strategies, {"cpu": capacity})).strategies)
@@ -155,7 +156,7 @@ def test_no_way_to_map_is_worse_and_dearer_than_another_and_the_thesiss_rate_is_
 
 
 def test_what_is_desired_at_the_start_is_all_served(table: StrategyTable) -> None:
-    workspace = IntentionWorkspace(DesireClasses(desire_classes()), lambda: 0.0)
+    workspace = IntentionWorkspace(CLASSES, lambda: 0.0)
     for desire in USUAL:
         workspace.add(
             desire.cls, intensity=desire.intensity, utility=desire.utility, security=desire.security,
@@ -170,7 +171,7 @@ def test_driving_by_hand_costs_nothing(table: StrategyTable) -> None:
     assert not of_class(table, "Teleoperation")[0].costs
 
 
-@pytest.mark.parametrize("desire_class", desire_classes(), ids=lambda c: c.name)
+@pytest.mark.parametrize("desire_class", CLASSES.values(), ids=lambda c: c.name)
 def test_every_class_has_words_and_every_parameter_a_default_but_where_to_go(desire_class: DesireClass) -> None:
     assert desire_class.title
     assert desire_class.description.endswith(".")

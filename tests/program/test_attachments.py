@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from app.base import paths
-from app.commands.body import chosen
+from app.commands.body_options import chosen
 from app.logs.manifest import Manifest
 from app.logs.replay.options import ReplayOptions
 from app.logs.replay.replay_config import prepare
@@ -38,7 +38,7 @@ def test_everything_needed_to_replay_is_there(lab: System) -> None:
     assert manifest.facts["version"]
 
 
-def test_what_really_ran_is_told_though_the_program_s_file_names_another(tmp_path: Path) -> None:
+def test_the_body_that_ran_is_recorded_though_the_program_s_file_names_another(tmp_path: Path) -> None:
     """As with `hbba run --robot my_robot.yaml --scenario trial`: replayed, it is that body again."""
     text = (paths.config_dir() / "robots" / "irl1_tr.yaml").read_text(encoding="utf-8")
     mine = tmp_path / "my_robot.yaml"

@@ -12,7 +12,7 @@ from app.attention.desires import Source
 from app.base.geometry import Pose2
 from app.link import LinkFailed
 from app.messages import Odometry
-from app.program.body_restart import LONGEST_DELAY_S, MOST_IN_A_ROW, TRUSTED_AFTER_S, Restarts
+from app.program.body_restart import LONGEST_DELAY_S, MOST_IN_A_ROW, TRUSTED_AFTER_S, RestartBackoff
 from app.program.system import System
 from app.runtime.clock import VirtualClock, in_virtual_time
 from tests.console.program import Body, build
@@ -52,7 +52,7 @@ def built(tmp_path: Path) -> tuple[System, Mortal]:
 
 
 def test_starts_come_later_and_later_and_end() -> None:
-    restarts = Restarts()
+    restarts = RestartBackoff()
     restarts.up(0.0)
     delays = [restarts.failed(float(number)) for number in range(MOST_IN_A_ROW)]
     assert delays == [0.5, 1.0, 2.0, 4.0, None]
@@ -60,7 +60,7 @@ def test_starts_come_later_and_later_and_end() -> None:
 
 
 def test_a_body_that_stayed_up_is_trusted_again() -> None:
-    restarts, now = Restarts(), 0.0
+    restarts, now = RestartBackoff(), 0.0
     for _ in range(3 * MOST_IN_A_ROW):
         restarts.up(now)
         now += TRUSTED_AFTER_S
@@ -76,7 +76,7 @@ def test_the_program_goes_on_with_a_new_body(built: tuple[System, Mortal]) -> No
         news: asyncio.Queue[str] = asyncio.Queue()
         async with system:
             going = asyncio.create_task(system.keep_going())
-            system.revival.observe(news.put_nowait)
+            system.body_restarter.observe(news.put_nowait)
             await system.supervisor.started()
             before = {name: slot.module for name, slot in system.graph.modules.items()}
             desire = system.workspace.add("FindQRCodes", intensity=1, utility=1, source=Source("operator", "Ann"))

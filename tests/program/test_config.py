@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 
 from app.base import paths
 from app.base.errors import ConfigError
+from app.messages import LaserScan
 from app.program.config import Configuration, load_configuration
 from app.runtime.graph import Graph
 from app.runtime.module import Module
@@ -25,6 +27,14 @@ modules:
 
 class Echo(Module):
     """A module without ports."""
+
+
+@dataclass(frozen=True, slots=True)
+class Bell:
+    """A message of another package."""
+
+    stamp: float
+    strokes: int
 
 
 def written(folder: Path, program: str = PROGRAM, channels: str = "scan: {type: LaserScan, rate_hz: 40}\n") -> Path:
@@ -85,7 +95,7 @@ def test_a_channel_that_cannot_be_is_found_in_its_own_file(tmp_path: Path) -> No
         (PROGRAM, "scan:\n  type: LaserScam\n", "channels.yaml", 2, "LaserScam"),
     ],
 )
-def test_a_wiring_mistake_is_found_in_the_file_it_stands_in(
+def test_a_wiring_mistake_is_found_in_its_file(
     tmp_path: Path, program: str, channels: str, file: str, line: int, words: str
 ) -> None:
     configuration = load_configuration(written(tmp_path, program, channels))
@@ -106,3 +116,32 @@ def built(configuration: Configuration) -> Graph:
         services={},
         error=configuration.wiring_error,
     )
+
+
+def test_a_program_has_several_tables_of_channels_and_files_of_packages(tmp_path: Path) -> None:
+    program = PROGRAM.replace(
+        "channels: channels.yaml", "channels: [package:hbba/channels.yaml, channels.yaml]"
+    ).replace("[strategies.yaml]", "[package:hbba/strategies/lab.yaml]")
+    configuration = load_configuration(written(tmp_path, program, "bells:\n  type: tests.program.test_config:Bell\n"))
+    assert configuration.channels["bells"].message_type is Bell
+    assert configuration.channels["scan"].message_type is LaserScan
+    assert configuration.path(configuration.program.strategies[0]) == paths.config_dir() / "strategies" / "lab.yaml"
+
+
+def test_a_channel_of_two_tables_is_refused(tmp_path: Path) -> None:
+    error = refused(tmp_path, PROGRAM.replace("channels.yaml", "[package:hbba/channels.yaml, channels.yaml]"))
+    assert (Path(error.file).parent, error.line) == (tmp_path, 1)
+    assert error.message.startswith("channel 'scan' is already in ")
+
+
+@pytest.mark.parametrize(
+    ("named", "words"),
+    [
+        ("package:zeppelins/a.yaml", "there is no package 'zeppelins' installed"),
+        ("package:hbba/strategies/nowhere.yaml", "there is no file package:hbba/strategies/nowhere.yaml"),
+    ],
+)
+def test_a_missing_file_of_a_package_is_named_where_it_is_asked_for(tmp_path: Path, named: str, words: str) -> None:
+    error = refused(tmp_path, PROGRAM.replace("[strategies.yaml]", f"[{named}]"))
+    assert error.line == 3
+    assert words in error.message

@@ -1,4 +1,4 @@
-"""What the program tells of itself, channel by channel."""
+"""The program's own records, channel by channel."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ async def until(subscription: Subscription[Any], wanted: Any) -> Any:
         return message
 
 
-async def test_a_desire_is_told_with_the_intention_and_the_divisors_that_follow(system: System) -> None:
+async def test_a_desire_is_published_with_the_intention_and_the_divisors_that_follow(system: System) -> None:
     desires, intentions, divisors, events = (
         listen(system, n) for n in ("workspace", "intention", "divisors", "events")
     )
@@ -77,7 +77,7 @@ async def test_a_desire_is_told_with_the_intention_and_the_divisors_that_follow(
         assert json.loads(event.data)["on"] == ["picture-fast"]
 
 
-async def test_modules_load_and_log_lines_are_told(system: System) -> None:
+async def test_modules_load_and_log_lines_are_published(system: System) -> None:
     modules, loads, lines = (listen(system, n) for n in ("module_states", "load", "log"))
     async with system:
         running = await until(modules, lambda m: m.module == "Teleop" and m.status == "running")
@@ -90,7 +90,7 @@ async def test_modules_load_and_log_lines_are_told(system: System) -> None:
         assert len(load.modules) == len(load.cpu) == len(system.graph.modules)
 
 
-async def test_after_its_end_nothing_is_told_and_no_logger_remembers_it(system: System) -> None:
+async def test_after_its_end_nothing_is_published_and_no_logger_refers_to_it(system: System) -> None:
     before = list(logging.getLogger().handlers)
     async with system:
         assert len(logging.getLogger().handlers) == len(before) + 1

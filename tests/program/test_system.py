@@ -82,7 +82,7 @@ async def first(system: System, channel: str) -> None:
 
 
 @needs_gl
-async def test_what_nobody_desires_is_not_even_rendered(lab: System) -> None:
+async def test_without_a_desire_nothing_is_rendered(lab: System) -> None:
     """With no desire for images the camera rests; the first desire wakes it."""
     async with lab as system:
         await system.translator.settled()
@@ -97,7 +97,7 @@ async def test_what_nobody_desires_is_not_even_rendered(lab: System) -> None:
         subscription = system.graph.channel("link_status").subscribe("test", capacity=30)
         for _ in range(20):
             await subscription.receive()
-        # One picture may have been under way when the camera was told to rest.
+        # One picture may have been under way when the camera was stopped.
         assert kinect.statistics().published <= resting + 1
         system.workspace.add("Telepresence", intensity=4, utility=1, source=ME)
         await first(system, "camera_jpeg")
@@ -118,7 +118,7 @@ async def test_a_lost_body_ends_the_program_with_a_reason(lab: System) -> None:
 
 
 async def test_an_attention_that_dies_ends_the_program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A mistake in what runs beside the modules is not lived with."""
+    """A bug in a task beside the modules ends the program."""
     system, _ = await asyncio.to_thread(build, tmp_path)
 
     async def broken() -> None:

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.attention.timeline import Timeline
-from app.messages import Exploitation, LinkStatus, Twist
+from app.messages import Exploitation, LinkStatus, PerceptEvent, Twist
 from app.program.timeline_feed import OVERLOAD_WINDOWS, SLOW_AFTER_S, STALE_LOOKS, WELL_AFTER_S, TimelineFeed
 from app.runtime.freshness import Freshness, FreshnessState
 from app.runtime.load import Load
@@ -18,7 +18,7 @@ from app.runtime.supervisor import ModuleState
 
 STILL = Twist(0.0, 0.0, 0.0)
 LIVE = Freshness("live", 0.02, 0.3, 40.0, 39.8)
-STATUS = LinkStatus(0.0, "idle", "standing; nobody commands", False, None, STILL, 1.0)
+STATUS = LinkStatus(0.0, "idle", "standing; no command", False, None, STILL, 1.0)
 
 
 @pytest.fixture
@@ -75,7 +75,7 @@ def test_a_slow_world_is_noted_when_it_lasts_and_when_it_is_over(feed: TimelineF
 def test_who_drives_is_noted_when_it_is_another(feed: TimelineFeed, timeline: Timeline) -> None:
     for behavior in (None, "Teleop", "Teleop", None):
         feed.exploitation(Exploitation(0.0, behavior, STILL))
-    assert [event.text for event in timeline.query()] == ["Teleop drives", "Nobody drives"]
+    assert [event.text for event in timeline.query()] == ["Teleop drives", "No behavior drives"]
 
 
 def test_a_module_is_noted_when_it_fails_and_when_it_is_back(feed: TimelineFeed, timeline: Timeline) -> None:
@@ -85,6 +85,22 @@ def test_a_module_is_noted_when_it_fails_and_when_it_is_back(feed: TimelineFeed,
         feed.module(state)
     assert told(timeline) == [("module", "Eye"), ("restart", "Eye")]
     assert timeline.query()[0].text == "Eye failed: ValueError: no light"
+
+
+@pytest.mark.parametrize(
+    ("name", "subject", "words"),
+    [
+        ("code.leaves", "tour:office", "QR code tour:office leaves"),
+        ("noise.appears", "", "Loud noise appears"),
+        ("dog.changes", "rex", "Dog rex changes"),
+    ],
+)
+def test_percepts_are_noted_with_their_own_stamp_under_their_name(
+    feed: TimelineFeed, timeline: Timeline, name: str, subject: str, words: str
+) -> None:
+    feed.percept(PerceptEvent(4.5, name, name.partition(".")[0], subject, "kinect", 3.0, 1.0, None, None))
+    (event,) = timeline.query()
+    assert (event.stamp, event.kind, event.subject, event.text) == (4.5, "percept", name, words)
 
 
 def test_overload_is_noted_when_it_lasts_and_when_it_is_over(feed: TimelineFeed, timeline: Timeline) -> None:
@@ -128,9 +144,7 @@ def test_a_stale_channel_is_noted_once_with_its_age_and_what_it_means(feed: Time
         (Freshness("stale", 4.0, None, None), "the module behind it does not run"),
     ],
 )
-def test_channels_that_never_spoke_or_speak_seldom_are_told_apart(
-    timeline: Timeline, freshness: Freshness, words: str
-) -> None:
+def test_silent_and_rare_channels_are_distinguished(timeline: Timeline, freshness: Freshness, words: str) -> None:
     feed = TimelineFeed(timeline, {})
     for _ in range(STALE_LOOKS):
         feed.freshness({"kinect": freshness})
@@ -138,12 +152,12 @@ def test_channels_that_never_spoke_or_speak_seldom_are_told_apart(
     assert words in event.text
 
 
-def test_a_stale_channel_that_nobody_wants_any_more_is_no_alarm(timeline: Timeline) -> None:
+def test_a_stale_channel_that_is_closed_is_no_alarm(timeline: Timeline) -> None:
     feed = TimelineFeed(timeline, {})
     for age in (3.0, 4.0):
         feed.freshness({"kinect": Freshness("stale", age, 0.3, 15.0)})
     feed.freshness({"kinect": Freshness("closed", 5.0, None, 0.0)})
-    assert "nobody wants it" in timeline.query()[-1].text
+    assert "no subscription is open" in timeline.query()[-1].text
 
 
 @given(st.lists(st.sampled_from(("live", "waiting", "stale", "closed"))))
@@ -172,6 +186,6 @@ def test_whatever_comes_after_forgetting_is_news(feed: TimelineFeed, timeline: T
     once = told(timeline)
     tell()
     assert told(timeline) == once
-    feed.forget()
+    feed.reset()
     tell()
     assert told(timeline) == once * 2

@@ -15,7 +15,7 @@ from app.base.errors import ConfigError
 from app.messages import GroundTruth, Image, LaserScan
 from app.robots.config import RobotConfig, StartPose, check_footprint, circle, load_robot_config
 from app.robots.factory import create_link
-from app.robots.simulated.body import Simulation, build_simulation
+from app.robots.simulated.body import RobotSimulation, build_simulation
 from app.robots.simulated.odometry import TrueBase
 from tests.robots.conftest import make_hall
 
@@ -133,7 +133,7 @@ def test_the_footprint_covers_all_of_the_body_and_no_more(name: str) -> None:
     assert config.height_m == pytest.approx(points[:, 2].max(), abs=0.02)
 
 
-def points_of_the_body(simulation: Simulation) -> NDArray[np.float64]:
+def points_of_the_body(simulation: RobotSimulation) -> NDArray[np.float64]:
     """Points (N, 3) on the outside of every shape of the body that is a box, a cylinder or a ball."""
     model, data = simulation.model, simulation.data
     found = []

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from app.link import BaseLimits
 from app.robots import guard
-from app.robots.guard import Command, GuardLimits, GuardMode, GuardState, Velocity
+from app.robots.guard import BaseVelocity, GuardLimits, GuardMode, GuardState, VelocityCommand
 
 BASE = BaseLimits(linear_mps=0.40, angular_radps=1.00, linear_mps2=0.40, angular_radps2=4.00)
 LIMITS = GuardLimits(BASE, command_timeout_s=0.2, sensor_timeout_s=0.5)
@@ -20,7 +20,7 @@ DT = 0.004
 
 def run(
     state: GuardState, start: float, seconds: float, ages: dict[str, float] | None = None
-) -> tuple[GuardState, list[tuple[float, guard.GuardAction, Velocity]]]:
+) -> tuple[GuardState, list[tuple[float, guard.GuardAction, BaseVelocity]]]:
     """Step the guard; returns the state and (time, action, applied) of each step."""
     rows = []
     for i in range(round(seconds / DT)):
@@ -33,8 +33,8 @@ def run(
 
 def driving(now: float = 100.0, linear: float = 0.4, angular: float = 0.0) -> GuardState:
     """A state that has reached the velocity it was commanded at ``now``."""
-    velocity = Velocity(linear, angular)
-    return GuardState(applied=guard.clamp(velocity, BASE), command=Command(now, velocity))
+    velocity = BaseVelocity(linear, angular)
+    return GuardState(applied=guard.clamp(velocity, BASE), command=VelocityCommand(now, velocity))
 
 
 def test_without_a_command_the_base_stands_idle() -> None:
@@ -49,7 +49,7 @@ def test_a_fresh_command_is_approached_at_the_bases_acceleration() -> None:
     speeds = []
     for i in range(400):
         now = i * DT
-        state = guard.accept(state, Command(now, Velocity(0.4, 1.0)))
+        state = guard.accept(state, VelocityCommand(now, BaseVelocity(0.4, 1.0)))
         state = guard.step(state, guard.decide(now, state, {}, LIMITS), LIMITS, DT)
         speeds.append(state.applied)
     first_full = next(i for i, v in enumerate(speeds) if v.linear_mps >= 0.4)
@@ -59,7 +59,7 @@ def test_a_fresh_command_is_approached_at_the_bases_acceleration() -> None:
 
 
 def test_an_ordinary_stop_brakes_at_the_bases_acceleration_and_reads_idle() -> None:
-    state = guard.accept(driving(), Command(100.1, guard.ZERO))
+    state = guard.accept(driving(), VelocityCommand(100.1, guard.ZERO))
     action = guard.decide(100.1, state, {}, LIMITS)
     assert action.mode is GuardMode.IDLE
     stepped = guard.step(state, action, LIMITS, 0.1)
@@ -77,13 +77,13 @@ def test_a_command_stands_for_200_ms_and_not_longer() -> None:
 
 def test_a_stale_command_revived_ramps_up_again_from_zero() -> None:
     state, _ = run(driving(now=100.0), 100.0, 0.5)
-    state = guard.accept(state, Command(100.5, Velocity(0.4)))
+    state = guard.accept(state, VelocityCommand(100.5, BaseVelocity(0.4)))
     state = guard.step(state, guard.decide(100.5, state, {}, LIMITS), LIMITS, DT)
     assert state.applied.linear_mps == pytest.approx(0.4 * DT)
 
 
 def test_a_zero_command_that_goes_stale_while_still_braking_stops_at_once() -> None:
-    state = replace(driving(), command=Command(100.0, guard.ZERO))
+    state = replace(driving(), command=VelocityCommand(100.0, guard.ZERO))
     action = guard.decide(100.3, state, {}, LIMITS)
     assert action.mode is GuardMode.STALE_COMMAND
     assert guard.step(state, action, LIMITS, DT).applied.is_zero
@@ -94,7 +94,7 @@ def test_a_zero_command_that_goes_stale_while_still_braking_stops_at_once() -> N
 def test_the_emergency_stop_is_latched_keeps_its_first_reason_and_outlasts_commands() -> None:
     state = guard.e_stop(driving(), "the button")
     state = guard.e_stop(state, "another")
-    state = guard.accept(state, Command(100.01, Velocity(0.4)))
+    state = guard.accept(state, VelocityCommand(100.01, BaseVelocity(0.4)))
     action = guard.decide(100.01, state, {"hokuyo": 9.0}, LIMITS)
     assert (action.mode, action.immediate) == (GuardMode.E_STOPPED, True)
     assert action.reason == "emergency stop: the button"
@@ -102,10 +102,10 @@ def test_the_emergency_stop_is_latched_keeps_its_first_reason_and_outlasts_comma
 
 
 def test_clearing_the_emergency_stop_waits_for_a_new_command() -> None:
-    state = guard.accept(guard.e_stop(driving(), "x"), Command(100.1, Velocity(0.4)))
+    state = guard.accept(guard.e_stop(driving(), "x"), VelocityCommand(100.1, BaseVelocity(0.4)))
     state = guard.clear_e_stop(state)
     assert guard.decide(100.1, state, {}, LIMITS).mode is GuardMode.IDLE
-    state = guard.accept(state, Command(100.12, Velocity(0.4)))
+    state = guard.accept(state, VelocityCommand(100.12, BaseVelocity(0.4)))
     assert guard.decide(100.13, state, {}, LIMITS).mode is GuardMode.DRIVING
 
 
@@ -121,31 +121,33 @@ def test_a_failed_sensor_stops_the_base_and_is_named() -> None:
     assert guard.decide(100.05, driving(), {"odometry": math.nan}, LIMITS).mode is GuardMode.SENSOR_FAILURE
 
 
-@pytest.mark.parametrize("velocity", [Velocity(math.nan, 0.0), Velocity(0.1, math.inf), Velocity(-math.inf, 0.0)])
-def test_a_command_that_is_no_number_is_refused_until_a_good_one_comes(velocity: Velocity) -> None:
-    state = guard.accept(driving(), Command(100.01, velocity))
+@pytest.mark.parametrize(
+    "velocity", [BaseVelocity(math.nan, 0.0), BaseVelocity(0.1, math.inf), BaseVelocity(-math.inf, 0.0)]
+)
+def test_a_command_that_is_no_number_is_refused_until_a_good_one_comes(velocity: BaseVelocity) -> None:
+    state = guard.accept(driving(), VelocityCommand(100.01, velocity))
     action = guard.decide(100.01, state, {}, LIMITS)
     assert (action.mode, action.target, action.immediate) == (GuardMode.STALE_COMMAND, guard.ZERO, True)
     assert "not a number" in action.reason
-    state = guard.accept(state, Command(100.02, Velocity(0.2)))
+    state = guard.accept(state, VelocityCommand(100.02, BaseVelocity(0.2)))
     assert guard.decide(100.02, state, {}, LIMITS).mode is GuardMode.DRIVING
 
 
 def test_a_stamp_that_is_no_number_is_refused() -> None:
-    state = guard.accept(GuardState(), Command(math.nan, Velocity(0.2)))
+    state = guard.accept(GuardState(), VelocityCommand(math.nan, BaseVelocity(0.2)))
     assert guard.decide(100.0, state, {}, LIMITS).mode is GuardMode.STALE_COMMAND
     assert guard.command_age(state, 100.0) is None
 
 
 def test_a_command_from_the_future_is_refused_with_its_likely_cause() -> None:
-    state = guard.accept(GuardState(), Command(200.0, Velocity(0.2)))
+    state = guard.accept(GuardState(), VelocityCommand(200.0, BaseVelocity(0.2)))
     action = guard.decide(100.0, state, {}, LIMITS)
     assert action.mode is GuardMode.STALE_COMMAND
     assert "clock" in action.reason
 
 
 def test_a_command_older_than_the_newest_is_ignored() -> None:
-    state = guard.accept(driving(now=100.0, linear=0.1), Command(99.9, Velocity(0.4)))
+    state = guard.accept(driving(now=100.0, linear=0.1), VelocityCommand(99.9, BaseVelocity(0.4)))
     assert state.command is not None
     assert state.command.velocity.linear_mps == 0.1
 
@@ -166,7 +168,7 @@ def test_whatever_comes_the_wheels_get_finite_bounded_smooth_velocities(
     state, now = GuardState(), 1000.0
     for kind, offset, linear, angular in events:
         if kind == "command":
-            state = guard.accept(state, Command(now + offset, Velocity(linear, angular)))
+            state = guard.accept(state, VelocityCommand(now + offset, BaseVelocity(linear, angular)))
         elif kind == "e_stop":
             state = guard.e_stop(state, "test")
         elif kind == "clear":

@@ -136,7 +136,7 @@ async def test_send_waits_for_room_and_loses_nothing(make: Make) -> None:
 
 
 @in_virtual_time
-async def test_send_gives_up_at_its_deadline_having_given_it_to_nobody(make: Make) -> None:
+async def test_send_gives_up_at_its_deadline_without_a_delivery(make: Make) -> None:
     clock = VirtualClock()
     numbers = channel()
     numbers.subscribe("log", capacity=1, lossless=True)
@@ -330,7 +330,7 @@ async def test_a_consumer_that_closes_its_end_leaves_the_channel(make: Make) -> 
     numbers.unsubscribe(inbox)
 
 
-def test_wanted_is_told_only_when_it_changes() -> None:
+def test_wanted_is_reported_only_when_it_changes() -> None:
     numbers = channel()
     told: list[bool] = []
     end = numbers.on_wanted(told.append)
@@ -351,7 +351,7 @@ def test_wanted_is_told_only_when_it_changes() -> None:
     assert len(told) == 5
 
 
-def test_a_source_that_cannot_be_told_is_logged_and_hurts_nobody(caplog: pytest.LogCaptureFixture) -> None:
+def test_a_wanted_callback_that_fails_is_logged_and_removed(caplog: pytest.LogCaptureFixture) -> None:
     numbers = channel()
     told: list[bool] = []
 
@@ -373,7 +373,7 @@ def test_an_inbox_needs_room() -> None:
 
 
 @in_virtual_time
-async def test_a_lossless_inbox_left_alone_holds_up_nobody_and_reports_its_loss_to_the_next(make: Make) -> None:
+async def test_a_lossless_inbox_without_consumer_blocks_no_sender_and_reports_its_loss_to_the_next(make: Make) -> None:
     numbers = channel()
     inbox = numbers.subscribe("log", capacity=2, lossless=True)
     inbox.leave()
@@ -427,12 +427,29 @@ async def test_an_observer_sees_everything_and_wants_nothing(make: Make) -> None
 
 
 @in_virtual_time
+async def test_an_observer_that_fails_disturbs_neither_the_producer_nor_the_consumers(
+    make: Make, caplog: pytest.LogCaptureFixture
+) -> None:
+    numbers = channel()
+    inbox = numbers.subscribe("inbox", capacity=2)
+
+    def fails(message: Twist) -> None:
+        raise LookupError
+
+    numbers.observe(fails)
+    numbers.publish(make(1))
+    numbers.publish(make(2))
+    assert inbox.statistics().passed == 2
+    assert caplog.text.count("is removed") == 1
+
+
+@in_virtual_time
 async def test_a_channel_that_forgets_has_nothing_waiting_and_counts_on(make: Make) -> None:
     numbers = channel()
     inbox, safe = numbers.subscribe("inbox", capacity=2), numbers.subscribe("safe", capacity=1, lossless=True)
     for value in range(3):
         numbers.publish(make(value))
-    numbers.forget()
+    numbers.clear()
     assert numbers.latest is None
     for subscription in (inbox, safe):
         counters = subscription.statistics()
@@ -452,7 +469,7 @@ async def test_forgetting_makes_room_for_who_waits_to_send(make: Make) -> None:
     sending = asyncio.create_task(numbers.send(make(2), deadline_s=5))
     await asyncio.sleep(1)
     assert not sending.done()
-    numbers.forget()
+    numbers.clear()
     await sending
     assert (await safe.receive()).linear_mps == 2
 

@@ -36,7 +36,7 @@ async def test_timers_go_off_in_order_and_at_their_time() -> None:
     assert went_off == [("a", 1), ("b", 2.5), ("c", 3)]
 
 
-def test_time_stands_still_while_a_thread_works() -> None:
+def test_time_does_not_pass_while_a_thread_works() -> None:
     async def scenario() -> list[str]:
         order: list[str] = []
         asyncio.get_running_loop().call_later(1000, order.append, "timer")
@@ -139,7 +139,7 @@ def test_the_real_clock_reads_unix_time_and_never_goes_back(monkeypatch: pytest.
     clock = RealClock()
     assert clock.now() == pytest.approx(time.time(), abs=1.0)
     before = clock.now()
-    # Somebody sets the computer's clock back by a day.
+    # The computer's clock is set back by a day.
     real_time = time.time
     monkeypatch.setattr(time, "time", lambda: real_time() - 86_400)
     assert clock.now() >= before

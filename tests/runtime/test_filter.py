@@ -45,7 +45,7 @@ def test_of_n_messages_the_ceiling_of_n_over_phi_pass(divisor: int, messages: in
     assert sum(rate_filter.offer() for _ in range(messages)) == math.ceil(messages / divisor)
 
 
-def test_writing_the_same_divisor_keeps_the_phase_and_tells_nobody() -> None:
+def test_writing_the_same_divisor_keeps_the_phase_and_calls_no_callback() -> None:
     changes: list[tuple[float, float]] = []
     rate_filter = RateFilter(3, lambda before, after: changes.append((before, after)))
     assert rate_filter.offer()

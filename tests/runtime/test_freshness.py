@@ -41,7 +41,7 @@ def state(status: Status, restarts: int = 0) -> ModuleState:
         (CLOSED, None, 100, "closed"),
         (1, None, 0.2, "waiting"),
         (1, None, 0.4, "stale"),
-        (1, 50.0, 0.2, "waiting"),  # just opened: the last message is old and nobody is to blame
+        (1, 50.0, 0.2, "waiting"),  # just opened: the last message is old without a fault
         (1, 50.0, 0.4, "stale"),
         (10, 50.0, 2.9, "waiting"),
     ],
@@ -253,7 +253,7 @@ async def test_switching_attention_never_raises_a_false_alarm_and_a_lost_source_
 
 
 @in_virtual_time
-async def test_a_hiccup_is_told_to_observers_and_not_written_to_the_log(
+async def test_a_hiccup_is_reported_to_observers_and_not_written_to_the_log(
     graph: Graph, caplog: pytest.LogCaptureFixture
 ) -> None:
     clock = VirtualClock()
@@ -301,7 +301,7 @@ async def test_a_channel_that_should_come_from_outside_and_does_not_is_stale(gra
 
 
 @in_virtual_time
-async def test_a_watch_that_forgets_waits_for_first_messages_anew(graph: Graph) -> None:
+async def test_after_a_reset_the_first_messages_are_due_again(graph: Graph) -> None:
     clock = VirtualClock()
     supervisor = Supervisor(graph.modules, clock)
     watch = FreshnessWatch(graph, supervisor.states)
@@ -311,9 +311,9 @@ async def test_a_watch_that_forgets_waits_for_first_messages_anew(graph: Graph) 
             watch.sample(clock.now())
         now = clock.now()
         assert watch.latest["images"].rate_hz == pytest.approx(10, abs=1)
-        graph.channels["images"].forget()
+        graph.channels["images"].clear()
         assert watch.read(now)["images"].state == "stale", "nothing came for longer than is allowed"
-        watch.forget()
+        watch.reset()
         assert watch.latest == {}
         # Time has gone back: what holds now began now, and nothing was measured yet.
         there = watch.sample(now - 100)["images"]

@@ -46,6 +46,12 @@ class OdometryUser(Module):
         self.odometry = self.input("odometry", Odometry)
 
 
+class Onlooker(Module):
+    def __init__(self, context: ModuleContext) -> None:
+        super().__init__(context)
+        self.numbers = self.input("numbers", Twist, wants="never")
+
+
 class Collector(Module):
     """Takes whatever there is."""
 
@@ -97,6 +103,24 @@ def test_a_wired_graph_delivers_from_output_to_input(build: Build, make: Callabl
     assert graph.modules["B"].title == "B"
 
 
+def test_an_input_that_never_wants_keeps_no_source_awake_but_wants_what_comes_from_outside(
+    build: Build, make: Callable[..., Twist]
+) -> None:
+    graph = build(
+        {
+            "A": (Source, {}, {"numbers": "n"}),
+            "B": (Onlooker, {"numbers": "n"}, {}),
+            "C": (Onlooker, {"numbers": "outside"}, {}),
+        },
+        {"n": {}, "outside": {"external": True}},
+    )
+    source = graph.modules["A"].module
+    assert not source.numbers.wanted  # type: ignore[attr-defined]
+    source.numbers.publish(make(1))  # type: ignore[attr-defined]
+    assert graph.modules["B"].module.numbers.subscription.receive_nowait() == make(1)  # type: ignore[attr-defined]
+    assert graph.channel("outside").wanted, "a log feeds only what is wanted"
+
+
 def test_an_unknown_port_is_named_with_those_there_are(build: Build) -> None:
     said = refused(build, {"A": (Source, {}, {"sums": "n"})}, {"n": {}})
     assert said == "modules.A.outputs.sums: no output 'sums'; there are: numbers"
@@ -121,7 +145,7 @@ def test_two_producers_of_one_channel_are_refused(build: Build) -> None:
     assert "channel n already has a producer, A.numbers" in refused(build, modules, {"n": {}})
 
 
-def test_a_channel_nobody_publishes_on_is_refused_unless_it_is_external(build: Build) -> None:
+def test_a_channel_without_producer_is_refused_unless_it_is_external(build: Build) -> None:
     modules: dict[str, Any] = {"B": (Relay, {"numbers": "n"}, {})}
     assert "no module publishes on channel n" in refused(build, modules, {"n": {}})
     assert build(modules, {"n": {"external": True}}).producers == {}
@@ -182,11 +206,17 @@ def test_a_path_that_is_no_module_class_is_refused(build: Build, path: str) -> N
     assert f"{path!r} is not a module class" in refused(build, {"A": (path, {}, {})}, {})
 
 
-def test_a_broken_import_inside_a_module_file_is_not_hidden(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_broken_import_inside_a_module_file_is_one_sentence(
+    build: Build, tmp_path: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
     (tmp_path / "hbba_broken_module.py").write_text("import hbba_broken\n")
     monkeypatch.syspath_prepend(str(tmp_path))
-    with pytest.raises(ModuleNotFoundError, match="hbba_broken"):
-        load_class("hbba_broken_module:Thing")
+    said = refused(build, {"A": ("hbba_broken_module:Thing", {}, {})}, {})
+    file = tmp_path / "hbba_broken_module.py"
+    assert said == (
+        f"modules.A.class: hbba_broken_module cannot be imported: {file}:1: ModuleNotFoundError: No module named "
+        "'hbba_broken'"
+    )
 
 
 def test_a_class_that_is_no_module_is_refused(build: Build) -> None:
@@ -202,7 +232,10 @@ def test_a_missing_service_is_a_wiring_error(build: Build) -> None:
 @pytest.mark.parametrize("message_type", ["Nothing", "Pose2", "Message", "np", "read_only"])
 def test_a_channel_of_an_unknown_message_type_is_refused(build: Build, message_type: str) -> None:
     said = refused(build, {}, {"n": {"type": message_type}})
-    assert said == f"channels.n.type: there is no message type {message_type!r} in app.messages"
+    assert said == (
+        f"channels.n.type: there is no message type {message_type!r}; allowed: a class of app.messages, or "
+        "package.module:Class, a dataclass with a stamp"
+    )
 
 
 WIRED: tuple[dict[str, Any], dict[str, Any]] = (
@@ -304,7 +337,7 @@ def test_an_unknown_filter_is_named_with_those_there_are() -> None:
 
 
 def test_a_module_that_names_no_inputs_may_choose_its_own(build: Build) -> None:
-    source = (Source, {}, {"numbers": "n"})
+    source: tuple[type[Module], dict[str, str], dict[str, str]] = (Source, {}, {"numbers": "n"})
     channels = {"n": {}, "quiet": {"log": "never", "external": True}, "hands": {"external": True}, "unfed": {}}
     graph = build({"A": source, "C": (Collector, {}, {})}, channels)
     assert graph.ports()["C"] == {"of_n", "of_hands"}
@@ -313,7 +346,7 @@ def test_a_module_that_names_no_inputs_may_choose_its_own(build: Build) -> None:
     assert "C.it" in named.filters.names()
 
 
-def test_a_pinned_filter_is_nobody_elses(build: Build) -> None:
+def test_a_pinned_filter_is_not_changed_by_others(build: Build) -> None:
     filters = build(*WIRED).filters
     filters.pin("B.numbers", Pin(4, offset=2))
     assert filters.apply({"B.numbers": 1, "A.numbers": 2}) == {"A.numbers": (1, 2)}
@@ -387,7 +420,7 @@ def test_a_graph_that_forgets_filters_as_at_its_start(build: Build, make: Callab
         for value in range(4):
             graph.channels["n"].publish(make(value))
             passed.append(inbox.statistics().passed - before)
-        graph.forget()
+        graph.reset()
         assert graph.channels["n"].latest is None
         assert not inbox.waiting
     assert passed == [0, 1, 1, 1] * 2
@@ -413,9 +446,9 @@ def test_a_filter_that_is_given_back_obeys_again(build: Build) -> None:
 def test_what_a_module_keeps_is_there_for_its_next_instance_until_all_is_forgotten(build: Build) -> None:
     graph = build(*WIRED)
     slot = graph.modules["A"]
-    assert slot.module.kept == {}
-    slot.module.kept["next"] = 7
-    assert slot.module_class(slot.context).kept == {"next": 7}
-    assert graph.modules["B"].module.kept == {}
-    graph.forget()
-    assert slot.module.kept == {}
+    assert slot.module.persistent == {}
+    slot.module.persistent["next"] = 7
+    assert slot.module_class(slot.context).persistent == {"next": 7}
+    assert graph.modules["B"].module.persistent == {}
+    graph.reset()
+    assert slot.module.persistent == {}

@@ -6,7 +6,7 @@ import pytest
 
 from app.messages import Twist
 from app.runtime.channel import Channel
-from app.runtime.hang_detector import ProgressWatch
+from app.runtime.hang_detector import HangDetector
 from app.runtime.ports import Input
 
 
@@ -21,7 +21,7 @@ class Stage:
         self.channel = channel
         self.ticks: dict[str, tuple[float, float]] = {}
         unwired: Input[Any] = Input("M", "other", Twist)
-        self.watch = ProgressWatch((self.port, unwired), self.ticks, limit_s, self.now)
+        self.watch = HangDetector((self.port, unwired), self.ticks, limit_s, self.now)
 
     def pass_time(self, seconds: float, step_s: float = 0.1) -> str | None:
         stuck = None
@@ -34,7 +34,7 @@ class Stage:
         self.channel.publish(Twist(self.now, 0.0, 0.0))
 
 
-def test_waiting_messages_that_nobody_takes_mean_stuck() -> None:
+def test_waiting_messages_that_are_not_taken_mean_stuck() -> None:
     stage = Stage()
     assert stage.pass_time(10) is None
     stage.publish()
@@ -69,11 +69,11 @@ def test_closing_the_filter_is_not_progress_and_not_a_fault() -> None:
     assert stage.pass_time(10) is None
 
 
-def test_nobody_is_blamed_for_time_in_which_the_loop_stood_still() -> None:
+def test_no_module_is_blamed_for_time_in_which_the_loop_was_blocked() -> None:
     stage = Stage()
     stage.publish()
     assert stage.pass_time(0.1) is None
-    # Another module blocked the loop for 5 s: nobody could have taken anything.
+    # Another module blocked the loop for 5 s: no message could be taken.
     assert stage.pass_time(5, step_s=5) is None
     assert stage.pass_time(0.7) is None
     assert stage.pass_time(0.4) is not None

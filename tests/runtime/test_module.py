@@ -166,11 +166,11 @@ async def test_a_lossless_input_that_lost_messages_is_a_failure(build: Build, ma
     publish()
     await asyncio.wait({task})
     assert isinstance(task.exception(), ExceptionGroup)
-    assert task.exception().subgroup(InboxOverflow) is not None  # type: ignore[union-attr]
+    assert task.exception().subgroup(InboxOverflow) is not None
 
 
 @in_virtual_time
-async def test_a_module_may_live_with_what_its_inbox_lost(build: Build, make: Make) -> None:
+async def test_a_module_may_go_on_after_a_loss_of_its_inbox(build: Build, make: Make) -> None:
     slot, noted, publish = burst(build, make, Forgiving)
     await run_for(slot.module, 1, publish)
     assert [event for event in noted if isinstance(event, float)] == [0, 1]
@@ -217,7 +217,7 @@ async def test_an_input_that_is_not_wired_is_simply_not_served(build: Build) -> 
 
 
 @in_virtual_time
-async def test_compute_runs_in_the_modules_thread_and_hands_its_error_over(build: Build) -> None:
+async def test_compute_runs_in_the_modules_thread_and_raises_its_error(build: Build) -> None:
     _, slot, _ = graph_of(build, Recorder)
     module = slot.module
     first, second = await module.compute(threading.current_thread), await module.compute(threading.current_thread)
@@ -268,6 +268,7 @@ def test_no_last_word_before_anything_was_said(build: Build) -> None:
 
 def test_a_channel_that_is_closed_hears_no_last_word_and_holds_up_no_other_filter(build: Build) -> None:
     events: list[Any] = []
+    outputs: dict[str, tuple[type[Module], dict[str, str], dict[str, str]]]
     outputs = {name: (Recorder, {}, {"words": name.lower()}) for name in ("A", "B", "C")}
     graph = build(outputs, {"a": {}, "b": {}, "c": {}}, services={list: events})
     graph.channels["b"].close()
@@ -300,7 +301,7 @@ async def test_a_last_word_that_fails_is_its_modules_failure_and_stops_no_intent
     assert caught.group_contains(ValueError, match="no word comes")
 
 
-def test_an_output_tells_whether_anybody_wants_it(build: Build) -> None:
+def test_an_output_reports_whether_it_is_wanted(build: Build) -> None:
     graph, slot, _ = graph_of(build, Recorder)
     words = slot.module.words
     told: list[bool] = []

@@ -5,12 +5,12 @@ import asyncio
 import pytest
 
 from app.runtime.clock import in_virtual_time
-from app.runtime.pending_work import Activity
+from app.runtime.pending_work import PendingWork
 
 
 @in_virtual_time
 async def test_who_waits_goes_on_when_the_last_has_ended() -> None:
-    activity = Activity()
+    activity = PendingWork()
     await activity.ended()
 
     async def work(seconds: float) -> None:
@@ -28,14 +28,14 @@ async def test_who_waits_goes_on_when_the_last_has_ended() -> None:
 
 @in_virtual_time
 async def test_work_that_fails_has_ended_too() -> None:
-    activity = Activity()
+    activity = PendingWork()
     with pytest.raises(ZeroDivisionError), activity.one():
         raise ZeroDivisionError
     assert activity.under_way == 0
 
 
 async def test_it_is_quiet_once_every_chain_of_tasks_waits() -> None:
-    activity, done = Activity(), asyncio.Event()
+    activity, done = PendingWork(), asyncio.Event()
 
     async def chain(links: int) -> None:
         await asyncio.sleep(0)
@@ -51,7 +51,7 @@ async def test_it_is_quiet_once_every_chain_of_tasks_waits() -> None:
 
 
 async def test_it_is_quiet_once_threads_have_come_back_and_been_heard() -> None:
-    activity, heard = Activity(), list[str]()
+    activity, heard = PendingWork(), list[str]()
 
     async def compute(word: str) -> None:
         with activity.one():
@@ -73,16 +73,16 @@ async def test_a_task_that_never_waits_does_not_hold_it_up_for_ever() -> None:
             await asyncio.sleep(0)
 
     spinning = asyncio.create_task(spin())
-    await Activity().quiet()
+    await PendingWork().quiet()
     assert not spinning.done(), "it spins on, and was not waited for"
     spinning.cancel()
 
 
 async def test_the_loop_still_says_what_it_has_left_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
-    # asyncio tells it by an attribute of its own; without it, `quiet` would take all its turns each time.
+    # asyncio's loops have the attribute; without it, `quiet` would take all its turns each time.
     most = 10_000
     turns = iter(range(most))
     monkeypatch.setattr("app.runtime.pending_work.LONGEST_SPIN", most)
     monkeypatch.setattr("app.runtime.pending_work.range", lambda _: turns, raising=False)
-    await Activity().quiet()
+    await PendingWork().quiet()
     assert len(list(turns)) > most - 100

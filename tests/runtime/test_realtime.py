@@ -11,14 +11,14 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from app.runtime.realtime import FIRST_NICENESS, go_first
+from app.runtime.realtime import NICENESS_OFFSET, raise_thread_priority
 from tests.patience import PATIENCE_S
 
 CHECK = """
 import gc, sys, time
-from app.runtime.realtime import be_punctual
+from app.runtime.realtime import tune_for_latency
 objects = [[number] for number in range(300_000)]
-be_punctual()
+tune_for_latency()
 begin = time.thread_time()
 gc.collect()
 assert time.thread_time() - begin < 0.005, "what stood before is looked at"
@@ -27,7 +27,7 @@ assert sys.getswitchinterval() <= 0.001
 """
 
 
-def test_what_stands_is_not_looked_at_again_and_threads_give_way_sooner() -> None:
+def test_live_objects_are_frozen_and_threads_switch_sooner() -> None:
     subprocess.run([sys.executable, "-c", CHECK], check=True, timeout=PATIENCE_S)  # habits of a whole process
 
 
@@ -56,12 +56,15 @@ def test_a_thread_goes_before_the_others_where_it_may(monkeypatch: pytest.Monkey
 
     for answer in (granted, refused):
         monkeypatch.setattr(os, "setpriority", answer)
-        assert _niceness_after(go_first) == before
-    assert asked == [before + FIRST_NICENESS]
+        assert _niceness_after(raise_thread_priority) == before
+    assert asked == [before + NICENESS_OFFSET]
 
 
 @pytest.mark.skipif(sys.platform != "linux" or os.geteuid() != 0, reason="only root may go first")
 def test_the_process_itself_stays_as_it_was() -> None:
     before = os.getpriority(os.PRIO_PROCESS, os.getpid())
-    assert _niceness_after(go_first) in (before + FIRST_NICENESS, before)  # containers may forbid it even to root
+    assert _niceness_after(raise_thread_priority) in (
+        before + NICENESS_OFFSET,
+        before,
+    )  # containers may forbid it even to root
     assert _niceness_after(lambda: None) == before

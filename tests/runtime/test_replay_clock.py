@@ -23,7 +23,7 @@ async def asleep(clock: ReplayClock, stamp: float, woken: list[tuple[float, floa
 
 
 @in_virtual_time
-async def test_it_stands_until_it_runs_at_its_rate_and_stands_again() -> None:
+async def test_it_is_paused_until_it_runs_at_its_rate_and_paused_again() -> None:
     clock = clock_at()
     await asyncio.sleep(5)
     assert clock.now() == BEGIN
@@ -53,7 +53,7 @@ async def test_sleepers_wake_on_time_at_any_rate() -> None:
 
 
 @in_virtual_time
-async def test_sleepers_of_a_standing_clock_wait_for_whoever_moves_it_and_wake_in_order() -> None:
+async def test_sleepers_of_a_paused_clock_wait_until_it_is_moved_and_wake_in_order() -> None:
     clock, woken = clock_at(), list[tuple[float, float]]()
     tasks = [asyncio.create_task(asleep(clock, BEGIN + s, woken)) for s in (3.0, 1.0, 2.0, 9.0)]
     await asyncio.sleep(60)
@@ -194,7 +194,7 @@ async def relive(steps: list[tuple[str, float]]) -> None:
         last = now
         if step == "advance":  # all that woke did at once, in the order of their stamps
             assert woken[before:] == sorted(woken[before:], key=lambda w: w[1])
-        # Nobody oversleeps: a timer's resolution, at the highest rate, is all.
+        # No sleeper is late by more than a timer's resolution, at the highest rate.
         for stamp, number, task in sleepers:
             assert task.done() or stamp > now - 20 * 1e-3, number
     for *_, task in sleepers:

@@ -432,7 +432,7 @@ async def test_an_observer_that_fails_is_logged_and_changes_nothing(
     async with bench.supervisor:
         await asyncio.sleep(1)
         assert bench.status == "running"
-    assert "an observer of S failed" in caplog.text
+    assert "an observer of the states of modules failed and is removed" in caplog.text
     end()
     end()
 
@@ -544,7 +544,7 @@ async def test_modules_may_be_ended_and_started_afresh(build: Build, make: Make)
 
 
 @in_virtual_time
-async def test_who_waits_for_the_start_is_told_of_a_failure_too(build: Build) -> None:
+async def test_waiting_for_the_start_ends_with_a_failure_too(build: Build) -> None:
     bench = Bench(build)
     bench.plan.fail_start = True
     async with bench.supervisor:
@@ -566,7 +566,7 @@ class Paced(VirtualClock):
 
 @pytest.mark.parametrize(("rate", "hung"), [(0.0, False), (0.1, False), (1.0, True), (20.0, True)])
 def test_a_module_is_hung_by_the_time_it_was_given(build: Build, make: Make, rate: float, hung: bool) -> None:
-    """Where a recording's time stands or is slow, nobody can be waited for; where it is fast, nobody is faster."""
+    """Modules get as much time as both clocks passed: a paused or slow recording gives less, a fast one no more."""
 
     async def scenario() -> tuple[str, str]:
         bench = Bench(build)

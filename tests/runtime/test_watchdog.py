@@ -32,7 +32,7 @@ async def test_a_module_that_blocks_the_loop_is_named_once_and_its_recovery_too(
     loop = asyncio.get_running_loop()
 
     def report(blockage: Blockage) -> None:
-        # On a busy computer the loop may be late without anybody's fault: those reports name nobody.
+        # On a busy computer the loop may be late without a fault of any module: those reports name none.
         if blockage.module:
             reports.append(blockage)
         if len(reports) == 2:
@@ -124,7 +124,7 @@ def test_a_loop_that_waits_for_its_turn_is_nobodys_fault() -> None:
     assert seen == [None]
 
 
-async def test_a_blockage_that_nobody_saw_is_reported_when_it_is_over() -> None:
+async def test_a_blockage_that_was_not_sampled_is_reported_when_it_is_over() -> None:
     reports: list[Blockage] = []
     reported = asyncio.Event()
     loop = asyncio.get_running_loop()
@@ -153,7 +153,7 @@ async def test_a_blockage_that_nobody_saw_is_reported_when_it_is_over() -> None:
         (
             Blockage("", "", "", 4.35, True),
             (
-                "the event loop stood still for 4.35 s and nobody was seen at it: "
+                "the event loop was blocked for 4.35 s, not by Python code: "
                 "the computer had no time for this program, or a call held the interpreter lock"
             ),
         ),

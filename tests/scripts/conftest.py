@@ -36,6 +36,30 @@ def installing() -> Iterator[ModuleType]:
 
 
 @pytest.fixture(scope="session")
-def dev(page: ModuleType, installing: ModuleType) -> Iterator[ModuleType]:
+def locking(installing: ModuleType) -> Iterator[ModuleType]:
+    yield _load("locking")
+    del sys.modules["locking"]
+
+
+@pytest.fixture(scope="session")
+def dev(page: ModuleType, installing: ModuleType, locking: ModuleType) -> Iterator[ModuleType]:
     yield _load("dev")
     del sys.modules["dev"]
+
+
+@pytest.fixture(scope="session")
+def words() -> Iterator[ModuleType]:
+    yield _load("words")
+    del sys.modules["words"]
+
+
+@pytest.fixture(scope="session")
+def commit_message() -> Iterator[ModuleType]:
+    yield _load("commit_message")
+    del sys.modules["commit_message"]
+
+
+@pytest.fixture(scope="session")
+def page_types() -> Iterator[ModuleType]:
+    yield _load("page_types")
+    del sys.modules["page_types"]

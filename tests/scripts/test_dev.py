@@ -9,9 +9,13 @@ from typing import Any
 
 import pytest
 
+#: What is asked of pip after the locks.
+LOCKED = ("--no-build-isolation", "-e", ".")
+LOCKED_TEST = ("--no-build-isolation", "-e", ".[test]")
+
 
 class Programs:
-    """Stands where subprocess.run stands: notes the commands and answers for them."""
+    """Replaces subprocess.run: notes the commands and answers for them."""
 
     def __init__(self, status: int = 0, output: str = "") -> None:
         self.commands: list[list[str]] = []
@@ -29,7 +33,8 @@ def checkout(dev: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     venv = tmp_path / ".venv"
     (venv / "bin").mkdir(parents=True)
     (venv / "bin" / "python").write_text("")
-    for name in ("pyproject.toml", "hatch_build.py"):
+    (tmp_path / "requirements").mkdir()
+    for name in ("pyproject.toml", "hatch_build.py", "requirements/run.lock"):
         (tmp_path / name).write_text(name)
     for name, value in {
         "ROOT": tmp_path,
@@ -47,20 +52,32 @@ def use(dev: ModuleType, monkeypatch: pytest.MonkeyPatch, programs: Programs) ->
 
 
 class Pip:
-    """Replaces ``installing.install``: notes what it is asked for, and fails with ``failure``."""
+    """Replaces ``installing.install`` and ``install_locked``: notes what they are asked for, and fails.
 
-    def __init__(self, failure: Exception | None = None) -> None:
+    ``failure`` is raised by the first, ``unlike`` by the second.
+    """
+
+    def __init__(self, failure: Exception | None = None, unlike: Exception | None = None) -> None:
         self.asked: list[tuple[str, ...]] = []
+        self.locked: list[list[str]] = []
         self.failure = failure
+        self.unlike = unlike
 
     def __call__(self, _python: Path, *arguments: str, **_: Any) -> None:
         self.asked.append(arguments)
         if self.failure is not None:
             raise self.failure
 
+    def install_locked(self, _python: Path, _root: Path, needs: list[str], **_: Any) -> None:
+        self.locked.append(needs)
+        if self.unlike is not None:
+            raise self.unlike
+
 
 def use_pip(dev: ModuleType, monkeypatch: pytest.MonkeyPatch, pip: Pip) -> Pip:
     monkeypatch.setattr(dev.installing, "install", pip)
+    monkeypatch.setattr(dev.installing, "install_locked", pip.install_locked)
+    monkeypatch.setattr(dev.installing, "not_covered", lambda: None)
     return pip
 
 
@@ -70,13 +87,46 @@ def test_packages_are_installed_once_and_again_when_the_project_asks_for_others(
     pip = use_pip(dev, monkeypatch, Pip())
     dev.install(set())
     dev.install(set())
-    assert pip.asked == [("-e", ".")]
+    assert pip.asked == [LOCKED]
     dev.install({"test"})
     dev.install(set())
-    assert pip.asked == [("-e", "."), ("-e", ".[test]")]
+    assert pip.asked == [LOCKED, LOCKED_TEST]
     (checkout / "pyproject.toml").write_text("changed")
     dev.install(set())
-    assert pip.asked == [("-e", "."), ("-e", ".[test]"), ("-e", ".[test]")]
+    assert pip.asked == [LOCKED, LOCKED_TEST, LOCKED_TEST]
+    (checkout / "requirements" / "run.lock").write_text("changed")
+    dev.install(set())
+    assert len(pip.asked) == 4
+    assert pip.locked == [["build", "run"], *([["build", "run", "test"]] * 3)]
+
+
+def test_another_computer_gets_what_the_project_allows(
+    dev: ModuleType, checkout: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pip = use_pip(dev, monkeypatch, Pip())
+    monkeypatch.setattr(dev.installing, "not_covered", lambda: "Darwin on arm64")
+    dev.install({"test"})
+    assert pip.locked == []
+    assert pip.asked == [("-e", ".[test]")]
+    assert "the locked versions are not for Darwin on arm64: installing what pyproject.toml" in capsys.readouterr().out
+
+
+def test_another_index_gives_what_the_project_allows(
+    dev: ModuleType, checkout: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pip = use_pip(dev, monkeypatch, Pip(unlike=dev.installing.NotAsLocked("other hashes")))
+    dev.install(set())
+    assert pip.asked == [("-e", ".")]
+    assert "the package index serves other files than the locked ones" in capsys.readouterr().out
+
+
+def test_an_index_out_of_reach_ends_the_set_up(
+    dev: ModuleType, checkout: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pip = use_pip(dev, monkeypatch, Pip(unlike=dev.installing.PipFailed("cannot be reached")))
+    with pytest.raises(dev.SetupFailed, match="cannot be reached"):
+        dev.install(set())
+    assert pip.asked == []
 
 
 def test_a_failed_installation_is_tried_again(dev: ModuleType, checkout: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -95,7 +145,7 @@ def test_no_venv_module_is_one_sentence(dev: ModuleType, checkout: Path, monkeyp
         dev.make_environment()
 
 
-def test_an_environment_made_elsewhere_is_made_anew(
+def test_an_environment_made_elsewhere_is_replaced(
     dev: ModuleType, checkout: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     use_pip(dev, monkeypatch, Pip())
@@ -146,7 +196,7 @@ def test_make_run_installs_what_the_camera_needs(dev: ModuleType, monkeypatch: p
     assert asked == [{"debian": True, "browser": False}]
 
 
-def test_others_are_told_what_to_install(
+def test_without_root_the_missing_packages_are_named(
     dev: ModuleType, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     apt = on_a_bare_debian(dev, monkeypatch, uid=1000)
@@ -183,8 +233,41 @@ def test_a_failing_step_fails_the_whole_though_the_others_run(
     dev: ModuleType, checkout: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     programs = use(dev, monkeypatch, Programs())
+    of_the_page: list[tuple[str, ...]] = []
+    page_status = 0
+
+    def web_script(*scripts: str) -> int:
+        of_the_page.append(scripts)
+        return page_status
+
+    monkeypatch.setattr(dev, "web_script", web_script)
     assert dev.lint() == 0
-    assert len(programs.commands) == 4
+    assert len(programs.commands) == 5
     programs.status = 3
     assert dev.lint() == 3
-    assert len(programs.commands) == 8
+    assert len(programs.commands) == 10
+    programs.status, page_status = 0, 1
+    assert dev.lint() == 1
+    assert of_the_page == [("lint", "check")] * 3
+
+
+def test_the_page_s_scripts_run_one_after_another_until_one_fails(
+    dev: ModuleType, page: ModuleType, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run: list[str] = []
+
+    def run_npm(node: object, verb: str, script: str) -> str:
+        run.append(f"{verb} {script}")
+        if script == "broken":
+            raise page.PageFailed("npm run broken failed in web/: src/a.ts:1:1 lint/style/useConst")
+        return " 3 passed (3)\n" if script == "test" else "quiet\n"
+
+    monkeypatch.setattr(dev, "node_or_install", lambda: page.Node(Path("node"), ("npm",)))
+    monkeypatch.setattr(dev.page, "install_packages", lambda node: None)
+    monkeypatch.setattr(dev.page, "run_npm", run_npm)
+    assert dev.web_script("lint", "test") == 0
+    assert dev.web_script("lint", "broken", "test") == 1
+    assert run == ["run lint", "run test", "run lint", "run broken"]
+    written = capsys.readouterr()
+    assert written.out == " 3 passed (3)\n"
+    assert "src/a.ts:1:1" in written.err

@@ -102,3 +102,57 @@ def test_pip_is_asked_for_just_what_was_wanted(installing: ModuleType, tmp_path:
     installing.install(python, "-e", ".[test]", title="x", environment={"HBBA_SKIP_WEB": "1"}, out=sys.stdout)
     asked = (tmp_path / "asked").read_text()
     assert asked == "-m pip install --disable-pip-version-check --progress-bar=off -e .[test] 1\n"
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        "ERROR: THESE PACKAGES DO NOT MATCH THE HASHES FROM THE REQUIREMENTS FILE. ...",
+        "ERROR: Could not find a version ...\nERROR: No matching distribution found for x==9",
+    ],
+)
+def test_an_index_with_other_files_is_known(installing: ModuleType, tmp_path: Path, said: str) -> None:
+    (tmp_path / "said").write_text(said)
+    python = pip(tmp_path, f"cat {tmp_path / 'said'}; exit 1")
+    with pytest.raises(installing.NotAsLocked):
+        installing.install_locked(python, tmp_path, ["run"], title="x")
+
+
+def test_an_index_out_of_reach_is_no_other_index(installing: ModuleType, tmp_path: Path) -> None:
+    (tmp_path / "said").write_text(REFUSED)
+    with pytest.raises(installing.PipFailed) as failure:
+        installing.install_locked(pip(tmp_path, f"cat {tmp_path / 'said'}; exit 1"), tmp_path, ["run"], title="x")
+    assert not isinstance(failure.value, installing.NotAsLocked)
+
+
+def test_locks_are_installed_by_their_hashes_alone(installing: ModuleType, tmp_path: Path) -> None:
+    python = pip(tmp_path, f'echo "$@" > {tmp_path / "asked"}')
+    installing.install_locked(python, Path("root"), ["run", "test"], title="x")
+    files = "-r root/requirements/run.lock -r root/requirements/test.lock"
+    assert f"--no-deps --require-hashes {files}\n" in (tmp_path / "asked").read_text()
+
+
+@pytest.mark.parametrize(
+    ("version", "system", "machine", "other"),
+    [
+        ((3, 11, 7), "linux", "x86_64", None),
+        ((3, 14, 0), "linux", "aarch64", None),
+        ((3, 15, 0), "linux", "x86_64", "CPython 3.15"),
+        ((3, 12, 0), "linux", "riscv64", "Linux on riscv64"),
+        ((3, 12, 0), "darwin", "arm64", "Darwin on arm64"),
+    ],
+)
+def test_the_locks_are_for_some_computers(
+    installing: ModuleType,
+    monkeypatch: pytest.MonkeyPatch,
+    version: tuple[int, ...],
+    system: str,
+    machine: str,
+    other: str | None,
+) -> None:
+    monkeypatch.setattr(installing.sys, "version_info", version)
+    monkeypatch.setattr(installing.sys, "platform", system)
+    monkeypatch.setattr(installing.platform, "machine", lambda: machine)
+    monkeypatch.setattr(installing.platform, "system", system.capitalize)
+    monkeypatch.setattr(installing.platform, "python_implementation", lambda: "CPython")
+    assert installing.not_covered() == other

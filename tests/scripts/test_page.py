@@ -39,6 +39,7 @@ def test_a_page_is_current_while_its_sources_stay_the_same(page: ModuleType, che
         ("src/main.test.ts", True),
         ("node_modules/a/index.js", True),
         ("README.md", True),
+        ("biome.json", True),
         (".cache", True),
     ],
 )

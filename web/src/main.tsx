@@ -3,20 +3,21 @@
 import { computed, effect } from "@preact/signals";
 import { render } from "preact";
 import { App } from "./App";
-import { DriveController } from "./drive/controller";
-import { MapControl } from "./map/control";
-import { GridFeed } from "./map/feed";
+import { DriveController } from "./drive/driveController";
+import { GridFeed } from "./map/gridFeed";
 import { MapLibrary } from "./map/library";
-import { PlaybackController } from "./playback/controller";
-import { RecordingControl } from "./recordings/control";
-import { AppContext } from "./state/context";
-import { Session } from "./state/session";
-import { createStore } from "./state/store";
+import { MapControl } from "./map/mapControl";
+import { PlaybackController } from "./playback/playbackController";
 import { CAMERA, PANORAMA } from "./protocol/picture";
+import { RecordingControl } from "./recordings/recordingControl";
 import { Listening } from "./sound/listening";
 import { Talking } from "./sound/talking";
+import { AppContext } from "./state/context";
+import { keepHistory } from "./state/history";
+import { Session } from "./state/session";
+import { createStore } from "./state/store";
 import { narrow } from "./ui/media";
-import { PictureFeed } from "./view/feed";
+import { PictureFeed } from "./view/pictureFeed";
 import "./styles/base.css";
 import "./styles/parts.css";
 import "./styles/layout.css";
@@ -39,6 +40,7 @@ import "./styles/touch.css";
 
 const store = createStore();
 const session = new Session(store);
+keepHistory(session, store);
 const playback = new PlaybackController(store, session.rest);
 const recordings = new RecordingControl(store, session.rest);
 const drive = new DriveController(store, session, playback);
@@ -67,10 +69,6 @@ const grid = {
     computed(() => map.shown.value && map.costmap.value),
   ),
 };
-session.onGrid = (info) => {
-  grid.map.announce(info);
-  grid.costmap.announce(info);
-};
 const talking = new Talking(store, session, listening);
 
 render(
@@ -83,7 +81,7 @@ render(
 );
 drive.onHome = () => void map.returnToStart();
 drive.onStop = () => map.stop();
-map.start(); // before the hands on the wheel: Escape gives up what is begun on the map first
+map.start(); // before the driving keys: Escape cancels the map's tool first
 drive.start();
 recordings.start();
 camera.start();
@@ -95,7 +93,7 @@ listening.start();
 talking.start();
 void session.start();
 
-// A new name is told with a new connection.
+// A new name needs a new connection.
 let named = store.operator.peek();
 effect(() => {
   const name = store.operator.value;

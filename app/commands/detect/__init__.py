@@ -1,4 +1,4 @@
-"""``hbba detect``: the robot's perceptions on anyone's files, each in a file of its own beside this one."""
+"""``hbba detect``: the robot's perceptions on files of the user, each in a file of its own beside this one."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from app.commands.detect import faces, noises, qr, voices
 
 
 class Detector(Protocol):
-    """What each file here offers."""
+    """The functions of each file here."""
 
     def add_parser(self, kinds: Any) -> None:
         """Declare the word after ``hbba detect``, its help and arguments."""
@@ -21,7 +21,7 @@ class Detector(Protocol):
         ...
 
 
-#: What can be detected, by the word after ``hbba detect``.
+#: Detectors, by the word after ``hbba detect``.
 DETECTORS: Mapping[str, Detector] = {
     "faces": faces,
     "qr": qr,
@@ -31,7 +31,7 @@ DETECTORS: Mapping[str, Detector] = {
 
 
 def add_parser(subparsers: Any) -> None:
-    """Declare ``hbba detect`` and what it can detect."""
+    """Declare ``hbba detect`` and its detectors."""
     parser = subparsers.add_parser(
         "detect",
         help="find faces, QR codes, voices and loud noises in your own files",

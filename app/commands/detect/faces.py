@@ -1,4 +1,4 @@
-"""``hbba detect faces FILE…``: the faces in anyone's photographs and videos."""
+"""``hbba detect faces FILE…``: faces in photographs and videos."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from app.modules.perception.faces.yunet import Detection, FaceFinder
+    from app.modules.perception.faces.yunet import Detection, YuNetDetector
 
 COMMAND = "hbba detect faces"
 #: A face's landmarks in the order of the detector; right and left are the person's.
@@ -48,9 +48,9 @@ def add_parser(kinds: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Look through the files. Raises ConfigError."""
-    from app.modules.perception.faces.yunet import THRESHOLD, FaceFinder
+    from app.modules.perception.faces.yunet import THRESHOLD, YuNetDetector
 
-    finder = FaceFinder(THRESHOLD if args.threshold is None else args.threshold)
+    finder = YuNetDetector(THRESHOLD if args.threshold is None else args.threshold)
     documents = look_through(args, _Faces(finder), "look for faces", COMMAND)
     if args.json:
         print_json({"threshold": round(finder.threshold, 6), "files": for_json(documents)})
@@ -75,7 +75,7 @@ class _Faces:
     key = "faces"
     drawn = ".faces"
 
-    def __init__(self, finder: FaceFinder) -> None:
+    def __init__(self, finder: YuNetDetector) -> None:
         self._finder = finder
 
     def seek(self, picture: NDArray[np.uint8]) -> list[Found]:

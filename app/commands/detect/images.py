@@ -14,10 +14,10 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-#: Endings under which photographs are looked for in folders; a file that is named is read whatever its ending.
+#: Endings of photographs in folders; a file that is named is read with any ending.
 SUFFIXES = frozenset({".jpg", ".jpeg", ".png", ".webp", ".bmp", ".tif", ".tiff", ".gif", ".ppm", ".pgm"})
 
-#: How copies end on which what was found is drawn: folders are searched without them.
+#: Endings of copies with drawn detections: searches of folders skip them.
 _DRAWN = (".faces.jpg", ".codes.jpg", ".faces.mp4", ".codes.mp4")
 
 

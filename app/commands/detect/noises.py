@@ -1,4 +1,4 @@
-"""``hbba detect noises FILE…``: when it claps, bangs and calls in anyone's recordings."""
+"""``hbba detect noises FILE…``: times of claps, bangs and calls in recordings."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ if TYPE_CHECKING:
     import soundfile
 
     from app.commands.detect.noises_plot import Levels
-    from app.modules.perception.loud_noises import Rule
+    from app.modules.perception.loud_noises import LoudnessRule
 
 COMMAND = "hbba detect noises"
-#: What the rule's constants were chosen at; sound of another rate is brought to it.
+#: Sample rate (Hz) for which the rule's constants were chosen; sound of another rate is resampled to it.
 RATE = 48_000
 LEAST_RATE = 8_000
 
@@ -130,16 +130,23 @@ def _within(least: float, most: float, above: bool = False) -> Callable[[str], f
 
 
 def _listen(path: Path, args: argparse.Namespace, names: set[str], progress: Progress) -> dict[str, Any]:
-    """One file's document. Raises NoRecording."""
+    """The document of one file. Raises NoRecording."""
     with open_recording(path) as recording:
         rate, channels = recording.samplerate, recording.channels
         if rate < LEAST_RATE:
             raise NoRecording(f"has {rate} samples a second; at least {LEAST_RATE} are needed")
         if args.microphone is not None and args.microphone >= channels:
             raise NoRecording(f"has {channels} channel{'s' * (channels != 1)}, so no --microphone {args.microphone}")
-        from app.modules.perception.loud_noises import Rule
+        from app.modules.perception.loud_noises import LoudnessRule
 
-        rule = Rule.lasting(RATE, args.ratio, args.floor, args.window, args.history, args.hold_off)
+        rule = LoudnessRule.lasting(
+            RATE,
+            args.ratio,
+            floor_db=args.floor,
+            window_s=args.window,
+            history_s=args.history,
+            hold_off_s=args.hold_off,
+        )
         chosen = list(range(channels)) if args.microphone is None else [args.microphone]
         levels = None
         if args.draw is not None:
@@ -159,15 +166,15 @@ def _listen(path: Path, args: argparse.Namespace, names: set[str], progress: Pro
 
 
 def _noises(
-    recording: soundfile.SoundFile, chosen: list[int], rule: Rule, levels: Levels | None, progress: Progress
+    recording: soundfile.SoundFile, chosen: list[int], rule: LoudnessRule, levels: Levels | None, progress: Progress
 ) -> tuple[list[dict[str, Any]], float]:
-    """What begins when, and how long the recording is (s). Raises NoRecording."""
+    """The noises with their times, and the recording's duration (s). Raises NoRecording."""
     import numpy as np
 
-    from app.modules.perception.loud_noises import FRAME, BandEnergy, LoudNoiseJudge, onset_of
+    from app.modules.perception.loud_noises import FRAME, BandEnergy, OnsetDetector, onset_of
 
     rate = recording.samplerate
-    ears = [(microphone, BandEnergy(RATE), LoudNoiseJudge(rule)) for microphone in chosen]
+    ears = [(microphone, BandEnergy(RATE), OnsetDetector(rule)) for microphone in chosen]
     at_rate = _Resampled(rate, len(chosen))
     rest = np.zeros((0, len(chosen)), np.int16)
     noises: list[dict[str, Any]] = []
@@ -179,12 +186,12 @@ def _noises(
         rest = samples[frames * FRAME :]
         for frames_of_all in samples[: frames * FRAME].reshape(frames, FRAME, -1):
             time_s = max(0.0, number_of_frame * FRAME / RATE - at_rate.delay_s)
-            for column, (microphone, band, judge) in enumerate(ears):
+            for column, (microphone, band, detector) in enumerate(ears):
                 frame = frames_of_all[:, column]
-                energy, threshold = band.frame(frame), judge.threshold
+                energy, threshold = band.frame(frame), detector.threshold
                 if levels is not None:
                     levels.add(time_s, energy, threshold)
-                noise = onset_of(frame, energy, judge)
+                noise = onset_of(frame, energy, detector)
                 if noise is None:
                     continue
                 row = {

@@ -9,7 +9,7 @@ from typing import Any
 from app.base.errors import ConfigError
 from app.modules.perception.loud_noises import decibels
 
-#: More points than this are more than a plot shows: neighbours are then one, the one nearest to being loud.
+#: Greatest number of points in a plot: of neighbours, the one nearest to the threshold is drawn.
 _MOST = 4096
 _INK, _LINE, _FOUND = "#1b4965", "#ca6702", "#9b2226"
 
@@ -64,6 +64,6 @@ class Levels:
 
 
 def _nearness(point: tuple[float, float, float | None]) -> float:
-    """How near a frame is to being loud; before a threshold is known, how loud it is."""
+    """Ratio of a frame's level to the threshold; before a threshold is known, its level."""
     _, energy, threshold = point
     return energy if threshold is None else energy / threshold

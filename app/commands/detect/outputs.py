@@ -1,4 +1,4 @@
-"""Where ``hbba detect`` writes what people asked for: a folder of theirs, and names in it that are not taken."""
+"""Output files of ``hbba detect``: a folder chosen by the user, and free names in it."""
 
 from __future__ import annotations
 

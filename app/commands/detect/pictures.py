@@ -21,18 +21,19 @@ if TYPE_CHECKING:
 
     Picture = NDArray[np.uint8]
 
-#: What was found, as JSON shows it.
+#: Detections in a picture, as JSON shows them.
 Found = dict[str, Any]
 
 
 class Seeker(Protocol):
-    """What is looked for. ``key``: the name in JSON of a list of it; ``drawn``: how names of drawn copies end."""
+    """A detector for pictures. ``key``: the name in JSON of its list; ``drawn``: ending of the names of drawn
+    copies."""
 
     key: str
     drawn: str
 
     def seek(self, picture: Picture) -> list[Found]:
-        """What is in a photograph (H, W, 3) uint8 RGB."""
+        """Detections in a photograph (H, W, 3) uint8 RGB."""
         ...
 
     def begin(self) -> None:
@@ -40,15 +41,15 @@ class Seeker(Protocol):
         ...
 
     def follow(self, picture: Picture, time_s: float) -> list[Found]:
-        """What is in the next frame of a video."""
+        """Detections in the next frame of a video."""
         ...
 
     def summary(self) -> tuple[str, list[Found]]:
-        """The video's list in JSON of what was followed, and its name."""
+        """The video's list in JSON of tracks, and its name."""
         ...
 
     def draw(self, picture: Picture, found: list[Found]) -> None:
-        """Frame what was found in ``picture``, which may be written to."""
+        """Draw frames around the detections in ``picture``, which may be written to."""
         ...
 
 
@@ -67,11 +68,11 @@ def add_pictures(parser: argparse.ArgumentParser, json_text: str, draw_text: str
 
 
 def look_through(args: argparse.Namespace, seeker: Seeker, title: str, command: str) -> list[Found]:
-    """One document for each file; what cannot be read is said on standard error too. Raises ConfigError."""
+    """One document for each file; unreadable files are reported on standard error too. Raises ConfigError."""
     paths = find_images(args.files)
     if args.draw is not None:
         make_folder(args.draw, "--draw")
-    look = _Look(args, seeker)
+    look = _PictureSearch(args, seeker)
     documents = []
     with shown(title) as progress:
         for done, path in enumerate(paths):
@@ -105,11 +106,11 @@ def exit_code(documents: list[Found]) -> int:
 
 
 def for_json(documents: list[Found]) -> list[Found]:
-    """The documents without what is only counted."""
+    """The documents without values that only serve counting."""
     return [{name: value for name, value in document.items() if name != "found"} for document in documents]
 
 
-class _Look:
+class _PictureSearch:
     def __init__(self, args: argparse.Namespace, seeker: Seeker) -> None:
         self._args, self._seeker = args, seeker
         self._names: set[str] = set()

@@ -1,4 +1,4 @@
-"""``hbba detect qr FILE…``: the QR codes in anyone's photographs and videos."""
+"""``hbba detect qr FILE…``: QR codes in photographs and videos."""
 
 from __future__ import annotations
 
@@ -100,8 +100,8 @@ class _Codes:
         camera = FisheyeModel.from_fov(size[1], size[0], math.pi, math.pi)
         if self._patches is None or self._patches[0] != size:
             self._patches = size, FisheyePatches(camera)
-        image = Image(0.0, "file", picture, None, camera, Pose3.identity())
-        # Nobody waits for the next image here: look everywhere.
+        image = Image(0.0, "file", color=picture, depth=None, camera=camera, X_BC=Pose3.identity())
+        # No next image waits here: search the whole picture.
         return [(code.text, code.corners) for code in detect_panorama(image, self._patches[1], most_patches=32)]
 
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import soundfile
     from numpy.typing import NDArray
 
-#: Endings under which recordings are looked for in folders; a file that is named is read whatever its ending.
+#: Endings of recordings in folders; a file that is named is read with any ending.
 SUFFIXES = frozenset({".wav", ".flac", ".ogg", ".oga", ".opus", ".mp3", ".aiff", ".aif", ".w64", ".rf64"})
 FORMATS = "WAV, FLAC, Ogg, MP3"
 #: A block that is read at once (samples).
@@ -105,9 +105,9 @@ def blocks_of(recording: soundfile.SoundFile, length: int, progress: Progress) -
 def listen_through(
     paths: list[Path], title: str, command: str, key: str, listen: Callable[[Path, Progress], Document]
 ) -> list[Document]:
-    """One document for each file; of what cannot be read (NoRecording), its name and why, also on standard error.
+    """One document for each file; for an unreadable one (NoRecording), its name and the reason, also on standard error.
 
-    ``key``: the list in a document of what was found.
+    ``key``: the list of detections in a document.
     """
     documents = []
     with shown(title) as progress:

@@ -26,7 +26,7 @@ VIDEO_SUFFIXES = frozenset({".mp4", ".m4v", ".mov", ".webm", ".mkv", ".avi"})
 VIDEOS = "MP4, MOV, WebM, MKV, AVI"
 
 _BEGINNING = re.compile(rb"....ftyp|\x1a\x45\xdf\xa3|RIFF....AVI ", re.DOTALL)
-#: A video ends as it says if no more than this is missing (s), nor more than so many of its frames.
+#: A video is complete if at most this much (s), and at most this share of its frames, is missing.
 _MISSING_S, _MISSING_FRAMES = 0.25, 3.0
 _SLOWEST_HZ, _FASTEST_HZ, _USUAL_HZ = 0.1, 1000.0, 30.0
 
@@ -87,7 +87,7 @@ class VideoFile:
             raise NoVideo(f"has frames of {self.width} x {self.height} pixels; at most {MOST_PIXELS:,} are looked at")
         rate_hz = float(self._capture.get(cv2.CAP_PROP_FPS))
         self.rate_hz = rate_hz if _SLOWEST_HZ <= rate_hz <= _FASTEST_HZ else _USUAL_HZ
-        #: How long it says it is (s); 0 where it does not say.
+        #: Declared duration (s); 0 without one.
         self.declared_s = self._figure(cv2.CAP_PROP_FRAME_COUNT) / self.rate_hz
         #: The end of the last frame that was read (s).
         self.end_s = 0.0
@@ -141,7 +141,7 @@ class VideoFile:
 
 
 class Copy:
-    """A copy of a video with what was found drawn on it: ``file``, an MP4 that browsers play."""
+    """A copy of a video with its detections drawn on it: ``file``, an MP4 that browsers play."""
 
     def __init__(self, file: Path, rate_hz: float) -> None:
         self._file, self._rate_hz = file, rate_hz
@@ -172,7 +172,7 @@ class Copy:
 
 
 class _Written:
-    """What goes wrong in writing ``file``, as a mistake in what ``--draw`` named."""
+    """Report a failure to write ``file`` as a mistake in the value of ``--draw``."""
 
     def __init__(self, file: Path) -> None:
         self._file = file

@@ -1,4 +1,4 @@
-"""``hbba detect voices FILE… --array ARRAY``: who speaks from where, in anyone's recordings of several microphones."""
+"""``hbba detect voices FILE… --array ARRAY``: voices with their directions in recordings of several microphones."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from app.commands.detect.sounds import (
     listen_through,
     open_recording,
 )
-from app.commands.detect.voices_report import Heard, Writer, percept, print_tables, summary
+from app.commands.detect.voices_report import TrackSummary, Writer, percept, print_tables, summary
 from app.commands.output import add_json, print_json
 from app.commands.packaged import config_file
 from app.commands.progress import Progress
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from app.modules.perception.voices.microphone_array import MicrophoneArray
 
 COMMAND = "hbba detect voices"
-#: Slower sound has no room for what tells voices apart.
+#: Lowest sample rate (Hz) at which voices can be distinguished from other sounds.
 LEAST_RATE = 16_000
 
 
@@ -42,7 +42,7 @@ def add_parser(kinds: Any) -> None:
     parser = kinds.add_parser(
         "voices",
         help="who speaks from where, in recordings of several microphones",
-        description="Locate and follow the sources of sound in recordings of several microphones, tell which of them "
+        description="Locate and follow the sources of sound in recordings of several microphones, say which of them "
         "are voices, and write each by itself. Azimuth is 0 in front and positive to the left, elevation positive "
         "upward, in the axes of the array's file. Exit code 0 if a source was found, 1 if none was, 2 if a file cannot "
         "be read or does not fit the array.",
@@ -62,9 +62,9 @@ def add_parser(kinds: Any) -> None:
         help="where the microphones are, in the order of the channels, and the body between them: a file, or a "
         "name as irl1",
     )
-    parser.add_argument("--microphones", type=whole(2, 32), metavar="N", help="use only the N that tell most")
+    parser.add_argument("--microphones", type=whole(2, 32), metavar="N", help="use only the N that locate best")
     parser.add_argument(
-        "--height", type=_height, metavar="M", help="of the array's middle above the floor (m): tells also distances"
+        "--height", type=_height, metavar="M", help="height of the array's middle above the floor (m): adds distances"
     )
     add_json(parser, "print one JSON document instead: also what was heard when")
     parser.add_argument("--separate", type=Path, metavar="FOLDER", help="write each source by itself into FOLDER")
@@ -104,7 +104,7 @@ def _height(text: str) -> float:
 def _listen(
     path: Path, array: MicrophoneArray, args: argparse.Namespace, names: set[str], progress: Progress
 ) -> dict[str, Any]:
-    """One file's document. Raises NoRecording."""
+    """The document of one file. Raises NoRecording."""
     with open_recording(path) as recording:
         channels, rate = recording.channels, recording.samplerate
         if channels != len(array):
@@ -114,7 +114,7 @@ def _listen(
             )
         if rate < LEAST_RATE:
             raise NoRecording(f"has {rate} samples a second; at least {LEAST_RATE} are needed")
-        return _heard(path, recording, array, args, names, progress)
+        return _heard(path, recording, array=array, args=args, names=names, progress=progress)
 
 
 def _heard(
@@ -125,7 +125,7 @@ def _heard(
     names: set[str],
     progress: Progress,
 ) -> dict[str, Any]:
-    # Half a second of imports, which a file that cannot be used shall not wait for.
+    # Imports take half a second; unusable files are reported before.
     import numpy as np
 
     from app.modules.perception.voices.microphone_array import MicrophoneArray
@@ -135,7 +135,7 @@ def _heard(
     lifted = array.positions - array.middle + np.array([0.0, 0.0, args.height or 0.0])
     used = MicrophoneArray(lifted, body_m=array.body_m).subset(args.microphones or len(array))
     pipeline = VoicePipeline(used, rate, PipelineSettings(separation=args.separate is not None))
-    tracks: dict[int, Heard] = {}
+    tracks: dict[int, TrackSummary] = {}
     timeline: list[dict[str, Any]] = []
     writer = None if args.separate is None else Writer(args.separate, unused(path.stem, names))
     done = 0
@@ -144,7 +144,7 @@ def _heard(
             sources, separated = pipeline.process(_filled(block, pipeline.step), done / rate, done)
             done += len(block)
             for source in sources.sources:
-                tracks.setdefault(source.track, Heard(sources.stamp)).add(sources.stamp, source)
+                tracks.setdefault(source.track, TrackSummary(sources.stamp)).add(sources.stamp, source)
             if args.json:
                 timeline.append(percept(sources, args.height is not None))
             if writer is not None and separated is not None:
@@ -168,7 +168,7 @@ def _heard(
 
 
 def _array_report(path: Path, check: ArrayCheck, array: Path) -> dict[str, Any]:
-    """What the sound says of the array; also said on standard error where the array cannot be right."""
+    """The check of the array by the sound; a warning goes to standard error if the array cannot be right."""
     if not check.moments:
         return {}
     report: dict[str, Any] = {"array_explains": round(check.share, 3), "array_moments": check.moments}

@@ -1,4 +1,4 @@
-"""What is told of the sources in a recording: a table, or JSON, and each of them in a file of its own."""
+"""The report about sources in a recording: a table, or JSON, and the sound of each in a file of its own."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from app.base.errors import ConfigError
 if TYPE_CHECKING:
     from app.messages import SeparatedSound, SoundSource, SoundSources
 
-#: A track is told as moving if it went further (degrees).
+#: A track is reported as moving if its direction changed by more (degrees).
 MOVED_DEG = 15.0
 
 
 @dataclass(slots=True)
-class Heard:
-    """What is told of one track."""
+class TrackSummary:
+    """Summary of one track."""
 
     begin_s: float
     end_s: float = 0.0
@@ -31,7 +31,7 @@ class Heard:
     file: str | None = None
 
     def add(self, time_s: float, source: SoundSource) -> None:
-        """One percept of it."""
+        """Add one percept of the track."""
         if not source.active:
             return
         self.end_s = time_s
@@ -45,7 +45,7 @@ class Heard:
 
 
 class Writer:
-    """Each source's own sound in a file of its own, from when it was first separated."""
+    """The sound of each source in a file of its own, from its first separation on."""
 
     def __init__(self, folder: Path, stem: str) -> None:
         self._folder, self._stem = folder, stem
@@ -83,7 +83,7 @@ class Writer:
         self._open.clear()
 
 
-# --- telling ---
+# --- report ---
 
 
 def _angles(direction: tuple[float, float, float]) -> tuple[float, float]:
@@ -93,7 +93,7 @@ def _angles(direction: tuple[float, float, float]) -> tuple[float, float]:
 
 def percept(sources: SoundSources, ranges: bool) -> dict[str, Any]:
     """One line of the timeline."""
-    told = []
+    rows = []
     for source in sources.sources:
         azimuth, elevation = _angles(source.direction)
         row: dict[str, Any] = {
@@ -107,15 +107,15 @@ def percept(sources: SoundSources, ranges: bool) -> dict[str, Any]:
         }
         if ranges:
             row |= {"range_m": round(source.range_m, 2), "range_sigma_m": round(source.range_sigma_m, 2)}
-        told.append(row)
-    return {"time_s": round(sources.stamp, 4), "sources": told}
+        rows.append(row)
+    return {"time_s": round(sources.stamp, 4), "sources": rows}
 
 
-def summary(track: int, told: Heard, ranges: bool) -> dict[str, Any]:
-    """One track's summary."""
+def summary(track: int, heard: TrackSummary, ranges: bool) -> dict[str, Any]:
+    """The summary of one track as a line."""
     import numpy as np
 
-    directions = np.array(told.directions)
+    directions = np.array(heard.directions)
     tenth = max(1, len(directions) // 10)
     mean = directions.mean(axis=0)
     (azimuth, elevation), (first, _), (last, _) = (
@@ -124,18 +124,18 @@ def summary(track: int, told: Heard, ranges: bool) -> dict[str, Any]:
     )
     row: dict[str, Any] = {
         "track": track,
-        "begin_s": round(told.begin_s, 3),
-        "end_s": round(told.end_s, 3),
+        "begin_s": round(heard.begin_s, 3),
+        "end_s": round(heard.end_s, 3),
         "azimuth_deg": round(azimuth, 1),
         "elevation_deg": round(elevation, 1),
         "azimuth_first_deg": round(first, 1),
         "azimuth_last_deg": round(last, 1),
-        "voice": round(told.voice / told.judged, 3) if told.judged else None,
-        "level_db": round(10 * math.log10(max(told.power / told.active, 1e-12)), 1),
+        "voice": round(heard.voice / heard.judged, 3) if heard.judged else None,
+        "level_db": round(10 * math.log10(max(heard.power / heard.active, 1e-12)), 1),
     }
     if ranges:
-        row["range_m"] = round(float(np.median(told.ranges)), 2)
-    return row | ({"file": told.file} if told.file is not None else {})
+        row["range_m"] = round(float(np.median(heard.ranges)), 2)
+    return row | ({"file": heard.file} if heard.file is not None else {})
 
 
 def print_tables(documents: list[dict[str, Any]]) -> None:

@@ -63,14 +63,14 @@ def run(args: argparse.Namespace) -> int:
     relations = None if args.relations is None else read_relations(args.relations)
     reference = None if args.reference is None else read_reference(args.reference)
     with shown("map") as progress:
-        from app.modules.perception.slam.offline import mapped
+        from app.modules.perception.slam.offline_mapping import mapped
         from app.modules.perception.slam.self_check import checked
 
-        log = mapped(source.sweeps, phi=args.phi, tell=lambda done, text: progress(done, source.count, text))
+        log = mapped(source.sweeps, phi=args.phi, on_progress=lambda done, text: progress(done, source.count, text))
     if not log.rows:
         raise ConfigError(f"{args.log}: has no scan with odometry to it that shows anything")
     check = checked(log)
-    document = figures(source, log, args.phi, check, relations, reference)
+    document = figures(source, log, phi=args.phi, check=check, relations=relations, reference=reference)
     if args.out is not None:
         from app.commands.slam.outputs import write
 

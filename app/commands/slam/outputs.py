@@ -1,4 +1,4 @@
-"""What ``hbba slam --out`` writes: the map as ROS keeps it and as a picture, its pose graph, the trajectory."""
+"""Output files of ``hbba slam --out``: the map in ROS's format and as a picture, its pose graph, the trajectory."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from app.base.errors import ConfigError
 
 if TYPE_CHECKING:
     from app.messages import OccupancyGrid
-    from app.modules.perception.slam.offline import MappedLog
-    from app.modules.perception.slam.self_check import Checked
+    from app.modules.perception.slam.offline_mapping import MappedLog
+    from app.modules.perception.slam.self_check import CheckResult
 
 
-def write(folder: Path, log: MappedLog, check: Checked) -> list[str]:
+def write(folder: Path, log: MappedLog, check: CheckResult) -> list[str]:
     """Write all files into ``folder``, which is there; returns their names. Raises ConfigError."""
-    from app.maps.map_server import pgm_bytes, yaml_text
+    from app.maps.map_file import pgm_bytes, yaml_text
     from app.maps.picture import shown_png
     from app.modules.perception.slam.storage import write_state
 
@@ -40,12 +40,12 @@ def write(folder: Path, log: MappedLog, check: Checked) -> list[str]:
 
 
 def drawn(log: MappedLog) -> OccupancyGrid:
-    """The occupancy grid of all keyframes, no larger than what is known."""
+    """The occupancy grid of all keyframes, cropped to the known cells."""
     from app.messages import OccupancyGrid, read_only
-    from app.modules.perception.slam.map_rendering import MapDrawing
+    from app.modules.perception.slam.map_rendering import MapRenderer
     from app.modules.perception.slam.occupancy import cropped
 
-    drawing = MapDrawing()
+    drawing = MapRenderer()
     keyframes = log.slam.keyframes
     poses = {id: log.slam.pose(id) for id in keyframes}
     while drawing.update(keyframes, poses):
@@ -58,7 +58,14 @@ def drawn(log: MappedLog) -> OccupancyGrid:
         counts.origin[1] + rows.start * counts.resolution_m,
     )
     cells = read_only(np.ascontiguousarray(counts.cells[rows, columns]))
-    return OccupancyGrid(float(log.stamps()[-1]), "map", cells, counts.resolution_m, origin, log.slam.version)
+    return OccupancyGrid(
+        float(log.stamps()[-1]),
+        "map",
+        cells=cells,
+        resolution_m=counts.resolution_m,
+        origin=origin,
+        version=log.slam.version,
+    )
 
 
 def _tum(log: MappedLog) -> str:
@@ -69,7 +76,7 @@ def _tum(log: MappedLog) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _csv(log: MappedLog, check: Checked) -> str:
+def _csv(log: MappedLog, check: CheckResult) -> str:
     """``sigma_…`` on the map around at the time, ``map_sigma_m`` on the whole map, seen from its first keyframe."""
     lines = ["scan,stamp,x_m,y_m,theta_rad,sigma_x_m,sigma_y_m,sigma_theta_rad,inliers,map_sigma_m"]
     for row, (x, y, theta) in zip(log.rows, log.poses(), strict=True):

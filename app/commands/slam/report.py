@@ -14,12 +14,12 @@ if TYPE_CHECKING:
 
     from app.commands.slam.sweeps import SweepSource
     from app.commands.slam.truth import Reference, Relations
-    from app.modules.perception.slam.offline import MappedLog
-    from app.modules.perception.slam.self_check import Checked
+    from app.modules.perception.slam.offline_mapping import MappedLog
+    from app.modules.perception.slam.self_check import CheckResult
 
 #: A time of a relation or reference names a scan not farther away than this (s).
 _SAME_S = 0.05
-#: Beyond this (m) a relation between poses that odometry led to tells of the map, too.
+#: Beyond this distance (m) a relation between poses from odometry concerns the map, too.
 GROSS_M = 0.5
 
 
@@ -27,11 +27,11 @@ def figures(
     source: SweepSource,
     log: MappedLog,
     phi: int,
-    check: Checked,
+    check: CheckResult,
     relations: Relations | None,
     reference: Reference | None,
 ) -> dict[str, Any]:
-    """All that is told, for JSON. Raises ConfigError where relations or reference are of another log."""
+    """The whole report, for JSON. Raises ConfigError if relations or reference are of another log."""
     from app.modules.perception.slam.relations import filled_in
 
     scan_ms = 1e3 * np.array(log.scan_s)
@@ -61,7 +61,7 @@ def figures(
     gross = _gross(document)
     doubts = [f"{gross} relations are wrong by more than 0.5 m or 5°"] if gross else []
     document["intact"] = "no" if gross else check.intact
-    document["doubts"] = [*doubts, *check.doubts]
+    document["doubts"] = [*doubts, *check.inconsistencies]
     return document
 
 
@@ -134,7 +134,7 @@ def _compared(source: SweepSource, log: MappedLog, poses: NDArray[np.float64], r
 
 
 def _gross(document: dict[str, Any]) -> int:
-    """Gross relations that tell of the map: between scans that were not taken, a wrong angle alone is odometry's."""
+    """Gross relations that concern the map: between scans that were not matched, a wrong angle alone is odometry's."""
     related = document.get("relations")
     if related is None or (document["phi"] > 1 and related["max_m"] <= GROSS_M):
         return 0

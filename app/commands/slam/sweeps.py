@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from app.logs.log import Log
-    from app.modules.perception.slam.offline import Sweep
+    from app.modules.perception.slam.offline_mapping import Sweep
 
 _RANGE_MIN_M = 0.05
 _RANGE_MAX_M = 80.0
@@ -76,8 +76,8 @@ def open_sweeps(args: argparse.Namespace) -> SweepSource:
     channels = log.info.channels
     types = {name: channel.message_type for name, channel in channels.items()}
     try:
-        scans = _channel(path, types, LaserScan, args.scans, "--scans", "scan")
-        odometry = _channel(path, types, Odometry, args.odometry, "--odometry", "odometry")
+        scans = _channel(path, types, wanted=LaserScan, named=args.scans, option="--scans", usual="scan")
+        odometry = _channel(path, types, wanted=Odometry, named=args.odometry, option="--odometry", usual="odometry")
     except ConfigError as lack:
         log.close()
         lines = [f"{what}: {why}" for what, why in log.info.ignored.items() if not what.startswith("/")]
@@ -111,14 +111,14 @@ def _channel(
 def _of_log(source: SweepSource, log: Log, scans: str, odometry: str) -> Iterator[Sweep]:
     """Raises ConfigError where the log is damaged."""
     from app.logs.log import LogError
-    from app.modules.perception.slam.beams import BeamsOf
-    from app.modules.perception.slam.offline import Sweep
+    from app.modules.perception.slam.beam_cache import BeamCache
+    from app.modules.perception.slam.offline_mapping import Sweep
 
     poses = PoseBuffer(span_s=10.0)
     twist = (0.0, 0.0)
     newest = -math.inf
     waiting: deque[LaserScan] = deque()
-    beams = BeamsOf()
+    beams = BeamCache()
     order = {scans: Onward(), odometry: Onward()}
     readings = _Readings()
     poseless = 0
@@ -130,14 +130,14 @@ def _of_log(source: SweepSource, log: Log, scans: str, odometry: str) -> Iterato
             return
         source.keys.append(sweep_key(scan.ranges))
         readings.count(scan.ranges, scan.range_min)
-        yield Sweep(scan.stamp, scan.ranges, beams(scan), X_OB, twist, scan.duration_s)
+        yield Sweep(scan.stamp, scan.ranges, beams=beams(scan), X_OB=X_OB, twist=twist, sweep_s=scan.duration_s)
 
     try:
         for logged in log.messages(channels=(scans, odometry)):
             message = logged.message
             stamp = order[logged.channel].next(message.stamp)
             if isinstance(message, Odometry):
-                # One that goes back is not taken; those around it say where the robot was.
+                # Odometry that goes back in time is skipped; its neighbours give the robot's pose.
                 poses.add(message.stamp, message.X_OB)
                 twist = (message.linear_mps, message.angular_radps)
                 newest = max(newest, message.stamp)
@@ -176,7 +176,7 @@ class _Readings:
         self._none += ranges.size - int(np.count_nonzero(ranges >= range_min))
 
     def notes(self) -> list[str]:
-        """What is to be said of them."""
+        """Notes about the readings."""
         if not self._none:
             return []
         share = 100 * self._none / self._all
@@ -193,8 +193,8 @@ def _arrays(path: Path, args: argparse.Namespace) -> SweepSource:
     from app.logs.importers.carmen_clock import ASSUMED_PERIOD_S
     from app.logs.importers.carmen_lines import lms_angles
     from app.logs.importers.range_limit import FarEnd
-    from app.modules.perception.slam.offline import Sweep
-    from app.modules.perception.slam.scans import Beams
+    from app.modules.perception.slam.offline_mapping import Sweep
+    from app.modules.perception.slam.scans import BeamGeometry
 
     first, step = lms_angles(ranges.shape[1])
     if args.angle_min is not None:
@@ -205,7 +205,7 @@ def _arrays(path: Path, args: argparse.Namespace) -> SweepSource:
     far.add(ranges)
     pile = far.limit()
     limit = args.range_max if args.range_max is not None else min(_limit(ranges), pile or math.inf)
-    beams = Beams(
+    beams = BeamGeometry(
         first + step * np.arange(ranges.shape[1], dtype=np.float64), _RANGE_MIN_M, limit, Pose2(args.laser_x or 0.0)
     )
     timed = stamps is not None
@@ -259,7 +259,8 @@ def _loaded(path: Path) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any] | None
 
 
 def _limit(ranges: NDArray[Any]) -> float:
-    """From where on a reading says that nothing was seen: 80 m, or just below what too many readings have in common."""
+    """The range from which a reading means "nothing seen": 80 m, or just below the value that too many readings
+    share."""
     finite = ranges[np.isfinite(ranges)]
     if not finite.size:
         return _RANGE_MAX_M

@@ -1,4 +1,4 @@
-"""What a trajectory is measured against: relations between scans, and a log with corrected poses."""
+"""References for a trajectory: relations between scans, and a log with corrected poses."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Relations:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Reference:
-    """Corrected poses (K, 3) of sweeps, by their time (s), if ``timed``, and by what was read in them."""
+    """Corrected poses (K, 3) of sweeps, by their time (s), if ``timed``, and by their readings."""
 
     path: Path
     stamps: NDArray[np.float64]

@@ -31,7 +31,7 @@ from app.console.problems import MEDIA_TYPE, Problem, problem_body, problem_resp
 COOKIE = "hbba_session"
 #: What may be reached without having logged in, besides the page itself: the login and the sign of life.
 OPEN_PATHS = frozenset({"/api/v1/health", "/api/v1/session"})
-GUARDED = ("/api", "/viser")
+GUARDED = ("/api", "/viser", "/panels")
 
 _PAGE_POLICY = (
     "default-src 'self'; img-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; connect-src 'self'; "

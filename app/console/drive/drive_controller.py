@@ -88,7 +88,17 @@ class Driving:
             match action:
                 case drive_lease.Command(operator, held, linear, angular, override) if self._channel is not None:
                     self._sequence += 1
-                    self._channel.publish(OperatorDrive(now, operator, self._sequence, held, linear, angular, override))
+                    self._channel.publish(
+                        OperatorDrive(
+                            now,
+                            operator,
+                            sequence=self._sequence,
+                            held=held,
+                            linear=linear,
+                            angular=angular,
+                            override=override,
+                        )
+                    )
                 case drive_lease.Tell(session, level, text):
                     self._notify(session, level, text)
         self._set_timer(now)

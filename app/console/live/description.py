@@ -5,16 +5,11 @@ from __future__ import annotations
 import functools
 from typing import Any, Literal, get_args
 
-import msgspec
-from pydantic import BaseModel
-from pydantic.json_schema import models_json_schema
-
+from app.console import schema
 from app.console.access.auth import COOKIE
-from app.console.json_schema import with_plain_lists
 from app.console.live import protocol
 from app.console.live.messages import FROM_ROBOT
 
-_REFERENCE = "#/components/schemas/{}"
 _ABOUT = """One WebSocket carries everything that changes too fast for polling, and in the other direction the
 operator's drive commands and voice. Text frames are JSON objects, distinguished by their `type`; binary frames are
 pictures and sound, distinguished by their first byte, `kind`. More types and members may be added under the same
@@ -30,20 +25,24 @@ _VOICE = "An operator's voice, kind 17: a header of 24 bytes, then `samples` of 
 @functools.cache
 def _channel_and_components() -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
     """Channels, operations and components: the same on every console."""
-    _, models = models_json_schema(
-        [(model, "validation") for model in FROM_ROBOT], ref_template=_REFERENCE.format("{model}")
-    )
-    from_robot = {_kind(model): _text(model.__name__, model.__doc__) for model in FROM_ROBOT}
+    records = schema.sent([message.record for message in FROM_ROBOT.values()])
+    from_robot = {
+        kind: _text(message.about, schema.with_type(kind, records[message.record.__name__]))
+        for kind, message in FROM_ROBOT.items()
+    }
     from_robot["picture"] = _binary(_PICTURE, protocol.PICTURE_HEADER.format, protocol.PICTURE_FIELDS)
     from_robot["sound"] = _binary(_SOUND, protocol.SOUND_HEADER.format, protocol.SOUND_FIELDS)
 
     structs = get_args(protocol.FromPage)
-    _, page_schemas = msgspec.json.schema_components(structs, ref_template=_REFERENCE.format("{name}"))
-    from_page = {str(struct.__struct_config__.tag): _text(struct.__name__, struct.__doc__) for struct in structs}
+    commands = schema.received(structs)
+    from_page = {
+        str(struct.__struct_config__.tag): _text(
+            (struct.__doc__ or "").strip(), {"$ref": schema.REFERENCE.format(name=struct.__name__)}
+        )
+        for struct in structs
+    }
     from_page["voice"] = _binary(_VOICE, protocol.SOUND_HEADER.format, protocol.SOUND_FIELDS)
 
-    schemas = {**models["$defs"], **page_schemas}
-    with_plain_lists(schemas)
     channel = {
         "address": "/api/v1/live",
         "messages": {name: {"$ref": f"#/components/messages/{name}"} for name in (*from_robot, *from_page)},
@@ -68,7 +67,7 @@ def _channel_and_components() -> tuple[dict[str, Any], dict[str, Any], dict[str,
     }
     components = {
         "messages": {**from_robot, **from_page},
-        "schemas": schemas,
+        "schemas": records | commands,
         "securitySchemes": {
             "token": {"type": "http", "scheme": "bearer"},
             "session": {"type": "httpApiKey", "in": "cookie", "name": COOKIE},
@@ -101,13 +100,8 @@ def description(host: str, *, secure: bool = False, token_needed: bool = False, 
     }
 
 
-def _kind(model: type[BaseModel]) -> str:
-    (kind,) = get_args(model.model_fields["type"].annotation)
-    return str(kind)
-
-
-def _text(schema: str, about: str | None) -> dict[str, Any]:
-    return {"summary": (about or "").strip(), "payload": {"$ref": _REFERENCE.format(schema)}}
+def _text(about: str, payload: schema.Schema) -> dict[str, Any]:
+    return {"summary": about, "payload": payload}
 
 
 def _binary(about: str, layout: str, fields: tuple[str, ...]) -> dict[str, Any]:

@@ -12,8 +12,9 @@ from app.console.access.operators import operator_name
 from app.console.drive import drive_lease
 from app.console.live import protocol
 from app.console.live.hub import Hub
+from app.console.live.messages import Pong
 from app.console.live.viewer import Viewer
-from app.console.wire import encode_text
+from app.console.wire import frame
 from app.runtime.clock import Clock
 
 #: How a binary frame of an operator's voice begins.
@@ -45,11 +46,11 @@ async def live(websocket: WebSocket, hub: Hub, clock: Clock) -> None:
 async def _send(websocket: WebSocket, viewer: Viewer) -> None:
     try:
         while True:
-            frame = await viewer.outbox.take()
-            if isinstance(frame, str):
-                await websocket.send_text(frame)
+            taken = await viewer.outbox.take()
+            if isinstance(taken, str):
+                await websocket.send_text(taken)
             else:
-                await websocket.send_bytes(frame)
+                await websocket.send_bytes(taken)
     except WebSocketDisconnect:
         # The reader sees the end too, and says so.
         return
@@ -70,19 +71,19 @@ def _take(text: str | bytes, viewer: Viewer, hub: Hub, clock: Clock) -> None:
                 drive_lease.Drive(
                     session,
                     message.seq,
-                    message.held,
-                    message.linear,
-                    message.angular,
-                    message.override,
-                    judged.cause,
-                    judged.lasting,
+                    held=message.held,
+                    linear=message.linear,
+                    angular=message.angular,
+                    override=message.override,
+                    cause=judged.cause,
+                    lasting=judged.lasting,
                 )
             )
         case protocol.PingMessage():
             viewer.rtt_ms = message.rtt_ms
             viewer.age.judge(now, protocol.times(message))
             driving.handle(drive_lease.Heard(session))
-            viewer.outbox.put("pong", encode_text({"type": "pong", "t": message.t, "stamp": now}))
+            viewer.outbox.put("pong", frame("pong", Pong(message.t, now)))
         case protocol.AckMessage():
             viewer.outbox.picture_drawn(message.kind)
         case protocol.ViewMessage():

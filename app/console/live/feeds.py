@@ -68,7 +68,12 @@ class Feeds:
         self._taps: dict[str, Tap[Any]] = {}
         self._grids = {
             kind: GridFeed(
-                graph.channel(grid.channel), kind, grid.info, grid.period_s, pace, partial(self._deliver, kind)
+                graph.channel(grid.channel),
+                kind,
+                info=grid.info,
+                period_s=grid.period_s,
+                pace=pace,
+                deliver=partial(self._deliver, kind),
             )
             for kind, grid in GRIDS.items()
             if grid.channel in graph.channels

@@ -6,9 +6,10 @@ import asyncio
 from collections.abc import Callable
 
 from app.console.grids import known_part, looks_as
+from app.console.live.messages import GridInfo
 from app.console.live.protocol import picture_header
 from app.console.taps import Tap
-from app.console.wire import encode_text
+from app.console.wire import frame
 from app.messages import OccupancyGrid
 from app.runtime.channel import Channel
 from app.runtime.clock import Clock
@@ -88,19 +89,19 @@ class GridFeed:
     def _announced(self, part: OccupancyGrid, encoded: bytes) -> tuple[bytes, str]:
         self._count += 1
         height, width = part.cells.shape
-        info = {
-            "type": self._info,
-            "seq": self._count,
-            "stamp": part.stamp,
-            "frame": part.frame,
-            "version": part.version,
-            "resolution_m": part.resolution_m,
-            "origin": [round(metres, 6) for metres in part.origin],
-            "width": width,
-            "height": height,
-        }
+        x, y = part.origin
+        info = GridInfo(
+            seq=self._count,
+            stamp=part.stamp,
+            frame=part.frame,
+            version=part.version,
+            resolution_m=part.resolution_m,
+            origin=(round(x, 6), round(y, 6)),
+            width=width,
+            height=height,
+        )
         header = picture_header(self._kind, self._count, part.stamp, width, height)
-        return header + encoded, encode_text(info)
+        return header + encoded, frame(self._info, info)
 
 
 def _encoded(grid: OccupancyGrid, shown: OccupancyGrid | None) -> tuple[OccupancyGrid, bytes | None]:

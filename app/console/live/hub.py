@@ -8,36 +8,38 @@ from __future__ import annotations
 
 import asyncio
 import secrets
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from contextlib import ExitStack
+from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING
 
-from app.attention.serialize import desire_to_json, intention_to_json
+from app.attention.reports import Scale, desire_class_report, intention_report
 from app.console import reports
 from app.console.drive import drive_lease
 from app.console.drive.command_age import CommandAge
 from app.console.drive.drive_controller import Driving, hands
 from app.console.drive.goals import withdraw_all
 from app.console.drive.telepresence_desire import LISTEN, WATCH, Presence, Spectators
+from app.console.live import messages
 from app.console.live.feeds import GRIDS, PICTURES, SOUND_CHANNEL, Feeds, comes
 from app.console.live.lane_history import LaneHistory
 from app.console.live.page_channels import PageChannels
+from app.console.live.panel_feed import PanelFeed
 from app.console.live.protocol import CAMERA, COSTMAP, MAP, PANORAMA, PROTOCOL
 from app.console.live.sampler import Sampler
 from app.console.live.speech import Speech
 from app.console.live.viewer import Viewer
-from app.console.playback import PERIOD_S, playback_json
-from app.console.recordings import RecorderReport
+from app.console.playback import PERIOD_S, playback_report
+from app.console.recordings import RecorderWatch
+from app.console.records.attention import DesireList
 from app.console.taps import Tap
-from app.console.wire import encode_text
+from app.console.wire import frame
 from app.messages import Lanes, LinkStatus
 
 if TYPE_CHECKING:
     from app.logs.replay.playback import Playback
     from app.program.system import System
-
-Level = Literal["info", "warning", "error"]
 
 REVIVED = "The body answers again. Press again to drive, and give goals again; the map begins at nothing."
 SILENT = "There is nothing to listen to: no module here makes sound for people."
@@ -46,7 +48,8 @@ SILENT = "There is nothing to listen to: no module here makes sound for people."
 class Hub:
     """``open`` once the program runs, ``close`` at its end; in between viewers :meth:`join` and :meth:`leave`."""
 
-    def __init__(self, system: System, playback: Playback | None = None) -> None:
+    def __init__(self, system: System, playback: Playback | None = None, panel_channels: Collection[str] = ()) -> None:
+        """``panel_channels``: channels whose messages panels of packages want; those that there are are sent."""
         self._system = system
         self._playback = playback
         self._viewers: dict[str, Viewer] = {}
@@ -55,7 +58,9 @@ class Hub:
         self._channels = PageChannels(system.graph, system.pace, self)
         self._lanes = LaneHistory(system.classes)
         self._sampler = Sampler(system, self)
-        self._recorder = RecorderReport(system)
+        self._recorder = RecorderWatch(system)
+        channels = [system.graph.channels[name] for name in panel_channels if name in system.graph.channels]
+        self._panels = PanelFeed(channels, system.pace, self.broadcast)
         self._stack = ExitStack()
         self._watching = ExitStack()
         self._sampling: asyncio.Task[None] | None = None
@@ -89,7 +94,7 @@ class Hub:
     def open(self) -> None:
         """Begin to follow the guard's reports and to remember the lanes."""
         self._stack.callback(self._system.link.attach("status", self._on_status))
-        self._stack.callback(self._system.revival.observe(self._on_body))
+        self._stack.callback(self._system.body_restarter.observe(self._on_body))
         self._remember_lanes()
         if self._playback is not None:
             self._stack.callback(self._playback.observe(lambda _: self._mark_stale("playback")))
@@ -129,16 +134,17 @@ class Hub:
         self._feeds.forget()
         self._channels.forget()
         self._sampler.forget()
+        self._panels.forget()
         assert self._playback is not None
         self._lanes.forget()
         for lanes in self._playback.lanes:
             self._lanes.add(lanes)
-        jump = encode_text({"type": "jump", "stamp": position})
-        frames = {**self._past_and_present(), **self._channels.states()}
+        jump = frame("jump", messages.Jump(position))
+        frames = {**self._past_and_present(), **self._channels.states(), **self._panels.frames()}
         for viewer in self._viewers.values():
             viewer.outbox.begin_anew(jump)
-            for kind, frame in frames.items():
-                viewer.outbox.put(kind, frame)
+            for kind, text in frames.items():
+                viewer.outbox.put(kind, text)
 
     def _on_body(self, problem: str) -> None:
         """The body does not answer, for this reason; or ("") does again, with an odometry of its own."""
@@ -148,8 +154,8 @@ class Hub:
         if not problem:
             self._feeds.forget()
             self._channels.forget()
-            for kind, frame in self._channels.standing().items():
-                self.broadcast(kind, frame)
+            for kind, text in self._channels.standing().items():
+                self.broadcast(kind, text)
 
     # --- Viewers -----------------------------------------------------------------------------------------------------
 
@@ -168,8 +174,8 @@ class Hub:
         if first:
             self._start_watching()
         viewer.outbox.put_urgent(self._hello(viewer))
-        for kind, frame in self._standing_frames().items():
-            viewer.outbox.put(kind, frame)
+        for kind, text in self._standing_frames().items():
+            viewer.outbox.put(kind, text)
         self._show_standing_picture(viewer, CAMERA)
         self._feeds.update()
         return viewer
@@ -214,40 +220,39 @@ class Hub:
         """Whether any page shows pictures of ``kind``."""
         return any(kind in viewer.shows for viewer in self._viewers.values())
 
-    def notify(self, session: str, level: Level, text: str) -> None:
+    def notify(self, session: str, level: messages.Level, text: str) -> None:
         """Tell one viewer something."""
         viewer = self._viewers.get(session)
         if viewer is not None:
-            viewer.outbox.put_urgent(encode_text({"type": "notice", "level": level, "text": text}))
+            viewer.outbox.put_urgent(frame("notice", messages.Notice(level, text)))
 
-    def broadcast(self, kind: str, frame: str) -> None:
+    def broadcast(self, kind: str, text: str) -> None:
         """Give everybody the newest frame of ``kind``."""
         for viewer in self._viewers.values():
-            viewer.outbox.put(kind, frame)
+            viewer.outbox.put(kind, text)
 
     def broadcast_each(self, kind: str, item: str) -> None:
         """Give everybody ``item`` in a list of ``kind``, after those before it."""
         for viewer in self._viewers.values():
             viewer.outbox.put_each(kind, (item,))
 
-    def broadcast_status(self, status: dict[str, Any]) -> None:
-        """Send ``status`` to every viewer. It differs by viewer only in ``mine`` of driver and speaker and in
-        ``waits``: it is encoded once for all viewers with the same three."""
+    def broadcast_status(self, status: messages.Status) -> None:
+        """Send ``status`` to every viewer, completed by driver, speaker and ``waits``. It differs by viewer only in
+        ``mine`` of the first two and in the last: it is encoded once for all viewers with the same three."""
         lease, speaker = self.driving.lease, self.speech.speaker
         frames: dict[tuple[bool, bool, str], str] = {}
         for session, viewer in self._viewers.items():
             waits = self.waits(viewer)
             mine = (session == lease.driver, speaker is not None and session == speaker[0], waits)
             if mine not in frames:
-                driver = _whose(lease.driver_name, mine[0])
-                frames[mine] = encode_text(
-                    status
-                    | {
-                        "driver": None if driver is None else driver | {"holds": lease.moving},
-                        "speaker": _whose(None if speaker is None else speaker[1], mine[1]),
-                        "waits": waits,
-                    }
+                name = lease.driver_name
+                own = replace(
+                    status,
+                    driver=None if name is None else messages.Driver(name, mine[0], lease.moving),
+                    speaker=None if speaker is None else messages.Speaker(speaker[1], mine[1]),
+                    waits=waits,
                 )
+                frames[mine] = frame("status", own)
             viewer.outbox.put("status", frames[mine])
 
     def waits(self, viewer: Viewer) -> str:
@@ -274,6 +279,7 @@ class Hub:
                 latest = reports.latest(system.graph, channel)
                 if self._playback is not None and latest is not None:
                     handler(latest)  # where time may stand, no newer one may follow
+        keep(self._panels.open())
         self._sampling = asyncio.create_task(self._sampler.run(), name="console sampler")
         if self._playback is not None:
             keep(asyncio.create_task(self._follow(self._playback), name="console playback").cancel)
@@ -327,7 +333,12 @@ class Hub:
 
     def _standing_frames(self) -> dict[str, str]:
         """What a newcomer must know that is otherwise told on change only."""
-        return {**self._past_and_present(), **self._channels.standing(), "load": self._sampler.load_frame()}
+        return {
+            **self._past_and_present(),
+            **self._channels.standing(),
+            "load": self._sampler.load_frame(),
+            **self._panels.frames(),
+        }
 
     def _past_and_present(self) -> dict[str, str]:
         # The history first, so that the page has the past before the present.
@@ -335,49 +346,40 @@ class Hub:
 
     def _hello(self, viewer: Viewer) -> str:
         system = self._system
-        return encode_text(
-            {
-                "type": "hello",
-                "protocol": PROTOCOL,
-                "session": viewer.session,
-                "stamp": system.clock.now(),
-                "robot": reports.robot_json(system, replayed=self._playback is not None),
-                "scale": reports.scale_json(),
-                "classes": [reports.class_json(system, name) for name in system.classes],
-                "channels": {
-                    "camera": self._comes(PICTURES[CAMERA]),
-                    "panorama": self._comes(PICTURES[PANORAMA]),
-                    "map": self._comes(GRIDS[MAP].channel),
-                    "costmap": self._comes(GRIDS[COSTMAP].channel),
-                    "scan": self._comes("scan"),
-                    "point_cloud": self._comes("point_cloud"),
-                },
-                "drive": self.driving.drivable,
-                "audio": {"listen": self._comes(SOUND_CHANNEL), "speak": not self.speech.in_vain},
-                "playback": None if self._playback is None else playback_json(self._playback),
-            }
+        return frame(
+            "hello",
+            messages.Hello(
+                protocol=PROTOCOL,
+                session=viewer.session,
+                stamp=system.clock.now(),
+                robot=reports.robot_facts(system, replayed=self._playback is not None),
+                scale=Scale(),
+                classes=tuple(desire_class_report(each, system.table) for each in system.classes.values()),
+                channels=messages.Channels(
+                    camera=self._comes(PICTURES[CAMERA]),
+                    panorama=self._comes(PICTURES[PANORAMA]),
+                    map=self._comes(GRIDS[MAP].channel),
+                    costmap=self._comes(GRIDS[COSTMAP].channel),
+                    scan=self._comes("scan"),
+                    point_cloud=self._comes("point_cloud"),
+                ),
+                drive=self.driving.drivable,
+                audio=messages.AudioFacts(listen=self._comes(SOUND_CHANNEL), speak=not self.speech.in_vain),
+                playback=None if self._playback is None else playback_report(self._playback),
+            ),
         )
 
     def _transport(self) -> str:
         assert self._playback is not None
-        return encode_text({"type": "playback", **playback_json(self._playback)})
+        return frame("playback", playback_report(self._playback))
 
     def _desires(self) -> str:
-        desires = [desire_to_json(desire) for desire in self._system.workspace.desires()]
-        return encode_text({"type": "desires", "desires": desires})
+        return frame("desires", DesireList(tuple(self._system.workspace.desires())))
 
     def _intention(self) -> str:
-        current = self._system.translator.current
-        return encode_text(
-            {
-                "type": "intention",
-                "intention": None if current is None else intention_to_json(current, self._system.table),
-            }
-        )
+        current, resources = self._system.translator.current, self._system.table.resources
+        report = None if current is None else intention_report(current, resources)
+        return frame("intention", messages.CurrentIntention(report))
 
     def _recording(self) -> str:
-        return encode_text({"type": "recorder", **(self._recorder.json() or {})})
-
-
-def _whose(operator: str | None, mine: bool) -> dict[str, Any] | None:
-    return None if operator is None else {"operator": operator, "mine": mine}
+        return frame("recorder", self._recorder.report())

@@ -1,59 +1,32 @@
-"""The schemas of the messages that the robot sends over the live stream, for its AsyncAPI description;
-docs/live-stream.md explains them in words.
+"""The records of the messages that the robot sends over the live stream; docs/live-stream.md explains them in words.
 
-Data that REST serves too has REST's schemas. :mod:`app.console.live.protocol` declares the messages of pages.
+:mod:`app.console.live.protocol` declares the messages of pages.
 """
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal, NamedTuple
 
-from pydantic import Field
+from msgspec import Meta, Struct
 
-from app.attention.timeline import EventKind
-from app.console.rest.map_models import NavigationModel, ZoneModel
-from app.console.rest.models import Answer, DesireClassModel, DesireModel, Divisor, EventModel, IntentionModel, Stamp
-from app.console.rest.percepts import PerceptsModel
-from app.console.rest.playback_models import PlaybackModel
-from app.console.rest.program_models import GuardModel, LandmarkModel, ModuleModel, OdometryModel
-from app.console.rest.recording_models import RecorderModel
-from app.runtime.freshness import FreshnessState
+from app.attention.reports import DesireClassReport, Divisor, IntentionReport, Scale
+from app.console.records.attention import DesireList, EventList
+from app.console.records.maps import LocalizationState, ZoneList
+from app.console.records.navigation import NavigationModel
+from app.console.records.program import ModuleReport, SourceState
+from app.console.records.recordings import PlaybackReport, RecorderReport
+from app.console.records.robot import Guard, LandmarkReport, OdometryReport, RobotFacts
+from app.messages import LaneState, PlacedPercepts
+from app.messages.base import Stamp, doc
 
-Sequence = Annotated[int, Field(ge=0, description="Grows.")]
-LaneState = Literal["fulfilled", "degraded", "unfulfilled", "inhibited", "undesired", "needed"]
-
-
-class LimitsOfBase(Answer):
-    """What `linear` and `angular` of 1 in `drive` are, and how fast that may change."""
-
-    linear_mps: float
-    angular_radps: float
-    linear_mps2: float
-    angular_radps2: float
+Sequence = Annotated[int, doc("Grows.")]
+Level = Literal["info", "warning", "error"]
 
 
-class CautionModel(Answer):
-    """What people must know of how the program is configured, such as a collision monitor that is off."""
-
-    title: str = Field(description="In a few words.")
-    text: str = Field(description="In a sentence.")
-    where: str = Field(description="File and line.")
-
-
-class RobotFacts(Answer):
-    """What the body is, and what people must know of it."""
-
-    name: str
-    simulated: bool
-    replayed: bool = Field(description="Whether it is the body of a replay.")
-    limits: LimitsOfBase
-    footprint: list[tuple[float, float]] = Field(
-        description="Corners of its outline (m, in base_link), counter-clockwise; empty for one that does not move."
-    )
-    cautions: list[CautionModel]
-
-
-class Comes(Answer):
+@dataclass(frozen=True, slots=True)
+class Channels:
     """Whether there are such pictures, scans and clouds."""
 
     camera: bool
@@ -64,174 +37,138 @@ class Comes(Answer):
     point_cloud: bool
 
 
-class AudioFacts(Answer):
+@dataclass(frozen=True, slots=True)
+class AudioFacts:
     """Whether the robot can be listened to, and be spoken through."""
 
     listen: bool
     speak: bool
 
 
-class Hello(Answer):
-    """Once, first: what can be seen and done here."""
+@dataclass(frozen=True, slots=True)
+class Hello:
+    """What can be seen and done here."""
 
-    type: Literal["hello"]
     protocol: Literal[1]
-    session: str = Field(description="Id of this connection.")
+    session: Annotated[str, doc("Id of this connection.")]
     stamp: Stamp
     robot: RobotFacts
-    scale: dict[str, float]
-    classes: list[DesireClassModel]
-    channels: Comes
-    drive: bool = Field(description="Whether an operator can drive here.")
+    scale: Scale
+    classes: tuple[DesireClassReport, ...]
+    channels: Channels
+    drive: Annotated[bool, doc("Whether an operator can drive here.")]
     audio: AudioFacts
-    playback: PlaybackModel | None = Field(description="null: not a recording.")
+    playback: Annotated[PlaybackReport | None, doc("null: not a recording.")]
 
 
-class SpeakerModel(Answer):
+@dataclass(frozen=True, slots=True)
+class Speaker:
     """Who speaks through the robot."""
 
     operator: str
-    mine: bool = Field(description="Whether it is this page's operator.")
+    mine: Annotated[bool, doc("Whether it is this page's operator.")]
 
 
-class DriverModel(SpeakerModel):
+@dataclass(frozen=True, slots=True)
+class Driver:
     """Who has the wheel."""
 
-    holds: bool = Field(description="Whether they hold a drive command just now.")
+    operator: str
+    mine: Annotated[bool, doc("Whether it is this page's operator.")]
+    holds: Annotated[bool, doc("Whether they hold a drive command just now.")]
 
 
-class SourceState(Answer):
-    """How fresh a channel is, measured beside commanded."""
+@dataclass(frozen=True, slots=True)
+class Status:
+    """Guard, pose, driver, freshness of every source."""
 
-    channel: str
-    state: FreshnessState
-    age_ms: float | None
-    rate_hz: float | None
-    expected_hz: float | None
-
-
-class Status(Answer):
-    """20 times a second: guard, pose, driver, freshness of every source."""
-
-    type: Literal["status"]
     seq: Sequence
     stamp: Stamp
-    guard: GuardModel
+    guard: Guard
     world_rate: float
-    odometry: OdometryModel | None
-    driver: DriverModel | None
-    speaker: SpeakerModel | None
-    exploited: str | None = Field(description="The behavior that drives.")
-    limited: str = Field(description="Why the collision monitor slowed or stopped it, in words.")
-    waits: str = Field(description="Why this viewer's driving waits, its commands coming too late; empty: it does not.")
-    sources: list[SourceState]
+    odometry: OdometryReport | None
+    driver: Driver | None
+    speaker: Speaker | None
+    exploited: Annotated[str | None, doc("The behavior that drives.")]
+    limited: Annotated[str, doc("Why the collision monitor slowed or stopped it, in words; empty: it did not.")]
+    waits: Annotated[str, doc("Why this viewer's driving waits, its commands coming too late; empty: it does not.")]
+    sources: tuple[SourceState, ...]
 
 
-class LaneValues(Answer):
+class LaneValues(Struct, frozen=True, kw_only=True):
     """A desire class: how much it is desired, what attention gives it, and why."""
 
     intensity: float | None
     utility: float | None
     divisor: Divisor
-    divisors: dict[str, Divisor] = Field(description="By filter, `Module.port`.")
+    divisors: Annotated[Mapping[str, Divisor], doc("By filter, `Module.port`.")]
     state: LaneState
     text: str
 
 
-class LaneRow(LaneValues):
+class LaneRow(LaneValues, frozen=True, kw_only=True, rename={"cls": "class"}):
     """A lane now."""
 
-    cls: str = Field(alias="class")
-    rate: float | None = Field(description="Messages let through over messages offered, in the last second.")
+    cls: str
+    rate: Annotated[float | None, doc("Messages let through over messages offered, in the last second.")]
 
 
-class Lanes(Answer):
+@dataclass(frozen=True, slots=True)
+class Lanes:
     """20 times a second: one row for each desire class."""
 
-    type: Literal["lanes"]
     stamp: Stamp
-    rows: list[LaneRow]
+    rows: tuple[LaneRow, ...]
 
 
-class LaneSpell(LaneValues):
+class LaneSpell(LaneValues, frozen=True, kw_only=True):
     """What a lane was, from one sample until the next spell's."""
 
-    at: int = Field(ge=0, description="Number of the sample.")
+    at: Annotated[int, Meta(ge=0, description="Number of the sample.")]
 
 
-class LanePast(Answer):
+class LanePast(Struct, frozen=True, rename={"cls": "class"}):
     """A lane before now."""
 
-    cls: str = Field(alias="class")
-    rate: list[float | None] = Field(description="One for each stamp.")
-    spells: list[LaneSpell]
+    cls: str
+    rate: Annotated[tuple[float | None, ...], doc("One for each stamp.")]
+    spells: tuple[LaneSpell, ...]
 
 
-class LanesHistory(Answer):
+@dataclass(frozen=True, slots=True)
+class LanesHistory:
     """Once, before the first `lanes`, and after a `jump`: what they were."""
 
-    type: Literal["lanes_history"]
-    stamps: list[float]
-    rows: list[LanePast]
+    stamps: tuple[float, ...]
+    rows: tuple[LanePast, ...]
 
 
-class Desires(Answer):
-    """On change: every desire."""
+@dataclass(frozen=True, slots=True)
+class CurrentIntention:
+    """What attention chose; null before the first."""
 
-    type: Literal["desires"]
-    desires: list[DesireModel]
-
-
-class Intention(Answer):
-    """On change: what attention chose; null before the first."""
-
-    type: Literal["intention"]
-    intention: IntentionModel | None
+    intention: IntentionReport | None
 
 
-class Event(EventModel):
-    """An event of the timeline."""
+@dataclass(frozen=True, slots=True)
+class Load:
+    """What the modules take of the computer."""
 
-    kind: EventKind
-
-
-class Events(Answer):
-    """As they come: events, oldest first."""
-
-    type: Literal["events"]
-    events: list[Event]
-
-
-class Load(Answer):
-    """Once a second: what the modules take of the computer."""
-
-    type: Literal["load"]
     stamp: Stamp
-    process_cpu: float = Field(description="Per cent of one core.")
-    budget: float | None = Field(description="Per cent that attention may give; null: no limit.")
-    modules: list[ModuleModel]
+    process_cpu: Annotated[float, doc("Per cent of one core.")]
+    budget: Annotated[float | None, doc("Per cent that attention may give; null: no limit.")]
+    modules: tuple[ModuleReport, ...]
 
 
-class Recorder(RecorderModel):
-    """On change, and about once a second while it records: what the Recorder does."""
+@dataclass(frozen=True, slots=True)
+class Landmarks:
+    """What was found, in `odom`."""
 
-    type: Literal["recorder"]
-
-
-class Landmarks(Answer):
-    """On change: what was found, in `odom`."""
-
-    type: Literal["landmarks"]
-    landmarks: list[LandmarkModel]
+    landmarks: tuple[LandmarkReport, ...]
 
 
-class Perceived(PerceptsModel):
-    """On change: what the robot sees and hears."""
-
-    type: Literal["perceived"]
-
-
-class Place(Answer):
+@dataclass(frozen=True, slots=True)
+class Place:
     """A pose: m and rad."""
 
     x: float
@@ -239,86 +176,87 @@ class Place(Answer):
     theta: float
 
 
-class Localization(Place):
-    """Where the robot is on the map."""
+@dataclass(frozen=True, slots=True)
+class Localization:
+    """Where the robot is on the map (m and rad)."""
 
-    type: Literal["localization"]
     stamp: Stamp
-    state: Literal["mapping", "tracking", "searching", "lost"]
-    map: str = Field(description="Name of the map in use; empty while it has none.")
-    sigma: tuple[float, float, float] = Field(description="Standard deviations of x, y (m) and theta (rad).")
-    X_MO: Place = Field(description="Pose of `odom` on the map.")
-    overlap: float = Field(description="Share of the scan that fits the map, 0 to 1.")
+    state: LocalizationState
+    map: Annotated[str, doc("Name of the map in use; empty while it has none.")]
+    x: float
+    y: float
+    theta: float
+    sigma: Annotated[tuple[float, float, float], doc("Standard deviations of x, y (m) and theta (rad).")]
+    X_MO: Annotated[Place, doc("Pose of `odom` on the map.")]
+    overlap: Annotated[float, doc("Share of the scan that fits the map, 0 to 1.")]
 
 
-class Navigation(NavigationModel):
-    """On change: the goal and the state of navigation."""
-
-    type: Literal["navigation"]
-
-
-class Zones(Answer):
-    """On change: the zones of the map."""
-
-    type: Literal["zones"]
-    zones: list[ZoneModel]
-
-
-class GridInfo(Answer):
+@dataclass(frozen=True, slots=True)
+class GridInfo:
     """What the picture that follows, of the same `seq`, shows."""
 
     seq: Sequence
     stamp: Stamp
-    frame: Literal["map", "odom"]
+    frame: Annotated[str, doc("`map` or `odom`.")]
     version: int
-    resolution_m: float = Field(description="Of a pixel.")
-    origin: tuple[float, float] = Field(description="x, y of the picture's lower left corner.")
+    resolution_m: Annotated[float, doc("Of a pixel.")]
+    origin: Annotated[tuple[float, float], doc("x, y of the picture's lower left corner.")]
     width: int
     height: int
 
 
-class MapInfo(GridInfo):
-    """Sent right before each picture of kind 3 (map)."""
-
-    type: Literal["map_info"]
-
-
-class CostmapInfo(GridInfo):
-    """Sent right before each picture of kind 4 (costmap)."""
-
-    type: Literal["costmap_info"]
-
-
-class Pong(Answer):
+@dataclass(frozen=True, slots=True)
+class Pong:
     """The answer to `ping`."""
 
-    type: Literal["pong"]
-    t: float = Field(description="As it was sent.")
+    t: Annotated[float | None, doc("As it was sent.")]
     stamp: Stamp
 
 
-class Notice(Answer):
+@dataclass(frozen=True, slots=True)
+class Notice:
     """Something for this viewer, in words to show."""
 
-    type: Literal["notice"]
-    level: Literal["info", "warning", "error"]
+    level: Level
     text: str
 
 
-class Playback(PlaybackModel):
-    """On a recording, at every change and ten times a second while it plays: its transport."""
+@dataclass(frozen=True, slots=True)
+class Jump:
+    """Where a recording goes on."""
 
-    type: Literal["playback"]
-
-
-class Jump(Answer):
-    """On a recording, at a seek: what came before is of another time and to be forgotten."""
-
-    type: Literal["jump"]
     stamp: Stamp
 
 
-FROM_ROBOT: tuple[type[Answer], ...] = (
-    Hello, Status, Lanes, LanesHistory, Desires, Intention, Events, Load, Recorder, Landmarks, Perceived, Localization,
-    Navigation, Zones, MapInfo, CostmapInfo, Pong, Notice, Playback, Jump,
-)  # fmt: skip
+class Message(NamedTuple):
+    """A message from the robot: its record, and when and why it is sent."""
+
+    record: type[Any]
+    about: str
+
+
+#: By ``type``, which goes before the record's members.
+FROM_ROBOT: dict[str, Message] = {
+    "hello": Message(Hello, "Once, first: what can be seen and done here."),
+    "status": Message(Status, "20 times a second: guard, pose, driver, freshness of every source."),
+    "lanes": Message(Lanes, "20 times a second: one row for each desire class."),
+    "lanes_history": Message(LanesHistory, "Once, before the first `lanes`, and after a `jump`: what they were."),
+    "desires": Message(DesireList, "On change: every desire."),
+    "intention": Message(CurrentIntention, "On change: what attention chose; null before the first."),
+    "events": Message(EventList, "As they come: events, oldest first."),
+    "load": Message(Load, "Once a second: what the modules take of the computer."),
+    "recorder": Message(RecorderReport, "On change, and about once a second while it records: what the Recorder does."),
+    "landmarks": Message(Landmarks, "On change: what was found, in `odom`."),
+    "perceived": Message(PlacedPercepts, "On change: what the robot sees and hears."),
+    "localization": Message(Localization, "Up to 10 times a second: where the robot is on the map."),
+    "navigation": Message(NavigationModel, "On change: the goal and the state of navigation."),
+    "zones": Message(ZoneList, "On change: the zones of the map."),
+    "map_info": Message(GridInfo, "Right before each picture of kind 3 (map): what it shows."),
+    "costmap_info": Message(GridInfo, "Right before each picture of kind 4 (costmap): what it shows."),
+    "pong": Message(Pong, "The answer to `ping`."),
+    "notice": Message(Notice, "Something for this viewer, in words to show."),
+    "playback": Message(
+        PlaybackReport, "On a recording, at every change and ten times a second while it plays: its transport."
+    ),
+    "jump": Message(Jump, "On a recording, at a seek: what came before is of another time and to be forgotten."),
+}

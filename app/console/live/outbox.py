@@ -10,7 +10,8 @@ from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from app.console.wire import encode_text
+from app.console.live.messages import Notice
+from app.console.wire import frame
 
 #: Of a list of which each item counts (events), so many may wait; a viewer further behind gets a notice instead.
 MOST_ITEMS = 1000
@@ -171,7 +172,7 @@ class Outbox:
             self._overrun.remove(kind)
             text = f"More than {MOST_ITEMS} {kind} were missed; load the page again to see them."
             # Those that came since are part of what is loaded again.
-            return encode_text({"type": "notice", "level": "warning", "text": text})
+            return frame("notice", Notice("warning", text))
         return f'{{"type":"{kind}","{kind}":[{",".join(items)}]}}'
 
 

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 from app.console.page_forms import NOTHING, form
 from app.console.taps import Tap
-from app.console.wire import encode_text
+from app.console.wire import encode_text, frame
 from app.runtime.channel import Channel
 from app.runtime.channel_table import PageColumn
 from app.runtime.clock import Clock
@@ -109,7 +109,7 @@ class PageFeed:
         if latest is not None:
             return self._frame(latest)
         nothing = NOTHING.get(self._channel.message_type)
-        return None if nothing is None else encode_text({"type": self.kind, **nothing})
+        return None if nothing is None else frame(self.kind, nothing)
 
     def _take(self, message: Any) -> None:
         if self._audience.moving:
@@ -136,10 +136,9 @@ class PageFeed:
         self._audience.broadcast(self.kind, self._frame(self._newest))
 
     def _frame(self, message: Any) -> str:
-        # Every message has a stamp, and so no form is empty.
-        return f'{{"type":"{self.kind}",{encode_text(form(message))[1:]}'
+        return frame(self.kind, form(message))
 
 
 def _frames(feeds: Iterable[PageFeed]) -> dict[str, str]:
     frames = ((feed.kind, feed.standing()) for feed in feeds)
-    return {kind: frame for kind, frame in frames if frame is not None}
+    return {kind: text for kind, text in frames if text is not None}

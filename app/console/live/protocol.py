@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import struct
 from dataclasses import dataclass
-from typing import Literal
+from typing import Final, Literal
 
 import msgspec
 import numpy as np
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from app.console.drive.command_age import Times
 from app.messages import Audio, EncodedImage, read_only
 
-PROTOCOL = 1
+PROTOCOL: Final = 1
 #: Kinds of binary frames.
 CAMERA = 1
 PANORAMA = 2

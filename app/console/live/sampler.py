@@ -6,8 +6,9 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Protocol
 
 from app.console import reports
+from app.console.live import messages
 from app.console.playback import rate
-from app.console.wire import encode_text
+from app.console.wire import frame
 from app.messages import Exploitation, LinkStatus, Odometry
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ class Audience(Protocol):
         """Give every page the newest frame of ``kind``."""
         ...
 
-    def broadcast_status(self, status: dict[str, Any]) -> None:
+    def broadcast_status(self, status: messages.Status) -> None:
         """Give every page the status, completed with who drives."""
         ...
 
@@ -41,7 +42,7 @@ class Sampler:
     def __init__(self, system: System, audience: Audience) -> None:
         self._system = system
         self._audience = audience
-        self._modules = reports.ModuleReport(system)
+        self._modules = reports.ModuleMeter(system)
         self._sequence = 0
         self._load_stamp = 0.0
         self._exploitation: Exploitation | None = None
@@ -79,29 +80,24 @@ class Sampler:
             self._modules.sample()
             self._audience.broadcast("load", self.load_frame())
 
-    def _status(self, now: float) -> dict[str, Any]:
-        status = self._audience.link_status
-        return {
-            "type": "status",
-            "seq": self._sequence,
-            "stamp": now,
-            "guard": reports.guard_json(status, now, rate(self._system.clock), self._system.revival.problem),
-            "world_rate": 1.0 if status is None else round(status.world_rate, 4),
-            "odometry": reports.odometry_json(self._odometry),
-            "exploited": reports.exploited(self._exploitation, now, rate(self._system.clock)),
-            "limited": reports.limited(self._exploitation, now, rate(self._system.clock)),
-            "sources": reports.sources_json(self._system.graph, self._system.freshness.read(now)),
-        }
+    def _status(self, now: float) -> messages.Status:
+        status, speed = self._audience.link_status, rate(self._system.clock)
+        return messages.Status(
+            seq=self._sequence,
+            stamp=now,
+            guard=reports.guard(status, now, speed, self._system.body_restarter.problem),
+            world_rate=1.0 if status is None else round(status.world_rate, 4),
+            odometry=reports.odometry_report(self._odometry),
+            driver=None,
+            speaker=None,
+            exploited=reports.exploited(self._exploitation, now, speed),
+            limited=reports.limited(self._exploitation, now, speed),
+            waits="",
+            sources=reports.source_states(self._system.graph, self._system.freshness.read(now)),
+        )
 
     def load_frame(self) -> str:
         """The last load window."""
         load = self._system.load.latest
-        return encode_text(
-            {
-                "type": "load",
-                "stamp": load.stamp,
-                "process_cpu": round(load.process, 2),
-                "budget": self._system.translator.capacities.get("cpu"),
-                "modules": self._modules.modules(),
-            }
-        )
+        budget = self._system.translator.capacities.get("cpu")
+        return frame("load", messages.Load(load.stamp, round(load.process, 2), budget, self._modules.modules()))

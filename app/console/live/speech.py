@@ -137,6 +137,10 @@ class Speech:
         stamp = min(voice.stamp, now) if voice.stamp > 0 else now
         samples = voice.samples[:, None]
         places = read_only(np.zeros((0, 3)))
-        self._channel.publish(Audio(stamp, "operator", read_only(samples), voice.rate, self._samples, places))
+        self._channel.publish(
+            Audio(
+                stamp, "operator", samples=read_only(samples), rate=voice.rate, first_sample=self._samples, p_BM=places
+            )
+        )
         self._samples += len(voice.samples)
         return True

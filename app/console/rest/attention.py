@@ -2,24 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, get_args
+from typing import TYPE_CHECKING, Annotated, get_args
 
 from fastapi import APIRouter, Path, Query, Request
 from fastapi.responses import Response
 
-from app.attention.serialize import event_to_json, intention_to_json, resource_to_json, strategy_to_json
+from app.attention.reports import IntentionReport, ResourceReport, intention_report, resource_report, strategy_report
 from app.attention.timeline import EventKind
 from app.console.problems import Problem
+from app.console.records.attention import EventList, ResourceList, StrategyList
 from app.console.rest.answers import Json, problems
 from app.console.rest.desires import IN_SOMEBODYS_NAME, source_of
-from app.console.rest.models import (
-    EventList,
-    IntentionModel,
-    ResourceChange,
-    ResourceList,
-    ResourceModel,
-    StrategyList,
-)
+from app.console.rest.models import ResourceChange
 from app.console.rest.routing import router as api_router
 
 if TYPE_CHECKING:
@@ -36,8 +30,12 @@ def attention_router(system: System) -> APIRouter:
     """Routes of ``/intention``, ``/strategies``, ``/resources`` and ``/timeline``."""
     router = api_router("attention")
 
+    def resource(name: str) -> ResourceReport:
+        translator = system.translator
+        return resource_report(system.table.resources[name], translator.capacities[name], translator.current)
+
     @router.get(
-        "/intention", response_model=IntentionModel, summary="What was chosen, and why", responses=problems(409)
+        "/intention", response_model=IntentionReport, summary="What was chosen, and why", responses=problems(409)
     )
     async def get_intention() -> Response:
         """The strategies at work, the filters they set, Ω, what they use of each resource, and for each desired class
@@ -45,22 +43,22 @@ def attention_router(system: System) -> APIRouter:
         current = system.translator.current
         if current is None:
             raise Problem(409, "no-intention-yet", "Attention has not chosen anything yet; ask again in a moment.")
-        return Json(intention_to_json(current, system.table))
+        return Json(intention_report(current, system.table.resources))
 
     @router.get("/strategies", response_model=StrategyList, summary="Every strategy there is")
     async def list_strategies() -> Response:
         current = system.translator.current
         selected = frozenset(() if current is None else current.selection.strategies)
-        strategies = [{**strategy_to_json(s), "selected": s.name in selected} for s in system.table.strategies]
-        return Json({"strategies": strategies})
+        strategies = tuple(strategy_report(s, selected=s.name in selected) for s in system.table.strategies)
+        return Json(StrategyList(strategies))
 
     @router.get("/resources", response_model=ResourceList, summary="Budgets and what is used of them")
     async def list_resources() -> Response:
-        return Json({"resources": [resource_json(system, name) for name in system.table.resources]})
+        return Json(ResourceList(tuple(resource(name) for name in system.table.resources)))
 
     @router.patch(
         "/resources/{name}",
-        response_model=ResourceModel,
+        response_model=ResourceReport,
         summary="Change a budget",
         openapi_extra=IN_SOMEBODYS_NAME,
         responses=problems(400, 404, 422),
@@ -73,7 +71,7 @@ def attention_router(system: System) -> APIRouter:
             known = ", ".join(system.table.resources) or "none"
             raise Problem(404, "no-such-resource", f"No resource is called {name}; there are: {known}.")
         system.translator.set_capacity(name, change.capacity, f"asked for by {source_of(request).name}")
-        return Json(resource_json(system, name))
+        return Json(resource(name))
 
     @router.get("/timeline", response_model=EventList, summary="What happened", responses=problems(422))
     async def get_timeline(
@@ -100,18 +98,6 @@ def attention_router(system: System) -> APIRouter:
             message = f"no such kind: {', '.join(unknown)}; there are: {', '.join(KINDS)}"
             raise Problem(422, "invalid-request", f"kinds: {message}", errors=[("query.kinds", message)])
         events = system.timeline.query(since, until, chosen, limit, after_id=after_id)
-        return Json({"events": [event_to_json(event) for event in events]})
+        return Json(EventList(tuple(events)))
 
     return router
-
-
-def resource_json(system: System, name: str) -> dict[str, Any]:
-    """A resource, its budget now and what is used of it."""
-    resource = system.table.resources[name]
-    current = system.translator.current
-    return {
-        **resource_to_json(resource),
-        "capacity": system.translator.capacities[name],
-        "declared": resource.capacity,
-        "used": 0.0 if current is None else current.selection.use.get(name, 0.0),
-    }

@@ -7,22 +7,15 @@ from typing import TYPE_CHECKING, Annotated
 from fastapi import APIRouter, Header, Path, Request
 from fastapi.responses import Response
 
-from app.attention.desires import Source
-from app.attention.serialize import desire_to_json
+from app.attention.desires import Desire, Source
+from app.attention.reports import DesireClassReport, Scale, desire_class_report
 from app.attention.workspace import KEEP
-from app.console import reports
 from app.console.access.operators import operator_name
 from app.console.problems import Problem
+from app.console.records.attention import DesireClassList, DesireList
 from app.console.rest.answers import Json, problems
 from app.console.rest.idempotency import KEY_LIMITS, IdempotencyStore
-from app.console.rest.models import (
-    DesireChange,
-    DesireClassList,
-    DesireClassModel,
-    DesireList,
-    DesireModel,
-    NewDesire,
-)
+from app.console.rest.models import DesireChange, NewDesire
 from app.console.rest.routing import router as api_router
 
 if TYPE_CHECKING:
@@ -79,11 +72,11 @@ def desires_router(system: System) -> APIRouter:
 
     @router.get("/desires", response_model=DesireList, summary="List all desires")
     async def list_desires() -> Response:
-        return Json({"desires": [desire_to_json(desire) for desire in workspace.desires()]})
+        return Json(DesireList(workspace.desires()))
 
     @router.post(
         "/desires",
-        response_model=DesireModel,
+        response_model=Desire,
         status_code=201,
         summary="Create a desire",
         openapi_extra=IN_SOMEBODYS_NAME,
@@ -131,17 +124,17 @@ def desires_router(system: System) -> APIRouter:
             source=source_of(request),
             ttl=new.ttl,
         )
-        answer, location = desire_to_json(desire), f"/api/v1/desires/{desire.id}"
-        store.remember(idempotency_key, body, location, answer)
-        return Json(answer, status_code=201, headers={"Location": location})
+        location = f"/api/v1/desires/{desire.id}"
+        store.remember(idempotency_key, body, location, desire)
+        return Json(desire, status_code=201, headers={"Location": location})
 
-    @router.get("/desires/{desire_id}", response_model=DesireModel, summary="One desire", responses=problems(404))
+    @router.get("/desires/{desire_id}", response_model=Desire, summary="One desire", responses=problems(404))
     async def get_desire(desire_id: DesireId) -> Response:
-        return Json(desire_to_json(workspace.get(desire_id)))
+        return Json(workspace.get(desire_id))
 
     @router.patch(
         "/desires/{desire_id}",
-        response_model=DesireModel,
+        response_model=Desire,
         summary="Change a desire in place",
         responses=problems(400, 404, 422),
     )
@@ -164,7 +157,7 @@ def desires_router(system: System) -> APIRouter:
             params=KEEP if change.params is None else change.params,
             ttl=change.ttl if "ttl" in given else KEEP,
         )
-        return Json(desire_to_json(desire))
+        return Json(desire)
 
     @router.delete("/desires/{desire_id}", status_code=204, summary="Remove a desire", responses=problems(404))
     async def remove_desire(desire_id: DesireId) -> Response:
@@ -174,16 +167,16 @@ def desires_router(system: System) -> APIRouter:
     @router.get("/desire-classes", response_model=DesireClassList, summary="What can be desired")
     async def list_desire_classes() -> Response:
         """Each class with the JSON Schema of its parameters: enough to build a form from."""
-        classes = [reports.class_json(system, name) for name in system.classes]
-        return Json({"classes": classes, "scale": reports.scale_json()})
+        classes = tuple(desire_class_report(each, system.table) for each in system.classes.values())
+        return Json(DesireClassList(classes, Scale()))
 
     @router.get(
-        "/desire-classes/{name}", response_model=DesireClassModel, summary="One desire class", responses=problems(404)
+        "/desire-classes/{name}", response_model=DesireClassReport, summary="One desire class", responses=problems(404)
     )
     async def get_desire_class(name: Annotated[str, Path(min_length=1, examples=["FindQRCodes"])]) -> Response:
         if name not in system.classes:
             known = ", ".join(system.classes)
             raise Problem(404, "no-such-desire-class", f"No desire class is called {name}; there are: {known}.")
-        return Json(reports.class_json(system, name))
+        return Json(desire_class_report(system.classes[name], system.table))
 
     return router

@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated
 
 from fastapi import APIRouter, Request
 from fastapi.responses import Response
 
-from app.attention.serialize import desire_to_json
+from app.attention.desires import Desire
 from app.base.geometry import wrap_angle
 from app.console import reports
 from app.console.drive.goals import GO_TO, REPORT, asked_here, dismiss_given_up, withdraw
 from app.console.live.hub import Hub
 from app.console.problems import Problem
+from app.console.records.navigation import NavigationModel
 from app.console.rest.answers import Json, problems
 from app.console.rest.desires import IN_SOMEBODYS_NAME, refuse_too_many, source_of
-from app.console.rest.map_models import GoalModel, GoalRequest
-from app.console.rest.models import DesireModel
+from app.console.rest.map_models import GoalRequest
 from app.console.rest.routing import router as api_router
+from app.messages.base import doc
 
 if TYPE_CHECKING:
     from app.program.system import System
@@ -31,21 +33,29 @@ LATCHED = "The emergency stop is latched: release it first."
 RECORDING = "This is a recording: there is no robot to send anywhere."
 
 
+@dataclass(frozen=True, slots=True)
+class Goal:
+    """What is desired, and what became of it."""
+
+    desire: Annotated[Desire | None, doc("The strongest desire of class GoTo; null: there is none.")]
+    navigation: Annotated[NavigationModel | None, doc("null: this program goes nowhere by itself.")]
+
+
 def goal_router(system: System, hub: Hub) -> APIRouter:
     """Routes of ``/goal``."""
     router = api_router("maps")
     workspace = system.workspace
 
-    @router.get("/goal", response_model=GoalModel, summary="Where the robot is going")
+    @router.get("/goal", response_model=Goal, summary="Where the robot is going")
     async def get_goal() -> Response:
         """What is desired, and what the behavior that goes there is about."""
         desire = workspace.wanted(GO_TO)
         navigation = reports.latest(system.graph, REPORT)
-        return Json({"desire": None if desire is None else desire_to_json(desire), "navigation": navigation})
+        return Json(Goal(desire, navigation))
 
     @router.put(
         "/goal",
-        response_model=DesireModel,
+        response_model=Desire,
         summary="Send the robot somewhere",
         openapi_extra=IN_SOMEBODYS_NAME,
         responses=problems(400, 409, 422),
@@ -87,7 +97,7 @@ def goal_router(system: System, hub: Hub) -> APIRouter:
                 desire = workspace.change(
                     kept.id, intensity=INTENSITY, utility=UTILITY, security=False, params=params, ttl=None
                 )
-        return Json(desire_to_json(desire))
+        return Json(desire)
 
     @router.delete("/goal", status_code=204, summary="Cancel the goal")
     async def cancel_goal() -> Response:

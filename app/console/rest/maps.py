@@ -17,24 +17,16 @@ from app.base.geometry import Pose2
 from app.base.yaml_source import validation_message
 from app.console import reports
 from app.console.drive.goals import dismiss_given_up, withdraw_all
-from app.console.page_forms import localization_json, zones_json
+from app.console.page_forms import zone_reports
 from app.console.problems import Problem
+from app.console.records.maps import CurrentMap, KeptMap, MapList, ZoneList
 from app.console.rest.answers import BYTES, Json, problems
-from app.console.rest.map_models import (
-    NAME_PATTERN,
-    CurrentMap,
-    LoadRequest,
-    MapList,
-    MapModel,
-    PoseRequest,
-    RenameRequest,
-    ZonesModel,
-)
+from app.console.rest.map_models import NAME_PATTERN, LoadRequest, PoseRequest, RenameRequest, ZonesRequest
 from app.console.rest.routing import router as api_router
 from app.maps.control import MapKeeper, MapUnavailable
 from app.maps.library import MapFacts, MapNameTaken, UnknownMap
 from app.maps.zones import ZoneEntry, checked
-from app.messages import Localization, Zone, Zones, read_only
+from app.messages import Zone, Zones, read_only
 
 if TYPE_CHECKING:
     from app.program.system import System
@@ -63,20 +55,21 @@ def maps_router(system: System) -> APIRouter:
     async def list_maps() -> Response:
         """By name; and the one in use, which may have no name yet."""
         facts = await _on_disk(library.listing)
-        maps = [_map_json(fact, current()["name"]) for fact in facts]
-        return Json({"folder": str(library.folder), "current": current(), "maps": maps})
+        in_use = current()
+        maps = tuple(_kept(fact, in_use.name) for fact in facts)
+        return Json(MapList(str(library.folder), in_use, maps))
 
     @router.get("/map", response_model=CurrentMap, summary="The map in use")
     async def get_map() -> Response:
         return Json(current())
 
-    @router.put("/maps/{name}", response_model=MapModel, summary="Keep the map in use", responses=problems(409, 422))
+    @router.put("/maps/{name}", response_model=KeptMap, summary="Keep the map in use", responses=problems(409, 422))
     async def save_map(name: Name) -> Response:
         """Under this name, which it has from then on; an older map of this name is replaced. Needs no body."""
         await _existing(name, none_is_fine=True)
         async with one, _keeper() as keeper:
             await keeper.save(name)
-        return Json(_map_json(await _on_disk(library.facts, name), name))
+        return Json(_kept(await _on_disk(library.facts, name), name))
 
     @router.post(
         "/maps/{name}/load",
@@ -94,7 +87,7 @@ def maps_router(system: System) -> APIRouter:
         return Json(current())
 
     @router.patch(
-        "/maps/{name}", response_model=MapModel, summary="Rename a map", responses=problems(400, 404, 409, 422)
+        "/maps/{name}", response_model=KeptMap, summary="Rename a map", responses=problems(400, 404, 409, 422)
     )
     async def rename_map(name: Name, change: RenameRequest) -> Response:
         """A name that another map has is refused. The map in use is saved under its new name as it is now."""
@@ -103,20 +96,20 @@ def maps_router(system: System) -> APIRouter:
             await _existing(name)
             if to != name and await _existing(to, field="name", none_is_fine=True):
                 raise _taken(f"there is a map called {to} already; delete it first, or choose another name")
-            if to != name and current()["name"] == name:
+            if to != name and current().name == name:
                 async with _keeper() as keeper:
                     await keeper.save(to)
                 await _on_disk(library.delete, name)
             else:
                 await _on_disk(library.rename, name, to)
-        return Json(_map_json(await _on_disk(library.facts, to), current()["name"]))
+        return Json(_kept(await _on_disk(library.facts, to), current().name))
 
     @router.delete("/maps/{name}", status_code=204, summary="Delete a map", responses=problems(404, 409, 422))
     async def delete_map(name: Name) -> Response:
         """For good, with its zones. The map in use is refused."""
         async with one:
             await _existing(name)
-            if current()["name"] == name:
+            if current().name == name:
                 raise Problem(
                     409,
                     "map-in-use",
@@ -168,34 +161,30 @@ def maps_router(system: System) -> APIRouter:
             await keeper.search()
         return Json(current())
 
-    @router.get("/map/zones", response_model=ZonesModel, summary="Zones of the map in use")
+    @router.get("/map/zones", response_model=ZoneList, summary="Zones of the map in use")
     async def get_zones() -> Response:
         zones: Zones | None = reports.latest(system.graph, "zones")
-        return Json({"zones": [] if zones is None else zones_json(zones.zones)})
+        return Json(zone_reports(() if zones is None else zones.zones))
 
     @router.put(
         "/map/zones",
-        response_model=ZonesModel,
+        response_model=ZoneList,
         summary="Draw the zones of the map in use",
         responses=problems(400, 409, 422),
     )
-    async def set_zones(zones: ZonesModel) -> Response:
+    async def set_zones(zones: ZonesRequest) -> Response:
         """All of them: what is not named is gone. They are kept with the map at once if it has a name."""
         marked = _zones(zones)
         async with _keeper() as keeper:
             await keeper.mark(marked)
-        return Json({"zones": zones_json(marked)})
+        return Json(zone_reports(marked))
 
-    def current() -> dict[str, Any]:
-        newest: Localization | None = reports.latest(system.graph, "localization")
-        localization = None if newest is None else localization_json(newest)
-        known = localization is not None and system.map.available
-        return {
-            "available": system.map.available,
-            "name": system.map.keeper.name if system.map.available else "",
-            "state": localization["state"] if localization is not None and known else None,
-            "stamp": localization["stamp"] if localization is not None and known else None,
-        }
+    def current() -> CurrentMap:
+        if not system.map.available:
+            return CurrentMap(False, "", None, None)
+        localization = reports.latest(system.graph, "localization")
+        state, stamp = (None, None) if localization is None else (localization.state, localization.stamp)
+        return CurrentMap(True, system.map.keeper.name, state, stamp)
 
     @asynccontextmanager
     async def _keeper() -> AsyncIterator[MapKeeper]:
@@ -251,7 +240,7 @@ def _pose(pose: PoseRequest) -> Pose2:
     return Pose2(pose.x, pose.y, pose.theta)
 
 
-def _zones(zones: ZonesModel) -> tuple[Zone, ...]:
+def _zones(zones: ZonesRequest) -> tuple[Zone, ...]:
     """The messages. Raises Problem for a zone without area and for a name that two have."""
     names = [zone.name for zone in zones.zones]
     for number, name in enumerate(names):
@@ -275,15 +264,16 @@ def _invalid_zones(errors: list[tuple[str, str]]) -> Problem:
     return Problem(422, "invalid-request", "; ".join(f"{field}: {message}" for field, message in errors), errors=errors)
 
 
-def _map_json(facts: MapFacts, in_use: str) -> dict[str, Any]:
-    return {
-        "name": facts.name,
-        "in_use": facts.name == in_use,
-        "saved": round(facts.saved, 3),
-        "size_m": [round(metres, 3) for metres in facts.size_m],
-        "resolution_m": facts.resolution_m,
-        "known_m2": round(facts.known_m2, 2),
-        "extendable": facts.graph,
-        "zones": facts.zones,
-        "problem": facts.problem or None,
-    }
+def _kept(facts: MapFacts, in_use: str) -> KeptMap:
+    width, height = facts.size_m
+    return KeptMap(
+        name=facts.name,
+        in_use=facts.name == in_use,
+        saved=round(facts.saved, 3),
+        size_m=(round(width, 3), round(height, 3)),
+        resolution_m=facts.resolution_m,
+        known_m2=round(facts.known_m2, 2),
+        extendable=facts.graph,
+        zones=facts.zones,
+        problem=facts.problem or None,
+    )

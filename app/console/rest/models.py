@@ -1,58 +1,21 @@
-"""The shapes of REST's answers and requests, for the OpenAPI description and for checking what comes in."""
+"""What REST is asked about desires and budgets, checked as it comes in. Answers are of :mod:`app.console.records`."""
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from app.attention.strategies import MOST
 
-Stamp = Annotated[float, Field(description="Seconds of the robot's clock (Unix epoch).", examples=[1795000000.25])]
-Divisor = Annotated[
-    int | None, Field(description="φ: one message in φ passes; null: closed, none passes.", examples=[2])
-]
 #: 30 days: longer is for ever, which is said by leaving it out.
 LONGEST_TTL_S = 30 * 24 * 3600.0
-
-
-class Answer(BaseModel):
-    """Base of every answer."""
-
-    model_config = ConfigDict(populate_by_name=True)
 
 
 class Request(BaseModel):
     """Base of every request body: unknown members are refused, numbers are not read from strings."""
 
     model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, populate_by_name=True)
-
-
-class SourceModel(Answer):
-    """Who asked."""
-
-    kind: Literal["motivation", "operator", "rest"]
-    name: str
-
-
-class DesireModel(Answer):
-    """One desire of the Intention Workspace."""
-
-    id: str = Field(examples=["d-3f0c81a2b4"])
-    cls: str = Field(alias="class", examples=["FindQRCodes"])
-    intensity: float = Field(description="How much it is desired, over 0 and at most 8.", examples=[8])
-    utility: float = Field(description="Utility desired, 0 to 8; 0 inhibits the class.", examples=[4])
-    security: bool = Field(description="Whether it must be fulfilled.")
-    params: dict[str, Any] = Field(description="Parameters as the class declares them.")
-    source: SourceModel
-    created: Stamp
-    expires: float | None = Field(description="When it expires (robot's clock); null: never.")
-
-
-class DesireList(Answer):
-    """Every desire, in the order they came."""
-
-    desires: list[DesireModel]
 
 
 def never_null(schema: dict[str, Any]) -> None:
@@ -105,60 +68,6 @@ class DesireChange(Request):
     ttl: float | None = Field(None, gt=0, le=LONGEST_TTL_S, description="Seconds from now; null: it stays.")
 
 
-class DesireClassModel(Answer):
-    """What can be desired."""
-
-    name: str = Field(examples=["FindQRCodes"])
-    title: str
-    description: str
-    parameters: dict[str, Any] = Field(alias="schema", description="JSON Schema of `params`.")
-    served: bool = Field(description="Whether a strategy of this program's modules serves it; else it stays a desire.")
-
-
-class DesireClassList(Answer):
-    """Every desire class, in the order the console shows them, and the ends of the scales."""
-
-    classes: list[DesireClassModel]
-    scale: dict[str, float] = Field(examples=[{"intensity": 8, "utility": 8}])
-
-
-class StrategyModel(Answer):
-    """One way to serve a desire class."""
-
-    name: str
-    cls: str = Field(alias="class")
-    utility: float = Field(description="Produced utility v, over 0 and at most 8.")
-    requires: dict[str, float] = Field(description="Utility needed of other classes.")
-    filters: dict[str, Divisor] = Field(description="φ by `Module.port`.")
-    parameters: dict[str, dict[str, Any]] = Field(description="What modules are handed while it is selected.")
-    costs: dict[str, float] = Field(description="What it uses of each resource.")
-    selected: bool
-    declared: str | None = Field(description="File and line.")
-
-
-class StrategyList(Answer):
-    """Every strategy, in table order."""
-
-    strategies: list[StrategyModel]
-
-
-class ResourceModel(Answer):
-    """What strategies share."""
-
-    name: str = Field(examples=["cpu"])
-    capacity: float = Field(description="How much of it attention may give now.", examples=[120])
-    declared: float = Field(description="Its capacity in configuration.")
-    used: float = Field(description="What the intention at work uses of it.")
-    unit: str
-    description: str
-
-
-class ResourceList(Answer):
-    """Every resource."""
-
-    resources: list[ResourceModel]
-
-
 class ResourceChange(Request):
     """A new budget; attention chooses anew at once."""
 
@@ -167,78 +76,3 @@ class ResourceChange(Request):
     capacity: float = Field(
         ge=0, le=MOST, description="How much of it attention may give, in its unit; thousandths are the finest step."
     )
-
-
-class SelectedStrategy(Answer):
-    """A strategy at work."""
-
-    name: str
-    cls: str = Field(alias="class")
-    utility: float
-    filters: dict[str, Divisor]
-    costs: dict[str, float]
-
-
-class ResourceUse(Answer):
-    """What is used of a resource."""
-
-    used: float
-    capacity: float
-    unit: str = ""
-
-
-class AlternativeModel(Answer):
-    """What would help a desire."""
-
-    kind: Literal["capacity", "without"]
-    utility: float = Field(description="The utility it would get.")
-    resource: str | None = Field(None, description="... if there were `amount` more of this resource.")
-    amount: float | None = None
-    unit: str | None = None
-    without: str | None = Field(None, description="... if nobody desired this class.")
-
-
-class ReasonModel(Answer):
-    """Why a desired class gets what it gets."""
-
-    state: Literal["fulfilled", "degraded", "unfulfilled", "inhibited"]
-    utility: float = Field(description="The utility it gets.")
-    wanted: float = Field(description="The utility desired.")
-    best: float = Field(description="The most that any selection could give it.")
-    text: str = Field(description="The reason in words.")
-    alternatives: list[AlternativeModel]
-
-
-class IntentionModel(Answer):
-    """The intention at work: what was selected, what follows from it, and why."""
-
-    stamp: Stamp
-    strategies: list[SelectedStrategy]
-    fulfilled: list[str] = Field(description="Classes whose strongest desire is fulfilled.")
-    omega: float = Field(description="Ω, what the selection is worth (thesis, equation 4.9).")
-    bound: float = Field(description="No selection can be worth more; equal to `omega` when proven.")
-    use: dict[str, ResourceUse]
-    filters: dict[str, Divisor] = Field(description="φ of every filter that attention controls.")
-    proven: bool = Field(description="Whether no better selection exists.")
-    solve_ms: float
-    relaxed: list[str] = Field(description="Security desires that could not be kept.")
-    reasons: dict[str, ReasonModel] = Field(description="By desired class.")
-    parameters: dict[str, dict[str, Any]] = Field(description="What each module was handed.")
-    desires: dict[str, str] = Field(description="Id of the strongest desire of each class that it answers.")
-
-
-class EventModel(Answer):
-    """One event of the timeline."""
-
-    id: int = Field(description="Grows by one.")
-    stamp: Stamp
-    kind: str
-    subject: str = Field(description="A desire class, a module, a filter.")
-    text: str = Field(description="One sentence.")
-    data: dict[str, Any]
-
-
-class EventList(Answer):
-    """Events, oldest first."""
-
-    events: list[EventModel]

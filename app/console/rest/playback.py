@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 from fastapi import APIRouter
 from fastapi.responses import Response
 
-from app.console.playback import playback_json
+from app.console.playback import playback_report
 from app.console.problems import Problem
+from app.console.records.recordings import PlaybackReport
 from app.console.rest.answers import Json, problems
-from app.console.rest.playback_models import PlaybackChange, PlaybackModel
+from app.console.rest.playback_models import PlaybackChange
 from app.console.rest.routing import router as api_router
 from app.logs.log import LogError
 
@@ -28,13 +29,15 @@ def playback_router(playback: Playback | None) -> APIRouter:
             raise Problem(404, "not-a-replay", "This is no recording: what the robot lives now cannot be wound.")
         return playback
 
-    @router.get("/playback", response_model=PlaybackModel, summary="What is played, and where", responses=problems(404))
+    @router.get(
+        "/playback", response_model=PlaybackReport, summary="What is played, and where", responses=problems(404)
+    )
     async def get_playback() -> Response:
-        return Json(playback_json(played()))
+        return Json(playback_report(played()))
 
     @router.patch(
         "/playback",
-        response_model=PlaybackModel,
+        response_model=PlaybackReport,
         summary="Play, pause, go elsewhere, faster or slower",
         responses=problems(400, 404, 409, 422),
     )
@@ -52,11 +55,11 @@ def playback_router(playback: Playback | None) -> APIRouter:
             await _read(player.seek(change.position))
         if change.playing:
             player.play()
-        return Json(playback_json(player))
+        return Json(playback_report(player))
 
     @router.post(
         "/playback/step",
-        response_model=PlaybackModel,
+        response_model=PlaybackReport,
         summary="On to the next image, then stand",
         responses=problems(404, 409),
     )
@@ -65,7 +68,7 @@ def playback_router(playback: Playback | None) -> APIRouter:
         0.1 s. Answers once the modules have done with it."""
         player = played()
         await _read(player.step())
-        return Json(playback_json(player))
+        return Json(playback_report(player))
 
     return router
 

@@ -1,31 +1,13 @@
-"""The shapes of what REST tells of a recording that is played and is asked of it."""
+"""What REST is asked about the playback of a recording, checked as it comes in."""
 
 from __future__ import annotations
 
-from typing import Literal
-
 from pydantic import Field
 
-from app.console.rest.models import Answer, Request, Stamp
+from app.console.rest.models import Request
 from app.logs.replay.playback_state import FASTEST, SLOWEST
 
 _SPEED = "Seconds of the recording in a real second; null: as fast as possible, nothing dropped."
-
-
-class PlaybackModel(Answer):
-    """What is played, and where it is."""
-
-    file: str = Field(description="Name of the recording's file.", examples=["tour.mcap"])
-    begin: Stamp
-    end: Stamp
-    position: Stamp
-    speed: float | None = Field(description=_SPEED)
-    playing: bool = Field(description="Whether time goes on, or will after the seek under way.")
-    phase: Literal["playing", "paused", "ended", "seeking"]
-    problem: str | None = Field(
-        description="What cannot be read of the recording here, in words, why it stands.",
-        examples=["0.1 s from 0:07.5 cannot be read"],
-    )
 
 
 class PlaybackChange(Request):

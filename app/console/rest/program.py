@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from fastapi import APIRouter, Path, Query, Request
 from fastapi.responses import Response
@@ -15,17 +15,11 @@ from app.console.drive.drive_controller import PRESSED_AGAIN, RECORDING
 from app.console.live.hub import Hub
 from app.console.playback import rate
 from app.console.problems import Problem
-from app.console.recordings import RecorderReport
+from app.console.recordings import RecorderWatch
+from app.console.records.program import ChannelList, ChannelReport, Health, ModuleList, ModuleReport
+from app.console.records.robot import EStop, RobotReport
 from app.console.rest.answers import Json, problems
 from app.console.rest.desires import IN_SOMEBODYS_NAME, source_of
-from app.console.rest.program_models import (
-    ChannelList,
-    EStopModel,
-    HealthModel,
-    ModuleList,
-    ModuleModel,
-    RobotModel,
-)
 from app.console.rest.routing import router as api_router
 
 if TYPE_CHECKING:
@@ -49,26 +43,26 @@ def robot_router(system: System, hub: Hub) -> APIRouter:
     """Routes of ``/robot``."""
     router = api_router("robot")
 
-    @router.get("/robot", response_model=RobotModel, summary="Where the robot is and how it does")
+    @router.get("/robot", response_model=RobotReport, summary="Where the robot is and how it does")
     async def get_robot() -> Response:
         now, speed = system.clock.now(), rate(system.clock)
         status = hub.link_status
         return Json(
-            {
-                "stamp": now,
-                "robot": reports.robot_json(system, replayed=hub.driving.recording),
-                "guard": reports.guard_json(status, now, speed, system.revival.problem),
-                "world_rate": 1.0 if status is None else status.world_rate,
-                "odometry": reports.odometry_json(reports.latest(system.graph, "odometry")),
-                "driver": hub.driving.lease.driver_name,
-                "exploited": reports.exploited(reports.latest(system.graph, "exploitation"), now, speed),
-                "landmarks": reports.landmarks_json(reports.latest(system.graph, "landmarks")),
-            }
+            RobotReport(
+                stamp=now,
+                robot=reports.robot_facts(system, replayed=hub.driving.recording),
+                guard=reports.guard(status, now, speed, system.body_restarter.problem),
+                world_rate=1.0 if status is None else status.world_rate,
+                odometry=reports.odometry_report(reports.latest(system.graph, "odometry")),
+                driver=hub.driving.lease.driver_name,
+                exploited=reports.exploited(reports.latest(system.graph, "exploitation"), now, speed),
+                landmarks=reports.landmarks(reports.latest(system.graph, "landmarks")),
+            )
         )
 
     @router.post(
         "/robot/e-stop",
-        response_model=EStopModel,
+        response_model=EStop,
         summary="Stop, and stay stopped",
         openapi_extra=IN_SOMEBODYS_NAME,
         responses=problems(409, 504),
@@ -97,11 +91,9 @@ def robot_router(system: System, hub: Hub) -> APIRouter:
             ) from None
         finally:
             detach()
-        return Json({"e_stop": "latched", "stamp": system.clock.now()})
+        return Json(EStop("latched", system.clock.now()))
 
-    @router.delete(
-        "/robot/e-stop", response_model=EStopModel, summary="Release the emergency stop", responses=problems(409)
-    )
+    @router.delete("/robot/e-stop", response_model=EStop, summary="Release the emergency stop", responses=problems(409))
     async def release_e_stop(
         seen: Annotated[
             float | None,
@@ -117,7 +109,7 @@ def robot_router(system: System, hub: Hub) -> APIRouter:
         has confirmed it, or half a second later: a goal that is given next is not refused for a latch that is gone."""
         _refuse_recording(hub)
         if not hub.driving.lease.e_stopped:
-            return Json({"e_stop": "released", "stamp": system.clock.now()})
+            return Json(EStop("released", system.clock.now()))
         if seen is None or not 0 <= system.clock.now() - seen <= SEEN_WITHIN_S:
             raise Problem(409, "stop-not-seen", LOOK_FIRST)
         released = asyncio.Event()
@@ -129,7 +121,7 @@ def robot_router(system: System, hub: Hub) -> APIRouter:
                 await asyncio.wait_for(released.wait(), CONFIRM_WITHIN_S)
         finally:
             detach()
-        return Json({"e_stop": "released", "stamp": system.clock.now()})
+        return Json(EStop("released", system.clock.now()))
 
     return router
 
@@ -142,71 +134,63 @@ def _refuse_recording(hub: Hub) -> None:
 def program_router(system: System, hub: Hub) -> APIRouter:
     """Routes of ``/modules``, ``/channels`` and ``/health``."""
     router = api_router("program")
-    recorder = RecorderReport(system)
+    recorder = RecorderWatch(system)
 
     @router.get("/modules", response_model=ModuleList, summary="Modules, their load and counters")
     async def list_modules() -> Response:
         load = system.load.latest
-        return Json(
-            {
-                "stamp": load.stamp,
-                "process_cpu": round(load.process, 2),
-                "modules": reports.ModuleReport(system).sample(),
-            }
-        )
+        return Json(ModuleList(load.stamp, round(load.process, 2), reports.ModuleMeter(system).sample()))
 
-    @router.get("/modules/{name}", response_model=ModuleModel, summary="One module", responses=problems(404))
+    @router.get("/modules/{name}", response_model=ModuleReport, summary="One module", responses=problems(404))
     async def get_module(name: Annotated[str, Path(min_length=1, examples=["QRCodeDetector"])]) -> Response:
         slot = system.graph.modules.get(name)
         if slot is None:
             known = ", ".join(system.graph.modules)
             raise Problem(404, "no-such-module", f"No module is called {name}; there are: {known}.")
-        return Json(reports.ModuleReport(system).module(slot))
+        return Json(reports.ModuleMeter(system).module(slot))
 
     @router.get("/channels", response_model=ChannelList, summary="Channels and how fresh they are")
     async def list_channels() -> Response:
         fresh = system.freshness.read(system.clock.now())
-        return Json({"channels": [channel_json(system.graph, name, fresh[name]) for name in system.graph.channels]})
+        return Json(ChannelList(tuple(_channel(system.graph, name, fresh[name]) for name in system.graph.channels)))
 
-    @router.get("/health", response_model=HealthModel, summary="Sign of life")
+    @router.get("/health", response_model=Health, summary="Sign of life")
     async def get_health() -> Response:
         """Open to all; `degraded` while a module does not run, the body is silent, or a recording has ended by itself,
         until that is stopped (`POST /recordings/stop`) or another begins."""
         problems = [
             f"{state.name}: {state.status}" for state in system.supervisor.states.values() if state.status != "running"
         ]
-        guard = reports.guard_json(hub.link_status, system.clock.now(), rate(system.clock), system.revival.problem)
-        if guard["state"] in ("silent", "sensor_failure"):
-            problems.append(guard["reason"])
+        guard = reports.guard(hub.link_status, system.clock.now(), rate(system.clock), system.body_restarter.problem)
+        if guard.state in ("silent", "sensor_failure"):
+            problems.append(guard.reason)
         if stopped := recorder.problem():
             problems.append(stopped)
-        status = "degraded" if problems else "ok"
-        return Json({"status": status, "stamp": system.clock.now(), "problems": problems})
+        return Json(Health("degraded" if problems else "ok", system.clock.now(), tuple(problems)))
 
     return router
 
 
-def channel_json(graph: Graph, name: str, freshness: Freshness) -> dict[str, Any]:
+def _channel(graph: Graph, name: str, freshness: Freshness) -> ChannelReport:
     """A channel of the table, how fresh it is, and its counters."""
     spec, channel = graph.specs[name], graph.channels[name]
-    statistics = channel.statistics()
-    told = reports.freshness_json(freshness)
-    return {
-        "name": name,
-        "title": spec.title,
-        "type": spec.message,
-        "frame": spec.frame,
-        "rate_hz": spec.rate_hz,
-        "expected_hz": told["expected_hz"],
-        "measured_hz": told["rate_hz"],
-        "decimable": spec.decimable,
-        "wanted": channel.wanted,
-        "producer": graph.producers.get(name),
-        "published": statistics.published,
-        "state": told["state"],
-        "age_ms": told["age_ms"],
-        "stale_after_ms": None if freshness.limit_s is None else round(1e3 * freshness.limit_s, 1),
-        "subscriptions": {
-            consumer: reports.subscription_json(counters) for consumer, counters in statistics.subscriptions.items()
+    statistics, fresh = channel.statistics(), reports.source_state(name, freshness)
+    return ChannelReport(
+        name=name,
+        title=spec.title,
+        type=spec.message,
+        frame=spec.frame,
+        rate_hz=spec.rate_hz,
+        expected_hz=fresh.expected_hz,
+        measured_hz=fresh.rate_hz,
+        decimable=spec.decimable,
+        wanted=channel.wanted,
+        producer=graph.producers.get(name),
+        published=statistics.published,
+        state=fresh.state,
+        age_ms=fresh.age_ms,
+        stale_after_ms=None if freshness.limit_s is None else round(1e3 * freshness.limit_s, 1),
+        subscriptions={
+            consumer: reports.subscription_counters(counters) for consumer, counters in statistics.subscriptions.items()
         },
-    }
+    )

@@ -10,27 +10,20 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 from fastapi import APIRouter, Header, Path, Request
 from fastapi.responses import Response
 
-from app.attention.serialize import desire_to_json
+from app.attention.desires import Desire
+from app.base.named_library import NAME
 from app.console.problems import Problem
-from app.console.recordings import RecorderReport, record, withdraw
+from app.console.recordings import RecorderWatch, record, withdraw
+from app.console.records.recordings import RecordingList, RecordingReport, ReplayReport, Saved, Withdrawn
 from app.console.replays import ReplayFailed, ReplayReplaced, Replays, reached_by
 from app.console.rest.answers import BYTES, Json, problems
 from app.console.rest.desires import DESIRE_LINKS, IN_SOMEBODYS_NAME, refuse_too_many, source_of
 from app.console.rest.download import MCAP, Download
 from app.console.rest.idempotency import KEY_LIMITS, IdempotencyStore
-from app.console.rest.models import DesireModel
-from app.console.rest.recording_models import (
-    NewRecording,
-    RecordingList,
-    ReplayModel,
-    Saved,
-    SaveRequest,
-    Withdrawn,
-)
+from app.console.rest.recording_models import NewRecording, SaveRequest
 from app.console.rest.routing import router as api_router
 from app.logs.catalog import Catalog, Recording
 from app.logs.control import RecorderUnavailable
-from app.logs.library import NAME
 from app.logs.log import LogError
 
 if TYPE_CHECKING:
@@ -47,7 +40,7 @@ def recordings_router(system: System, replays: Replays, played: FilePath | None 
     """Routes of ``/recordings``; ``played`` is the file of the recording that this console is a replay of."""
     router = api_router("recordings")
     catalog = Catalog(system.recordings)
-    report = RecorderReport(system)
+    report = RecorderWatch(system)
     store = IdempotencyStore(system.clock.now)
 
     @router.get("/recordings", response_model=RecordingList, summary="List all recordings")
@@ -56,18 +49,18 @@ def recordings_router(system: System, replays: Replays, played: FilePath | None 
         found = await _on_disk(catalog.recordings)
         free = await _on_disk(system.recordings.free_bytes)
         return Json(
-            {
-                "folder": str(system.recordings.folder),
-                "free_bytes": free,
-                "recorder": report.json(),
-                "replay": _replay_json(replays, request),
-                "recordings": [_recording_json(recording, report) for recording in found],
-            }
+            RecordingList(
+                folder=str(system.recordings.folder),
+                free_bytes=free,
+                recorder=report.report(),
+                replay=_replay(replays, request),
+                recordings=tuple(_recording(each, report) for each in found),
+            )
         )
 
     @router.post(
         "/recordings",
-        response_model=DesireModel,
+        response_model=Desire,
         status_code=201,
         summary="Record",
         openapi_extra=IN_SOMEBODYS_NAME,
@@ -118,20 +111,15 @@ def recordings_router(system: System, replays: Replays, played: FilePath | None 
             intensity=new.intensity,
             utility=new.utility,
         )
-        answer, location = desire_to_json(desire), f"/api/v1/desires/{desire.id}"
-        store.remember(idempotency_key, body, location, answer)
-        return Json(answer, status_code=201, headers={"Location": location})
+        location = f"/api/v1/desires/{desire.id}"
+        store.remember(idempotency_key, body, location, desire)
+        return Json(desire, status_code=201, headers={"Location": location})
 
     @router.post("/recordings/stop", response_model=Withdrawn, summary="Stop recording")
     async def stop_recording() -> Response:
         """Withdraws every desire of class Record that came over the console. Needs no body. May be repeated."""
         ours, remaining = withdraw(system)
-        return Json(
-            {
-                "withdrawn": [desire.id for desire in ours],
-                "remaining": [desire_to_json(desire) for desire in remaining],
-            }
-        )
+        return Json(Withdrawn(tuple(desire.id for desire in ours), tuple(remaining)))
 
     @router.post(
         "/recordings/save",
@@ -154,7 +142,7 @@ def recordings_router(system: System, replays: Replays, played: FilePath | None 
             raise Problem(409, "no-ring", f"Nothing can be saved: {refusal}.") from None
         except LogError as failure:
             raise Problem(507, "recording-not-saved", f"The ring was not saved: {failure}") from None
-        return Json({"name": name}, status_code=201, headers={"Location": f"/api/v1/recordings/{name}"})
+        return Json(Saved(name), status_code=201, headers={"Location": f"/api/v1/recordings/{name}"})
 
     @router.get(
         "/recordings/{name}",
@@ -198,7 +186,7 @@ def recordings_router(system: System, replays: Replays, played: FilePath | None 
 
     @router.post(
         "/recordings/{name}/replay",
-        response_model=ReplayModel,
+        response_model=ReplayReport,
         status_code=201,
         summary="Replay a recording",
         responses=problems(404, 409, 422, 502),
@@ -213,8 +201,8 @@ def recordings_router(system: System, replays: Replays, played: FilePath | None 
             raise Problem(409, "replay-replaced", f"{name} is not replayed: {refusal}.") from None
         except ReplayFailed as failure:
             raise Problem(502, "replay-failed", f"{name} cannot be replayed: {failure}") from None
-        running = _replay_json(replays, request)
-        if running is None or running["name"] != name:
+        running = _replay(replays, request)
+        if running is None or running.name != name:
             raise Problem(409, "replay-replaced", f"{name} is not replayed any more: it was ended meanwhile.")
         return Json(running, status_code=201)
 
@@ -258,32 +246,33 @@ def _same(path: FilePath, other: FilePath) -> bool:
         return False
 
 
-def _recording_json(recording: Recording, report: RecorderReport) -> dict[str, Any]:
+def _recording(recording: Recording, report: RecorderWatch) -> RecordingReport:
     ours, status = report.writes(recording.name), report.status
-    return {
-        "name": recording.name,
-        "bytes": recording.bytes,
-        "duration_s": _rounded(status.duration_s if ours else recording.duration_s),
-        "began": status.began if ours else recording.begin,
-        "state": "recording" if ours else recording.state,
-        "robot": recording.robot,
-    }
+    return RecordingReport(
+        name=recording.name,
+        bytes=recording.bytes,
+        duration_s=_rounded(status.duration_s if ours else recording.duration_s),
+        began=status.began if ours else recording.begin,
+        state="recording" if ours else recording.state,
+        robot=recording.robot,
+    )
 
 
 def _rounded(seconds: float | None) -> float | None:
     return None if seconds is None else round(seconds, 3)
 
 
-def _replay_json(replays: Replays, request: Request) -> dict[str, Any] | None:
+def _replay(replays: Replays, request: Request) -> ReplayReport | None:
     if (current := replays.current) is None:
         return None
     name, url = current
-    return {"name": name, "url": reached_by(url, request.url.scheme, request.url.hostname)}
+    return ReplayReport(name, reached_by(url, request.url.scheme, request.url.hostname))
 
 
-def _need_recorder(report: RecorderReport) -> None:
+def _need_recorder(report: RecorderWatch) -> None:
     if not report.available:
-        why = (report.json() or {}).get("reason") or "this program has no Recorder at work, or no strategy for it"
+        now = report.report()
+        why = (now.reason if now is not None else "") or "this program has no Recorder at work, or no strategy for it"
         raise Problem(409, "recorder-missing", f"Nothing can be recorded: {why}.")
 
 

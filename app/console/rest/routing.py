@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections import Counter
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable, Coroutine, Iterable
 from typing import Any
 
 from fastapi import APIRouter
@@ -16,6 +16,7 @@ from starlette.responses import Response
 
 from app.base.json_source import BeyondBounds, load_json
 from app.base.yaml_source import suggestion
+from app.console import schema
 from app.console.problems import Problem
 
 #: Pairs of these make one character; one alone is none, though JSON can say it.
@@ -27,9 +28,29 @@ def router(tag: str) -> APIRouter:
     return APIRouter(tags=[tag], route_class=_Route)
 
 
+def records(routers: Iterable[APIRouter]) -> list[type[Any]]:
+    """The records that the routes of ``routers`` answer with."""
+    routes = [route for router in routers for route in router.routes if isinstance(route, _Route)]
+    return [route.record for route in routes if route.record is not None]
+
+
 class _Route(APIRoute):
-    """A route that refuses what JSON leaves open (RFC 8259: names in an object should be unique), and parameters
-    that it does not know beside those that it does."""
+    """A route whose answer is a record.
+
+    It refuses what JSON leaves open (RFC 8259: names in an object should be unique), and parameters that it does not
+    know beside those that it does.
+    """
+
+    def __init__(self, path: str, endpoint: Callable[..., Any], *, response_model: Any = None, **options: Any) -> None:
+        """``response_model`` is the record; the route describes its answer by it, and leaves encoding to the answer."""
+        #: What it answers with; None: nothing, or no record.
+        self.record: type[Any] | None = response_model if isinstance(response_model, type) else None
+        if self.record is not None:
+            content = {"application/json": {"schema": {"$ref": schema.REFERENCE.format(name=self.record.__name__)}}}
+            status = options.get("status_code") or 200
+            responses = options.get("responses") or {}
+            options["responses"] = {**responses, status: {"content": content, **responses.get(status, {})}}
+        super().__init__(path, endpoint, response_model=None, **options)
 
     def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
         """The handler, which reads bodies our way."""

@@ -4,31 +4,39 @@ from __future__ import annotations
 
 from fastapi import APIRouter, Request
 from fastapi.responses import Response
+from pydantic import Field
 
 from app.console.access.auth import Door, cookie_fields, cookie_name
+from app.console.records.program import Session
 from app.console.rest.answers import Json, problems
-from app.console.rest.program_models import LoginRequest, SessionModel
+from app.console.rest.models import Request as RequestBody
 from app.console.rest.routing import router as api_router
+
+
+class LoginRequest(RequestBody):
+    """The console's token."""
+
+    token: str = Field(max_length=512)
 
 
 def session_router(door: Door) -> APIRouter:
     """Routes of ``/session``."""
     router = api_router("session")
 
-    @router.get("/session", response_model=SessionModel, summary="May I?", responses=problems(401, 429))
+    @router.get("/session", response_model=Session, summary="May I?", responses=problems(401, 429))
     async def get_session(request: Request) -> Response:
         """Answers if this client may use the console; 401 where it must log in."""
         if (refusal := door.refusal(request.scope)) is not None:
             raise refusal
-        return Json({"authenticated": True, "token_needed": door.asks})
+        return Json(Session(True, door.asks))
 
-    @router.post("/session", response_model=SessionModel, summary="Log in", responses=problems(400, 401, 422, 429))
+    @router.post("/session", response_model=Session, summary="Log in", responses=problems(400, 401, 422, 429))
     async def log_in(login: LoginRequest, request: Request) -> Response:
         """Begins a session and sets its cookie, which no script can read and no other site can use, until the browser
         is closed. The session is over when nothing was asked in it for 12 hours, at the logout, or with the console.
         After five wrong tokens an address waits, longer with each further one."""
         session = door.log_in(login.token, request.scope)
-        answer = Json({"authenticated": True, "token_needed": door.asks})
+        answer = Json(Session(True, door.asks))
         if session is not None:
             answer.set_cookie(cookie_name(request.scope), session, **cookie_fields(request.scope))
         return answer

@@ -6,8 +6,8 @@ from fastapi import APIRouter
 from fastapi.responses import Response
 
 from app.console.live.hub import Hub
+from app.console.records.program import PageReport, ViewerList, ViewReport
 from app.console.rest.answers import Json
-from app.console.rest.program_models import ViewerList
 from app.console.rest.routing import router as api_router
 from app.console.view.view import View
 
@@ -25,27 +25,27 @@ def viewers_router(hub: Hub, view: View) -> APIRouter:
             # A recording's clock does not show when a page said something.
             age_s = None if hub.driving.recording else viewer.age.last.age_s
             pages.append(
-                {
-                    "operator": viewer.operator,
-                    "driving": viewer.session == driver,
-                    "rtt_ms": viewer.rtt_ms,
-                    "late_ms": None if age_s is None else round(1e3 * age_s, 1),
-                    "waits": hub.waits(viewer),
-                    "waiting": counters.waiting,
-                    "sent": counters.taken,
-                    "replaced": counters.replaced,
-                }
+                PageReport(
+                    operator=viewer.operator,
+                    driving=viewer.session == driver,
+                    rtt_ms=viewer.rtt_ms,
+                    late_ms=None if age_s is None else round(1e3 * age_s, 1),
+                    waits=hub.waits(viewer),
+                    waiting=counters.waiting,
+                    sent=counters.taken,
+                    replaced=counters.replaced,
+                )
             )
-        views = [
-            {
-                "viewer": look.viewer,
-                "lag_ms": None if look.budget.lag_s is None else round(1e3 * look.budget.lag_s, 1),
-                "points": int(look.budget.points),
-                "period_ms": round(1e3 * look.budget.period_s, 1),
-                "sent_bytes": look.sent_bytes,
-            }
+        views = tuple(
+            ViewReport(
+                viewer=look.viewer,
+                lag_ms=None if look.budget.lag_s is None else round(1e3 * look.budget.lag_s, 1),
+                points=int(look.budget.points),
+                period_ms=round(1e3 * look.budget.period_s, 1),
+                sent_bytes=look.sent_bytes,
+            )
             for look in view.looks
-        ]
-        return Json({"pages": pages, "views": views})
+        )
+        return Json(ViewerList(tuple(pages), views))
 
     return router

@@ -94,11 +94,11 @@ def _arrow(sound: PlacedSound, now: float) -> Arrow:
     return Arrow(
         _rounded(sound.p_OA),
         _turned(math.atan2(y, x), math.atan2(z, math.hypot(x, y))),
-        length,
-        _rounded((a + length * x, b + length * y, c + length * z)),
-        color,
-        _opacity(sound, now),
-        f"{what} · {range_m:.1f} m" if known else what,
+        length=length,
+        head=_rounded((a + length * x, b + length * y, c + length * z)),
+        color=color,
+        opacity=_opacity(sound, now),
+        text=f"{what} · {range_m:.1f} m" if known else what,
     )
 
 

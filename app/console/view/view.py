@@ -107,7 +107,7 @@ class View:
         if self._playback is not None:
             self._end_watch = self._playback.on_jump(lambda _: self._on_jump())
         else:
-            self._end_watch = self._system.revival.observe(lambda problem: None if problem else self._on_jump())
+            self._end_watch = self._system.body_restarter.observe(lambda problem: None if problem else self._on_jump())
         if self._early:
             self._start()
 
@@ -296,16 +296,16 @@ class View:
                 world = World(
                     robot,
                     joints,
-                    self._placed,
-                    self._cloud,
-                    self._landmarks,
-                    perceived,
-                    latest("localization"),
-                    latest("map"),
-                    latest("zones"),
-                    latest("path") if report is not None and len(report.path) else None,
-                    _goal(report),
-                    self._fresh_costmap(),
+                    scan=self._placed,
+                    cloud=self._cloud,
+                    landmarks=self._landmarks,
+                    perceived=perceived,
+                    localization=latest("localization"),
+                    map=latest("map"),
+                    zones=latest("zones"),
+                    path=latest("path") if report is not None and len(report.path) else None,
+                    goal=_goal(report),
+                    costmap=self._fresh_costmap(),
                 )
                 self._painter.show(world)
             await self._system.pace.sleep(PERIOD_S)

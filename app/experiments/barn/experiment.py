@@ -1,4 +1,4 @@
-"""The BARN worlds crossed one after another, a few at a time, and kept so that a broken run goes on where it ended."""
+"""The BARN experiment: worlds crossed in parallel trials, with stored results so that a broken run can be resumed."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from app.experiments.barn.result import WorldResult
 from app.experiments.barn.trial import Drive, Trial, cross, desire_goal
 from app.experiments.barn.worlds import BarnWorld, Worlds, chosen, load_worlds
 from app.experiments.pool import Trials
-from app.experiments.results_store import KeptResults, program_digest
+from app.experiments.results_store import ResultsStore, program_digest
 
-Told = Callable[[WorldResult, int, int], None]
-"""Told each result as it comes, how many there are, and of how many."""
+OnResult = Callable[[WorldResult, int, int], None]
+"""OnResult each result as it comes, how many there are, and of how many."""
 
 
 @dataclass(frozen=True, slots=True)
 class BarnPlan:
-    """What to run: the ``chosen`` worlds of a file by the program of ``config``, ``jobs`` at a time.
+    """What to run: the ``chosen`` worlds of a file with the program of ``config``, ``jobs`` at a time.
 
-    ``digest`` tells whether it is the same program.
+    ``digest``: identifies the program.
     """
 
     worlds: Worlds
@@ -35,7 +35,7 @@ class BarnPlan:
     overrides: dict[str, dict[str, object]] = field(default_factory=dict)
 
     def of(self) -> dict[str, object]:
-        """What results are of: equal where they may be put together."""
+        """Identity of the results: results may be combined if it is equal."""
         return {
             "experiment": "barn",
             "worlds": self.worlds.digest,
@@ -61,32 +61,40 @@ def plan(
     config = config or paths.config_dir() / "jackal.yaml"
     if not config.is_file():
         raise ConfigError("there is no such file", str(config))
-    return BarnPlan(file, chosen(file, only), config, jobs, program_digest(config), seed, overrides or {})
+    return BarnPlan(
+        file,
+        chosen(file, only),
+        config=config,
+        jobs=jobs,
+        digest=program_digest(config),
+        seed=seed,
+        overrides=overrides or {},
+    )
 
 
-def run(what: BarnPlan, kept: KeptResults, told: Told, drive: Drive = desire_goal) -> tuple[WorldResult, ...]:
-    """Cross what has not been crossed yet, and return the results of all that is planned, in the plan's order.
+def run(what: BarnPlan, kept: ResultsStore, on_result: OnResult, drive: Drive = desire_goal) -> tuple[WorldResult, ...]:
+    """Run the worlds without a result, and return the results of the whole plan, in its order.
 
-    Raises ConfigError, TrialLost, and any mistake of the program's own.
+    Raises ConfigError, TrialLost, and any programming error.
     """
     results = _done(kept, what.chosen)
     left = [world for world in what.chosen if world.name not in results]
     trials = [Trial(what.config, world, what.worlds.max_mps, what.seed, what.overrides) for world in left]
     if trials:
-        compiled.make_ready()  # before any child wants it
+        compiled.make_ready()  # before the children start
     for _, result in Trials(functools.partial(cross, drive=drive), trials, what.jobs):
         kept.add(result.document())
         results[result.world] = result
-        told(result, len(results), len(what.chosen))
+        on_result(result, len(results), len(what.chosen))
     return tuple(results[world.name] for world in what.chosen)
 
 
-def done(what: BarnPlan, kept: KeptResults) -> tuple[WorldResult, ...]:
-    """The results that are there already, of the worlds planned."""
+def done(what: BarnPlan, kept: ResultsStore) -> tuple[WorldResult, ...]:
+    """The stored results of the planned worlds."""
     return tuple(_done(kept, what.chosen).values())
 
 
-def _done(kept: KeptResults, worlds: Sequence[BarnWorld]) -> dict[str, WorldResult]:
+def _done(kept: ResultsStore, worlds: Sequence[BarnWorld]) -> dict[str, WorldResult]:
     wanted = {world.name for world in worlds}
     found = {}
     for document in kept.found:
@@ -94,7 +102,7 @@ def _done(kept: KeptResults, worlds: Sequence[BarnWorld]) -> dict[str, WorldResu
             result = WorldResult.of(document)
         except (KeyError, TypeError, ValueError) as failure:
             raise ConfigError(
-                f"holds a line that is no result ({failure}); --fresh begins anew", str(kept.file)
+                f"holds a line that is no result ({failure}); --fresh starts again", str(kept.file)
             ) from None
         if result.world in wanted:
             found[result.world] = result

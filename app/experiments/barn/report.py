@@ -1,4 +1,4 @@
-"""The challenge's table, and pictures of worlds with the way that was driven."""
+"""The BARN challenge's table, and pictures of worlds with the driven path."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 
 from app.base.errors import ConfigError
-from app.experiments.barn.result import OUTCOMES, Summary, WorldResult
+from app.experiments.barn.result import OUTCOMES, BarnSummary, WorldResult
 from app.experiments.barn.worlds import BarnWorld
 
 _SAID = {"success": "successes", "collision": "collisions", "timeout": "timeouts", "failed": "failed"}
@@ -22,7 +22,7 @@ _BLUE, _RED, _GREY = "#1b4965", "#ca6702", "#8d99ae"
 
 def table(results: Sequence[WorldResult]) -> str:
     """The summary as Markdown."""
-    summary = Summary.of(results)
+    summary = BarnSummary.of(results)
     rows = [("worlds", str(summary.worlds))]
     rows += [(f"{_SAID[outcome]}, %", f"{100 * summary.shares[outcome]:.1f}") for outcome in OUTCOMES]
     rows += [

@@ -1,4 +1,4 @@
-"""What came of one world, and the challenge's score of it."""
+"""Result of one world, and the challenge's score."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ OUTCOMES: tuple[Outcome, ...] = ("success", "collision", "timeout", "failed")
 class WorldResult:
     """One crossing. ``time_s`` since the goal was given; ``optimal_s`` is T*, the path's length at full speed.
 
-    ``reason``: what was hit, or what navigation said last; ``story``: all that it said, with the time (s). ``driven_m``
-    is the length of the way; ``trace`` has time (s), x, y (m) and heading (rad) in the world, ten times a second.
-    ``wall_s``: real seconds it took.
+    ``reason``: the object hit, or the last status of navigation; ``story``: all statuses, with the time (s).
+    ``driven_m``: length of the path; ``trace``: time (s), x, y (m) and heading (rad) in the world at 10 Hz. ``wall_s``:
+    real time (s).
     """
 
     world: str
@@ -45,7 +45,7 @@ class WorldResult:
 
     @classmethod
     def of(cls, document: dict[str, Any]) -> WorldResult:
-        """Back from JSON. Raises KeyError, TypeError or ValueError for what is none."""
+        """The result of a JSON document. Raises KeyError, TypeError or ValueError for an invalid one."""
         fields = {name: document[name] for name in cls.__dataclass_fields__}
         fields["trace"] = tuple(tuple(float(v) for v in row) for row in fields["trace"])
         fields["story"] = tuple((float(time_s), str(said)) for time_s, said in fields["story"])
@@ -55,8 +55,8 @@ class WorldResult:
 
 
 @dataclass(frozen=True, slots=True)
-class Summary:
-    """Of many worlds: shares in [0, 1], the mean time (s) of those that succeeded (NaN if none), the mean score."""
+class BarnSummary:
+    """Summary of many worlds: shares in [0, 1], mean time (s) of the successful ones (NaN if none), mean score."""
 
     worlds: int
     shares: dict[str, float]
@@ -64,7 +64,7 @@ class Summary:
     score: float
 
     @classmethod
-    def of(cls, results: Sequence[WorldResult]) -> Summary:
+    def of(cls, results: Sequence[WorldResult]) -> BarnSummary:
         """The summary of ``results``."""
         count = len(results)
         times = [result.time_s for result in results if result.outcome == "success"]
@@ -76,5 +76,5 @@ class Summary:
         )
 
     def document(self) -> dict[str, Any]:
-        """As JSON has it: no NaN."""
+        """As JSON, without NaN."""
         return asdict(self) | {"mean_time_s": None if math.isnan(self.mean_time_s) else self.mean_time_s}

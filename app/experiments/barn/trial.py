@@ -1,4 +1,4 @@
-"""One world crossed by the whole program in lockstep: mapped, planned and driven by what the configuration says."""
+"""One trial: the whole program crosses a world in lockstep, with the configured mapping, planning and driving."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from app.base.errors import ConfigError
 from app.base.geometry import Pose2
 from app.experiments.barn.result import Outcome, WorldResult
 from app.experiments.barn.worlds import BarnWorld
-from app.experiments.lockstep import WorldRun, run_in_world, with_settings
+from app.experiments.world_run import WorldRun, run_in_world, with_settings
 from app.maps.library import MapLibrary
 from app.messages import NavigationStatus
 from app.program.config import load_configuration
@@ -24,7 +24,7 @@ from app.robots.config import RobotConfig
 from app.robots.factory import load_body
 
 SETTLE_S = 1.0
-"""The robot stands for so long, and sees where it is, before it is given its goal."""
+"""Time (s) at rest before the goal is given, for the first scans."""
 LOOK_S = 0.02
 TRACE_S = 0.1
 _STORY = 60
@@ -33,9 +33,9 @@ _EXPERIMENT = Source("operator", "the experiment")
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """What to run: the program of ``config`` in ``world``; ``max_mps`` is the speed that T* is reckoned with.
+    """What to run: the program of ``config`` in ``world``; ``max_mps``: speed used for T*.
 
-    ``overrides`` are settings of modules, by module, that stand in for the configuration's.
+    ``overrides``: settings of modules, by module, in place of the configured ones.
     """
 
     config: Path
@@ -46,7 +46,7 @@ class Trial:
 
 
 Drive = Callable[[WorldRun, Pose2], Awaitable[None]]
-"""Gives the robot its goal (m, on its map); what it awaits goes on beside the trial."""
+"""Gives the robot its goal (m, on its map); runs beside the trial."""
 
 
 async def desire_goal(run: WorldRun, goal: Pose2) -> None:
@@ -55,7 +55,7 @@ async def desire_goal(run: WorldRun, goal: Pose2) -> None:
 
 
 def cross(trial: Trial, drive: Drive = desire_goal) -> WorldResult:
-    """Run ``trial`` to its end. Raises ConfigError, and any mistake of the program's own."""
+    """Run ``trial`` to its end. Raises ConfigError, and any programming error."""
     began = time.monotonic()
     world = trial.world
     configuration = with_settings(load_configuration(trial.config), trial.overrides)
@@ -64,21 +64,21 @@ def cross(trial: Trial, drive: Drive = desire_goal) -> WorldResult:
     if not isinstance(body, RobotConfig):
         raise ConfigError("is no simulated robot", str(robot_file))
     body = body.model_copy(update={"start": world.start_pose(), "scenario": None, "seed": trial.seed})
-    watch = _Watch(world, world.length_m / trial.max_mps)
+    watch = _CrossingObserver(world, world.length_m / trial.max_mps)
     with tempfile.TemporaryDirectory(prefix="hbba-barn-") as folder:
         maps = MapLibrary(Path(folder))
-        run_in_world(configuration, body, lambda run: watch.live(run, drive), world=world.build(), maps=maps)
+        run_in_world(configuration, body, lambda run: watch.observe(run, drive), world=world.build(), maps=maps)
     return watch.result(time.monotonic() - began)
 
 
 def goal_on_the_map(world: BarnWorld) -> Pose2:
-    """The goal (m) on the map of a robot that begins its map where it starts."""
+    """The goal (m) on the map of a robot whose map begins at its start pose."""
     back = world.X_WO.inverse() @ Pose2(*world.goal)
     return Pose2(back.x, back.y)
 
 
-class _Watch:
-    """Looks on at one crossing, and knows the truth."""
+class _CrossingObserver:
+    """Observes one crossing with the ground truth."""
 
     def __init__(self, world: BarnWorld, optimal_s: float) -> None:
         self._world = world
@@ -92,11 +92,11 @@ class _Watch:
         self._began = math.inf
         self._wanted = False
 
-    async def live(self, run: WorldRun, drive: Drive) -> None:
-        """Settle, give the goal, and look until it is reached, something is hit or time is over."""
+    async def observe(self, run: WorldRun, drive: Drive) -> None:
+        """Settle, give the goal, and observe until it is reached, an object is hit or the time is over."""
         channel = run.system.graph.channels.get("navigation")
         if channel is not None:
-            channel.observe(self._hear)
+            channel.observe(self._take_status)
         if "SLAM" in run.system.classes:
             run.system.workspace.add("SLAM", intensity=8, utility=1, source=_EXPERIMENT)
         await run.system.clock.sleep(SETTLE_S)
@@ -112,7 +112,7 @@ class _Watch:
             await asyncio.wait({driving})
 
     def result(self, wall_s: float) -> WorldResult:
-        """What came of it."""
+        """The result of the crossing."""
         said, trace = self._said, self._trace
         return WorldResult(
             world=self._world.name,
@@ -145,12 +145,12 @@ class _Watch:
             return False
         self._note(pose)
         if self._outcome != "success" and self._said is not None:
-            told = _told(self._said)
-            self._reason = f"{self._reason}; {told}" if self._reason else told
+            text = _event_text(self._said)
+            self._reason = f"{self._reason}; {text}" if self._reason else text
         return True
 
     def _gave_up(self, run: WorldRun) -> bool:
-        """Whether the program has ended the desire that there was."""
+        """Whether the program has removed the goal's desire."""
         wanted = any(desire.cls == "GoTo" for desire in run.system.workspace.desires())
         self._wanted |= wanted
         return self._wanted and not wanted
@@ -158,16 +158,16 @@ class _Watch:
     def _note(self, pose: Pose2) -> None:
         self._trace.append((round(self._time_s, 3), round(pose.x, 3), round(pose.y, 3), round(pose.theta, 3)))
 
-    def _hear(self, message: NavigationStatus) -> None:
+    def _take_status(self, message: NavigationStatus) -> None:
         before = self._said
         if message.goal is None:
-            return  # before there is one, or after it was given up: what counts is what was said about it
+            return  # statuses before or after the goal do not count
         self._said = message
         if len(self._story) >= _STORY:
             return
         if before is None or (before.state, before.reason) != (message.state, message.reason):
-            self._story.append((round(message.stamp - self._began, 2), _told(message)))
+            self._story.append((round(message.stamp - self._began, 2), _event_text(message)))
 
 
-def _told(status: NavigationStatus) -> str:
+def _event_text(status: NavigationStatus) -> str:
     return f"{status.state}: {status.reason}".strip(": ")

@@ -1,8 +1,8 @@
-"""Worlds as the BARN challenge has them (Perille et al., SSRR 2020): cylinders, a start, a goal, and a path there.
+"""Worlds of the BARN challenge (Perille et al., SSRR 2020): cylinders, a start, a goal, and a path between them.
 
-A file of worlds is JSON: ``{"robot": {"max_v": 2.0}, "worlds": [{"id": 1, "cylinders": [[x, y, radius], ...],
-"start": [x, y, yaw], "goal": [x, y], "goal_tolerance": 1.0, "timeout_s": 100, "path": [[x, y], ...]}, ...]}``, metres
-and radians. What else stands in it is passed over.
+A file of worlds is JSON: ``{"robot": {"max_v": 2.0}, "worlds": [{"id": 1, "cylinders": [[x, y, radius], ...], "start":
+[x, y, yaw], "goal": [x, y], "goal_tolerance": 1.0, "timeout_s": 100, "path": [[x, y], ...]}, ...]}``, metres and
+radians. Other keys are ignored.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ from app.base.yaml_source import validation_message
 from app.robots.config import StartPose
 from app.robots.simulated.world_config import CylindersConfig, LightConfig, MaterialConfig, WorldConfig
 
-#: How high the cylinders are (m): above any laser on such a robot.
+#: Height of the cylinders (m): above the laser of such a robot.
 HEIGHT_M = 1.0
-#: A file of worlds is no larger: the benchmark's 300 take a hundredth of it.
+#: Greatest size of a file of worlds: the benchmark's 300 take a hundredth of it.
 _MOST_BYTES = 100_000_000
 
 _Number = Annotated[float, Field(allow_inf_nan=False)]
@@ -40,13 +40,13 @@ class _Model(BaseModel):
 
 
 class BarnRobot(_Model):
-    """Of the robot that the worlds were made for, what the score needs."""
+    """Properties of the worlds' robot that the score needs."""
 
     max_v: _Positive = 2.0
 
 
 class BarnWorld(_Model):
-    """One world. ``id`` names it; ``path`` is a way from the start to the goal, from which the score is reckoned."""
+    """One world. ``id``: its name; ``path``: a path from the start to the goal, which defines T*."""
 
     id: int | str
     cylinders: tuple[tuple[_Number, _Number, _Positive], ...]
@@ -74,12 +74,12 @@ class BarnWorld(_Model):
 
     @property
     def name(self) -> str:
-        """The id as people write it."""
+        """The id as text."""
         return str(self.id)
 
     @property
     def length_m(self) -> float:
-        """Of the path that the file knows, or of the straight line if it knows none."""
+        """Length of the file's path, or of the straight line without one."""
         if self.path_length is not None:
             return self.path_length
         if len(self.path) > 1:
@@ -88,22 +88,22 @@ class BarnWorld(_Model):
 
     @property
     def X_WO(self) -> Pose2:
-        """Where the robot starts in the world, and its map with it."""
+        """The robot's start in the world, which is also the origin of its map."""
         return Pose2(*self.start)
 
     def start_pose(self) -> StartPose:
-        """The start as a body's configuration has it."""
+        """The start in a body's configuration."""
         x, y, yaw = self.start
         return StartPose(x=x, y=y, heading_deg=math.degrees(yaw))
 
     def build(self) -> WorldConfig:
-        """The world for the simulator: an even floor and the cylinders."""
+        """The world for the simulator: a flat floor and the cylinders."""
         alike: dict[float, list[tuple[float, float]]] = {}
         for x, y, radius in self.cylinders:
             alike.setdefault(radius, []).append((x, y))
         return WorldConfig(
             name=f"BARN {self.name}",
-            size=(1.0, 1.0),  # of what is drawn: the ground itself has no end
+            size=(1.0, 1.0),  # of the drawn area: the ground plane is infinite
             floor="floor",
             materials={"floor": MaterialConfig(color=(150, 150, 148)), "post": MaterialConfig(color=(60, 104, 168))},
             cylinders=tuple(
@@ -114,7 +114,7 @@ class BarnWorld(_Model):
         )
 
 
-class _File(_Model):
+class _WorldsFile(_Model):
     robot: BarnRobot = BarnRobot()
     worlds: Annotated[tuple[BarnWorld, ...], Field(min_length=1)]
 
@@ -131,7 +131,7 @@ class _File(_Model):
 
 @dataclass(frozen=True, slots=True)
 class Worlds:
-    """A file of worlds: ``max_mps`` is the robot's greatest speed, ``digest`` tells whether it is the same file."""
+    """A file of worlds: ``max_mps``: the robot's greatest speed; ``digest``: identifies the file."""
 
     file: Path
     worlds: tuple[BarnWorld, ...]
@@ -140,7 +140,7 @@ class Worlds:
 
 
 def load_worlds(path: Path) -> Worlds:
-    """Read a file of worlds. Raises ConfigError, naming the world and the value that cannot be."""
+    """Read a file of worlds. Raises ConfigError, naming the world and the invalid value."""
     try:
         raw = read_plain(path, _MOST_BYTES)
         document = load_json(raw.decode("utf-8"))
@@ -153,7 +153,7 @@ def load_worlds(path: Path) -> Worlds:
     except BeyondBounds as failure:
         raise ConfigError(f"is not read: {failure}", str(path)) from None
     try:
-        file = _File.model_validate(document)
+        file = _WorldsFile.model_validate(document)
     except ValidationError as failure:
         raise ConfigError(_problem(document, failure), str(path)) from None
     return Worlds(path, file.worlds, file.robot.max_v, hashlib.sha256(raw).hexdigest()[:16])
@@ -188,7 +188,7 @@ def _problem(document: object, failure: ValidationError) -> str:
     """The first mistake in one sentence that names the world."""
     detail = failure.errors(include_url=False)[0]
     where = list(detail["loc"])
-    what = validation_message(_File, detail, "a JSON object")
+    what = validation_message(_WorldsFile, detail, "a JSON object")
     if len(where) > 1 and where[0] == "worlds" and isinstance(where[1], int) and isinstance(document, dict):
         world = document["worlds"][where[1]]
         named = f"world {world['id']}" if isinstance(world, dict) and "id" in world else f"world number {where[1] + 1}"

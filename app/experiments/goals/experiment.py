@@ -1,4 +1,4 @@
-"""Goals in the lab among people: drawn at random, given in shifts of some, kept so that a broken run goes on."""
+"""The goals experiment: random goals in the lab among people, in runs of several, with stored results for resuming."""
 
 from __future__ import annotations
 
@@ -12,24 +12,24 @@ import numpy as np
 from app.base import compiled, paths
 from app.base.errors import ConfigError
 from app.base.geometry import Pose2
-from app.experiments.goals.goal_run import MAP, Shift, seeing, simulated_body, work
+from app.experiments.goals.goal_run import MAP, GoalRun, seeing, simulated_body, work
 from app.experiments.goals.reachable_floor import survey
 from app.experiments.goals.result import GoalResult
 from app.experiments.goals.tour import Tour, drive
 from app.experiments.pool import TrialSeries
-from app.experiments.results_store import KeptResults, program_digest
+from app.experiments.results_store import ResultsStore, program_digest
 from app.program.config import load_configuration
 from app.robots.factory import simulated_parts
 
-#: A shift's goals are given one after another in one life of the program; shifts run beside each other. One that was
-#: broken off begins anew, so that it is the same as an unbroken one: a few goals are soon repeated.
+#: Goals per run, given one after another to one instance of the program; runs are parallel. An interrupted run restarts
+#: from its begin, so that its results equal those of an uninterrupted one.
 SHIFT_GOALS = 5
-#: Goals lie where the robot has so much room (m) beyond its outermost corner, and so far (m) from the one before.
+#: Least clearance (m) of a goal beyond the robot's outermost corner, and least distance (m) from the goal before.
 SPARE_M, LEAST_M = 0.12, 2.0
 TOLERANCE_M, TOLERANCE_RAD, SLACK_M = 0.25, 0.2, 0.05
 PATIENCE_S = 300.0
 
-Told = Callable[[GoalResult, int, int], None]
+OnResult = Callable[[GoalResult, int, int], None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +46,8 @@ class GoalsPlan:
     digest: str
 
     def of(self) -> dict[str, object]:
-        """What results are of: equal where they may be put together. More goals of one seed begin with the fewer."""
+        """Identity of the results: results may be combined if it is equal. A larger count continues the same sequence
+        of goals."""
         return {
             "experiment": "goals",
             "program": str(self.config.resolve()),
@@ -77,54 +78,60 @@ def plan(
         )
     simulated_parts(simulated_body(config, scenario))
     tour = folder / "scenarios" / "mapping.yaml"
-    return GoalsPlan(config, scenario, tour, count, seed, jobs, cameras, program_digest(config))
+    return GoalsPlan(
+        config, scenario, tour=tour, count=count, seed=seed, jobs=jobs, cameras=cameras, digest=program_digest(config)
+    )
 
 
-def run(what: GoalsPlan, kept: KeptResults, told: Told, began: Callable[[str], None]) -> tuple[GoalResult, ...]:
-    """Give every goal that was not given yet; returns the results of all that are planned, by number.
+def run(
+    what: GoalsPlan, kept: ResultsStore, on_result: OnResult, began: Callable[[str], None]
+) -> tuple[GoalResult, ...]:
+    """Run the goals without a result; returns the results of the whole plan, by number.
 
-    ``began`` is told what is done that takes long. Raises ConfigError, TrialLost, ScriptBlocked, MapUnavailable, and
-    any mistake of the program's own.
+    ``began(text)`` is called at the begin of each long step. Raises ConfigError, TrialLost, ScriptBlocked,
+    MapUnavailable, and any programming error.
     """
     results = _done(kept, what.count)
     if len(results) < what.count:
-        compiled.make_ready()  # before any child wants it
+        compiled.make_ready()  # before the children start
     maps = kept.file.parent / "maps"
     if len(results) < what.count and (kept.moved or not (maps / MAP).is_dir()):
-        # Broken off, the tour must begin anew: what stood there is of another program.
+        # An interrupted tour restarts: its map is of another program.
         shutil.rmtree(maps / MAP, ignore_errors=True)
         maps.mkdir(exist_ok=True)
         for _, leg in TrialSeries(drive, [Tour(what.config, what.tour, maps, what.cameras)], 1):
             began(leg)
-    shifts = [shift for shift in _shifts(what, maps) if any(number not in results for number, _ in shift.goals)]
+    goal_runs = [
+        goal_run for goal_run in _goal_runs(what, maps) if any(number not in results for number, _ in goal_run.goals)
+    ]
     began("going to goals")
-    for _, result in TrialSeries(work, shifts, what.jobs):
+    for _, result in TrialSeries(work, goal_runs, what.jobs):
         if result.number in results:
             continue
         kept.add(result.document())
         results[result.number] = result
-        told(result, len(results), what.count)
+        on_result(result, len(results), what.count)
     return tuple(results[number] for number in range(1, what.count + 1))
 
 
-def done(what: GoalsPlan, kept: KeptResults) -> tuple[GoalResult, ...]:
-    """The results that are there already, of the goals planned."""
+def done(what: GoalsPlan, kept: ResultsStore) -> tuple[GoalResult, ...]:
+    """The stored results of the planned goals."""
     return tuple(_done(kept, what.count).values())
 
 
-def _shifts(what: GoalsPlan, maps: Path) -> list[Shift]:
-    """Every goal of the plan, in shifts; each begins at the robot's usual place."""
+def _goal_runs(what: GoalsPlan, maps: Path) -> list[GoalRun]:
+    """Every goal of the plan, in runs; each run begins at the robot's usual start pose."""
     body, world, _ = simulated_parts(seeing(simulated_body(what.config, what.scenario)))
     origin = Pose2(body.start.x, body.start.y, np.deg2rad(body.start.heading_deg))
     ground = survey(world, body)
     reach = max(float(np.hypot(x, y)) for x, y in body.footprint)
     cells = ground.reachable(origin, reach + SPARE_M)
-    shifts = []
+    goal_runs = []
     for number in range(0, what.count, SHIFT_GOALS):
         rng = np.random.default_rng([what.seed, number])
         drawn = ground.draw(cells, SHIFT_GOALS, origin, LEAST_M, rng)[: what.count - number]
-        shifts.append(
-            Shift(
+        goal_runs.append(
+            GoalRun(
                 config=what.config,
                 scenario=what.scenario,
                 maps=maps,
@@ -139,16 +146,16 @@ def _shifts(what: GoalsPlan, maps: Path) -> list[Shift]:
                 patience_s=PATIENCE_S,
             )
         )
-    return shifts
+    return goal_runs
 
 
-def _done(kept: KeptResults, count: int) -> dict[int, GoalResult]:
+def _done(kept: ResultsStore, count: int) -> dict[int, GoalResult]:
     found = {}
     for document in kept.found:
         try:
             result = GoalResult.of(document)
         except (KeyError, TypeError, ValueError) as failure:
-            problem = f"holds a line that is no result ({failure}); --fresh begins anew"
+            problem = f"holds a line that is no result ({failure}); --fresh starts again"
             raise ConfigError(problem, str(kept.file)) from None
         if result.number <= count:
             found[result.number] = result

@@ -1,4 +1,4 @@
-"""One shift of the robot in the lab: brought to its place with its map, it is given goals, one after another."""
+"""One run of the goals experiment: the robot starts on its map and gets one goal after another."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from app.attention.desires import Source
 from app.base.errors import ConfigError
 from app.base.geometry import Pose2, wrap_angle
 from app.experiments.goals.result import GoalResult, Outcome, clearance
-from app.experiments.lockstep import WorldRun, run_in_world
+from app.experiments.world_run import WorldRun, run_in_world
 from app.maps.control import MapUnavailable
 from app.maps.library import MapLibrary
 from app.messages import NavigationStatus
@@ -26,17 +26,18 @@ from app.runtime.clock import Clock
 LOOK_S = 0.1
 MAP = "lab"
 UNCONCERNED = ("ScenarioCoordinator",)
-"""Modules that would have the robot look for codes and faces meanwhile."""
+"""Modules that are left out: they would search for codes and faces meanwhile."""
 _EXPERIMENT = Source("operator", "the experiment")
 _STORY = 40
 
 
 @dataclass(frozen=True, slots=True)
-class Shift:
+class GoalRun:
     """What to run: ``goals`` with their numbers, in the world, one after another from ``start``.
 
     ``maps``: the folder of maps, where one called ``MAP`` begins at ``origin`` in the world. ``tolerance_m`` and
-    ``tolerance_rad`` are desired, ``slack_m`` is allowed beyond (the map is no truer). ``patience_s``: of one goal.
+    ``tolerance_rad``: those of the desire; ``slack_m``: allowed in addition, for the map's error. ``patience_s``: time
+    limit per goal.
     """
 
     config: Path
@@ -54,7 +55,7 @@ class Shift:
 
 
 def simulated_body(config: Path, scenario: Path | None) -> RobotConfig:
-    """The body of a program, in ``scenario``. Raises ConfigError where it is not simulated."""
+    """The program's body, in ``scenario``. Raises ConfigError for a body that is not simulated."""
     configuration = load_configuration(config)
     robot = configuration.path(configuration.program.robot)
     body = load_body(robot)
@@ -64,47 +65,47 @@ def simulated_body(config: Path, scenario: Path | None) -> RobotConfig:
 
 
 def seeing(body: RobotConfig) -> RobotConfig:
-    """``body`` with the one camera that navigation looks through: what only others see by is not drawn."""
+    """``body`` with only the camera that navigation uses, to save rendering."""
     return body.model_copy(update={"streams": body.streams.model_copy(update={"imv": None})})
 
 
-def work(shift: Shift, give: Callable[[GoalResult], None]) -> None:
-    """Work ``shift`` to its end; each result is given as soon as it is there.
+def work(run_spec: GoalRun, give: Callable[[GoalResult], None]) -> None:
+    """Run ``run_spec``; ``give`` gets each result at once.
 
-    Raises ConfigError, and any mistake of the program's own.
+    Raises ConfigError, and any programming error.
     """
-    body = seeing(simulated_body(shift.config, shift.scenario))
+    body = seeing(simulated_body(run_spec.config, run_spec.scenario))
     start = body.start.model_copy(
-        update={"x": shift.start.x, "y": shift.start.y, "heading_deg": math.degrees(shift.start.theta)}
+        update={"x": run_spec.start.x, "y": run_spec.start.y, "heading_deg": math.degrees(run_spec.start.theta)}
     )
-    body = body.model_copy(update={"start": start, "seed": shift.seed})
-    configuration = load_configuration(shift.config)
+    body = body.model_copy(update={"start": start, "seed": run_spec.seed})
+    configuration = load_configuration(run_spec.config)
     run_in_world(
         configuration,
         body,
-        lambda run: _live(run, shift, body.footprint, give),
-        cameras=shift.cameras,
+        lambda run: _run_goals(run, run_spec, body.footprint, give),
+        cameras=run_spec.cameras,
         without=UNCONCERNED,
-        maps=MapLibrary(shift.maps),
+        maps=MapLibrary(run_spec.maps),
     )
 
 
-async def _live(
-    run: WorldRun, shift: Shift, footprint: tuple[tuple[float, float], ...], give: Callable[[GoalResult], None]
+async def _run_goals(
+    run: WorldRun, run_spec: GoalRun, footprint: tuple[tuple[float, float], ...], give: Callable[[GoalResult], None]
 ) -> None:
     workspace = run.system.workspace
     workspace.add("SLAM", intensity=8, utility=1, source=_EXPERIMENT)
-    X_MB = shift.origin.inverse() @ shift.start
+    X_MB = run_spec.origin.inverse() @ run_spec.start
     await _take_map(run, X_MB)
-    last = shift.start
-    for number, goal in shift.goals:
-        watch = _Watch(run, shift, footprint)
+    last = run_spec.start
+    for number, goal in run_spec.goals:
+        watch = _GoalObserver(run, run_spec, footprint)
         give(await watch.go(number, last, goal))
         last = run.link.true_pose()
 
 
 async def _take_map(run: WorldRun, X_MB: Pose2) -> None:
-    """Load the map once its keeper is there, and wait until the robot knows where it is."""
+    """Load the map once the map server is running, and wait until the robot is localized."""
     clock: Clock = run.system.clock
     for _ in range(100):
         if run.system.map.available:
@@ -124,12 +125,12 @@ async def _take_map(run: WorldRun, X_MB: Pose2) -> None:
         end()
 
 
-class _Watch:
-    """Gives one goal and looks on, knowing the truth."""
+class _GoalObserver:
+    """Gives one goal and observes it with the ground truth."""
 
-    def __init__(self, run: WorldRun, shift: Shift, footprint: tuple[tuple[float, float], ...]) -> None:
+    def __init__(self, run: WorldRun, run_spec: GoalRun, footprint: tuple[tuple[float, float], ...]) -> None:
         self._run = run
-        self._shift = shift
+        self._run_spec = run_spec
         self._footprint = footprint
         self._said: NavigationStatus | None = None
         self._story: list[tuple[float, str]] = []
@@ -137,22 +138,22 @@ class _Watch:
         self._people_m: float | None = None
         self._driven_m = 0.0
         self._last = run.link.true_pose()
-        self._touched = self._told = len(run.link.contacts)
+        self._touched = self._reported_contacts = len(run.link.contacts)
 
     async def go(self, number: int, last: Pose2, goal: Pose2) -> GoalResult:
-        """Desire ``goal`` (world) and wait until the program has ended the desire, or patience is over."""
-        shift, system = self._shift, self._run.system
-        on_map = shift.origin.inverse() @ goal
+        """Desire ``goal`` (world) and wait until the program ends the desire, or ``patience_s`` is over."""
+        run_spec, system = self._run_spec, self._run.system
+        on_map = run_spec.origin.inverse() @ goal
         with contextlib.ExitStack() as stack:
             for name in ("navigation", "going_toward"):
                 if (channel := system.graph.channels.get(name)) is not None:
-                    stack.callback(channel.observe(self._hear))
+                    stack.callback(channel.observe(self._take_status))
             params = {
                 "x": on_map.x, "y": on_map.y, "heading": on_map.theta,
-                "tolerance_m": shift.tolerance_m, "tolerance_rad": shift.tolerance_rad,
+                "tolerance_m": run_spec.tolerance_m, "tolerance_rad": run_spec.tolerance_rad,
             }  # fmt: skip
             desire = system.workspace.add("GoTo", intensity=8, utility=1, params=params, source=_EXPERIMENT)
-            while self._wanted(desire.id) and system.clock.now() - self._began < shift.patience_s:
+            while self._wanted(desire.id) and system.clock.now() - self._began < run_spec.patience_s:
                 self._look()
                 await system.clock.sleep(LOOK_S)
             late = self._wanted(desire.id)
@@ -188,8 +189,8 @@ class _Watch:
             return "timeout"
         if self._said is None or self._said.state != "arrived":
             return "given up"
-        shift = self._shift
-        near = error_m <= shift.tolerance_m + shift.slack_m and abs(error_rad) <= shift.tolerance_rad + 0.05
+        run_spec = self._run_spec
+        near = error_m <= run_spec.tolerance_m + run_spec.slack_m and abs(error_rad) <= run_spec.tolerance_rad + 0.05
         return "reached" if near else "missed"
 
     def _look(self) -> None:
@@ -204,14 +205,14 @@ class _Watch:
             if self._people_m is None or room < self._people_m:
                 self._people_m = room
 
-        for contact in self._run.link.contacts[self._told :]:
-            self._told += 1
+        for contact in self._run.link.contacts[self._reported_contacts :]:
+            self._reported_contacts += 1
             x, y, _ = contact.at
             at = contact.X_WB.inverse() @ Pose2(x, y)
             where = f"at ({x:.2f}, {y:.2f}), ({at.x:.2f}, {at.y:.2f}) of the body"
             self._note(contact.stamp, f"touched {contact.what} {where}, going {went / LOOK_S:.2f} m/s")
 
-    def _hear(self, message: NavigationStatus) -> None:
+    def _take_status(self, message: NavigationStatus) -> None:
         if message.goal is None:
             return
         before, self._said = self._said, message

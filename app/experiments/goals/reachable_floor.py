@@ -1,4 +1,4 @@
-"""Where the robot can stand and go in the world: the truth, from the world's own shapes, for whoever draws goals."""
+"""Reachable floor of the world by its own shapes (ground truth), for drawing goals."""
 
 from __future__ import annotations
 
@@ -19,23 +19,23 @@ from app.robots.simulated.world_config import WorldConfig
 
 CELL_M = 0.05
 _STEP_M = 0.02
-"""What is lower is driven over: carpets, sills."""
+"""Height (m) of shapes that the robot drives over: carpets, sills."""
 _SHIFT = 4
 _PARTS = 1 << _SHIFT
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Ground:
+class ReachableFloor:
     """The floor of a world, from its origin on, in cells of ``CELL_M``.
 
-    ``room`` (rows along y, columns along x) float64: the distance (m) from each cell's middle to the nearest thing that
-    a body of that height touches, or to the floor's edge.
+    ``room`` (rows along y, columns along x) float64: distance (m) from each cell's middle to the nearest shape that a
+    body of that height touches, or to the floor's edge.
     """
 
     room: NDArray[np.float64]
 
     def reachable(self, start: Pose2, room_m: float) -> NDArray[np.bool_]:
-        """The cells that a disc of radius ``room_m`` gets to from ``start``. Raises ValueError if there are none."""
+        """The cells that a disc of radius ``room_m`` can reach from ``start``. Raises ValueError if there are none."""
         labels, _ = ndimage.label(self.room > room_m)
         here = labels[_cell(start.y), _cell(start.x)]
         if here == 0:
@@ -59,8 +59,8 @@ class Ground:
         return goals
 
 
-def survey(world: WorldConfig, robot: RobotConfig) -> Ground:
-    """The ground of ``world`` for ``robot``, nobody being in it: every shape is drawn as its box is seen from above."""
+def survey(world: WorldConfig, robot: RobotConfig) -> ReachableFloor:
+    """The floor of ``world`` for ``robot``, without people: every shape counts as its bounding box in plan view."""
     base = TrueBase(robot.base.wheel_radius_m, robot.base.wheel_radius_m, robot.base.track_m)
     simulation = build_simulation(robot, world, base)
     model, data = simulation.model, simulation.data
@@ -73,7 +73,7 @@ def survey(world: WorldConfig, robot: RobotConfig) -> Ground:
             outline = cv2.convexHull((corners[:, :2] / CELL_M * _PARTS).round().astype(np.int32))
             cv2.fillConvexPoly(taken, outline, 1, shift=_SHIFT)
     room = ndimage.distance_transform_edt(np.pad(taken == 0, 1)) * CELL_M
-    return Ground(np.asarray(room[1:-1, 1:-1]))
+    return ReachableFloor(np.asarray(room[1:-1, 1:-1]))
 
 
 def _cell(place: float) -> int:

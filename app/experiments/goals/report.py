@@ -1,16 +1,16 @@
-"""The experiment's table, and why goals were not reached."""
+"""The experiment's table, and the reasons of failed goals."""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
 
-from app.experiments.goals.result import GoalResult, Summary
+from app.experiments.goals.result import GoalResult, GoalsSummary
 
 
 def table(results: Sequence[GoalResult]) -> str:
     """The summary as Markdown."""
-    s = Summary.of(results)
+    s = GoalsSummary.of(results)
     outcomes = Counter(result.outcome for result in results)
     rows = [
         ("goals", str(s.goals)),
@@ -29,7 +29,7 @@ def table(results: Sequence[GoalResult]) -> str:
 
 
 def failures(results: Sequence[GoalResult]) -> list[str]:
-    """A line for each goal that was not reached, and for each on whose way something was touched."""
+    """A line for each failed goal, and for each goal with a contact on its way."""
     lines = []
     for result in results:
         x, y, _ = result.goal

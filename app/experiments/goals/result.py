@@ -1,4 +1,4 @@
-"""What came of one goal, and of many."""
+"""Results of one goal, and of many."""
 
 from __future__ import annotations
 
@@ -8,16 +8,15 @@ from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 Outcome = Literal["reached", "missed", "given up", "timeout"]
-"""``missed``: the robot believed to have arrived and stood elsewhere."""
+"""``missed``: the robot reported arrival at another place."""
 
 
 @dataclass(frozen=True, slots=True)
 class GoalResult:
-    """One goal: ``goal`` and ``end`` are x, y (m) and heading (rad) in the world, the truth.
-
-    ``error_m``, ``error_rad``: how far the end lies from the goal. ``touched`` lists what the body touched on the way;
-    ``people_m`` is the least distance from its outline to somebody's trunk. ``left_m``: from the place before to the
-    goal, straight. ``reason``: what navigation said last, where the goal was not reached.
+    """One goal: ``goal`` and ``end`` are x, y (m) and heading (rad) in the world, by ground truth. ``error_m``,
+    ``error_rad``: distance of the end from the goal. ``touched``: objects touched on the way; ``people_m``: least
+    distance from the robot's outline to a person's trunk. ``left_m``: straight distance from the start to the goal.
+    ``reason``: last status of navigation for a goal that was not reached.
     """
 
     number: int
@@ -41,7 +40,7 @@ class GoalResult:
 
     @classmethod
     def of(cls, document: dict[str, Any]) -> GoalResult:
-        """Back from JSON. Raises KeyError, TypeError or ValueError for what is none."""
+        """The result of a JSON document. Raises KeyError, TypeError or ValueError for an invalid one."""
         fields = {name: document[name] for name in cls.__dataclass_fields__}
         for name in ("goal", "end"):
             x, y, heading = fields[name]
@@ -52,8 +51,9 @@ class GoalResult:
 
 
 @dataclass(frozen=True, slots=True)
-class Summary:
-    """Of many goals. ``with_contact`` counts goals on whose way something was touched; times are of those reached."""
+class GoalsSummary:
+    """Summary of many goals. ``with_contact``: number of goals with a contact on the way; times are of the reached
+    goals."""
 
     goals: int
     reached: int
@@ -67,7 +67,7 @@ class Summary:
     worst_error_rad: float | None
 
     @classmethod
-    def of(cls, results: Sequence[GoalResult]) -> Summary:
+    def of(cls, results: Sequence[GoalResult]) -> GoalsSummary:
         """The summary of ``results``."""
         reached = [result for result in results if result.outcome == "reached"]
         people = [result.people_m for result in results if result.people_m is not None]
@@ -91,7 +91,8 @@ class Summary:
 
 
 def clearance(outline: Sequence[tuple[float, float]], x: float, y: float, radius_m: float) -> float:
-    """From a convex ``outline`` (counter-clockwise, m) to a disc at (``x``, ``y``): m, negative where they overlap."""
+    """Distance (m) from a convex ``outline`` (counter-clockwise, m) to a disc at (``x``, ``y``), negative where they
+    overlap."""
     inside, least = True, math.inf
     for (ax, ay), (bx, by) in zip(outline, (*outline[1:], outline[0]), strict=True):
         ex, ey, px, py = bx - ax, by - ay, x - ax, y - ay

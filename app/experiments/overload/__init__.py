@@ -1,1 +1,1 @@
-"""What falls behind without attention on a computer that is too small, and what attention keeps (thesis 4.4.2)."""
+"""The overload experiment: a computer too small for everything, without and with attention (thesis 4.4.2)."""

@@ -1,4 +1,4 @@
-"""A small computer made of a large one: the program on one core, the body's world on the others."""
+"""Confinement: the program on one core, or a share of it, and the body's world on the others."""
 
 from __future__ import annotations
 
@@ -13,25 +13,25 @@ import psutil
 from app.base.child_processes import python
 from app.base.errors import ConfigError
 
-#: CPU shares differ by this factor from one step of niceness to the next (Linux, sched(7)).
+#: Ratio of CPU shares per step of niceness (Linux, sched(7)).
 NICE_STEP = 1.25
-#: A busy neighbour, which ends with the one who started it, however that ends: nobody is left with a core that is gone.
+#: Source of a process that keeps a core busy; it ends with its parent, however the parent ends.
 _BUSY = """
 import os, sys
 while os.getppid() == int(sys.argv[1]):
     for _ in range(100000):
         pass
 """
-#: With more than this share of a core nobody else need be given work.
+#: Share of a core from which no other process is needed.
 WHOLE = 99.0
 
 
 @contextlib.contextmanager
 def confined(body: int, budget: float) -> Iterator[None]:
-    """Keep this process on the first of its cores, with ``budget`` % of that; process ``body`` on the others.
+    """Keep this process on the first of its cores, with ``budget`` % of it; the process ``body`` on the others.
 
-    Less than a whole core is had by giving a busy neighbour the rest, by niceness: the scheduler gives this process its
-    share whenever both want the core. Undone at the end. Raises ConfigError where it cannot be.
+    A share below a whole core is enforced by a busy process of suitable niceness, which gets the rest whenever both
+    run. Undone at the end. Raises ConfigError where it is impossible.
     """
     if not hasattr(os, "sched_setaffinity"):
         raise ConfigError("a program can be kept on one core on Linux alone", "hbba experiment overload")
@@ -55,11 +55,11 @@ def confined(body: int, budget: float) -> Iterator[None]:
 
 
 def neighbours_niceness(budget: float) -> list[int]:
-    """The niceness of each busy neighbour that leaves ``budget`` % (0 to 100) of a core to a process of niceness 0.
+    """Niceness of each busy process that leaves ``budget`` % (0 to 100) of a core to a process of niceness 0.
 
-    One neighbour where it may be nice, several where we are to have less than half.
+    One process for shares above half, several below.
     """
-    weight = 100.0 / budget - 1.0  # of all neighbours together, ours being 1
+    weight = 100.0 / budget - 1.0  # total weight of the busy processes, relative to 1 for this process
     count = max(1, math.ceil(weight))
     niceness = round(-math.log(weight / count) / math.log(NICE_STEP))
     return [min(19, max(0, niceness))] * count
@@ -68,7 +68,7 @@ def neighbours_niceness(budget: float) -> list[int]:
 def _neighbours(budget: float, cores: set[int]) -> list[subprocess.Popen[bytes]]:
     started = []
     for niceness in neighbours_niceness(budget):
-        # In this session, or Linux would share the core out among sessions first (autogroup).
+        # In this session: Linux shares a core among sessions first (autogroup).
         process = subprocess.Popen(python("-c", _BUSY, str(os.getpid())), stdin=subprocess.DEVNULL)
         os.sched_setaffinity(process.pid, cores)
         os.setpriority(os.PRIO_PROCESS, process.pid, niceness)
@@ -81,7 +81,7 @@ def _family(process: int) -> list[int]:
 
 
 def _keep(process: int, cores: set[int]) -> None:
-    """Every thread of ``process``; those it starts later follow whoever starts them."""
+    """Set the cores of every thread of ``process``; later threads inherit them."""
     for thread in psutil.Process(process).threads():
-        with contextlib.suppress(ProcessLookupError):  # it has just ended
+        with contextlib.suppress(ProcessLookupError):  # the process has just ended
             os.sched_setaffinity(thread.id, cores)

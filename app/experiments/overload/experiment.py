@@ -1,8 +1,8 @@
-"""The same trial twice on a computer too small for everything: every filter open, then with attention.
+"""One trial in two conditions on a computer too small for everything: all filters open, then with attention.
 
-The thesis's trials (4.4.2) were run with and without perceptual filtering on a robot whose computer could not do it
-all: without, loops missed their rate and the robot stuttered. Here the program is kept on one core (or a share of it),
-the world on the others; the scenario's script drives the robot, people walk, talk and clap.
+The thesis's trials (4.4.2) compared both on a robot with too little CPU: without filtering, loops missed their rate and
+the robot stuttered. Here the program is confined to one core (or a share of it), the world to the others; the
+scenario's script drives the robot, people walk, talk and clap.
 """
 
 from __future__ import annotations
@@ -19,20 +19,20 @@ from app.experiments.script import ScriptBlocked, Waypoint, drive_script, load_s
 from app.experiments.simulated import SimulatedProgram, simulated_program
 from app.runtime.graph import Pin
 
-#: Before anything is measured, everything has started and the first pictures have come.
+#: Time (s) before the measurement, for all modules to start.
 SETTLE_S = 3.0
 PERIOD_S = 0.25
-#: What an operator who watches wants.
+#: Desires of an operator who watches.
 WATCHING = ("Telepresence",)
-#: Nothing is recorded here: a recorder's inputs are no perception's.
+#: Left out: a Recorder's inputs are no perception's.
 NOT_PERCEPTION = ("Recorder",)
 
-Told = Callable[[str, float], None]
+OnProgress = Callable[[str, float], None]
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
-    """What to run: the program in its world, the script, for how long, with how much of a core."""
+class OverloadPlan:
+    """What to run: the program in its world, the script, the duration, the share of a core."""
 
     program: SimulatedProgram
     script: tuple[Waypoint, ...]
@@ -40,20 +40,21 @@ class Plan:
     budget: float
 
 
-def plan(config: Path | None, scenario: Path | None, seconds: float, budget: float) -> Plan:
+def plan(config: Path | None, scenario: Path | None, seconds: float, budget: float) -> OverloadPlan:
     """Read everything. Raises ConfigError."""
     program = simulated_program(config, scenario)
-    return Plan(program, load_script(program.scenario), seconds, budget)
+    return OverloadPlan(program, load_script(program.scenario), seconds, budget)
 
 
-def run(what: Plan, told: Told) -> tuple[Outcome, Outcome]:
-    """Without attention, then with it. ``told(condition, part)`` says how far it is. Raises LinkFailed, ConfigError."""
-    without = asyncio.run(_condition(what, False, lambda part: told("everything at φ = 1", part / 2)))
-    kept = asyncio.run(_condition(what, True, lambda part: told("with attention", 0.5 + part / 2)))
+def run(what: OverloadPlan, on_progress: OnProgress) -> tuple[Outcome, Outcome]:
+    """Without attention, then with it. ``on_progress(condition, share)`` reports progress in [0, 1]. Raises LinkFailed,
+    ConfigError."""
+    without = asyncio.run(_condition(what, False, lambda part: on_progress("everything at φ = 1", part / 2)))
+    kept = asyncio.run(_condition(what, True, lambda part: on_progress("with attention", 0.5 + part / 2)))
     return without, kept
 
 
-async def _condition(what: Plan, attention: bool, told: Callable[[float], None]) -> Outcome:
+async def _condition(what: OverloadPlan, attention: bool, on_progress: Callable[[float], None]) -> Outcome:
     system, link = what.program.system()
     clock = system.clock
     if not attention:
@@ -73,7 +74,7 @@ async def _condition(what: Plan, attention: bool, told: Callable[[float], None])
             began = clock.now()
             try:
                 while (passed := clock.now() - began) < what.seconds:
-                    told(passed / what.seconds)
+                    on_progress(passed / what.seconds)
                     await clock.sleep(PERIOD_S)
             finally:
                 how = _how(driving)
@@ -83,7 +84,7 @@ async def _condition(what: Plan, attention: bool, told: Callable[[float], None])
 
 
 def _how(driving: asyncio.Task[None]) -> str:
-    """How far the script came: a robot that its computer starves may well not come through. Raises its mistakes."""
+    """Progress of the script as text: a robot without enough CPU may not finish it. Raises its programming errors."""
     if not driving.done():
         return "under way"
     try:

@@ -1,4 +1,4 @@
-"""The experiment's table and picture: what fell behind without attention, what was kept with it."""
+"""Table and picture of the overload experiment."""
 
 from __future__ import annotations
 
@@ -52,16 +52,16 @@ def table(without: Outcome, kept: Outcome) -> str:
     return "\n".join(lines)
 
 
-#: More than this much of a core taken by other programs, and it is they who are measured.
+#: CPU of other programs (% of a core) above which the figures are doubtful.
 OTHERS = 25.0
 
 
 def doubts(outcomes: Sequence[Outcome], budget: float) -> list[str]:
-    """Why these figures do not count, in sentences; empty where they do."""
+    """Reasons why the figures are not valid, as sentences; empty if they are."""
     said = []
     for outcome in outcomes:
         what = "with attention" if outcome.attention else "with everything at φ = 1"
-        ours = outcome.others_cpu - (100.0 - budget)  # a smaller share is had by a busy neighbour of our own
+        ours = outcome.others_cpu - (100.0 - budget)  # without the busy process of the confinement
         if ours > OTHERS:
             said.append(f"other programs took {ours:.0f} % of a core meanwhile ({what})")
         if outcome.world_rate < 0.9:
@@ -70,7 +70,7 @@ def doubts(outcomes: Sequence[Outcome], budget: float) -> list[str]:
 
 
 def plot(without: Outcome, kept: Outcome, path: Path) -> None:
-    """Ages over time, ages' spread and CPU. Raises OSError where it cannot be written."""
+    """Draw ages over time, distributions of ages, and CPU. Raises OSError if the file cannot be written."""
     figure = Figure(figsize=(11, 7), layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.subplot_mosaic([["faces", "bars"], ["exploitation", "bars"]], width_ratios=[1.4, 1])

@@ -66,7 +66,7 @@ class Csv:
 
     @contextmanager
     def writer(self, channel: LoggedChannel, target: Target) -> Iterator[Write]:
-        """One table."""
+        """Write one table."""
         name = f"{channel.name}.csv"
         target.check(name)
         columns = list(self._columns.get(channel.name, {}))

@@ -20,14 +20,14 @@ from numpy.typing import NDArray
 from app.log_tools.export.png import rgb_of
 from app.log_tools.export.target import Target, Unsurveyed, Write
 from app.logs.log import LogError, LoggedChannel
-from app.logs.output import DiskTrouble, disk_trouble
+from app.logs.output_file import DiskTrouble, disk_trouble
 from app.messages import EncodedImage, Image
 
 if TYPE_CHECKING:
     from av import VideoStream
 
 SLOWEST_HZ, FASTEST_HZ = 1.0, 60.0
-#: So long (s) an image may usually be on its way.
+#: Usual upper limit (s) of an image's delay from capture to arrival.
 LATE_S = 0.5
 #: Ticks a second of a video's own clock, the usual one.
 CLOCK_HZ = 90_000
@@ -41,12 +41,12 @@ class Video(Protocol):
         ...
 
     def close(self) -> str:
-        """End the file; returns what it is, for people. Raises DiskTrouble where it could not be written."""
+        """End the file; returns a summary for people. Raises DiskTrouble if it could not be written."""
         ...
 
 
 class Mp4(Unsurveyed):
-    """``<channel>.mp4``; it begins with the first image, and lies within the time that is asked for.
+    """``<channel>.mp4``; it begins with the first image, and is within the requested time.
 
     An image may arrive long after it was captured, from a busy computer: one captured more than ``LATE_S`` before that
     time is shown from its begin on, until the next.
@@ -58,7 +58,7 @@ class Mp4(Unsurveyed):
 
     @contextmanager
     def writer(self, channel: LoggedChannel, target: Target) -> Iterator[Write]:
-        """One video."""
+        """Write one video."""
         name = f"{channel.name}.mp4"
         target.check(name)
         video: Video | None = None

@@ -52,7 +52,7 @@ class Pcd(Unsurveyed):
 def cloud_of(message: PointCloud | LaserScan | Image) -> tuple[Points, Mapping[str, Points]]:
     """Points (N, 3) float32 in ``base_link``, m, and further columns (N,) float32 by name.
 
-    Only what was measured: rays that met something between ``range_min`` and ``range_max``, pixels with depth.
+    Only measured points: rays with a return between ``range_min`` and ``range_max``, pixels with depth.
     """
     if isinstance(message, PointCloud):
         return message.points, {"rgb": packed(message.colors)}

@@ -1,4 +1,4 @@
-"""What a format must be able to do, and where its files go."""
+"""The interface of export formats, and the folder of their files."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from app.logs.log import LogError, LoggedChannel
-from app.logs.output import check_new, replacing
+from app.logs.output_file import check_new, replacing
 
 #: Takes the next message of a channel.
 Write = Callable[[Any], None]
@@ -35,7 +35,7 @@ class Target:
         check_new(self.folder / name, self.force)
 
     def subfolder(self, name: str) -> Target:
-        """A folder within, made if there is none; its files are told of in one line here. Raises LogError."""
+        """A folder within, created if needed; its files are summed up in one line here. Raises LogError."""
         path = self.folder / name
         if path.is_dir() and any(path.iterdir()) and not self.force:
             raise LogError(f"{path} has files already; --force adds to them and replaces, -o names another folder")
@@ -63,7 +63,7 @@ class Format(Protocol):
         ...
 
     def writer(self, channel: LoggedChannel, target: Target) -> AbstractContextManager[Write]:
-        """Write the messages of ``channel``. Whatever happens within, no half file is left. Raises LogError."""
+        """Write the messages of ``channel``. On any exception the unfinished file is deleted. Raises LogError."""
         ...
 
 

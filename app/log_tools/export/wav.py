@@ -17,16 +17,16 @@ from app.logs.log import LogError, LoggedChannel
 
 #: A piece that begins so much later than the one before ended has others missing in between; less is jitter.
 GAP_S = 0.02
-#: A source that was not heard for so long has gone; one of its number is another.
+#: Time (s) without sound after which a source has ended; a later one of its number is another.
 GONE_S = 10.0
 #: Of samples: the format's own lengths are of 32 bits, and count some bytes of header.
 MOST_BYTES = 2**32 - 1024
 
 
 class AudioMessage(Protocol):
-    """What a message must have to be sound: ``samples`` (N, C) int16 from ``stamp`` on, ``rate`` of them a second.
+    """Fields of a message with sound: ``samples`` (N, C) int16 from ``stamp`` on, ``rate`` of them a second.
 
-    Where it also has ``tracks`` (C of them), its columns are sources that come and go, each with a number of its own.
+    If it also has ``tracks`` (C of them), its columns are sources that come and go, each with a number of its own.
     """
 
     @property
@@ -46,15 +46,15 @@ class AudioMessage(Protocol):
 
 
 def is_audio(message_type: type[Any]) -> bool:
-    """Whether messages of this class are sound, told by their fields."""
+    """Whether messages of this class hold sound, by their fields."""
     return _has(message_type, {"stamp", "samples", "rate"})
 
 
 class Wav(Unsurveyed):
-    """``<channel>.wav``, or ``<channel>/track-<number>.wav`` for each source of separated sound.
+    """Writes ``<channel>.wav``, or ``<channel>/track-<number>.wav`` for each source of separated sound.
 
-    Where pieces are missing there is silence, so that a file lasts as long as it took; a source's file begins with its
-    first sample. Another source that has its number 10 s later or more has a file of its own, ``track-<number>-2.wav``.
+    Missing pieces become silence, so that the file has the duration of the sound; a source's file begins with its first
+    sample. Another source that gets the same number 10 s later or more has a file of its own, ``track-<number>-2.wav``.
     """
 
     def accepts(self, message_type: type[Any]) -> bool:
@@ -63,7 +63,7 @@ class Wav(Unsurveyed):
 
     @contextmanager
     def writer(self, channel: LoggedChannel, target: Target) -> Iterator[Write]:
-        """One file, or one for each track; rate and number of channels are those of the first message."""
+        """Write one file, or one for each track; rate and number of channels are those of the first message."""
         with ExitStack() as files:
             if _has(channel.message_type, {"tracks"}):
                 yield files.enter_context(_Tracks(channel.name, target.subfolder(channel.name))).write
@@ -160,8 +160,8 @@ class _Sound:
         if self._wave is not None:
             self._wave.close()
 
-    def told(self) -> str:
-        """What it is, for people."""
+    def summary(self) -> str:
+        """A summary for people."""
         quiet = f", {self._silence / self._rate:.1f} s of it silence for what is missing" if self._silence else ""
         channels = "1 channel" if self._channels == 1 else f"{self._channels} channels"
         return f"{self._frames / self._rate:.1f} s, {channels} at {self._rate} Hz{quiet}"
@@ -179,7 +179,7 @@ def _file(title: str, target: Target, name: str) -> Iterator[_Sound]:
         if not sound.begun:  # without a message it has no header to close with
             part.unlink()
             return
-    target.written.append(f"{target.folder / name}: {sound.told()}")
+    target.written.append(f"{target.folder / name}: {sound.summary()}")
 
 
 def _has(message_type: type[Any], names: set[str]) -> bool:

@@ -1,7 +1,7 @@
 """CARMEN laser logs: text, one message per line, plain or packed by gzip.
 
-There is no index in such a log: it is gone through once when it is opened, which counts its messages and its damage
-and notes where one may begin to read. Memory stays bounded, whatever the log's length.
+Such a log has no index: one pass at its opening counts messages and damage and notes marks where reading can begin.
+Memory stays bounded, whatever the log's length.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ import numpy as np
 from app.base.geometry import Pose2, Pose3
 from app.base.plain_file import open_plain
 from app.logs.importers.carmen_clock import ASSUMED_PERIOD_S, Advance, CarmenClock, Clock
-from app.logs.importers.carmen_lines import KINDS, Beams, Odom, Param, parse
+from app.logs.importers.carmen_lines import KINDS, CarmenOdometry, CarmenScan, Param, parse
 from app.logs.importers.range_limit import FarEnd
 from app.logs.log import LogError, Logged, LoggedChannel, LogInfo
 from app.logs.manifest import Manifest
@@ -33,15 +33,16 @@ from app.messages import LaserScan, Odometry, read_only
 _LONGEST_LINE = 1 << 20
 #: and one that is longer than this is no line of a log: a packed file may hold gigabytes of nothing.
 _NO_LINE = 64_000_000
-#: So much is kept of the name of a line and of what is wrong with one (characters), and of so many names.
+#: Characters kept of the name of a line and of its mistake, and the number of names kept.
 _LONGEST_KIND, _LONGEST_COMPLAINT, _MOST_KINDS = 40, 200, 1_000
 #: Bytes between the places where reading may begin.
 _MARK_EVERY = 1 << 20
 #: A message is logged less than this (s) after its capture.
 _LATENCY_S = 1.0
-#: Lines that are looked at for telling when a log begins.
+#: Lines that are read to find when a log begins.
 _FIRST_LINES = 21
-#: From here on (m) a reading of SICK's LMS is one of its codes for "nothing seen", in centimetres or millimetres.
+#: From this value (m) on, a reading of SICK's LMS is one of its codes for "nothing seen", in centimetres or
+#: millimetres.
 _LMS_CODES_CM = 80.0
 _LMS_CODES_MM = (8.183, 8.192)
 _RANGE_MIN_M = 0.01
@@ -65,7 +66,7 @@ def is_carmen(head: bytes) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class _Mark:
-    """Here one may begin to read: ``offset`` (bytes of text), and what was known there."""
+    """A mark where reading can begin: ``offset`` (bytes of text), and the state of the reader there."""
 
     offset: int
     clock: Clock
@@ -74,7 +75,7 @@ class _Mark:
 
 @dataclass(slots=True)
 class _Survey:
-    """What going through a log once found."""
+    """Facts from one pass through a log."""
 
     kinds: Counter[str]
     untimed: Counter[str]
@@ -88,7 +89,7 @@ class _Survey:
     #: Readings that are no distance, and lines that say no maximum range, by kind.
     blank: Counter[str]
     wordless: Counter[str]
-    #: What is said of stamps that go back, and of times that are of no use.
+    #: Notes about stamps that go back, and about unusable times.
     back: str
     wrong_times: str
     marks: list[_Mark]
@@ -124,15 +125,22 @@ class CarmenLog:
             for name, (kind, count) in counts.items()
         }
         self._info = LogInfo(
-            path, "CARMEN", survey.begin, survey.end, channels, path.stat().st_size, self._ignored(),
-            self._notes(), not survey.wrong_times,
-        )  # fmt: skip
+            path,
+            "CARMEN",
+            begin=survey.begin,
+            end=survey.end,
+            channels=channels,
+            bytes=path.stat().st_size,
+            ignored=self._ignored(),
+            notes=self._notes(),
+            timed=not survey.wrong_times,
+        )
         streams = {"stream.hokuyo": "scan", "stream.odometry": "odometry"}
         self._manifest = Manifest(facts={stream: name for stream, name in streams.items() if name in channels})
 
     @property
     def info(self) -> LogInfo:
-        """What it holds; ``ignored`` also counts the lines that are damaged or have no time."""
+        """Its facts; ``ignored`` also counts the lines that are damaged or have no time."""
         return self._info
 
     @property
@@ -144,7 +152,7 @@ class CarmenLog:
         """Messages from ``begin`` on; the text before it is unpacked but not read. Raises LogError where damaged."""
         mark = self._survey.marks[0]
         if begin is not None:
-            # The last mark whose lines all come before: marks' clocks do not go back.
+            # The last mark whose lines are all earlier: marks' clocks do not go back.
             mark = self._survey.marks[max(0, bisect_left(self._survey.marks, begin, key=lambda m: m.clock.at) - 1)]
         wanted = set(self._info.channels if channels is None else channels)
         clock, twist = mark.clock.copy(), mark.twist
@@ -177,9 +185,9 @@ class CarmenLog:
                 raise
 
     def _messages_of(
-        self, row: Odom | Beams, stamp: float, twist: tuple[float, float], wanted: Collection[str]
+        self, row: CarmenOdometry | CarmenScan, stamp: float, twist: tuple[float, float], wanted: Collection[str]
     ) -> Iterator[tuple[str, LaserScan | Odometry]]:
-        if isinstance(row, Odom):
+        if isinstance(row, CarmenOdometry):
             if "odometry" in wanted:
                 yield "odometry", Odometry(stamp, row.pose, row.linear_mps, row.angular_radps)
             return
@@ -191,17 +199,24 @@ class CarmenLog:
         if channel in wanted:
             yield channel, self._scan(channel, row, stamp)
 
-    def _scan(self, channel: str, row: Beams, stamp: float) -> LaserScan:
+    def _scan(self, channel: str, row: CarmenScan, stamp: float) -> LaserScan:
         limit = self._limit(row)
         ranges = np.where(row.ranges < limit, row.ranges, np.float32(np.inf))
         intensities = np.zeros_like(ranges) if row.intensities is None else row.intensities
         return LaserScan(
-            stamp, "laser" if channel == "scan" else "rear_laser", read_only(ranges),
-            read_only(intensities), row.angle_min, row.angle_increment, _RANGE_MIN_M, limit, 0.0,
-            self._mount(channel, row),
-        )  # fmt: skip
+            stamp,
+            "laser" if channel == "scan" else "rear_laser",
+            ranges=read_only(ranges),
+            intensities=read_only(intensities),
+            angle_min=row.angle_min,
+            angle_increment=row.angle_increment,
+            range_min=_RANGE_MIN_M,
+            range_max=limit,
+            duration_s=0.0,
+            X_BL=self._mount(channel, row),
+        )
 
-    def _limit(self, row: Beams) -> float:
+    def _limit(self, row: CarmenScan) -> float:
         """The range (m) from which a reading says that nothing was seen."""
         pile = self._pile_m.get(row.kind)
         if row.maximum is None and pile is not None:
@@ -210,7 +225,7 @@ class CarmenLog:
         codes = low if low <= self._survey.farthest_m[row.kind] < top else _LMS_CODES_CM
         return min(codes, row.maximum or math.inf)
 
-    def _mount(self, channel: str, row: Beams) -> Pose3:
+    def _mount(self, channel: str, row: CarmenScan) -> Pose3:
         """Pose of the laser in the base: as the line's two poses say, or the parameters, where those are the same."""
         turn = 0.0 if channel == "scan" else math.pi
         if row.robot is not None and row.laser is not None and row.robot != row.laser:
@@ -255,19 +270,19 @@ class CarmenLog:
         return ignored
 
 
-def _twist(row: Odom | Beams) -> tuple[float, float] | None:
-    return (row.linear_mps, row.angular_radps) if isinstance(row, Odom) else row.twist
+def _twist(row: CarmenOdometry | CarmenScan) -> tuple[float, float] | None:
+    return (row.linear_mps, row.angular_radps) if isinstance(row, CarmenOdometry) else row.twist
 
 
-def _kind(row: Odom | Beams) -> str:
-    return "ODOM" if isinstance(row, Odom) else row.kind
+def _kind(row: CarmenOdometry | CarmenScan) -> str:
+    return "ODOM" if isinstance(row, CarmenOdometry) else row.kind
 
 
 def _surveyed(path: Path) -> _Survey:
     """Raises LogError where the file cannot be opened."""
     advance = Advance()
     survey = _gone_through(path, _first_clock(path), advance)
-    # Where the laser's times are of no use, or, in a log without one, odometry's.
+    # Kinds of lines whose times are checked: the laser's, or, in a log without one, odometry's.
     main = next((kind for kinds in _LASERS.values() for kind in kinds if advance.lines[kind]), "ODOM")
     clock = advance.by_order(main)
     if clock is None:
@@ -284,9 +299,22 @@ def _surveyed(path: Path) -> _Survey:
 
 def _gone_through(path: Path, clock: Clock, advance: Advance) -> _Survey:
     survey = _Survey(
-        Counter(), Counter(), 0, "", math.inf, -math.inf, {}, {}, {}, Counter(), Counter(), "", "",
-        [_Mark(0, clock.copy(), (0.0, 0.0))], "",
-    )  # fmt: skip
+        Counter(),
+        Counter(),
+        malformed=0,
+        complaint="",
+        begin=math.inf,
+        end=-math.inf,
+        params={},
+        farthest_m={},
+        far_ends={},
+        blank=Counter(),
+        wordless=Counter(),
+        back="",
+        wrong_times="",
+        marks=[_Mark(0, clock.copy(), (0.0, 0.0))],
+        truncated="",
+    )
     twist = (0.0, 0.0)
     number = 0
     first_back = 0
@@ -296,7 +324,7 @@ def _gone_through(path: Path, clock: Clock, advance: Advance) -> _Survey:
             offset, line = next(lines)
         except StopIteration:
             break
-        except LogError as failure:  # what was read until then is good
+        except LogError as failure:  # everything read before is valid
             survey.truncated = str(failure)
             break
         number += 1
@@ -329,7 +357,7 @@ def _gone_through(path: Path, clock: Clock, advance: Advance) -> _Survey:
         survey.kinds[kind] += 1
         survey.begin = min(survey.begin, times[0])
         survey.end = times[0]
-        if isinstance(row, Beams) and row.ranges.size:
+        if isinstance(row, CarmenScan) and row.ranges.size:
             _count_readings(survey, row)
     if first_back and isinstance(clock, CarmenClock):
         survey.back = (
@@ -339,7 +367,7 @@ def _gone_through(path: Path, clock: Clock, advance: Advance) -> _Survey:
     return survey
 
 
-def _count_readings(survey: _Survey, row: Beams) -> None:
+def _count_readings(survey: _Survey, row: CarmenScan) -> None:
     if row.blank:
         survey.blank[row.kind] += row.blank
     survey.wordless[row.kind] += row.maximum is None
@@ -357,7 +385,7 @@ def _first_clock(path: Path) -> CarmenClock:
             row = parse(line)
         except ValueError:
             continue
-        if isinstance(row, Odom | Beams):
+        if isinstance(row, CarmenOdometry | CarmenScan):
             first.append(row.times)
             if len(first) == _FIRST_LINES:
                 break
@@ -366,7 +394,7 @@ def _first_clock(path: Path) -> CarmenClock:
     middle = statistics.median_low([times.captured for times in first])
     shifts = [times.captured - times.logged for times in first]
     usual = statistics.median_low(shifts)
-    # What was logged soonest after its capture shows the two clocks' distance best.
+    # The line logged soonest after its capture gives the best estimate of the clocks' offset.
     return CarmenClock(middle, max(shift for shift in shifts if abs(shift - usual) < _LATENCY_S))
 
 

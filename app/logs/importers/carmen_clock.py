@@ -6,33 +6,33 @@ from collections import Counter
 from dataclasses import dataclass, field
 from typing import Self
 
-from app.logs.importers.carmen_lines import Times
+from app.logs.importers.carmen_lines import CarmenTimes
 from app.logs.stamps import Onward
 
 #: A line of a log that goes back further than this (s), or on further, was not written at the time that it says.
 _BACK_S = 10.0
 _ON_S = 86400.0
-#: No time of a line that is that small (s) was measured: programs write it for what they do not know. Nought itself is
-#: that of the first lines, where no later one came before.
+#: Least time (s) of a line that was measured: programs write smaller ones for an unknown time. Zero itself is the time
+#: of the first lines, before any later one.
 _NO_TIME_S = 1e-9
 #: Lines of a log without times are so far apart that its scans are (s).
 ASSUMED_PERIOD_S = 0.2
 #: Times are of use where so large a share of the laser's lines says a later one than all before, ...
 _ADVANCING = 0.5
-#: ... and no more than this share one that cannot be.
+#: ... and at most this share of invalid ones.
 _UNTIMED = 0.2
 
 
 @dataclass(slots=True)
 class CarmenClock:
-    """Where in time a reader of the lines is, by their stamps. ``shift`` takes logger times to the captures' clock."""
+    """Times of the lines read so far, by their stamps. ``shift`` converts logger times to the captures' clock."""
 
     at: float
     shift: float
     started: bool = False
     stamps: dict[str, Onward] = field(default_factory=dict)
 
-    def next(self, kind: str, times: Times) -> tuple[float, float] | None:
+    def next(self, kind: str, times: CarmenTimes) -> tuple[float, float] | None:
         """Arrival and capture (s) of a line; None for times that cannot be.
 
         Arrivals never go back: the lines of a log are in the order of their arrival, though some loggers wrote times a
@@ -50,12 +50,12 @@ class CarmenClock:
 
     @property
     def back(self) -> int:
-        """How many captures went back."""
+        """Number of captures that went back."""
         return sum(stamps.back for stamps in self.stamps.values())
 
     @property
     def most_back_s(self) -> float:
-        """How far (s) the one went that went back farthest."""
+        """Greatest step back (s) of a capture."""
         return max((stamps.most_back_s for stamps in self.stamps.values()), default=0.0)
 
     def copy(self) -> Self:
@@ -66,7 +66,7 @@ class CarmenClock:
 
 @dataclass(slots=True)
 class OrderClock:
-    """Lines one after another, ``period_s`` apart, whatever their stamps say."""
+    """Times of lines at a fixed period of ``period_s``, without regard to their stamps."""
 
     period_s: float
     lines: int = 0
@@ -76,7 +76,7 @@ class OrderClock:
         """The time (s) of the last line."""
         return max(self.lines - 1, 0) * self.period_s
 
-    def next(self, kind: str, times: Times) -> tuple[float, float]:
+    def next(self, kind: str, times: CarmenTimes) -> tuple[float, float]:
         """Arrival and capture (s) of a line: the same."""
         self.lines += 1
         return self.at, self.at
@@ -98,7 +98,7 @@ class Advance:
     advancing: Counter[str] = field(default_factory=Counter)
     greatest: dict[str, float] = field(default_factory=dict)
 
-    def count(self, kind: str, times: Times, timed: bool) -> None:
+    def count(self, kind: str, times: CarmenTimes, timed: bool) -> None:
         """Count a line; ``timed``: whether its times are possible."""
         self.lines[kind] += 1
         if not timed:

@@ -17,8 +17,8 @@ from app.base.geometry import Pose2
 
 #: Kinds of lines that are read.
 KINDS = frozenset({"PARAM", "ODOM", "FLASER", "RLASER", "ROBOTLASER1", "ROBOTLASER2", "RAWLASER1", "RAWLASER2"})
-#: Where the sweep begins (deg) and the step (deg) by the number of rays: the configurations of SICK's LMS that the old
-#: messages, which say nothing of their angles, come from.
+#: Begin of the sweep (deg) and step (deg) by the number of rays: the configurations of SICK's LMS behind the old
+#: messages, which do not contain angles.
 _LMS = {
     180: (-90.0, 1.0),
     181: (-90.0, 1.0),
@@ -38,7 +38,7 @@ _MOST_DIGITS = 6
 
 
 @dataclass(frozen=True, slots=True)
-class Times:
+class CarmenTimes:
     """``captured``: ipc_timestamp (s), when the message was made; ``logged``: logger_timestamp (s), of its arrival."""
 
     captured: float
@@ -47,31 +47,32 @@ class Times:
 
 @dataclass(frozen=True, slots=True)
 class Param:
-    """One parameter of the robot that made the log."""
+    """A parameter of the robot that recorded the log."""
 
     name: str
     value: str
 
 
 @dataclass(frozen=True, slots=True)
-class Odom:
+class CarmenOdometry:
     """Odometry: pose and twist (m/s, rad/s) of the base."""
 
-    times: Times
+    times: CarmenTimes
     pose: Pose2
     linear_mps: float
     angular_radps: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Beams:
-    """One sweep: ``ranges`` (N,) float32 m as the line has them, but 0 for what is no distance; ``blank`` counts those.
+class CarmenScan:
+    """One sweep: ``ranges`` (N,) float32 m as the line has them, but 0 for values that are no distance; ``blank``
+    counts those.
 
-    ``maximum`` (m) as the line says, None where it does not. ``intensities`` (N,) or None. ``robot`` and ``laser`` are
-    the poses of base and laser in ``odom``, None where the line has none; ``twist`` (m/s, rad/s) likewise.
+    ``maximum`` (m) as the line has it, None without. ``intensities`` (N,) or None. ``robot`` and ``laser`` are the
+    poses of base and laser in ``odom``, None if the line has none; ``twist`` (m/s, rad/s) likewise.
     """
 
-    times: Times
+    times: CarmenTimes
     kind: str
     ranges: NDArray[np.float32]
     intensities: NDArray[np.float32] | None
@@ -84,8 +85,8 @@ class Beams:
     blank: int = 0
 
 
-def parse(line: str) -> Param | Odom | Beams | None:
-    """What ``line`` says; None for one of a kind that is not read. Raises ValueError, saying what is wrong with it."""
+def parse(line: str) -> Param | CarmenOdometry | CarmenScan | None:
+    """The content of ``line``; None for a kind that is not read. Raises ValueError naming the mistake."""
     words = line.split()
     if not words or words[0] not in KINDS:
         return None
@@ -96,29 +97,41 @@ def parse(line: str) -> Param | Odom | Beams | None:
         return Param(words[1], words[2])
     if len(words) < 5:
         raise ValueError("the line is cut off")
-    times = Times(_number(words[-3]), _number(words[-1]))
+    times = CarmenTimes(_number(words[-3]), _number(words[-1]))
     body = words[1:-3]
     if kind == "ODOM":
         if len(body) != 6:
             raise ValueError(f"{len(body)} numbers instead of x y theta tv rv accel")
         x, y, theta, tv, rv, _ = _numbers(body)
-        return Odom(times, Pose2(x, y, theta), tv, rv)
+        return CarmenOdometry(times, Pose2(x, y, theta), tv, rv)
     if kind in ("FLASER", "RLASER"):
         return _old(kind, times, body)
     return _new(kind, times, body)
 
 
-def _old(kind: str, times: Times, body: Sequence[str]) -> Beams:
+def _old(kind: str, times: CarmenTimes, body: Sequence[str]) -> CarmenScan:
     count = _count(body, 0)
     if len(body) != 1 + count + 6:
         raise ValueError(f"{len(body) - 1} numbers follow instead of {count} ranges and 6 of poses")
     ranges, blank = _distances(body[1 : 1 + count])
     angle_min, increment = lms_angles(count)
     laser, robot = _poses(body[1 + count :])
-    return Beams(times, kind, ranges, None, angle_min, increment, None, robot, laser, None, blank)
+    return CarmenScan(
+        times,
+        kind,
+        ranges=ranges,
+        intensities=None,
+        angle_min=angle_min,
+        angle_increment=increment,
+        maximum=None,
+        robot=robot,
+        laser=laser,
+        twist=None,
+        blank=blank,
+    )
 
 
-def _new(kind: str, times: Times, body: Sequence[str]) -> Beams:
+def _new(kind: str, times: CarmenTimes, body: Sequence[str]) -> CarmenScan:
     """``laser_type start_angle field_of_view resolution maximum accuracy remission_mode n [ranges] m [remissions]``.
 
     ROBOTLASER goes on with the poses of laser and robot, tv, rv and three distances.
@@ -141,10 +154,19 @@ def _new(kind: str, times: Times, body: Sequence[str]) -> Beams:
         tv, rv = _numbers(rest[6:8])
         twist = (tv, rv)
     ranges, blank = _distances(body[8:after])
-    return Beams(
-        times, kind, ranges, _array(body[after + 1 : after + 1 + remissions]) if remissions else None,
-        start, resolution, maximum if maximum > 0 else None, robot, laser, twist, blank,
-    )  # fmt: skip
+    return CarmenScan(
+        times,
+        kind,
+        ranges=ranges,
+        intensities=_array(body[after + 1 : after + 1 + remissions]) if remissions else None,
+        angle_min=start,
+        angle_increment=resolution,
+        maximum=maximum if maximum > 0 else None,
+        robot=robot,
+        laser=laser,
+        twist=twist,
+        blank=blank,
+    )
 
 
 def _poses(words: Sequence[str]) -> tuple[Pose2, Pose2]:
@@ -171,7 +193,7 @@ def _number(word: str) -> float:
     try:
         value = float(word)
     except ValueError:
-        raise ValueError(f"{word!r} stands where a number should") from None
+        raise ValueError(f"{word!r} found where a number should be") from None
     if not math.isfinite(value):
         raise ValueError(f"{word!r} is no finite number")
     return value

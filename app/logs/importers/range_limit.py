@@ -1,9 +1,8 @@
-"""From where on a laser's readings say that nothing was seen, where nothing but the readings can say it.
+"""Estimates the range from which a laser's readings mean "nothing seen", from the readings alone.
 
-What a laser gives out where nothing came back is a code near its greatest range, or, where a program has turned codes
-into metres or corrected them, several values spread over a metre: a pile of readings at the far end, in whatever
-direction the laser looked, with next to nothing around it. A far wall is seen in a few directions, and from ever
-another distance.
+A laser without a return reports a code near its greatest range, or, if a program converted codes to metres or corrected
+them, several values spread over a metre: a peak of the histogram at the far end, in any direction, with almost no
+readings around it. A far wall is seen in a few directions, and at many distances.
 """
 
 from __future__ import annotations
@@ -11,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-#: A bin of the histogram (m), up to where readings are counted (m), and in so many sectors of rays.
+#: Width of a bin of the histogram (m), its upper end (m), and the number of sectors of rays.
 _BIN_M = 0.1
 _MOST_M = 80.0
 _SECTORS = 8
@@ -23,12 +22,12 @@ _NEAREST_M = 15.0
 _SHARE = 2e-3
 #: ... is no wider than this (m), ...
 _WIDEST_M = 1.6
-#: ... has no more than this share of itself beyond it, ...
+#: ... has at most this share of its readings beyond it, ...
 _BEYOND = 0.02
-#: ... is so many times as dense as the readings before it, from this share of its range on, ...
+#: ... is this many times as dense as the readings before it, from this share of its range on, ...
 _DENSER = 20.0
 _BEFORE = 0.8
-#: ... and has readings in so many sectors: no wall is seen in as many at one distance.
+#: ... and has readings in this many sectors: a wall is seen in fewer at one distance.
 _LEAST_SECTORS = 4
 #: A sector has the pile, too, where its share there is at least this share of the pile's.
 _SECTOR_SHARE = 0.1
@@ -66,7 +65,7 @@ class FarEnd:
         if pile < _SHARE * total:
             return None
         before = counts[int(_BEFORE * first) : first].mean()
-        # Its edges: where it is no denser than what is before it.
+        # The peak's edges: where its density falls to that before it.
         dense = np.flatnonzero(counts[first : first + widest] > max(_DENSER / 2 * before, _SHARE * pile))
         if not dense.size:
             return None

@@ -1,4 +1,4 @@
-"""Which topics of somebody else's bag are which of our channels: a small YAML file.
+"""Maps topics of a bag recorded by others to our channels: a small YAML file.
 
 Example::
 
@@ -45,10 +45,10 @@ class _Model(BaseModel):
 
 
 class Placement(_Model):
-    """Where a sensor stands in the base: metres, and fixed-axis roll, pitch, yaw in degrees.
+    """Pose of a sensor in the base: metres, and fixed-axis roll, pitch, yaw in degrees.
 
-    For a camera this is its *optical* frame (x right, y down, z forward): one that looks ahead has
-    ``rpy_deg: [-90, 0, -90]``.
+    For a camera this is its *optical* frame (x right, y down, z forward): one that looks ahead has ``rpy_deg: [-90, 0,
+    -90]``.
     """
 
     xyz: tuple[float, float, float]
@@ -67,8 +67,8 @@ class Frames(_Model):
     odom: str | None = None
 
 
-class Source(_Model):
-    """What a channel is made of: one ``topic``, a transform (``tf: odom -> base_link``), or a camera's topics."""
+class RemapSource(_Model):
+    """The origin of a channel: one ``topic``, a transform (``tf: odom -> base_link``), or a camera's topics."""
 
     topic: TopicName | None = None
     tf: str | None = None
@@ -89,7 +89,7 @@ class Source(_Model):
         return value
 
     @model_validator(mode="after")
-    def _one_kind(self) -> Source:
+    def _one_kind(self) -> RemapSource:
         if [self.topic, self.tf, self.color].count(None) != 2:
             raise ValueError("exactly one of `topic`, `tf` and `color` says where a channel comes from")
         for_cameras = {"depth", "info", "X_BC", "tolerance_s"} & self.model_fields_set
@@ -112,7 +112,7 @@ class Remap(_Model):
     """The whole file. Made in memory it has no lines to name in errors; :func:`load_remap` gives it them."""
 
     frames: Frames = Frames()
-    channels: Mapping[str, Source] = Field(default_factory=dict)
+    channels: Mapping[str, RemapSource] = Field(default_factory=dict)
     _document: Document | None = PrivateAttr(default=None)
 
     def error(self, message: str, key_path: Sequence[str | int]) -> ConfigError:

@@ -11,7 +11,7 @@ from rosbags.interfaces import Connection
 from app.base.geometry import Pose3
 from app.logs.importers import ros_messages as ros
 from app.logs.importers.remap import Remap, Undecided
-from app.logs.importers.ros_camera import Calibration, PinholeCamera
+from app.logs.importers.ros_camera import CameraInfo, PinholeCamera
 from app.logs.importers.ros_open import DAMAGE, opened, words
 from app.logs.importers.ros_stream import Received, RosStream, Setting, add_transforms, is_static
 from app.logs.importers.ros_topics import (
@@ -20,11 +20,11 @@ from app.logs.importers.ros_topics import (
     PLAIN,
     TF_TYPES,
     Ambiguous,
+    BagTopic,
     ChannelSource,
     FromCamera,
     FromTf,
     FromTopic,
-    Topic,
     described,
     guessed,
     ignored,
@@ -43,10 +43,10 @@ from app.messages import Image, JointState, LaserScan, Odometry
 
 #: Before the time that is asked for, so much (s) is read for transforms and depths.
 _BEFORE_S = 2.0
-#: So much of the moving transforms (s, messages) is read for knowing which frames there are.
+#: Amount of moving transforms (s, messages) that is read to find the frames.
 _SAMPLE_S = 5.0
 _SAMPLE_MESSAGES = 5000
-#: The standing transforms of a bag are few; a bag that repeats them is read no longer than this.
+#: Limit for static transforms: a bag has few; a bag that repeats them is read no longer than this.
 _STATIC_MESSAGES = 20000
 _BASES = ("base_link", "base_footprint")
 #: The camera's optical frame where nothing is known: in the base's origin, looking ahead.
@@ -64,11 +64,11 @@ class RosBag:
     """A bag that another robot wrote."""
 
     def __init__(self, path: Path, remap: Remap | None = None) -> None:
-        """Open the bag at ``path``, a file or a ROS 2 bag's folder. Reads its index, its standing transforms, the first
+        """Open the bag at ``path``, a file or a ROS 2 bag's folder. Reads its index, its static transforms, the first
         seconds of the others and one message of each sensor.
 
-        Raises LogError for a bag that cannot be read or does not say which topic is meant, ConfigError where ``remap``
-        does not fit it.
+        Raises LogError for a bag that cannot be read or whose topics are ambiguous, ConfigError where ``remap`` does
+        not fit it.
         """
         self._path = path
         self._reader, self._others, self._named = opened(path)
@@ -104,7 +104,7 @@ class RosBag:
 
     @property
     def info(self) -> LogInfo:
-        """What it holds. Odometry out of tf counts the transforms' messages, each of which may tell of it."""
+        """Its facts. Odometry out of tf counts the messages of transforms, each of which may contain it."""
         return self._info
 
     @property
@@ -113,8 +113,8 @@ class RosBag:
         return self._manifest
 
     def messages(self, begin: float | None = None, channels: Collection[str] | None = None) -> Iterator[Logged]:
-        """Messages in order of arrival; a picture comes with its depth. What cannot be placed or read is left out, and
-        the program's log says so. Raises LogError where the bag is damaged."""
+        """Messages in order of arrival; a picture comes with its depth. Messages without a known pose, or unreadable
+        ones, are skipped and logged. Raises LogError if the bag is damaged."""
         wanted = {name: s for name, s in self._channels.items() if channels is None or name in channels}
         # CameraInfo was read when the bag was opened.
         topics = {
@@ -152,23 +152,23 @@ class RosBag:
         except DAMAGE as failure:
             raise LogError(f"{self._path}: is damaged: {words(failure)}") from None
 
-    def _topics(self) -> list[Topic]:
+    def _topics(self) -> list[BagTopic]:
         topics = []
         for name, info in sorted(self._reader.topics.items()):
             # Several publishers may say different things of a topic's type; the first is taken.
             kind = info.msgtype or self._connections[name][0].msgtype
-            topic = Topic(name, kind, info.msgcount)
+            topic = BagTopic(name, kind, info.msgcount)
             if info.msgcount and (kind in COLOR_TYPES or kind == INFO_TYPE or kind in PLAIN):
                 first = self._peek(name)
                 holds = ros.encoding_of(first.message) if kind in COLOR_TYPES else ""
                 frame = ros.frame_of(first.message) if hasattr(first.message, "header") else ""
-                topic = Topic(name, kind, info.msgcount, holds, frame)
+                topic = BagTopic(name, kind, info.msgcount, holds, frame)
             topics.append(topic)
-        others: dict[str, Topic] = {}
+        others: dict[str, BagTopic] = {}
         for connection in self._others:
             before = others.get(connection.topic)
             count = connection.msgcount + (before.count if before else 0)
-            others[connection.topic] = Topic(connection.topic, connection.msgtype, count)
+            others[connection.topic] = BagTopic(connection.topic, connection.msgtype, count)
         return topics + sorted(others.values(), key=lambda topic: topic.name)
 
     def _peek(self, topic: str) -> Received:
@@ -203,10 +203,10 @@ class RosBag:
         odom = (chosen and chosen.odom) or "odom"
         return base.lstrip("/"), odom.lstrip("/")
 
-    def _settled(self, topics: list[Topic], notes: list[str]) -> Setting:
+    def _settled(self, topics: list[BagTopic], notes: list[str]) -> Setting:
         by_name = {topic.name: topic for topic in topics}
         placements: dict[str, Pose3] = {}
-        calibrations: dict[str, Calibration | None] = {}
+        calibrations: dict[str, CameraInfo | None] = {}
         tolerances: dict[str, float] = {}
         for channel, source in self._channels.items():
             if isinstance(source, FromCamera):
@@ -228,7 +228,7 @@ class RosBag:
                 continue
             if self._tree.connected(self._base, color.frame):
                 if fixed is not None:
-                    notes.append(f"{channel}: {key} of the remap file stands for what tf says of {color.frame!r}")
+                    notes.append(f"{channel}: {key} of the remap file replaces the transform (tf) of {color.frame!r}")
                     placements[channel] = fixed
                 continue
             placements[channel] = otherwise if fixed is None else fixed
@@ -239,8 +239,8 @@ class RosBag:
                 )
         return Setting(self._base, frozenset(self._tf), placements, calibrations, tolerances)
 
-    def _calibration(self, channel: str, source: FromCamera, notes: list[str]) -> Calibration | None:
-        calibration = Calibration.of(self._peek(source.info).message) if source.info else None
+    def _calibration(self, channel: str, source: FromCamera, notes: list[str]) -> CameraInfo | None:
+        calibration = CameraInfo.of(self._peek(source.info).message) if source.info else None
         if calibration is None:
             notes.append(
                 f"{channel}: no CameraInfo with a calibration: taken for a camera of 57 degrees without distortion"
@@ -256,7 +256,7 @@ class RosBag:
     def _duration_s(self) -> float:
         return max(self._reader.end_time - 1 - self._reader.start_time, 0) / SECOND
 
-    def _described(self, topics: list[Topic], notes: list[str], *, chosen: bool) -> LogInfo:
+    def _described(self, topics: list[BagTopic], notes: list[str], *, chosen: bool) -> LogInfo:
         channels = {}
         counts = {topic.name: topic.count for topic in topics}
         for name, source in self._channels.items():
@@ -266,12 +266,12 @@ class RosBag:
             channels[name] = LoggedChannel(name, message_type(source), count, rate)
         return self._log_info(topics, channels, ignored(topics, self._channels, chosen), tuple(notes))
 
-    def _undecided(self, topics: list[Topic]) -> LogInfo:
+    def _undecided(self, topics: list[BagTopic]) -> LogInfo:
         return self._log_info(topics, {}, {topic.name: described(topic) for topic in topics}, ())
 
     def _log_info(
         self,
-        topics: list[Topic],
+        topics: list[BagTopic],
         channels: dict[str, LoggedChannel],
         reasons: Mapping[str, str],
         notes: tuple[str, ...],
@@ -280,12 +280,12 @@ class RosBag:
         return LogInfo(
             self._path,
             "ROS 2 bag" if self._reader.is2 else "ROS 1 bag",
-            0.0 if empty else from_ns(self._reader.start_time),
-            0.0 if empty else from_ns(self._reader.end_time - 1),
-            channels,
-            _size(self._path),
-            reasons,
-            notes,
+            begin=0.0 if empty else from_ns(self._reader.start_time),
+            end=0.0 if empty else from_ns(self._reader.end_time - 1),
+            channels=channels,
+            bytes=_size(self._path),
+            ignored=reasons,
+            notes=notes,
         )
 
 

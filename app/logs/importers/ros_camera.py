@@ -1,4 +1,4 @@
-"""What a camera's CameraInfo says, and its pictures brought to what a pinhole camera would have seen."""
+"""A camera's calibration from its CameraInfo, and its pictures rectified to a pinhole camera."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ _FISHEYE = ("equidistant", "fisheye")
 def assumed(width: int, height: int) -> CameraModel:
     """The camera of a picture that has no CameraInfo."""
     f = 0.5 * width / math.tan(0.5 * _UNKNOWN_FOV)
-    return CameraModel(width, height, f, f, 0.5 * (width - 1), 0.5 * (height - 1))
+    return CameraModel(width, height, fx=f, fy=f, cx=0.5 * (width - 1), cy=0.5 * (height - 1))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Calibration:
+class CameraInfo:
     """A camera's calibration: matrix ``K`` (3, 3) px, distortion ``D`` (any length), ``P`` (3, 4) of rectified ones."""
 
     width: int
@@ -35,23 +35,28 @@ class Calibration:
     P: NDArray[np.float64]
 
     @staticmethod
-    def of(info: Any) -> Calibration | None:
-        """What a sensor_msgs/CameraInfo says; None for an uncalibrated camera."""
+    def of(info: Any) -> CameraInfo | None:
+        """The calibration of a sensor_msgs/CameraInfo; None for an uncalibrated camera."""
         upper = not hasattr(info, "k")  # ROS 1 names them D, K, R, P
         K, D, P = (
             np.array(getattr(info, name.upper() if upper else name), dtype=np.float64) for name in ("k", "d", "p")
         )
         if not K[0]:
             return None
-        return Calibration(
-            int(info.width), int(info.height), str(info.distortion_model), K.reshape(3, 3), D, P.reshape(3, 4)
+        return CameraInfo(
+            int(info.width),
+            int(info.height),
+            model=str(info.distortion_model),
+            K=K.reshape(3, 3),
+            D=D,
+            P=P.reshape(3, 4),
         )
 
 
 class PinholeCamera:
     """Pictures of one camera and one size (px), as a pinhole camera without distortion would have made them."""
 
-    def __init__(self, calibration: Calibration | None, width: int, height: int, *, rectified: bool) -> None:
+    def __init__(self, calibration: CameraInfo | None, width: int, height: int, *, rectified: bool) -> None:
         """``rectified`` pictures have no distortion any more. Raises ValueError where sizes cannot belong together."""
         self.model = assumed(width, height)
         self._maps: tuple[NDArray[Any], NDArray[Any]] | None = None

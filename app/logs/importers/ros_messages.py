@@ -40,16 +40,16 @@ _TO_RGB = {
 }
 _TWO_BYTES = {"yuv422", "uyvy", "yuv422_yuy2", "yuyv"}
 _DEPTH = {"16UC1": "u2", "mono16": "u2", "32FC1": "f4"}
-#: No laser measures nearer than this (m); what is not known is 0.
+#: Least distance (m) that a laser measures; 0 is unknown.
 _RANGE_MIN_M = 1e-3
 _GREY = {"mono8", "8UC1", "mono16"}
-#: What compressedDepth puts before its PNG: int32 format, float32 A and B of its inverse depth.
+#: Head of compressedDepth before its PNG: int32 format, float32 A and B of its inverse depth.
 _DEPTH_HEADER = struct.Struct("<iff")
 _PNG = b"\x89PNG"
 
 
 class Unreadable(ValueError):
-    """A message whose content this program cannot turn into one of its own; says why."""
+    """A message that cannot be converted to one of ours; its text gives the reason."""
 
 
 def stamp_of(message: Any, at: float) -> float:
@@ -97,8 +97,7 @@ def twist(message: Any, at: float) -> Twist:
 def laser_scan(message: Any, at: float, X_BL: Pose3) -> LaserScan:
     """sensor_msgs/LaserScan, or MultiEchoLaserScan with the first echo of each ray.
 
-    What is farther than ``range_max`` becomes +inf: nothing was seen. NaN, -inf and what is below 0 become 0: nothing
-    is known there (REP 117).
+    Ranges above ``range_max`` become +inf: nothing was seen. NaN, -inf and ranges below 0 become 0: unknown (REP 117).
     """
     ranges, intensities = _first_echoes(message.ranges), _first_echoes(message.intensities)
     known = np.where(ranges >= 0.0, ranges, np.float32(0))  # NaN is not
@@ -110,10 +109,17 @@ def laser_scan(message: Any, at: float, X_BL: Pose3) -> LaserScan:
         turn = abs(float(message.angle_increment)) * max(ranges.size - 1, 0)
         duration = float(message.scan_time) * min(turn / (2 * math.pi), 1.0)
     return LaserScan(
-        stamp_of(message, at), frame_of(message), read_only(ranges), read_only(intensities), float(message.angle_min),
-        float(message.angle_increment), max(float(message.range_min), _RANGE_MIN_M), float(message.range_max), duration,
-        X_BL,
-    )  # fmt: skip
+        stamp_of(message, at),
+        frame_of(message),
+        ranges=read_only(ranges),
+        intensities=read_only(intensities),
+        angle_min=float(message.angle_min),
+        angle_increment=float(message.angle_increment),
+        range_min=max(float(message.range_min), _RANGE_MIN_M),
+        range_max=float(message.range_max),
+        duration_s=duration,
+        X_BL=X_BL,
+    )
 
 
 def _first_echoes(values: Any) -> NDArray[np.float32]:
@@ -123,7 +129,7 @@ def _first_echoes(values: Any) -> NDArray[np.float32]:
 
 
 def encoding_of(message: Any) -> str:
-    """What an image holds: ``color``, ``mono`` or ``depth``; "" for what this program cannot read."""
+    """Kind of an image: ``color``, ``mono`` or ``depth``; "" if this program cannot read it."""
     if hasattr(message, "encoding"):
         encoding = str(message.encoding)
         if encoding in ("16UC1", "32FC1"):

@@ -14,7 +14,7 @@ from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, cast
 
 import apsw
-import lz4.frame  # type: ignore[import-untyped]
+import lz4.frame
 from rosbags.highlevel import AnyReader, AnyReaderError
 from rosbags.interfaces import Connection
 from rosbags.rosbag1 import Reader as Bag1
@@ -45,7 +45,7 @@ from app.logs.mcap.structure import DAMAGE as MCAP_DAMAGE
 if TYPE_CHECKING:
     from rosbags.rosbag2.reader import ReaderProtocol
 
-#: What damaged bags make rosbags raise.
+#: Exceptions of rosbags for damaged bags.
 DAMAGE = (
     AnyReaderError,
     Bag1Error,
@@ -106,7 +106,7 @@ def _ending(path: Path) -> str:
 
 
 def words(failure: BaseException) -> str:
-    """What an exception of rosbags says."""
+    """The message of an exception of rosbags."""
     return str(failure) or type(failure).__name__
 
 

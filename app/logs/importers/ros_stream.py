@@ -16,16 +16,16 @@ import numpy as np
 
 from app.base.geometry import Pose3, wrap_angle
 from app.logs.importers import ros_messages as ros
-from app.logs.importers.ros_camera import Calibration, PinholeCamera, fitted
+from app.logs.importers.ros_camera import CameraInfo, PinholeCamera, fitted
 from app.logs.importers.ros_topics import ChannelSource, FromCamera, FromTf, FromTopic, rectified
-from app.logs.importers.transforms import Placed, Transforms
+from app.logs.importers.transforms import StampedTransform, Transforms
 from app.logs.log import Logged
 from app.messages import Image, JointState, LaserScan, Odometry, Twist, read_only
 
-#: How long (s, the bag's time) a message waits for what belongs to it, and how long a depth is kept.
+#: How long (s, the bag's time) a message waits for its other parts, and how long a depth is kept.
 AHEAD_S = 0.5
 _DEPTH_KEPT_S = 1.5
-#: Messages that wait hold at most about so many bytes; beyond, the oldest waits no longer.
+#: Limit (bytes, approximate) of messages that wait; beyond it the oldest waits no longer.
 _WAITING_BYTES = 96 * 1024 * 1024
 
 logger = logging.getLogger(__name__)
@@ -43,33 +43,32 @@ class Received:
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """What is known of a bag when its messages are read.
+    """Facts of a bag for reading its messages.
 
     ``base``: frame of the base; ``tf``: topics of transforms; ``placements``: poses of sensors by channel where the bag
-    does not say them; ``calibrations``: of cameras, by channel; ``tolerances``: seconds between colour and depth, by
-    channel.
+    has none; ``calibrations``: of cameras, by channel; ``tolerances``: seconds between colour and depth, by channel.
     """
 
     base: str
     tf: frozenset[str]
     placements: Mapping[str, Pose3]
-    calibrations: Mapping[str, Calibration | None]
+    calibrations: Mapping[str, CameraInfo | None]
     tolerances: Mapping[str, float]
 
 
 @dataclass(slots=True)
-class _Camera:
-    """What a camera's pictures need: its depths of the last moments, and its calibrations by the pictures' size."""
+class _CameraStream:
+    """State for a camera's pictures: its recent depths, and its calibrations by the pictures' size."""
 
     depths: deque[tuple[float, Received]] = field(default_factory=deque)
     cameras: dict[tuple[int, int], PinholeCamera] = field(default_factory=dict)
 
 
 class RosStream:
-    """One reading of a bag: fed what is received, in the order of arrival, it gives our messages in that order."""
+    """One reading of a bag: takes the bag's messages in the order of arrival and gives ours in that order."""
 
     def __init__(self, channels: Mapping[str, ChannelSource], setting: Setting, transforms: Transforms) -> None:
-        """``transforms`` knows what stands still; the stream adds what moves."""
+        """``transforms`` holds the static ones; the stream adds those that move."""
         self._setting = setting
         self._transforms = transforms
         self._waiting: deque[tuple[Received, str | Logged]] = deque()
@@ -77,7 +76,7 @@ class RosStream:
         self._channels = channels
         self._topics: dict[str, list[str]] = {}
         self._depth_of: dict[str, list[str]] = {}
-        self._cameras: dict[str, _Camera] = {}
+        self._cameras: dict[str, _CameraStream] = {}
         self._odometry: dict[str, Odometry | None] = {}
         self._complaints: set[str] = set()
         for name, source in channels.items():
@@ -87,7 +86,7 @@ class RosStream:
                 self._odometry[name] = None
             else:
                 self._topics.setdefault(source.color, []).append(name)
-                self._cameras[name] = _Camera()
+                self._cameras[name] = _CameraStream()
                 if source.depth:
                     self._depth_of.setdefault(source.depth, []).append(name)
 
@@ -157,7 +156,14 @@ class RosStream:
                     raise ValueError("the depth has another shape than the colour")
                 depth = measured if rectified(source.depth) else camera.depth(measured)
             depth = read_only(depth)
-        return Image(stamp, ros.frame_of(item.message), read_only(camera.color(color)), depth, camera.model, pose)
+        return Image(
+            stamp,
+            ros.frame_of(item.message),
+            color=read_only(camera.color(color)),
+            depth=depth,
+            camera=camera.model,
+            X_BC=pose,
+        )
 
     def _camera(self, channel: str, width: int, height: int, *, rectified: bool) -> PinholeCamera:
         cameras = self._cameras[channel].cameras
@@ -228,7 +234,7 @@ def add_transforms(transforms: Transforms, message: Any, at: float, *, static: b
         quaternion = (float(q.x), float(q.y), float(q.z), float(q.w))
         if not sum(value * value for value in quaternion) > 1e-6:
             continue  # no rotation: tf refuses these too
-        placed = Placed(stamp, (float(t.x), float(t.y), float(t.z)), quaternion)
+        placed = StampedTransform(stamp, (float(t.x), float(t.y), float(t.z)), quaternion)
         transforms.add(ros.frame_of(stamped), child, placed, static=static)
         children.append((child, stamp))
     return children

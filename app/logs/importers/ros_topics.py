@@ -8,7 +8,7 @@ from typing import Any
 
 from app.base.geometry import Pose3
 from app.base.yaml_source import suggestion
-from app.logs.importers.remap import Remap, Source
+from app.logs.importers.remap import Remap, RemapSource
 from app.messages import Image, JointState, LaserScan, Odometry, Twist
 
 COLOR_TYPES = frozenset({"sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"})
@@ -31,7 +31,7 @@ _DEPTH_ENDINGS = ("/compressedDepth", "/compressed")
 
 
 @dataclass(frozen=True, slots=True)
-class Topic:
+class BagTopic:
     """A topic of a bag: ``type`` as ROS 2 writes it; ``holds`` and ``frame`` of an image, from its first message.
 
     ``holds``: ``color``, ``mono``, ``depth``, or "" for what cannot be read.
@@ -86,7 +86,7 @@ class Ambiguous(Exception):
         self.guess = guess
 
     def __str__(self) -> str:
-        """What is to be said, with a remap file to paste."""
+        """The message for people, with a remap file to paste."""
         return (
             f"{len(self.candidates)} topics could be the channel {self.channel!r}: {', '.join(self.candidates)}. "
             "Choose in a remap file and name it with --remap; this one takes the first:\n\n"
@@ -94,7 +94,7 @@ class Ambiguous(Exception):
         )
 
 
-def guessed(topics: Sequence[Topic], odometry_in_tf: tuple[str, str] | None) -> dict[str, ChannelSource]:
+def guessed(topics: Sequence[BagTopic], odometry_in_tf: tuple[str, str] | None) -> dict[str, ChannelSource]:
     """The channels of a bag that says nothing of them; ``odometry_in_tf``: parent and child, if tf has odometry.
 
     Raises Ambiguous where several topics could be meant.
@@ -124,11 +124,11 @@ def guessed(topics: Sequence[Topic], odometry_in_tf: tuple[str, str] | None) -> 
     return channels
 
 
-def remapped(topics: Sequence[Topic], remap: Remap) -> dict[str, ChannelSource]:
+def remapped(topics: Sequence[BagTopic], remap: Remap) -> dict[str, ChannelSource]:
     """The channels a remap file says. Raises ConfigError where it names what the bag has not."""
     by_name = {topic.name: topic for topic in topics}
 
-    def named(channel: str, key: str, name: str, wanted: Callable[[Topic], bool], what: str) -> Topic:
+    def named(channel: str, key: str, name: str, wanted: Callable[[BagTopic], bool], what: str) -> BagTopic:
         topic = by_name.get(_normal(name))
         key_path = ("channels", channel, key)
         if topic is None:
@@ -163,21 +163,21 @@ def remapped(topics: Sequence[Topic], remap: Remap) -> dict[str, ChannelSource]:
     return channels
 
 
-def _plain(channel: str, source: Source, topic: Topic, remap: Remap) -> FromTopic:
+def _plain(channel: str, source: RemapSource, topic: BagTopic, remap: Remap) -> FromTopic:
     kind = PLAIN[topic.type]
     if source.X_BL is not None and kind is not LaserScan:
         raise remap.error(f"X_BL places a laser; {topic.name} is {topic.type}", ("channels", channel, "X_BL"))
     return FromTopic(kind, topic.name, source.X_BL.pose() if source.X_BL else None)
 
 
-def described(topic: Topic) -> str:
-    """What a topic holds, for people."""
+def described(topic: BagTopic) -> str:
+    """The content of a topic, for people."""
     what = {"color": ", in color", "mono": ", grey", "depth": ", depth"}.get(topic.holds, "")
     frame = f", in {topic.frame}" if topic.frame else ""
     return f"{topic.type}{what}{frame}, {topic.count} message{'s' * (topic.count != 1)}"
 
 
-def ignored(topics: Iterable[Topic], channels: Mapping[str, ChannelSource], chosen: bool) -> dict[str, str]:
+def ignored(topics: Iterable[BagTopic], channels: Mapping[str, ChannelSource], chosen: bool) -> dict[str, str]:
     """Topic -> why it is read by no channel; ``chosen``: a remap file says which are."""
     used = {name for source in channels.values() for name in used_by(source)}
     has_camera = any(isinstance(source, FromCamera) for source in channels.values())
@@ -196,7 +196,7 @@ def ignored(topics: Iterable[Topic], channels: Mapping[str, ChannelSource], chos
     return reasons
 
 
-def _unused(topic: Topic, chosen: bool, has_camera: bool) -> str:
+def _unused(topic: BagTopic, chosen: bool, has_camera: bool) -> str:
     if chosen:
         return ", which no channel of the remap file names"
     if topic.type in COLOR_TYPES | {INFO_TYPE} and not has_camera:
@@ -243,14 +243,14 @@ def rectified(topic: str) -> bool:
     return "rect" in _place(topic).rsplit("/", 1)[-1]
 
 
-def registered(depth: Topic, color: Topic) -> bool:
+def registered(depth: BagTopic, color: BagTopic) -> bool:
     """Whether depth is given for the colour camera's pixels."""
     return any(word in depth.name for word in _REGISTERED) or bool(depth.frame and depth.frame == color.frame)
 
 
-def _cameras(topics: Sequence[Topic]) -> list[Topic]:
+def _cameras(topics: Sequence[BagTopic]) -> list[BagTopic]:
     """The pictures that could be meant, one of each camera, the best first; one, where only one camera has colour."""
-    best: dict[str, Topic] = {}
+    best: dict[str, BagTopic] = {}
     for topic in topics:
         if not topic.count or not _shows_color(topic):
             continue
@@ -262,16 +262,16 @@ def _cameras(topics: Sequence[Topic]) -> list[Topic]:
     return colored or found
 
 
-def _rank(topic: Topic) -> tuple[bool, bool, bool, str]:
+def _rank(topic: BagTopic) -> tuple[bool, bool, bool, str]:
     return topic.holds != "color", not rectified(topic.name), "compressed" in topic.name, topic.name
 
 
-def _depths(topics: Sequence[Topic], color: Topic, *, beside: bool) -> list[Topic]:
+def _depths(topics: Sequence[BagTopic], color: BagTopic, *, beside: bool) -> list[BagTopic]:
     """The depths that could be meant, one of each place: registered ones first, else those nearest by name.
 
     ``beside``: only those of the same camera, by its frame or by what their names begin with.
     """
-    best: dict[str, Topic] = {}
+    best: dict[str, BagTopic] = {}
     for topic in topics:
         if not topic.count or not _shows_depth(topic) or (beside and not _of_one_camera(topic, color)):
             continue
@@ -283,14 +283,14 @@ def _depths(topics: Sequence[Topic], color: Topic, *, beside: bool) -> list[Topi
     return fitting or found
 
 
-def _of_one_camera(one: Topic, other: Topic) -> bool:
+def _of_one_camera(one: BagTopic, other: BagTopic) -> bool:
     if one.frame and one.frame == other.frame:
         return True
     first, second = (topic.name.strip("/").split("/")[0] for topic in (one, other))
     return first == second
 
 
-def _info(topics: Sequence[Topic], color: Topic) -> str | None:
+def _info(topics: Sequence[BagTopic], color: BagTopic) -> str | None:
     infos = [topic.name for topic in topics if topic.type == INFO_TYPE and topic.count]
     beside = f"{_camera(color.name)}/camera_info"
     if beside in infos:
@@ -313,15 +313,15 @@ def _camera(topic: str) -> str:
     return _place(topic).rpartition("/")[0]
 
 
-def _shows_color(topic: Topic) -> bool:
+def _shows_color(topic: BagTopic) -> bool:
     return topic.type in COLOR_TYPES and topic.holds in ("color", "mono")
 
 
-def _shows_depth(topic: Topic) -> bool:
+def _shows_depth(topic: BagTopic) -> bool:
     return topic.type in COLOR_TYPES and topic.holds == "depth"
 
 
-def _holding(topic: Topic) -> str:
+def _holding(topic: BagTopic) -> str:
     return f", {topic.holds}" if topic.holds else ""
 
 

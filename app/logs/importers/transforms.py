@@ -33,7 +33,7 @@ def rotation(q: Quaternion) -> NDArray[np.float64]:
 
 
 def slerp(a: Quaternion, b: Quaternion, fraction: float) -> Quaternion:
-    """Between unit quaternions ``a`` (0) and ``b`` (1), the shorter way (Shoemake 1985)."""
+    """Interpolate between unit quaternions ``a`` (0) and ``b`` (1), the shorter way (Shoemake 1985)."""
     p, q = np.array(a), np.array(b)
     cosine = float(p @ q)
     if cosine < 0.0:
@@ -48,7 +48,7 @@ def slerp(a: Quaternion, b: Quaternion, fraction: float) -> Quaternion:
 
 
 @dataclass(frozen=True, slots=True)
-class Placed:
+class StampedTransform:
     """Pose of a child frame in its parent at ``stamp`` (s)."""
 
     stamp: float
@@ -56,27 +56,27 @@ class Placed:
     quaternion: Quaternion
 
     def pose(self) -> Pose3:
-        """As a pose. Raises ValueError for a quaternion of length 0."""
+        """The transform as a pose. Raises ValueError for a quaternion of length 0."""
         return Pose3(rotation(self.quaternion), np.array(self.translation, dtype=np.float64))
 
-    def between(self, other: Placed, stamp: float) -> Placed:
+    def between(self, other: StampedTransform, stamp: float) -> StampedTransform:
         """Interpolated at ``stamp`` between this and a later one."""
         f = (stamp - self.stamp) / (other.stamp - self.stamp)
         x, y, z = (a + f * (b - a) for a, b in zip(self.translation, other.translation, strict=True))
-        return Placed(stamp, (x, y, z), slerp(self.quaternion, other.quaternion, f))
+        return StampedTransform(stamp, (x, y, z), slerp(self.quaternion, other.quaternion, f))
 
 
 @dataclass(slots=True)
 class _Edge:
     parent: str
     static: bool
-    past: list[Placed] = field(default_factory=list)
+    past: list[StampedTransform] = field(default_factory=list)
 
 
 class Transforms:
-    """The tree; moving frames are remembered over the last ``span_s``.
+    """The tree of transforms; moving frames are kept over the last ``span_s``.
 
-    A stamp up to ``tolerance_s`` beyond what is known of a moving frame takes its nearest pose; further out there is
+    A stamp up to ``tolerance_s`` outside the known time of a moving frame takes its nearest pose; further out there is
     none.
     """
 
@@ -85,8 +85,8 @@ class Transforms:
         self._tolerance_s = tolerance_s
         self._edges: dict[str, _Edge] = {}
 
-    def add(self, parent: str, child: str, placed: Placed, *, static: bool) -> None:
-        """A transform that was published; a frame that stood still stays so."""
+    def add(self, parent: str, child: str, placed: StampedTransform, *, static: bool) -> None:
+        """Add a published transform; a static frame stays static."""
         edge = self._edges.get(child)
         if edge is None or edge.parent != parent or (static and not edge.static):
             edge = self._edges[child] = _Edge(parent, static)
@@ -105,7 +105,7 @@ class Transforms:
             del past[: bisect_right(past, past[-1].stamp - self._span_s, key=_stamp)]
 
     def standing(self) -> Transforms:
-        """A tree of its own of what stands still."""
+        """A new tree with the static transforms alone."""
         other = Transforms(self._span_s, self._tolerance_s)
         for child, edge in self._edges.items():
             if edge.static:
@@ -159,7 +159,7 @@ class Transforms:
             frame = edge.parent
         return pose
 
-    def _at(self, past: list[Placed], stamp: float) -> Placed | None:
+    def _at(self, past: list[StampedTransform], stamp: float) -> StampedTransform | None:
         after = bisect_right(past, stamp, key=_stamp)
         if 0 < after < len(past):
             return past[after - 1].between(past[after], stamp)
@@ -167,5 +167,5 @@ class Transforms:
         return nearest if abs(nearest.stamp - stamp) <= self._tolerance_s else None
 
 
-def _stamp(placed: Placed) -> float:
+def _stamp(placed: StampedTransform) -> float:
     return placed.stamp

@@ -18,20 +18,21 @@ from app.logs.log import LogError
 from app.logs.mcap.decompression import MOST_RECORD, MOST_UNPACKED, TooMuch, amount, check_unpacked, within
 from app.logs.mcap.structure import MAGIC, RECORD_HEAD
 
-#: Begin (8), end (8), size and checksum of the records (8, 4), length of the compression's name (4).
+#: Fields before a chunk's records: begin (8), end (8), size and checksum of the records (8, 4), length of the
+#: compression's name (4).
 _HEAD = struct.Struct("<QQQII")
 _LONGEST_NAME = 16
 #: Opcode (1), length (8), begin of the summary (8), of its offsets (8), checksum (4).
 _FOOTER = struct.Struct("<BQQQI")
-#: No file is so long: what the system takes as a place in one is smaller.
+#: Upper limit of a file's length: the system's greatest offset is smaller.
 _NO_PLACE = 1 << 62
 
 
 class BoundedReader(SeekingReader):
-    """A reader that takes no record of more than ``MOST_RECORD`` and looks for no chunk where none should be.
+    """A reader that refuses records of more than ``MOST_RECORD`` bytes, and chunks at places where none may be.
 
-    Where the MCAP library reads a summary or an attached file and finds a chunk, it unpacks the chunk. Chunks that hold
-    messages are checked by :func:`check_chunks`.
+    The MCAP library unpacks a chunk that it finds in place of a summary or an attached file. Chunks that hold messages
+    are checked by :func:`check_chunks`.
     """
 
     def __init__(self, file: IO[bytes], *, validate_crcs: bool = False) -> None:
@@ -92,7 +93,13 @@ def records_of(chunk: Chunk, *, validate_crc: bool = False) -> Iterable[McapReco
 
 def _check_packed(path: Path, file: IO[bytes], index: ChunkIndex, at: int) -> None:
     _bounded(
-        path, file, index.chunk_start_offset, at, index.compressed_size, index.compression, index.uncompressed_size
+        path,
+        file,
+        offset=index.chunk_start_offset,
+        at=at,
+        size=index.compressed_size,
+        compression=index.compression,
+        declared=index.uncompressed_size,
     )
 
 
@@ -106,7 +113,7 @@ def _check(path: Path, file: IO[bytes], offset: int) -> None:
         (packed,) = struct.unpack_from("<Q", head, at)
     except struct.error:
         return  # the library that reads it reports the damage
-    _bounded(path, file, offset, offset + at + 8, packed, name, size)
+    _bounded(path, file, offset=offset, at=offset + at + 8, size=packed, compression=name, declared=size)
 
 
 def _bounded(path: Path, file: IO[bytes], offset: int, at: int, size: int, compression: str, declared: int) -> None:
@@ -126,7 +133,7 @@ def _bounded(path: Path, file: IO[bytes], offset: int, at: int, size: int, compr
 
 
 def _offsets(file: IO[bytes]) -> Iterable[int]:
-    """Where chunks begin in ``file``, whose position is kept."""
+    """Offsets of the chunks in ``file``; the file's position is restored."""
     number = file.fileno()
     size = os.fstat(number).st_size
     at = len(MAGIC)

@@ -1,4 +1,4 @@
-"""How many bytes each channel of an MCAP file takes, read from its index alone."""
+"""Bytes of each channel of an MCAP file, read from its index alone."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ _HEAD = struct.Struct("<BQHI")
 
 
 def channel_bytes(path: Path) -> Mapping[str, int]:
-    """Bytes of the records of each channel before compression; empty where the file has no index that tells.
+    """Bytes of the records of each channel before compression; empty for a file without a message index.
 
-    ``path`` is a finished MCAP file. A channel of ours has those of all topics that are read back for it; of another
-    program's file, channels are topics. Raises OSError.
+    ``path`` is a finished MCAP file. A channel of our recordings includes all topics that are read back for it; in a
+    file of another program, channels are topics. Raises OSError.
     """
     total: Counter[str] = Counter()
     with open_plain(path) as stream:
@@ -44,7 +44,7 @@ def channel_bytes(path: Path) -> Mapping[str, int]:
 
 
 def _of_chunk(stream: IO[bytes], index: ChunkIndex) -> dict[int, int]:
-    """Bytes by channel id: a record reaches from its offset to that of the next, whoever's that is."""
+    """Bytes by channel id: a record extends from its offset to that of the next record, of any channel."""
     stream.seek(index.chunk_start_offset + index.chunk_length)
     data = stream.read(index.message_index_length)
     offsets, owners = [], []

@@ -1,7 +1,7 @@
-"""MCAP files by their chunks, nothing in them decoded: look through one, complete one that has no end, join several.
+"""MCAP files by their chunks, without decoding messages: scan one, complete one that has no end, join several.
 
-Chunks and their message indexes are copied as they are; only what points at them is written anew. The order of
-records in a file and their layout: MCAP specification, version 0 (https://mcap.dev/spec).
+Chunks and their message indexes are copied unchanged; only the records that point at them are written again. The order
+of records in a file and their layout: MCAP specification, version 0 (https://mcap.dev/spec).
 """
 
 from __future__ import annotations
@@ -69,8 +69,8 @@ class ChunkSpan:
 
 
 @dataclass(slots=True)
-class Contents:
-    """What a file holds: ``end`` is the byte after its last whole chunk; ``complete`` files have a summary."""
+class FileContents:
+    """The content of a file: ``end`` is the byte after its last whole chunk; ``complete`` files have a summary."""
 
     header: Header = field(default_factory=lambda: Header("", ""))
     attachments: list[Span] = field(default_factory=list)
@@ -86,7 +86,7 @@ class Contents:
 
     @property
     def messages(self) -> int:
-        """How many records of messages there are."""
+        """Number of message records."""
         return sum(sum(chunk.counts.values()) for chunk in self.chunks)
 
 
@@ -107,9 +107,9 @@ def spans(file: BinaryIO) -> Iterator[Span]:
         offset += RECORD_HEAD.size + length
 
 
-def scan(file: BinaryIO) -> Contents:
+def scan(file: BinaryIO) -> FileContents:
     """Look through ``file``, skipping what chunks hold. Raises LogError where it is no MCAP file."""
-    found = Contents(end=len(MAGIC))
+    found = FileContents(end=len(MAGIC))
     pending: Span | None = None
     indexes: list[Span] = []
 
@@ -150,8 +150,8 @@ def scan(file: BinaryIO) -> Contents:
     return found
 
 
-def complete(path: Path) -> Contents:
-    """Give a file that has no end its summary, in place, cutting off what was half written.
+def complete(path: Path) -> FileContents:
+    """Append the summary to a file that has no end, in place, after cutting off an incomplete record.
 
     Raises LogError where it is no MCAP file, OSError where it cannot be written.
     """
@@ -174,8 +174,8 @@ def join(
 ) -> int:
     """Write the chunks of ``sources`` one behind the other into ``target``.
 
-    The sources were written with the same ids for channels and schemas; attachments and metadata are the first one's.
-    ``progress(done, total)`` is told the bytes. Returns how many message records there are. Raises LogError, OSError.
+    The sources were written with the same ids for channels and schemas; attachments and metadata are those of the
+    first. Calls ``progress(done, total)`` with bytes. Returns the number of message records. Raises LogError, OSError.
     """
     files = [open(path, "rb") for path in sources]  # noqa: SIM115  # closed below
     try:
@@ -204,7 +204,7 @@ def join(
 
 
 class _Summary:
-    """What stands at the end of a file, gathered from what stands before it."""
+    """The end section of a file, computed from the records before it."""
 
     def __init__(self) -> None:
         self._schemas: dict[int, Schema] = {}
@@ -216,11 +216,11 @@ class _Summary:
 
     @property
     def messages(self) -> int:
-        """How many message records there are."""
+        """Number of message records."""
         return sum(self._counts.values())
 
-    def take(self, file: BinaryIO, found: Contents, shift: dict[int, int] | None) -> None:
-        """Add what ``file`` holds, whose records now stand at ``shift[offset]`` (None: where they were)."""
+    def take(self, file: BinaryIO, found: FileContents, shift: dict[int, int] | None) -> None:
+        """Add the contents of ``file``, whose records are now at ``shift[offset]`` (None: at their old offsets)."""
 
         def place(span: Span) -> int:
             return span.offset if shift is None else shift[span.offset]
@@ -260,7 +260,7 @@ class _Summary:
                 self._channels[record.id] = record
 
     def end(self, position: int) -> bytes:
-        """The rest of a file whose data section ends at ``position``, up to its last byte."""
+        """Write the end of a file whose data section ends at ``position``, up to its last byte."""
         data_end = RecordBuilder()
         DataEnd(0).write(data_end)
         head = _taken(data_end)
@@ -322,7 +322,16 @@ def _chunk_span(file: BinaryIO, span: Span, indexes: tuple[Span, ...]) -> ChunkS
     for index in indexes:
         channel, length = _index_head(file, index)
         counts[channel] = length // 16
-    return ChunkSpan(span, indexes, counts, begin_ns, end_ns, compression, compressed, uncompressed)
+    return ChunkSpan(
+        span,
+        indexes,
+        counts=counts,
+        begin_ns=begin_ns,
+        end_ns=end_ns,
+        compression=compression,
+        compressed=compressed,
+        uncompressed=uncompressed,
+    )
 
 
 def _index_head(file: BinaryIO, span: Span) -> tuple[int, int]:

@@ -1,4 +1,4 @@
-"""Damage in the middle of a log: what is missing, and reading on behind it."""
+"""Damage in the middle of a log: the missing part, and reading on after it."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from app.logs.log import Log, LogError, Logged, LogInfo
 
 
 class LogDamaged(LogError):
-    """What arrived from ``begin`` to ``end`` (robot's clock, s, inclusive) cannot be read; what follows may be."""
+    """Messages that arrived from ``begin`` to ``end`` (robot's clock, s, inclusive) cannot be read; later ones may
+    be."""
 
     def __init__(self, message: str, begin: float, end: float) -> None:
         super().__init__(message)
@@ -18,12 +19,12 @@ class LogDamaged(LogError):
 
     @property
     def behind(self) -> float:
-        """Where to read on: the first moment (s) after the damage."""
+        """The first time (s) after the damage, from which reading can go on."""
         return math.nextafter(self.end, math.inf)
 
 
 def missing(damage: LogDamaged, info: LogInfo) -> str:
-    """What cannot be read of the log, in words: ``0.1 s from 0:07.5 cannot be read``."""
+    """The damaged part of the log in words: ``0.1 s from 0:07.5 cannot be read``."""
     since = place(damage.begin - info.begin)
     if damage.end >= info.end:
         return f"nothing from {since} on can be read"
@@ -41,9 +42,9 @@ def place(seconds: float) -> str:
 def skipping(
     log: Log, begin: float | None, channels: Collection[str] | None, damaged: Callable[[LogDamaged], None]
 ) -> Iterator[Logged]:
-    """The messages of ``log`` as its own method gives them, but going on behind damage, each time told of.
+    """The messages of ``log``, continued after each damaged part, which is reported to a callback.
 
-    Raises LogError where the log does not say where it can be read again.
+    Raises LogError if the log does not say where reading can go on.
     """
     while True:
         try:

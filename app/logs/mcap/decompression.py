@@ -1,7 +1,7 @@
-"""How much packed data unpacks to, computed before it is unpacked: 100 kB can hold gigabytes of zeros.
+"""The unpacked size of compressed data, computed before it is unpacked: 100 kB can hold gigabytes of zeros.
 
-Libraries make room for what a frame says it holds, or for as much as comes out of it. So frames are walked through by
-the heads of their blocks, none of which unpacks to more than a bound of its format (RFC 8878, LZ4 Frame Format).
+Libraries allocate the size that a frame declares, or as much as comes out of it. So the heads of a frame's blocks are
+read first, none of which unpacks to more than a bound of its format (RFC 8878, LZ4 Frame Format).
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import TypeAlias
 
-import lz4.frame  # type: ignore[import-untyped]
+import lz4.frame
 import zstandard
 
 from app.logs.log import LogError
@@ -34,7 +34,7 @@ _UNKNOWN = zstandard.CONTENTSIZE_UNKNOWN
 _WORD = struct.Struct("<I")
 
 
-#: What is raised for data that is not a frame; RuntimeError by lz4.
+#: Exceptions for data that is not a frame; RuntimeError by lz4.
 NO_FRAME = (struct.error, zstandard.ZstdError, RuntimeError)
 
 
@@ -55,7 +55,7 @@ def check_unpacked(packed: Packed, size: int, compression: str, declared: int, m
 
 
 def unpacked_size(packed: Packed, size: int, compression: str, most: int) -> int:
-    """A bound (bytes) of what ``size`` bytes of ``packed`` unpack to, or, over ``most``, of a part of it.
+    """An upper bound (bytes) of the unpacked size of ``size`` bytes of ``packed``, or, over ``most``, of a part of it.
 
     Raises one of ``NO_FRAME`` where it is no frame.
     """
@@ -92,7 +92,7 @@ def _zstd(packed: Packed, size: int, most: int) -> int:
             # Of raw and repeated ones the length is that unpacked; the latter take one byte.
             unpacked += max(length, _LEAST_BLOCK) if kind < 2 else _ZSTD_BLOCK
             at += 3 + (1 if kind == 1 else length)
-        # Room is made for what the frame says; what it does not say it cannot give.
+        # The library allocates the declared size, and unpacks no more.
         total += unpacked if frame.content_size == _UNKNOWN else frame.content_size
         at += 4 * frame.has_checksum
     return total

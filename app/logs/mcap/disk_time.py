@@ -1,4 +1,4 @@
-"""How long writing waits for the disk: apart from that, it is the computer that has no time for it."""
+"""Time that writing waits for the disk; the rest of a delay is caused by the computer's load."""
 
 from __future__ import annotations
 

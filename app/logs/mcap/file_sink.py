@@ -14,7 +14,7 @@ from app.logs.mcap.open_file import McapFile, OpenFile, RecordEncoder, create
 
 
 class FileSink:
-    """One file, begun under a name that was free."""
+    """A recording in one file, created under the first free name."""
 
     def __init__(
         self, paths: Iterable[Path], encoder: RecordEncoder, manifest: Manifest, at: float, open_file: OpenFile = create
@@ -26,7 +26,7 @@ class FileSink:
 
     @property
     def name(self) -> str:
-        """What the recording is called."""
+        """Name of the recording."""
         return self._file.path.stem
 
     @property
@@ -44,18 +44,18 @@ class FileSink:
         self._file.write(at, channel, message)
 
     def flush(self) -> None:
-        """End the chunk. Raises OSError, also when the file was deleted meanwhile: nobody could ever read it."""
+        """End the chunk. Raises OSError, also if the file was deleted meanwhile: it could never be read."""
         self._file.flush()
         if not self._file.path.exists():
             raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(self._file.path))
 
     def close(self, discard: bool) -> None:
-        """End the file well; of one file nothing is thrown away but an empty one. Raises OSError."""
+        """Close the file; of a single file nothing is deleted but an empty one. Raises OSError."""
         self._file.close()
         self._forget_if_empty()
 
     def abandon(self) -> None:
-        """Cut off what was half written."""
+        """Cut off an incomplete record."""
         self._file.abandon()
         with suppress(OSError):
             self._forget_if_empty()

@@ -1,6 +1,6 @@
-"""One MCAP file while it is written: whole at any moment up to its last chunk, closed as well as the disk lets it be.
+"""One MCAP file while it is written: complete at any time up to its last chunk, and closed as far as the disk permits.
 
-For one thread. Files and facts of the manifest stand at the beginning, since a file whose writer was killed has no end.
+For one thread. Files and facts of the manifest are at the beginning, since a file whose writer was killed has no end.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from app.logs.stamps import to_ns
 
 
 class RawFile(Protocol):
-    """What is needed of a file opened for writing without a buffer (``open(path, "xb", buffering=0)``)."""
+    """A file opened for writing without a buffer (``open(path, "xb", buffering=0)``)."""
 
     def write(self, data: memoryview, /) -> int | None:
         """Write from the beginning of ``data``; returns how many bytes were taken. Raises OSError."""
@@ -45,7 +45,7 @@ OpenFile = Callable[[Path], RawFile]
 
 def create(path: Path) -> RawFile:
     """A new file at ``path``, locked as long as it is open, so that others see that it is being written."""
-    file = open(path, "x+b", buffering=0)  # noqa: SIM115  # whoever asked for it closes it
+    file = open(path, "x+b", buffering=0)  # noqa: SIM115  # closed by the caller
     with suppress(OSError):  # a file system without locks
         fcntl.flock(file, fcntl.LOCK_EX)
     return file
@@ -68,7 +68,7 @@ class UnrecordableMessage(Exception):
 
 
 class RecordEncoder(Protocol):
-    """What makes records of messages for one file; ``app.logs.ros.encoder.Encoder`` is one."""
+    """Makes records of messages for one file, as ``app.logs.ros.encoder.Encoder`` does."""
 
     def encode(self, channel: str, message: Any) -> list[Record]:
         """The records of ``message``, in the order they are to be written."""
@@ -79,13 +79,13 @@ class RecordEncoder(Protocol):
         ...
 
     def channel_metadata(self, topic: str) -> dict[str, str]:
-        """What stands in the channel record of ``topic``."""
+        """Metadata of the channel record of ``topic``."""
         ...
 
 
 @dataclass(frozen=True, slots=True)
-class Topic:
-    """A topic as a file tells of it: ``definition`` is its type's text, ``metadata`` stands in its channel record."""
+class FileTopic:
+    """A topic in a file: ``definition`` is its type's text, ``metadata`` is in its channel record."""
 
     name: str
     type: str
@@ -122,7 +122,7 @@ class McapFile:
 
     def __init__(
         self, path: Path, encoder: RecordEncoder, manifest: Manifest, at: float,
-        topics: dict[str, Topic] | None = None, open_file: OpenFile = create,
+        topics: dict[str, FileTopic] | None = None, open_file: OpenFile = create,
     ) -> None:  # fmt: skip
         """Create ``path`` and begin it with ``manifest``, recorded ``at`` (robot's clock, s).
 
@@ -135,13 +135,13 @@ class McapFile:
         self.messages = 0
         self._encoder = encoder
         self._records = 0
-        self._topics: dict[str, Topic] = {} if topics is None else topics
+        self._topics: dict[str, FileTopic] = {} if topics is None else topics
         self._ids: dict[str, int] = {}
         self._schemas: dict[str, int] = {}
         self._closed = False
         self._output = _Output(open_file(path))
         self._good = 0
-        # All that mcap asks of a stream are write, tell and flush.
+        # The mcap library calls nothing of a stream but ``write``, ``tell`` and ``flush``.
         self._writer = Writer(self._output, chunk_size=layout.CHUNK_SIZE, compression=CompressionType.ZSTD)  # type: ignore[arg-type]
         try:
             self._writer.start(layout.PROFILE, layout.library())
@@ -193,7 +193,8 @@ class McapFile:
         self._release()
 
     def abandon(self) -> None:
-        """After a failed write: cut off what was half written, end the file properly if the disk has room for that."""
+        """After a failed write: cut off the incomplete record, and close the file properly if the disk has room for
+        that."""
         if self._closed:
             return
         with suppress(OSError):
@@ -220,11 +221,11 @@ class McapFile:
         if topic is None:
             if metadata is None:
                 metadata = self._encoder.channel_metadata(record.topic)
-            topic = Topic(record.topic, record.type, self._encoder.definition(record.type), metadata)
+            topic = FileTopic(record.topic, record.type, self._encoder.definition(record.type), metadata)
             self._topics[record.topic] = topic
         return self._register(topic)
 
-    def _register(self, topic: Topic) -> int:
+    def _register(self, topic: FileTopic) -> int:
         schema = self._schemas.get(topic.type)
         if schema is None:
             schema = self._writer.register_schema(topic.type, layout.SCHEMA_ENCODING, topic.definition.encode())

@@ -18,7 +18,7 @@ from app.logs.manifest import AttachedFile, Manifest
 from app.logs.mcap.bounds import BoundedReader, check_chunks, records_of
 from app.logs.mcap.damage import LogDamaged, missing, place
 from app.logs.mcap.structure import DAMAGE, MAGIC, RECORD_HEAD, is_closed
-from app.logs.ros.decoder import Contents, Decoder, StoredTopic, contents
+from app.logs.ros.decoder import DecodableContents, Decoder, StoredTopic, contents
 from app.logs.stamps import from_ns, to_ns
 
 FORMAT = "HBBA MCAP"
@@ -53,7 +53,7 @@ class McapLog:
 
     @property
     def info(self) -> LogInfo:
-        """What it holds, from the file's summary."""
+        """Facts of the log, from the file's summary."""
         return self._info
 
     @cached_property
@@ -123,7 +123,7 @@ class McapLog:
         check_chunks(self._path, self._file, summary)
         return reader, summary
 
-    def _topics(self) -> Contents:
+    def _topics(self) -> DecodableContents:
         topics = []
         for channel in self._summary.channels.values():
             schema = self._summary.schemas.get(channel.schema_id)
@@ -146,7 +146,15 @@ class McapLog:
         }
         begin, end = self._statistics.message_start_time, self._statistics.message_end_time
         size = self._path.stat().st_size
-        return LogInfo(self._path, FORMAT, from_ns(begin), from_ns(end), channels, size, self._contents.ignored)
+        return LogInfo(
+            self._path,
+            FORMAT,
+            begin=from_ns(begin),
+            end=from_ns(end),
+            channels=channels,
+            bytes=size,
+            ignored=self._contents.ignored,
+        )
 
     @property
     def _statistics(self) -> Statistics:

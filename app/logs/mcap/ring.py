@@ -13,19 +13,19 @@ from typing import Any
 
 from app.logs.log import LogError
 from app.logs.manifest import Manifest
-from app.logs.mcap.open_file import McapFile, OpenFile, RecordEncoder, Topic, create
+from app.logs.mcap.open_file import FileTopic, McapFile, OpenFile, RecordEncoder, create
 from app.logs.mcap.ring_folder import SEGMENT, STATE, make_home, save
-from app.logs.output import Progress, unwatched
+from app.logs.output_file import Progress, unwatched
 
 SEGMENT_S = 10.0
 
-#: What tells which standing state a message replaces, by channel; None for a message that is no state.
+#: Returns the key of the state that a message replaces, by channel; None for a message that is no state.
 StateKey = Callable[[str, Any], str | None]
 
 
 @dataclass(frozen=True, slots=True)
 class Segment:
-    """A closed segment: ``state`` holds what stood when it began, ``path`` what came; ``begin``, ``end`` in s."""
+    """A closed segment: ``state`` has the state at its begin, ``path`` the messages; ``begin``, ``end`` in s."""
 
     state: Path
     path: Path
@@ -52,17 +52,17 @@ class Ring:
         segment_s: float = SEGMENT_S,
         open_file: OpenFile = create,
     ) -> None:
-        """Begin in a new folder below ``folder``. Raises OSError."""
+        """Create a new folder below ``folder``. Raises OSError."""
         self.folder = folder
         self.keep_s = keep_s
         self._new_encoder = new_encoder
-        self._topics: dict[str, Topic] = {}
+        self._topics: dict[str, FileTopic] = {}
         self._manifest = manifest
         self._state_key = state_key
         self._segment_s = segment_s
         self._open_file = open_file
         self._home, self._lock_file = make_home(folder, at)
-        #: Where the oldest segment begins (robot's clock, s).
+        #: Begin of the oldest segment (robot's clock, s).
         self.begin = at
         self._begin = self._end = at
         self._state_path: Path
@@ -103,12 +103,12 @@ class Ring:
             self._standing[key] = (channel, message)
 
     def flush(self) -> None:
-        """End the chunk, and delete what is too old. Raises OSError."""
+        """End the chunk, and delete expired segments. Raises OSError."""
         self._file.flush()
         self._forget(self._end - self.keep_s)
 
     def close(self, discard: bool) -> None:
-        """End it; ``discard``: delete what it kept. Otherwise the segments stay, to be found as left over."""
+        """Close it; ``discard``: delete the segments. Otherwise they stay, and are found as leftovers."""
         try:
             self._file.close()
         finally:
@@ -117,12 +117,12 @@ class Ring:
             self._lock_file.close()
 
     def abandon(self) -> None:
-        """After a failed write: what is on disk stays, to be found as left over."""
+        """After a failed write: segments on disk stay, and are found as leftovers."""
         with suppress(OSError):
             self._file.abandon()
         self._lock_file.close()
 
-    def hold(self, at: float, seconds: float | None) -> Hold:
+    def hold(self, at: float, seconds: float | None) -> HeldSegments:
         """Close the segment in progress and keep those of the last ``seconds`` (None: all) from being deleted.
 
         Called in the writer's thread; the hold is used and released in any other. Raises OSError.
@@ -133,7 +133,7 @@ class Ring:
         with self._guard:
             for segment in chosen:
                 self._held[segment.path] = self._held.get(segment.path, 0) + 1
-        return Hold(chosen, self._release)
+        return HeldSegments(chosen, self._release)
 
     def _release(self, segments: Iterable[Segment]) -> None:
         with self._guard:
@@ -150,7 +150,7 @@ class Ring:
         self._number += 1
         self._begin = self._end = at
         self._state_path = self._home / f"{self._number:06}{STATE}"
-        # Each with an encoder of its own: an encoder leaves out what its file already tells.
+        # Each segment has an encoder of its own: an encoder leaves out data that its file holds already.
         state = self._create(self._state_path, self._manifest, at)
         try:
             for channel, message in self._standing.values():
@@ -162,12 +162,16 @@ class Ring:
         self._file = self._create(self._home / f"{self._number:06}{SEGMENT}", Manifest(), at)
 
     def _create(self, path: Path, manifest: Manifest, at: float) -> McapFile:
-        return McapFile(path, self._new_encoder(), manifest, at, self._topics, self._open_file)
+        return McapFile(
+            path, self._new_encoder(), manifest=manifest, at=at, topics=self._topics, open_file=self._open_file
+        )
 
     def _rotate(self, at: float) -> None:
         file = self._file
         file.close()
-        closed = Segment(self._state_path, file.path, self._begin, self._end, file.bytes, file.messages)
+        closed = Segment(
+            self._state_path, file.path, begin=self._begin, end=self._end, bytes=file.bytes, messages=file.messages
+        )
         with self._guard:
             self._segments.append(closed)
         self._begin_segment(at)
@@ -196,14 +200,14 @@ class Ring:
                 shutil.rmtree(self._home, ignore_errors=True)
 
 
-class Hold:
+class HeldSegments:
     """Segments that stay until they are copied; release it by leaving the ``with`` block."""
 
     def __init__(self, segments: list[Segment], release: Callable[[Iterable[Segment]], None]) -> None:
         self.segments = segments
         self._release = release
 
-    def __enter__(self) -> Hold:
+    def __enter__(self) -> HeldSegments:
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -1,6 +1,7 @@
-"""A ring's folder: locked while its program lives, joined into one recording when it is saved or was left behind.
+"""A ring's folder: locked while its program runs, joined into one recording when it is saved or was left behind.
 
-What a killed or stopped program left is found by the next one (:func:`leftovers`) and becomes a recording.
+Folders left by a program that was killed or stopped are found by the next one (:func:`leftovers`) and become
+recordings.
 """
 
 from __future__ import annotations
@@ -20,10 +21,10 @@ from typing import IO
 from app.logs.log import LogError
 from app.logs.mcap.chunks import join, scan
 from app.logs.mcap.structure import DAMAGE
-from app.logs.output import Progress, unwatched
+from app.logs.output_file import Progress, unwatched
 from app.logs.stamps import SECOND, to_ns
 
-#: What the name of a segment's file ends with, and that of the state that stood when it began.
+#: Ending of a segment's file name, and of the file with the state at its begin.
 SEGMENT = ".mcap"
 STATE = "-state.mcap"
 _LOCK = "lock"
@@ -75,7 +76,8 @@ def begin_of(home: Path) -> float:
 
 
 def save(state: Path, segments: list[Path], targets: Iterable[Path], progress: Progress) -> Path:
-    """Join the files in the ring's folder, and give what is whole its name: nobody sees half a recording."""
+    """Join the files in the ring's folder; the result gets its name when it is complete, so that no reader sees half of
+    it."""
     part = state.parent.parent / f"{_SAVING}{secrets.token_hex(4)}"
     try:
         with open(part, "xb") as file:
@@ -107,14 +109,14 @@ def _name(part: Path, target: Path) -> None:
 def _sweep(folder: Path) -> None:
     """Delete what programs that were killed while they saved had joined by then: the segments are still there."""
     for part in folder.glob(f"{_SAVING}*"):
-        # Locked by who writes it; without locks nobody can tell.
+        # Locked by its writer; on a file system without locks that is not known.
         with suppress(OSError), open(part, "rb") as file:
             fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
             part.unlink()
 
 
 def make_home(folder: Path, at: float) -> tuple[Path, IO[bytes]]:
-    """A folder of its own with its lock; it takes its name when it is locked, so that nobody takes it for left over."""
+    """A new folder with its lock. It is locked before it gets its name, so that no program takes it for a leftover."""
     folder.mkdir(parents=True, exist_ok=True)
     fresh = Path(tempfile.mkdtemp(prefix=_NEW, dir=folder))
     lock = open(fresh / _LOCK, "xb")  # noqa: SIM115  # closed with the ring
@@ -134,7 +136,7 @@ def _is_left(home: Path) -> bool:
 
 @contextmanager
 def _claimed(home: Path) -> Iterator[bool]:
-    """Hold the lock of the ring in ``home`` meanwhile; False if a program that lives holds it, or the ring is gone."""
+    """Hold the lock of the ring in ``home`` meanwhile; False if a running program holds it, or the ring is gone."""
     try:
         lock = open(home / _LOCK, "rb")  # noqa: SIM115  # closed below
     except OSError:
@@ -148,11 +150,11 @@ def _claimed(home: Path) -> Iterator[bool]:
         except OSError:  # a file system without locks
             yield _is_gone(lock.read())
         else:
-            yield home.is_dir()  # whoever held it until now may have deleted it all
+            yield home.is_dir()  # the former holder may have deleted it
 
 
 def _owner(pid: int) -> bytes:
-    """Who turns a ring: what tells whether it lives where there are no locks."""
+    """The process that writes a ring; says on a file system without locks whether it still runs."""
     return f"{pid} {socket.gethostname()}".encode()
 
 

@@ -1,4 +1,4 @@
-"""What all who read MCAP files share: how such a file begins and ends, and what damage makes the library raise."""
+"""The structure of MCAP files that all readers share: begin, end, and the exceptions that damage raises."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from app.base.plain_file import open_plain
 
 #: The first bytes of an MCAP file, and the last of one that was closed.
 MAGIC = b"\x89MCAP0\r\n"
-#: What every record begins with: opcode (1), length of the content (8).
+#: Head of every record: opcode (1), length of the content (8).
 RECORD_HEAD = struct.Struct("<BQ")
 
-#: What a file that is not what it should be makes the MCAP library raise; RuntimeError is lz4's. Offsets beyond the
-#: file are OSErrors besides, which whoever only reads may count among them.
+#: Exceptions of the MCAP library for damaged files; RuntimeError is lz4's. Offsets beyond the file raise OSError
+#: besides, which a reader may treat as damage.
 DAMAGE = (
     McapError,
     zstandard.ZstdError,

@@ -1,7 +1,7 @@
-"""Writing a log beside the robot's life: a thread of its own behind a queue bounded in bytes and in messages.
+"""Writes a log in a thread of its own, behind a queue bounded in bytes and in messages.
 
-``put`` returns at once, whatever the disk does. What finds no room is dropped and counted; a disk that stays too slow,
-fails or runs full ends the recording with a reason in words, and nothing else.
+``put`` returns at once, however slow the disk is. Messages without room in the queue are dropped and counted; a disk
+that stays too slow, fails or runs full ends the recording with a reason in words, and nothing else.
 """
 
 from __future__ import annotations
@@ -30,22 +30,22 @@ T = TypeVar("T")
 log = logging.getLogger("hbba.recording")
 
 MEGABYTE = 1_000_000
-#: Where writing waits for the disk for this share of the time, it is the disk that is too slow.
+#: The disk is too slow if writing waits for it for this share of the time.
 _DISKS_SHARE = 0.5
-#: What waits is written this often (s), in one go: a thread that woke for each message would cost more than writing it.
+#: Period (s) of writing the queue in one go: a thread that woke for each message would cost more than writing it.
 BEAT_S = 0.05
 #: A chunk is closed at least this often (s): what a killed program loses at most.
 FLUSH_S = 0.5
-#: How often the free space is looked at (s).
+#: Period (s) of checking the free space.
 LOOK_S = 1.0
 
 
 class Sink(Protocol):
-    """Where a recording goes: one file, or a ring of them. Used by the writer's thread alone."""
+    """The destination of a recording: one file, or a ring of them. Used by the writer's thread alone."""
 
     @property
     def name(self) -> str:
-        """What the recording is called."""
+        """Name of the recording."""
         ...
 
     @property
@@ -55,7 +55,7 @@ class Sink(Protocol):
 
     @property
     def begin(self) -> float:
-        """Where what is in it now begins (robot's clock, s)."""
+        """Begin of the data it holds now (robot's clock, s)."""
         ...
 
     @property
@@ -77,7 +77,7 @@ class Sink(Protocol):
         ...
 
     def close(self, discard: bool) -> None:
-        """End it well; ``discard``: nobody wants what can be thrown away of it. Raises OSError."""
+        """Close it; ``discard``: delete the data that may be deleted. Raises OSError."""
         ...
 
     def abandon(self) -> None:
@@ -87,7 +87,7 @@ class Sink(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What a writer may hold in memory, how much of the disk it leaves free, and how long (s) it may be dropping."""
+    """Limits of a writer: memory, disk space left free, and how long (s) it may drop messages."""
 
     queue_bytes: int = 64 * MEGABYTE
     queue_messages: int = 20_000
@@ -121,7 +121,7 @@ def _fields_of(cls: type[Any]) -> tuple[str, ...]:
 
 
 class RecordingWriter:
-    """One recording being written; made, fed and ended by one thread (the event loop's)."""
+    """One recording being written; created, fed and ended by one thread (the event loop's)."""
 
     def __init__(
         self,
@@ -137,7 +137,7 @@ class RecordingWriter:
         """Begin; the thread calls ``open_sink`` first, which may raise OSError. ``disk`` times the files it opens.
 
         ``on_change`` is called in the thread once the sink is open and once all is over; ``charge(work)`` calls
-        ``work()`` there and notes its CPU time.
+        ``work()`` there and records its CPU time.
         """
         self._open_sink = open_sink
         self._limits = limits
@@ -169,7 +169,7 @@ class RecordingWriter:
 
     @property
     def sink(self) -> Sink | None:
-        """Where it goes; None until it is open."""
+        """Name of the recording; None until its sink is open."""
         return self._sink
 
     @property
@@ -179,7 +179,7 @@ class RecordingWriter:
 
     @property
     def dropped(self) -> int:
-        """Messages that found no room in the queue, or could not be written as what they are."""
+        """Number of messages without room in the queue, or that could not be encoded."""
         return self._dropped + self._refused
 
     @property
@@ -189,7 +189,7 @@ class RecordingWriter:
 
     @property
     def duration_s(self) -> float:
-        """Seconds from the beginning of what it holds to the newest message taken."""
+        """Seconds from the begin of its data to the newest message."""
         sink = self._sink
         return max(0.0, self._newest - (self.began if sink is None else sink.begin))
 
@@ -236,18 +236,18 @@ class RecordingWriter:
             except OSError as error:  # then only `abandon` is left of the sink
                 future.set_exception(error)
                 raise
-            except Exception as error:  # noqa: BLE001  # handed to whoever awaits the future
+            except Exception as error:  # noqa: BLE001  # raised where the future is awaited
                 future.set_exception(error)
             else:
                 future.set_result(result)
 
         self._calls.put(run)
-        if self._over:  # nobody is there any more to answer
+        if self._over:  # the loop is closed: no task waits for the answer
             self._refuse_calls()
         return future
 
     def finish(self, discard: bool = False) -> None:
-        """Take nothing more; what is queued is still written. See :meth:`Sink.close` for ``discard``."""
+        """Accept no more messages; queued ones are still written. See :meth:`Sink.close` for ``discard``."""
         self._discard = discard
         self._end("")
 
@@ -306,7 +306,7 @@ class RecordingWriter:
                 if call is None:
                     going = False
                 else:
-                    self._charge(self._drain)  # what was put before the call comes before it
+                    self._charge(self._drain)  # messages put before the call come before it
                     self._charge(call)
             self._charge(self._drain)
             now = time.monotonic()
@@ -320,7 +320,7 @@ class RecordingWriter:
 
     def _drain(self) -> None:
         sink = self._opened()
-        # As many as there are now: what comes meanwhile is for the next beat, after a look at the clock.
+        # As many as are queued now: those that arrive meanwhile wait for the next period, after a check of the clock.
         for _ in range(len(self._queue)):
             at, channel, message, size = self._queue.popleft()
             try:
@@ -380,7 +380,7 @@ def check_room(folder: Path, free: int, least: int) -> None:
 
 
 def in_words(error: OSError) -> str:
-    """What a failed write means and what to do about it."""
+    """Message for people about a failed write, with a remedy."""
     where = f" ({error.filename})" if error.filename else ""
     match error.errno:
         case None:

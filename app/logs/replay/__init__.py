@@ -1,1 +1,1 @@
-"""Living a log again: the program put together on a recorded body, and what is measured on it."""
+"""Replays: the program on a recorded body, and measurements on it."""

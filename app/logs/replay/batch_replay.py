@@ -1,8 +1,8 @@
 """Many runs of a calibration in one replay: an instance of the module for each, so that the log is decoded once.
 
-Decoding a minute of pictures takes longer than most perceptions take to look at them. So the instances stand side by
-side on the same channels, each behind filters, on output channels and with a meter of its own; what one computes waits
-for the others' turns, and CPU time is counted within its own. What each finds and costs is what it would alone.
+Decoding a minute of pictures takes longer than most perceptions take to process them. So the instances read the same
+channels, each behind filters, on output channels and with a CPU meter of its own. They compute one at a time, and CPU
+time is counted within each turn: the results and costs of each equal those of a replay of its own.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from itertools import groupby
 from typing import Any, TypeVar
 
 from app.attention.strategies import CLOSED
-from app.logs.replay.calibration import Run
+from app.logs.replay.calibration_runs import Run
 from app.program.config import Configuration
 from app.program.system import System
 from app.runtime.graph import FilterBank, Pin
@@ -23,16 +23,16 @@ from app.runtime.load import CpuMeter
 
 T = TypeVar("T")
 
-#: So many instances at most: beyond that there is little left to share, and each may need tens of megabytes.
+#: Greatest number of instances: beyond that there is little left to share, and each may need tens of megabytes.
 MOST = 32
 #: A φ at which the first message passes, and no other for longer than any log is.
 _ONE_ALONE = 1_000_000_000
 
 
 @dataclass(frozen=True, slots=True)
-class SideBySide:
-    """A program of ``runs`` of one module: the nth by the module ``names[n]``, which tells what it finds on the channel
-    ``events[n]`` (None: on none); ``pins`` holds its filters, ``parameters`` is what each is handed."""
+class BatchReplay:
+    """A program of ``runs`` of one module: the nth by the module ``names[n]``, with its percepts on the channel
+    ``events[n]`` (None: on none); ``pins`` fixes its filters, ``parameters`` are those of each."""
 
     configuration: Configuration
     runs: tuple[Run, ...]
@@ -48,12 +48,12 @@ class SideBySide:
                 filters.pin(f"{name}.{run.port}", Pin(run.phi, run.offset))
 
 
-def side_by_side(configuration: Configuration, runs: Sequence[Run], attended: Collection[str]) -> SideBySide:
+def batch_program(configuration: Configuration, runs: Sequence[Run], attended: Collection[str]) -> BatchReplay:
     """The program that makes ``runs``, all of one module, at once.
 
     Of the filters ``attended`` by attention (``Module.port``), those not measured are closed. Those measured let one
-    message pass and then wait for :meth:`SideBySide.begin`. A module's events are what it tells on its first output, as
-    configuration names them.
+    message pass and then wait for :meth:`BatchReplay.begin`. A module's events are the messages of its first output in
+    configuration order.
     """
     module = runs[0].module
     spec = configuration.program.modules[module]
@@ -68,15 +68,15 @@ def side_by_side(configuration: Configuration, runs: Sequence[Run], attended: Co
         ports = (port for owner, _, port in (other.partition(".") for other in attended) if owner == module)
         pins.update({f"{name}.{port}": Pin(CLOSED) for port in ports})
         pins[f"{name}.{run.port}"] = Pin(run.phi if run.phi == 1 else _ONE_ALONE)
-    return SideBySide(
+    return BatchReplay(
         replace(
             configuration, program=configuration.program.model_copy(update={"modules": modules}), channels=channels
         ),
         tuple(runs),
-        names,
-        tuple(events),
-        pins,
-        {name: json.loads(run.parameters) for name, run in zip(names, runs, strict=True)},
+        names=names,
+        events=tuple(events),
+        pins=pins,
+        parameters={name: json.loads(run.parameters) for name, run in zip(names, runs, strict=True)},
     )
 
 
@@ -102,7 +102,7 @@ def batches(runs: Sequence[Run], most: int = MOST) -> list[list[Run]]:
     return found
 
 
-class TakingTurns(CpuMeter):
+class ExclusiveCpuMeter(CpuMeter):
     """A meter whose module computes only while no other one with the same ``lock`` does; waiting costs nothing."""
 
     __slots__ = ("_turn",)
@@ -112,16 +112,16 @@ class TakingTurns(CpuMeter):
         self._turn = lock
 
     def call(self, function: Callable[..., T], *args: Any) -> T:
-        """As :meth:`CpuMeter.call`, when it is its turn."""
+        """As :meth:`CpuMeter.call`, once the lock is free."""
         with self._turn:
             return super().call(function, *args)
 
 
-def take_turns(system: System) -> None:
-    """Have the modules of ``system``, which does not run yet, compute one after the other.
+def serialize_computing(system: System) -> None:
+    """Make the modules of ``system``, which does not run yet, compute one at a time.
 
-    Beside each other they would push each other out of the processor's caches, and each would seem dearer.
+    In parallel they would evict each other's data from the processor's caches, and each would seem to cost more.
     """
     lock = threading.RLock()
     for slot in system.graph.modules.values():
-        slot.context.meter = TakingTurns(lock)
+        slot.context.meter = ExclusiveCpuMeter(lock)

@@ -9,12 +9,12 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from app.attention.calibration import Calibration, Fit, Relation
+from app.attention.calibration import CostCalibration, CostFit, Relation
 
 _INK, _LINE = "#1b4965", "#ca6702"
 
 
-def plot(calibration: Calibration, path: Path) -> None:
+def plot(calibration: CostCalibration, path: Path) -> None:
     """Draw ``calibration`` into ``path`` (PNG or SVG, by its name). Raises OSError where it cannot be written."""
     count = max(1, len(calibration.relations))
     figure = Figure(figsize=(9, 0.9 + 2.9 * count), layout="constrained")
@@ -30,7 +30,7 @@ def plot(calibration: Calibration, path: Path) -> None:
 def _panel(axes: Axes, relation: Relation, what: str, label: str, title: str) -> None:
     phis = [point.phi for point in relation.points]
     values = [getattr(point, what) for point in relation.points]
-    line: Fit = getattr(relation, what)
+    line: CostFit = getattr(relation, what)
     x = np.linspace(0, 1 / min(phis), 50)
     axes.plot(x, line.base + line.slope * x, color=_LINE, linewidth=1.5, zorder=1)
     half = [point.cpu_spread / 2 if what == "cpu" else 0 for point in relation.points]
@@ -58,7 +58,7 @@ def _panel(axes: Axes, relation: Relation, what: str, label: str, title: str) ->
 
 
 def _apart(phis: list[int]) -> list[int]:
-    """Those of ``phis`` whose labels do not overlap, the small ones first."""
+    """A subset of ``phis`` whose labels do not overlap; small ones are preferred."""
     shown: list[int] = []
     widest = 1 / min(phis)
     for phi in sorted(phis):

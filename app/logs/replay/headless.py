@@ -1,4 +1,4 @@
-"""A log replayed where nobody watches: in virtual time, as fast as the machine allows, the same each time."""
+"""Replays a log without a console: in virtual time, as fast as the machine allows, with the same result each time."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from typing import Any
 from app.attention.intention import Intention
 from app.logs.library import RecordingLibrary
 from app.logs.log import Log
-from app.logs.replay.message_hash import Digest
+from app.logs.replay.message_hash import MessageHash
 from app.logs.replay.options import ReplayOptions
 from app.logs.replay.replay import Replay
 from app.logs.replay.replay_config import OWN_RECORDS
-from app.logs.replay.report import ChannelReport, InputReport, IntentionLine, ModuleReport, ReplayReport
+from app.logs.replay.report import ChannelReport, InputReport, IntentionLine, ReplayedModule, ReplayReport
 from app.messages import LoadRecord, LogLine, RecorderStatus
 from app.modules.recording.recorder import Recorder
 from app.program.system import System
@@ -24,7 +24,7 @@ from app.runtime.clock import Clock, VirtualClock, run_virtual
 
 #: A thread that owes a result for longer than this is given up: then only, a replay would depend on the machine.
 PATIENCE_S = 600.0
-#: Once the log is over, time goes on by this much (s): what is under way then comes to its end.
+#: Virtual time (s) after the end of the log, in which pending work completes.
 TAIL_S = 0.001
 #: A replay at a given speed keeps step with real time to this (s of the log).
 PACE_S = 0.05
@@ -32,17 +32,17 @@ PACE_S = 0.05
 QUEUED_BYTES = 16_000_000
 DISK_S = 0.01
 
-#: Records that tell of this computer, or of what its threads say.
+#: Records about this computer, or in an order that depends on its threads.
 _OF_THE_MACHINE = (LoadRecord, LogLine, RecorderStatus)
 
 
 @dataclass(frozen=True, slots=True)
-class Watch:
-    """What may be looked on with while a replay runs; all are called on the loop and must not wait.
+class ReplayWatch:
+    """Callbacks of a replay; all are called on the loop and must not block.
 
-    ``progress(position)``: so far (robot's clock, s). ``message(channel, message)``: everything that the report counts.
-    ``built(system)``: once, when the program stands and nothing of it runs yet. ``beside(system)`` runs beside it, from
-    just before the log speaks to its end.
+    ``progress(position)``: position so far (robot's clock, s). ``message(channel, message)``: every message that the
+    report counts. ``built(system)``: once, when the program is built and before it runs. ``beside(system)`` runs beside
+    it, from just before the first message of the log to the end.
     """
 
     progress: Callable[[float], None] = lambda _: None
@@ -57,7 +57,7 @@ def run_headless(
     *,
     speed: float | None = None,
     recordings: RecordingLibrary | None = None,
-    watch: Watch | None = None,
+    watch: ReplayWatch | None = None,
     digests: bool = True,
 ) -> ReplayReport:
     """Replay ``log`` and say what came of it; not to be called on an event loop.
@@ -68,7 +68,7 @@ def run_headless(
     options = options or ReplayOptions()
     clock = VirtualClock(origin=log.info.begin if options.begin is None else options.begin)
     replay = Replay(log, clock, options, recordings=recordings, reproducible=True)
-    watch = watch or Watch()
+    watch = watch or ReplayWatch()
     watch.built(replay.system)
     journal = _Journal(replay.system, watch, digests)
     return run_virtual(_relive(replay, journal, speed), patience_s=PATIENCE_S)
@@ -134,20 +134,25 @@ async def wait_for_disk(recorder: Recorder, clock: Clock) -> None:
 
 
 async def _real_sleep(seconds: float) -> None:
-    """Sleep in a thread: virtual time stands meanwhile."""
+    """Sleep in a thread: virtual time does not pass meanwhile."""
     await asyncio.get_running_loop().run_in_executor(None, time.sleep, seconds)
 
 
-def _module(system: System, name: str, before_ns: int) -> ModuleReport:
+def _module(system: System, name: str, before_ns: int) -> ReplayedModule:
     slot = system.graph.modules[name]
     inputs = {}
     for port_name, port in slot.context.inputs.items():
         if port.connected and port.channel is not None:
             count = port.subscription.statistics()
             inputs[port_name] = InputReport(
-                port.channel.name, float(count.divisor), count.received, count.passed, count.taken, count.dropped
+                port.channel.name,
+                float(count.divisor),
+                received=count.received,
+                passed=count.passed,
+                taken=count.taken,
+                dropped=count.dropped,
             )
-    return ModuleReport(
+    return ReplayedModule(
         cpu_s=(slot.context.meter.cpu_ns - before_ns) / 1e9,
         inputs=inputs,
         outputs={port: system.graph.channels[channel].published for port, channel in sorted(slot.spec.outputs.items())},
@@ -158,15 +163,15 @@ def _module(system: System, name: str, before_ns: int) -> ModuleReport:
 class _Journal:
     """Notes what every channel of the program says, without being a consumer of any."""
 
-    def __init__(self, system: System, watch: Watch, digests: bool) -> None:
+    def __init__(self, system: System, watch: ReplayWatch, digests: bool) -> None:
         self.watch = watch
         self.intentions: list[IntentionLine] = []
         self._system = system
         self._with_digests = digests
         graph = system.graph
-        # What the program says; what is fed to it from the log is none of its doing.
+        # Channels of the program's own messages; those fed from the log do not count.
         self._digests = {
-            name: Digest()
+            name: MessageHash()
             for name, channel in graph.channels.items()
             if channel.message_type not in _OF_THE_MACHINE
             and (name in graph.producers or channel.message_type in OWN_RECORDS)
@@ -183,7 +188,7 @@ class _Journal:
         self._stack.close()
 
     def channels(self) -> dict[str, ChannelReport]:
-        """So far."""
+        """The report of each channel so far."""
         return {
             name: ChannelReport(digest.count, digest.hex() if self._with_digests else "")
             for name, digest in self._digests.items()
@@ -207,11 +212,11 @@ class _Journal:
         line = IntentionLine(
             intention.stamp,
             selection.strategies,
-            selection.fulfilled,
-            selection.relaxed,
-            selection.omega,
-            {name: divisors[name] for name in intention.divisors},
+            fulfilled=selection.fulfilled,
+            relaxed=selection.relaxed,
+            omega=selection.omega,
+            divisors={name: divisors[name] for name in intention.divisors},
         )
-        # Told again once its reasons are complete.
+        # An intention is reported again once its reasons are complete.
         if not self.intentions or self.intentions[-1] != line:
             self.intentions.append(line)

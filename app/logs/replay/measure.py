@@ -9,9 +9,9 @@ from functools import cache
 from typing import Any, get_args, get_origin, get_type_hints
 
 from app.logs.log import Log
-from app.logs.replay.batch_replay import side_by_side, take_turns
-from app.logs.replay.calibration import Measurement, Run
-from app.logs.replay.headless import Watch, run_headless
+from app.logs.replay.batch_replay import batch_program, serialize_computing
+from app.logs.replay.calibration_runs import Measurement, Run
+from app.logs.replay.headless import ReplayWatch, run_headless
 from app.logs.replay.options import ReplayOptions
 from app.program.config import Configuration
 from app.program.system import System
@@ -33,7 +33,7 @@ class Bench:
     ) -> None:
         self._log = log
         self._configuration = configuration
-        #: From when to when (s) is measured.
+        #: Begin and end (s) of the measurement.
         self.begin = max(begin, log.info.begin + WARM_UP_S)
         self.end = end
         self._attended = frozenset(attended)
@@ -41,9 +41,9 @@ class Bench:
     def measure(self, runs: Sequence[Run], progress: Callable[[float], None] = lambda _: None) -> list[Measurement]:
         """Make ``runs``, all of one module, in one replay, as fast as the machine allows.
 
-        ``progress`` is told which share of it is done. Raises ConfigError, LogError, LinkFailed.
+        ``progress`` is called with the share done. Raises ConfigError, LogError, LinkFailed.
         """
-        program = side_by_side(self._configuration, runs, self._attended)
+        program = batch_program(self._configuration, runs, self._attended)
         before = self.begin - WARM_UP_S
         events: Counter[str | None] = Counter()
         warmed: dict[str, float] = {}
@@ -69,10 +69,10 @@ class Bench:
             config=program.configuration,
             desires=False,
         )
-        watch = Watch(
+        watch = ReplayWatch(
             progress=lambda position: progress((position - before) / (self.end - before)),
             message=count,
-            built=take_turns,
+            built=serialize_computing,
             beside=warm_up,
         )
         report = run_headless(self._log, options, watch=watch, digests=False)
@@ -83,7 +83,7 @@ class Bench:
 
 
 def percepts(message: Any) -> int:
-    """How many percepts a message tells of: the entries of its one tuple of percepts, or itself."""
+    """Number of percepts in a message: the entries of its one tuple of percepts, else 1."""
     kind: Any = type(message)
     name = _percepts_field(kind)
     return 1 if name is None else len(getattr(message, name))

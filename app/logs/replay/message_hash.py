@@ -1,4 +1,4 @@
-"""A fingerprint of messages: equal for equal messages, whatever process made them."""
+"""A hash of messages: equal for equal messages, in any process."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from typing import Any
 import numpy as np
 
 
-class Digest:
+class MessageHash:
     """Of all messages of a channel, in their order."""
 
     def __init__(self) -> None:
         self._hash = hashlib.blake2b(digest_size=16)
-        #: How many there were.
+        #: Number of messages.
         self.count = 0
 
     def add(self, message: Any) -> None:
-        """One more. Raises TypeError for what has no certain bytes."""
+        """Add a message. Raises TypeError for a value without a defined encoding."""
         self.count += 1
         _feed(self._hash.update, message)
 
@@ -31,8 +31,8 @@ class Digest:
 
 
 def fingerprint(message: Any) -> str:
-    """Of one message; also of numbers, texts, arrays, tuples and mappings of them."""
-    digest = Digest()
+    """Hash of one message; also of numbers, texts, arrays, tuples and mappings of them."""
+    digest = MessageHash()
     digest.add(message)
     return digest.hex()
 

@@ -1,4 +1,4 @@
-"""What may be chosen when a log is lived again."""
+"""Options of a replay."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from app.runtime.graph import Pin
 
 @dataclass(frozen=True, slots=True)
 class ReplayOptions:
-    """How a log is replayed.
+    """Options of a replay.
 
     ``begin`` and ``end``: robot's clock (s), None for the log's own. ``only`` names the modules that run (None: all
-    that can). ``phi`` holds filters (``Module.port``) at a divisor whatever attention wants (``inf``: closed); at every
-    filter that is held or attended, the first ``offset`` messages go by; ``pins`` holds filters with an offset of their
-    own. ``config``: another program than the log's own, by its file or put together already. ``desires``: those that
-    others than the program's modules had are had again. ``record``: name of a new recording of the replay.
-    ``parameters`` are handed to modules as an intention would, before anything comes.
+    that can). ``phi`` fixes filters (``Module.port``) at a divisor, whatever attention selects (``inf``: closed); every
+    fixed or attended filter skips the first ``offset`` messages; ``pins`` fixes filters with an offset of their own.
+    ``config``: another program than the log's own, by its file or already loaded. ``desires``: recorded desires of
+    authors other than the program's modules are added again. ``record``: name of a new recording of the replay.
+    ``parameters`` are set on modules as an intention would, before the first message.
     """
 
     begin: float | None = None

@@ -1,4 +1,4 @@
-"""Playing a recording for people who watch: play, pause, speed, seek, step; the console works on it meanwhile."""
+"""Playback of a recording with a console: play, pause, speed, seek, step."""
 
 from __future__ import annotations
 
@@ -10,11 +10,12 @@ from functools import partial
 from typing import Any, TypeVar
 
 from app.attention.intention import Intention
+from app.base.observers import Observers
 from app.logs.log import Log, LogError, LogInfo
 from app.logs.mcap.damage import LogDamaged, missing
 from app.logs.replay.playback_state import Phase, PlaybackState, checked_speed
 from app.logs.replay.replay_body import ReplayBody
-from app.logs.replay.seek import Places
+from app.logs.replay.seek import ReplaySeeker
 from app.messages import Lanes
 from app.program.system import System
 from app.runtime.channel import Channel
@@ -27,7 +28,7 @@ log = logging.getLogger("hbba.playback")
 
 
 class Playback:
-    """Drives the clock, the body and the program that relives the recording: ``async with playback`` while it runs.
+    """Drives the clock, the body and the program of a replay: ``async with playback`` while it runs.
 
     ``log`` is a handle of the recording of its own, besides the body's: it is read in another thread, and not closed.
     """
@@ -42,13 +43,13 @@ class Playback:
         speed: float | None = 1.0,
         playing: bool = True,
     ) -> None:
-        """``speed`` and ``playing`` are how it begins, where the clock stands. Raises ValueError for such a speed."""
+        """Begins with ``speed`` and ``playing``, at the clock's time. Raises ValueError for an invalid speed."""
         self.system = system
         self._body = body
         self._clock = clock
         self._info = log.info
         self._end = min(log.info.end, clock.end)
-        self._places = Places(system, body, clock, log)
+        self._seeker = ReplaySeeker(system, body, clock, log)
         self._speed = checked_speed(speed)
         self._playing = playing
         self._ended = False
@@ -60,22 +61,22 @@ class Playback:
         self._jumping = False
         self._waiting: list[asyncio.Future[None]] = []
         self._steps: list[asyncio.Future[None]] = []
-        #: Channels that somebody began to want while time stands.
+        #: Channels that became wanted while playback is paused.
         self._unseen: set[str] = set()
-        #: Latched channels that somebody began to want: what they said last, perhaps long ago, still holds.
+        #: Latched channels that became wanted: their last message, perhaps of long ago, is still valid.
         self._recalled: set[str] = set()
         self._changed = asyncio.Event()
         self._watching = ExitStack()
         self._opened: Set[str] = frozenset()
-        self._observers: list[Callable[[PlaybackState], None]] = []
-        self._jump_observers: list[Callable[[float], None]] = []
+        self._observers: Observers[[PlaybackState]] = Observers("playback")
+        self._jump_observers: Observers[[float]] = Observers("jumps of playback")
         self._driver: asyncio.Task[None] | None = None
 
     # --- Life --------------------------------------------------------------------------------------------------------
 
     async def __aenter__(self) -> Playback:
-        """Begin to play. The program (:attr:`system`) must be running; the scene where it begins is shown at once."""
-        self._places.open()
+        """Start playback. The program (:attr:`system`) must be running; the state at the beginning is shown at once."""
+        self._seeker.open()
         if self._clock.now() > self._info.begin:
             self._target = self._clock.now()
         self._body.on_waiting = self._on_waiting
@@ -102,7 +103,7 @@ class Playback:
         if self._driver is not None:
             self._driver.cancel()
             await asyncio.wait({self._driver})
-        await self._places.close()
+        await self._seeker.close()
         for future in (*self._waiting, *self._steps):
             future.cancel()
 
@@ -110,12 +111,12 @@ class Playback:
 
     @property
     def info(self) -> LogInfo:
-        """What is played."""
+        """Facts of the recording."""
         return self._info
 
     @property
     def state(self) -> PlaybackState:
-        """Where it is now."""
+        """The current state of playback."""
         phase: Phase
         if self._target is not None or self._jumping:
             phase = "seeking"
@@ -127,33 +128,33 @@ class Playback:
         return PlaybackState(
             min(max(position, self._info.begin), self._end),
             self._info.begin,
-            self._end,
-            self._speed,
-            self._playing,
-            phase,
-            self._problem,
+            end=self._end,
+            speed=self._speed,
+            playing=self._playing,
+            phase=phase,
+            problem=self._problem,
         )
 
     def observe(self, callback: Callable[[PlaybackState], None]) -> Callable[[], None]:
-        """Call ``callback(state)`` at every change but the mere passing of time; returns what ends it."""
-        return _listed(self._observers, callback)
+        """Call ``callback(state)`` at every change but that of the position; returns a function that ends this."""
+        return self._observers.add(callback)
 
     def on_jump(self, callback: Callable[[float], None]) -> Callable[[], None]:
-        """Call ``callback(position)`` at every jump, when everything before it is forgotten and before anything of
-        the new place is shown; returns what ends it."""
-        return _listed(self._jump_observers, callback)
+        """Call ``callback(position)`` at every jump: after all state is cleared, before messages of the new position
+        are published. Returns a function that ends this."""
+        return self._jump_observers.add(callback)
 
     @property
     def moving(self) -> bool:
-        """Whether it is just between two places: from the end of all modules until the jump is told."""
-        return self._places.moving
+        """Whether a jump is under way: from the stop of all modules until observers of the jump are notified."""
+        return self._seeker.moving
 
     @property
     def lanes(self) -> Sequence[Lanes]:
         """The recorded lanes of the minute before the last jump, two a second; none where none were recorded."""
-        return self._places.lanes
+        return self._seeker.lanes
 
-    # --- What it can be told -----------------------------------------------------------------------------------------
+    # --- Commands -----------------------------------------------------------------------------------------------------
 
     def play(self) -> None:
         """Go on, behind what cannot be read here; from the end, begin again."""
@@ -161,12 +162,12 @@ class Playback:
         if self._ended and self._target is None:
             self._target = self._info.begin
         self._playing = True
-        self._tell()
+        self._update()
 
     def pause(self) -> None:
         """Stand still."""
         self._playing = False
-        self._tell()
+        self._update()
 
     def set_speed(self, speed: float | None) -> None:
         """Seconds of the recording in a real second, 0.1 to 20; None: as fast as possible with nothing dropped.
@@ -174,14 +175,14 @@ class Playback:
         Raises ValueError saying what is allowed.
         """
         self._speed = checked_speed(speed)
-        self._tell()
+        self._update()
 
     async def seek(self, position: float) -> None:
-        """Be at ``position`` (robot's clock, s; beyond an end: at that end), playing or standing as before.
+        """Go to ``position`` (robot's clock, s; beyond an end: to that end), playing or paused as before.
 
-        Returns once the scene there is shown, or that of a newer seek: of several in a row only the newest counts.
-        What stood before a damaged part is shown within it, and it stands there (``problem``). Raises LogError where
-        the recording cannot be read at all; playback stays where it was.
+        Returns once the state there is shown, or that of a newer seek: of several in a row only the newest is carried
+        out. Within a damaged part, the state before it is shown and playback pauses (``problem``). Raises LogError if
+        the recording cannot be read at all; the position does not change then.
         """
         self._check_alive()
         self._problem = ""
@@ -202,28 +203,26 @@ class Playback:
         """Ask for what ``asked`` is the list of, and wait until it is done."""
         done: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         asked.append(done)
-        self._tell()
+        self._update()
         await done
 
     def _check_alive(self) -> None:
-        """Raise LogError where nobody would do it any more."""
+        """Raise LogError if the task that carries out commands has failed."""
         driver = self._driver
         if driver is not None and driver.done() and not driver.cancelled():
             raise LogError(f"playback failed: {driver.exception()}")
 
     # --- Time --------------------------------------------------------------------------------------------------------
 
-    def _tell(self) -> None:
-        """Something changed: have time pass as it should from now on, and say so."""
+    def _update(self) -> None:
+        """After a change: set the rate of time, and notify the observers."""
         free = self._target is None and not self._jumping and not self._steps and not self._ended
         self._rate = self._speed if free and self._playing and self._speed is not None else 0.0
         self._run()
         if free and self._playing:
             self._unseen.clear()
         self._changed.set()
-        state = self.state
-        for observer in tuple(self._observers):
-            observer(state)
+        self._observers.notify(self.state)
 
     def _run(self) -> None:
         rate = 0.0 if self._body_waits else self._rate
@@ -235,14 +234,14 @@ class Playback:
         self._run()
 
     def _on_damage(self, damage: LogDamaged) -> None:
-        """Stand before what is missing, so that nobody takes it for a pause of the robot."""
+        """Pause before a missing part, so that it is not taken for a pause of the robot."""
         self._problem = missing(damage, self._info)
         log.warning("%s: %s", self._info.path.name, self._problem)
         self._playing = False
-        self._tell()
+        self._update()
 
     async def _drive(self) -> None:
-        self._tell()
+        self._update()
         while True:
             self._changed.clear()
             if self._target is not None:
@@ -260,7 +259,7 @@ class Playback:
 
     def _driver_ended(self, driver: asyncio.Task[None]) -> None:
         if not driver.cancelled() and (failure := driver.exception()) is not None:
-            log.critical("playback failed; start the replay anew", exc_info=failure)
+            log.critical("playback failed; start the replay again", exc_info=failure)
             _fail([*self._waiting, *self._steps], LogError(f"playback failed: {failure}"))
 
     async def _pass(self) -> None:
@@ -275,8 +274,8 @@ class Playback:
         await self._come_to_the_end()
 
     async def _advance(self) -> None:
-        """Move time on by hand to the next thing that waits for it, once nothing is left to be done now."""
-        await self._places.quiet()
+        """Advance time to the next waiting sleeper, once no task has work left now."""
+        await self._seeker.quiet()
         if self._changed.is_set():
             return
         self._clock.advance_to(self._next_due())
@@ -284,8 +283,8 @@ class Playback:
 
     async def _come_to_the_end(self) -> None:
         if self._clock.now() >= self._end:
-            # What came last is worked on before it is over.
-            await self._places.worked()
+            # The last messages are processed before playback ends.
+            await self._seeker.worked()
             self._end_if_there()
 
     def _next_due(self) -> float:
@@ -296,24 +295,24 @@ class Playback:
         if self._clock.now() >= self._end and self._target is None and not self._ended:
             self._ended = True
             self._playing = False
-            self._tell()
+            self._update()
 
     async def _step_once(self) -> None:
         done = self._steps[0]
         try:
-            until = min(await self._places.next_step(), self._end)
+            until = min(await self._seeker.next_step(), self._end)
             while self._target is None and self._clock.now() < until:
-                await self._places.quiet()
+                await self._seeker.quiet()
                 self._clock.advance_to(min(self._next_due(), until))
-            # What came then is worked on before anybody is told.
-            await self._places.worked()
+            # Messages of the step are processed before its caller continues.
+            await self._seeker.worked()
         except LogError as failure:
             _fail([done], failure)
         else:
             _finish([done])
         self._steps.remove(done)
         self._end_if_there()
-        self._tell()
+        self._update()
 
     # --- Place -------------------------------------------------------------------------------------------------------
 
@@ -324,14 +323,14 @@ class Playback:
         self._jumping = True
         failure: LogError | None = None
         try:
-            await self._places.go(position, self._jumped)
+            await self._seeker.go(position, self._jumped)
         except LogError as error:
             log.error("cannot go to %.3f s: %s", position - self._info.begin, error)
             failure = error
         finally:
             self._jumping = False
         if self._target == position:
-            # Of several in a row only the newest counts: whoever asked before waited for this one.
+            # Of several seeks in a row only the newest is carried out: the callers of all wait for it.
             self._target = None
             waiting, self._waiting = self._waiting, []
             if failure is None:
@@ -339,15 +338,14 @@ class Playback:
             else:
                 _fail(waiting, failure)
         self._end_if_there()
-        self._tell()
+        self._update()
 
     def _jumped(self, position: float) -> None:
         self._ended = False
-        for observer in tuple(self._jump_observers):
-            observer(position)
+        self._jump_observers.notify(position)
 
     def _want(self, channels: Set[str]) -> None:
-        """Somebody begins to listen to ``channels``; while time stands, nothing of them would come."""
+        """``channels`` became wanted; while playback is paused, they would get no message."""
         if channels and not self._jumping and (self._ended or not self._playing):
             self._unseen |= channels
             self._changed.set()
@@ -366,14 +364,14 @@ class Playback:
         self._want({inputs[name] for name in newly if name in inputs} & self._info.channels.keys())
 
     async def _show_unseen(self) -> None:
-        """Show who came while time stands what there is to be seen."""
-        await self._places.quiet()
+        """Show the current messages of channels that became wanted while playback is paused."""
+        await self._seeker.quiet()
         channels, self._unseen = self._unseen, set()
         try:
-            # Once it moves, more comes by itself.
-            await self._places.show(channels, lambda: self._playing or bool(self._steps) or self._target is not None)
+            # Once playback runs, messages come by themselves.
+            await self._seeker.show(channels, lambda: self._playing or bool(self._steps) or self._target is not None)
         except LogError as failure:
-            log.error("cannot show what stands here: %s", failure)
+            log.error("cannot show the state here: %s", failure)
 
     async def _recall(self) -> None:
         """Say again what latched channels said last, unless they say something themselves meanwhile."""
@@ -381,22 +379,12 @@ class Playback:
         for name in channels:
             channel = self.system.graph.channels[name]
             try:
-                await self._places.show({name}, partial(self._has_said_more, channel, channel.published))
+                await self._seeker.show({name}, partial(self._has_said_more, channel, channel.published))
             except LogError as failure:
-                log.error("cannot show what stands here: %s", failure)
+                log.error("cannot show the state here: %s", failure)
 
     def _has_said_more(self, channel: Channel[Any], said: int) -> bool:
         return channel.published != said or self._target is not None
-
-
-def _listed(observers: list[T], callback: T) -> Callable[[], None]:
-    observers.append(callback)
-
-    def end() -> None:
-        if callback in observers:
-            observers.remove(callback)
-
-    return end
 
 
 def _finish(futures: Iterable[asyncio.Future[None]]) -> None:

@@ -1,4 +1,4 @@
-"""Where the playing of a recording is, and at which speeds it may go."""
+"""The state of playback, and its range of speeds."""
 
 from __future__ import annotations
 
@@ -14,10 +14,11 @@ FASTEST = 20.0
 
 @dataclass(frozen=True, slots=True)
 class PlaybackState:
-    """Where playback is. ``position``, ``begin`` and ``end``: robot's clock (s); ``speed`` None: as fast as possible.
+    """The state of playback. ``position``, ``begin`` and ``end``: robot's clock (s); ``speed`` None: as fast as
+    possible.
 
-    ``playing``: time goes on now or will after the seek under way. ``problem``: what cannot be read here, in words, why
-    it stands; "" where all is well.
+    ``playing``: time passes now, or will after the seek under way. ``problem``: the reason why playback paused at a
+    damaged part, in words; "" otherwise.
     """
 
     position: float
@@ -30,7 +31,7 @@ class PlaybackState:
 
 
 def checked_speed(speed: float | None) -> float | None:
-    """``speed`` if it may be. Raises ValueError saying what is allowed."""
+    """``speed`` if it is valid. Raises ValueError saying what is allowed."""
     if speed is not None and not SLOWEST <= speed <= FASTEST:
         raise ValueError(f"a speed is from {SLOWEST:g} to {FASTEST:g}, or none for as fast as possible, not {speed!r}")
     return speed

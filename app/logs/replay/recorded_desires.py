@@ -33,9 +33,9 @@ class CountedIds:
 
 
 class RecordedDesires:
-    """Keeps in ``workspace`` the desires that stood in the log, but for those of the program's own ``modules``.
+    """Keeps the recorded desires in ``workspace``, without those of the program's own ``modules``.
 
-    ``ids`` is what the workspace takes its ids from. Desires of ``ignored`` classes are passed over.
+    ``ids`` is the source of the workspace's ids. Desires of ``ignored`` classes are skipped.
     """
 
     def __init__(
@@ -51,7 +51,7 @@ class RecordedDesires:
         self._modules = frozenset(modules)
         self._now = now
         self._ignored = frozenset(ignored)
-        #: What stands: by id in the log, as it was recorded, with its id here.
+        #: Desires now in the workspace: by id in the log, as recorded, with the id here.
         self._standing: dict[str, tuple[DesireRecord, str]] = {}
         self._refused: set[str] = set()
 
@@ -112,7 +112,7 @@ class RecordedDesires:
                 params=_params(desire),
                 ttl=ttl,
             )
-        except UnknownDesire:  # it expired here; there it lived on
+        except UnknownDesire:  # it expired here, but not in the log
             del self._standing[desire.id]
             self._add(desire)
             return

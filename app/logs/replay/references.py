@@ -1,7 +1,7 @@
-"""What every module makes of the reference log, boiled down to figures, and whether they are what they were.
+"""Figures of what every module computes from the reference log, and their comparison with reference values.
 
-``tests/references/lab.mcap`` is a recorded minute of the simulated lab, ``tests/references/lab.yaml`` what the modules
-of ``config/lab.yaml`` made of it, with the tolerances that stand there. Only in a checkout.
+``tests/references/lab.mcap`` is a recorded minute of the simulated lab, ``tests/references/lab.yaml`` the figures of
+the modules of ``config/lab.yaml`` on it, with tolerances. Only in a checkout.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from app.base import paths
 from app.logs.open import open_log
-from app.logs.replay.headless import Watch, run_headless
+from app.logs.replay.headless import ReplayWatch, run_headless
 from app.logs.replay.options import ReplayOptions
 from app.logs.replay.report import ReplayReport
 from app.messages import EncodedImage, Exploitation, Faces, Landmarks, PointCloud, QRCodes
@@ -31,9 +31,9 @@ VALUES = FOLDER / "lab.yaml"
 Values = dict[str, Any]
 
 _HEADER = """\
-# What the modules make of lab.mcap: written by `make references`, compared by tests/logs/replay/test_references.py.
+# Figures of the modules on lab.mcap: written by `make references`, compared by tests/logs/replay/test_references.py.
 # A value may differ by the tolerance of the longest name here that its own begins with, absolutely or, where it is
-# written in per cent, relative to what stands here. All others are equal, or something has changed.
+# written in per cent, relative to the value here. All others are equal, or something has changed.
 """
 
 #: By the beginning of a value's name. Decoders and libraries differ a little from build to build; attention may not.
@@ -62,14 +62,14 @@ def measure(log_file: Path = LOG, config: Path | None = None) -> Values:
     figures = _Figures()
     options = ReplayOptions(config=config or paths.config_dir() / "lab.yaml")
     try:
-        report = run_headless(log, options, watch=Watch(message=figures.take), digests=False)
+        report = run_headless(log, options, watch=ReplayWatch(message=figures.take), digests=False)
     finally:
         log.close()
     return {"channels": _counts(report), **figures.values(), "intentions": _intentions(report)}
 
 
 def compare(measured: Values, reference: Mapping[str, Any]) -> list[str]:
-    """What differs from ``reference`` (with its ``tolerances``) by more than it may, one sentence each."""
+    """Differences from ``reference`` beyond its ``tolerances``, one sentence each."""
     tolerances: Mapping[str, float | str] = reference.get("tolerances", {})
     now = flat(measured)
     then = flat({name: value for name, value in reference.items() if name != "tolerances"})
@@ -138,7 +138,7 @@ def _counts(report: ReplayReport) -> dict[str, int]:
 
 
 def _intentions(report: ReplayReport) -> list[dict[str, Any]]:
-    """When, what was selected and fulfilled, Ω, and every open filter's φ."""
+    """Stamp, selected and fulfilled names, Ω, and φ of every open filter."""
     return [
         {
             "at": round(line.stamp - report.begin, 3),
@@ -168,7 +168,7 @@ class _Figures:
     _last: Exploitation | None = None
 
     def take(self, _: str, message: Any) -> None:
-        """One message of any channel."""
+        """Add one message of any channel."""
         known: dict[type[Any], Callable[[Any], None]] = {
             QRCodes: self._codes,
             Landmarks: self._landmarks,
@@ -181,7 +181,7 @@ class _Figures:
             handler(message)
 
     def values(self) -> Values:
-        """As they stand in the file; metres and radians to the millimetre and milliradian."""
+        """The figures as the file holds them; metres and radians to the millimetre and milliradian."""
         landmarks = self.landmarks.landmarks if self.landmarks is not None else ()
         return {
             "qr_codes": dict(sorted(self.codes.items())),
@@ -223,7 +223,7 @@ class _Figures:
             self.spreads.append(cloud.points.std(axis=0, dtype=np.float64))
 
     def _exploitation(self, now: Exploitation) -> None:
-        """The way that what was let through would have driven."""
+        """The path that the published commands would have driven."""
         self.drivers[now.behavior or "nobody"] += 1
         if self._last is not None:
             elapsed_s = now.stamp - self._last.stamp

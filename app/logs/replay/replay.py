@@ -1,4 +1,4 @@
-"""A log lived again: its program on a body of the past, with what came from outside then coming again."""
+"""A replay: the log's program on a body that plays the log, with the recorded inputs from outside."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ from app.logs.log import Log
 from app.logs.mcap.damage import missing
 from app.logs.replay.options import ReplayOptions
 from app.logs.replay.recorded_desires import CountedIds, RecordedDesires
-from app.logs.replay.replay_config import NOT_ASKED, ReplayProgram, deaf_modules, prepare
-from app.logs.replay.state_at import Past
+from app.logs.replay.replay_config import NOT_ASKED, ReplayProgram, idle_modules, prepare
+from app.logs.replay.state_at import RecordedState
 from app.messages import DesiresRecord, RecorderStatus
 from app.modules.recording.recorder import Recorder
 from app.program.system import System
-from app.robots.replayed.body import ReplayedBody
+from app.robots.replayed.link import ReplayedLink
 from app.runtime.clock import Clock
 from app.runtime.graph import Pin
 
 
 class Replay:
-    """``async with Replay(log, clock) as replay``: its ``system`` runs, its ``body`` delivers what was recorded.
+    """``async with Replay(log, clock) as replay``: its ``system`` runs, its ``body`` delivers the recorded messages.
 
-    ``clock`` stands at ``options.begin`` (or the log's) when the replay is entered, and drives everything; whoever owns
-    it says how fast, and must not let it pass while the replay is being entered unless it is virtual. The log is the
-    caller's to close afterwards. Making one reads files: off the event loop.
+    ``clock`` is at ``options.begin`` (or the log's begin) when the replay is entered, and drives everything; its owner
+    sets the speed, and must not let it run while the replay is being entered unless it is virtual. The caller closes
+    the log afterwards. The constructor reads files: call it off the event loop.
     """
 
     def __init__(
@@ -49,16 +49,17 @@ class Replay:
         self._folder = TemporaryDirectory(prefix="hbba-replay-")
         self._stack = AsyncExitStack()
         self._recording: str | None = None
-        #: What the recording of the replay is called, once it is begun.
+        #: Name of the replay's own recording, from its begin on.
         self.recorded = ""
         try:
             ids = CountedIds()
-            # Which inputs a module has is known once it stands; without those that would hear nothing, again.
-            deaf: dict[str, str] = {}
+            # The inputs of a module are known once the program is built; it is built again without modules that get no
+            # message.
+            idle: dict[str, str] = {}
             while True:
-                folder = Path(self._folder.name) / str(len(deaf))
-                self.program: ReplayProgram = prepare(log, self.options, folder, deaf)
-                self.body = ReplayedBody(
+                folder = Path(self._folder.name) / str(len(idle))
+                self.program: ReplayProgram = prepare(log, self.options, folder, idle)
+                self.body = ReplayedLink(
                     log,
                     clock,
                     self.program.description,
@@ -77,9 +78,9 @@ class Replay:
                     reproducible=reproducible,
                     recorded=self.program.fed,
                 )
-                if not (more := deaf_modules(self.program, self.system.graph)):
+                if not (more := idle_modules(self.program, self.system.graph)):
                     break
-                deaf |= more
+                idle |= more
             self._pin()
         except BaseException:
             self._folder.cleanup()
@@ -87,13 +88,13 @@ class Replay:
         self._desires = RecordedDesires(
             self.system.workspace, ids, self.system.graph.modules.keys(), clock.now, ignored={RECORD}
         )
-        #: The channels of the log that say which desires stood.
+        #: Channels of the log with records of desires.
         self._desire_channels = [
             name for name, channel in log.info.channels.items() if channel.message_type is DesiresRecord
         ]
 
     def notes(self) -> list[str]:
-        """What is not as it was, in sentences for people."""
+        """Differences from the recorded program, in sentences for people."""
         program = self.program
         lines = list(self.log.info.notes)
         lines += [f"{name} does not run: {why}" for name, why in program.left_out.items() if why != NOT_ASKED]
@@ -106,7 +107,7 @@ class Replay:
         self._folder.cleanup()
 
     async def __aenter__(self) -> Replay:
-        """Start the program, have the desires that stood then, let the log speak. Raises LinkFailed, ConfigError."""
+        """Start the program, add the desires of the beginning, start the log. Raises LinkFailed, ConfigError."""
         async with AsyncExitStack() as stack:
             stack.push_async_callback(asyncio.to_thread, self.close)
             await stack.enter_async_context(self.system)
@@ -115,7 +116,9 @@ class Replay:
             await self.system.translator.settled()
             if self.options.desires and self._desire_channels:
                 # The body, held, does not read yet.
-                for logged in await asyncio.to_thread(Past(self.log).of_types, (DesiresRecord,), self.body.begin):
+                for logged in await asyncio.to_thread(
+                    RecordedState(self.log).of_types, (DesiresRecord,), self.body.begin
+                ):
                     self._desires.take(logged.message)
             self._record()
             await self.system.translator.settled()
@@ -138,7 +141,7 @@ class Replay:
         return next((module for module in modules if isinstance(module, Recorder)), None)
 
     async def end_recording(self) -> None:
-        """Desire no more to record the replay; its file is closed by and by (``recorder.writing``)."""
+        """Withdraw the desire to record the replay; its file is closed some time later (``recorder.writing``)."""
         if self._recording is not None:
             self.system.workspace.remove(self._recording)
             self._recording = None
@@ -156,7 +159,7 @@ class Replay:
             raise ConfigError(str(failure.args[0]), "--phi") from None
 
     def _connect(self, stack: AsyncExitStack) -> None:
-        """Have the channels that nobody here produces, and desires, come from the log."""
+        """Feed channels without a producer, and desires, from the log."""
         graph = self.system.graph
         for name in self.program.fed:
             channel = graph.channels[name]
@@ -169,12 +172,12 @@ class Replay:
     async def _started(self) -> None:
         """Wait until every module runs, or has failed to."""
         supervisor = self.system.supervisor
-        told = asyncio.Event()
-        end = supervisor.observe(lambda _: told.set())
+        changed = asyncio.Event()
+        end = supervisor.observe(lambda _: changed.set())
         try:
             while any(state.status in ("starting", "stopped") for state in supervisor.states.values()):
-                told.clear()
-                await told.wait()
+                changed.clear()
+                await changed.wait()
         finally:
             end()
 

@@ -10,27 +10,27 @@ from app.logs.mcap.damage import LogDamaged
 
 
 class ReplayBody(RobotLink, Protocol):
-    """What playback asks of a body that relives a recording (``app.robots.replayed``), driven by the clock."""
+    """A body that plays a recording (``app.robots.replayed``), driven by the clock."""
 
     def seek(self, position: float) -> None:
-        """Go on with the first message that arrived after ``position`` (robot's clock, s); emits nothing by itself.
+        """Continue with the first message that arrived after ``position`` (robot's clock, s); emits nothing by itself.
 
-        The clock stands and has been moved to ``position``.
+        The clock is paused and has been moved to ``position``.
         """
         ...
 
     def show(self, channel: str, message: Any) -> None:
-        """Give ``message``, recorded on ``channel``, to whoever is attached to that channel's stream, now.
+        """Deliver ``message``, recorded on ``channel``, now to the receivers of that channel's stream.
 
-        Channels that are no stream of the body are passed over.
+        Channels that are no stream of the body are ignored.
         """
         ...
 
     #: Called when the clock comes to a part of the recording that cannot be read; it goes on behind that.
     on_damage: Callable[[LogDamaged], None]
-    #: Whether it lives on, silent to the end or to a seek, where the recording does not say what follows its damage.
+    #: Whether the body goes on without messages, to the end or to a seek, after damage that cannot be skipped.
     survives: bool
-    #: What could not be read so far.
+    #: Parts of the log that could not be read so far.
     damages: list[LogDamaged]
 
     #: Called with True when it must wait for the file, with False when it goes on: time waits with it.
@@ -38,7 +38,7 @@ class ReplayBody(RobotLink, Protocol):
 
     @property
     def listened(self) -> Set[str]:
-        """The channels of the log that somebody wants now."""
+        """The channels of the log with an open subscription."""
         ...
 
     @property

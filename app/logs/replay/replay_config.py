@@ -1,4 +1,4 @@
-"""The program that lives a log again: the log's own, less what the log has nothing for."""
+"""The program of a replay: the log's own, without the modules for which the log has no messages."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from app.base.errors import ConfigError
 from app.base.yaml_source import suggestion
 from app.link import RobotDescription, StreamDescription
 from app.logs.log import Log, LogInfo
-from app.logs.replay.attachments import extract
 from app.logs.replay.options import ReplayOptions
+from app.logs.replay.unpack_attachments import extract
 from app.messages import (
     DesiresRecord,
     Divisors,
@@ -26,13 +26,12 @@ from app.messages import (
 )
 from app.modules.recording.recorder import Recorder
 from app.program.config import Configuration, load_configuration
-from app.robots.config import RobotConfig
-from app.robots.factory import Body, load_body, standing_streams
+from app.robots.factory import load_body, standing_streams
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.graph import Graph, ModuleSpec, load_class
 from app.runtime.module import Module
 
-#: What a program tells of itself: a replayed one tells it anew.
+#: Records that a program publishes about itself: a replayed program publishes its own.
 OWN_RECORDS: frozenset[type[Any]] = frozenset(
     {DesiresRecord, Divisors, EventRecord, IntentionRecord, LoadRecord, LogLine, ModuleRecord, RecorderStatus}
 )
@@ -44,10 +43,10 @@ _STREAM = "stream."
 class ReplayProgram:
     """A program to be run on a log.
 
-    ``configuration`` as it will run; ``description`` of the body; ``streams``: the channel of the log each stream of
-    the body comes from; ``fed``: channels that nobody in the program produces, taken from the log; ``left_out``:
-    modules that cannot or shall not run, with the reason in words; ``silent``: inputs (``Module.port``) of running
-    modules on whose channel nothing can come (what people feed is silent where they said nothing).
+    ``configuration`` as it will run; ``description`` of the body; ``streams``: the channel of the log for each stream
+    of the body; ``fed``: channels without a producer in the program, taken from the log; ``left_out``: modules that do
+    not run, with the reason in words; ``silent``: inputs (``Module.port``) of running modules that can get no message
+    (inputs from operators are silent if none were recorded).
     """
 
     configuration: Configuration
@@ -58,10 +57,10 @@ class ReplayProgram:
     silent: Mapping[str, str]
 
 
-def prepare(log: Log, options: ReplayOptions, folder: Path, deaf: Mapping[str, str] | None = None) -> ReplayProgram:
+def prepare(log: Log, options: ReplayOptions, folder: Path, idle: Mapping[str, str] | None = None) -> ReplayProgram:
     """Put the program together; the log's files are written under ``folder``, which must outlive the program.
 
-    ``deaf``: modules that stay out besides, with the reason in words (see :func:`deaf_modules`).
+    ``idle``: modules that stay out besides, with the reason in words (see :func:`idle_modules`).
 
     Raises ConfigError for a mistake in the configuration or the options, LogError for files that cannot be.
     """
@@ -69,7 +68,7 @@ def prepare(log: Log, options: ReplayOptions, folder: Path, deaf: Mapping[str, s
     robot = load_body(configuration.path(configuration.program.robot))
     facts = log.manifest.facts
     streams = _streams(log, configuration)
-    modules, left_out = _modules(configuration, options, streams, deaf or {})
+    modules, left_out = _modules(configuration, options, streams, idle or {})
     if not modules:
         reasons = "; ".join(f"{name}: {why}" for name, why in left_out.items())
         raise ConfigError(f"no module of this program can run on it ({reasons})", str(log.info.path))
@@ -93,32 +92,29 @@ def prepare(log: Log, options: ReplayOptions, folder: Path, deaf: Mapping[str, s
             limits=robot.limits.base(),
             streams=standing_streams(robot) | {s: _describe(log.info, configuration, s, c) for s, c in streams.items()},
             simulated=False,
-            **_extent(robot),
+            footprint=robot.footprint,
+            height_m=robot.height_m,
         ),
-        streams,
-        fed,
-        left_out,
-        silent,
+        streams=streams,
+        fed=fed,
+        left_out=left_out,
+        silent=silent,
     )
 
 
-def _extent(robot: Body) -> dict[str, Any]:
-    """What modules that drive must know of a body that does: how much room it takes."""
-    if not isinstance(robot, RobotConfig):
-        return {}
-    return {"footprint": robot.footprint, "height_m": robot.height_m}
+def idle_modules(program: ReplayProgram, graph: Graph) -> dict[str, str]:
+    """Modules of ``graph`` that do nothing in this replay, since none of their inputs can get a message; with the
+    reason.
 
-
-def deaf_modules(program: ReplayProgram, graph: Graph) -> dict[str, str]:
-    """Modules of ``graph`` that attention can give nothing, since on none of their inputs anything can come; and why.
-
-    What is always open to a module (its robot's motion, an operator's hands), or aids it, only goes with what it works
-    on. A motivation, which says nothing on channels, desires even where it hears nothing.
+    Inputs that are always open (odometry, commands of operators) or auxiliary do not count: they only support others. A
+    motivation, which has no outputs, counts as active even without messages.
     """
     found = {}
     for name, slot in graph.modules.items():
         inputs = slot.context.inputs.values()
-        open_to = [p for p in inputs if p.connected and not p.always_open and p.name not in slot.module.aids]
+        open_to = [
+            p for p in inputs if p.connected and not p.always_open and p.name not in slot.module.auxiliary_inputs
+        ]
         if open_to and slot.context.outputs and all(f"{name}.{port.name}" in program.silent for port in open_to):
             channels = sorted({program.silent[f"{name}.{port.name}"] for port in open_to})
             if not isinstance(slot.module, Recorder):
@@ -159,7 +155,7 @@ def _streams(log: Log, configuration: Configuration) -> dict[str, str]:
 
 
 def _modules(
-    configuration: Configuration, options: ReplayOptions, streams: Collection[str], deaf: Mapping[str, str]
+    configuration: Configuration, options: ReplayOptions, streams: Collection[str], idle: Mapping[str, str]
 ) -> tuple[dict[str, ModuleSpec], dict[str, str]]:
     """The modules that run, and those that do not with the reason."""
     everything = configuration.program.modules
@@ -170,7 +166,7 @@ def _modules(
     left_out: dict[str, str] = {}
     for name, spec in everything.items():
         module_class = load_class(spec.class_path)
-        why = _obstacle(name, module_class, options, streams) or deaf.get(name, "")
+        why = _obstacle(name, module_class, options, streams) or idle.get(name, "")
         if why:
             left_out[name] = why
         else:
@@ -199,17 +195,17 @@ def _feeds(info: LogInfo, configuration: Configuration, name: str) -> bool:
 def _message_type(spec: ChannelSpec) -> type[Any] | None:
     try:
         return spec.message_type
-    except KeyError:
+    except (KeyError, ConfigError):
         return None  # the graph says so, with the line
 
 
 def _as_recorded(
     log: LogInfo, channels: Mapping[str, ChannelSpec], modules: Collection[ModuleSpec], fed: Collection[str]
 ) -> dict[str, ChannelSpec]:
-    """The table of channels as it is on this log.
+    """The table of channels for this log.
 
-    Channels that are read but not produced come from outside. Those that come from the log come as often as there, or
-    they would count as stale all the time; on those where nothing can come, nothing is missed.
+    Channels that are read but not produced are external. Those fed from the log have the log's rate, or they would be
+    stale all the time; channels that can get no message are never stale.
     """
     produced = {channel for spec in modules for channel in spec.outputs.values()}
     relayed = {
@@ -234,7 +230,7 @@ def _as_recorded(
 
 
 def _mean_rate(log: LogInfo, channel: str) -> float | None:
-    """Messages a second over the whole log; None where there are too few to tell."""
+    """Messages a second over the whole log; None with too few messages."""
     count = log.channels[channel].count
     return (count - 1) / log.duration_s if count > 1 and log.duration_s > 0 else None
 

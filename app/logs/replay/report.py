@@ -1,4 +1,4 @@
-"""What a replay came to: what each channel said, what each module cost, what was intended."""
+"""The report of a replay: messages of each channel, cost of each module, intentions."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any
 
 @dataclass(frozen=True, slots=True)
 class ChannelReport:
-    """``messages`` published on a channel, and their :class:`app.logs.replay.message_hash.Digest` ("" without one)."""
+    """``messages`` published on a channel, and their ``MessageHash`` in hexadecimal ("" without one)."""
 
     messages: int
     digest: str
@@ -30,9 +30,9 @@ class InputReport:
 
 
 @dataclass(frozen=True, slots=True)
-class ModuleReport:
-    """``cpu_s``: thread CPU time (s) charged to the module while the log spoke; ``outputs``: messages published by
-    output port; ``restarts``: how often it failed."""
+class ReplayedModule:
+    """``cpu_s``: thread CPU time (s) charged to the module during the log; ``outputs``: messages published by output
+    port; ``restarts``: number of failures."""
 
     cpu_s: float
     inputs: Mapping[str, InputReport]
@@ -56,8 +56,8 @@ class IntentionLine:
 class ReplayReport:
     """A replay from ``begin`` to ``end`` (robot's clock, s).
 
-    ``delivered``: messages of the log that somebody took. ``channels``: every output of a module, and what attention
-    told of itself. ``wall_s`` and ``cpu_s``: real time and CPU time of the process that the log's ``log_s`` took.
+    ``delivered``: messages of the log that had a receiver. ``channels``: every output of a module, and attention's own
+    records. ``wall_s`` and ``cpu_s``: real time and CPU time of the process for ``log_s`` of the log.
     """
 
     file: Path
@@ -66,12 +66,12 @@ class ReplayReport:
     end: float
     delivered: int
     channels: Mapping[str, ChannelReport]
-    modules: Mapping[str, ModuleReport]
+    modules: Mapping[str, ReplayedModule]
     intentions: tuple[IntentionLine, ...]
     notes: tuple[str, ...]
     wall_s: float
     cpu_s: float
-    #: What the recording of the replay is called; "" where it was not recorded.
+    #: Name of the replay's own recording; "" without one.
     recorded: str = ""
 
     @property
@@ -81,7 +81,7 @@ class ReplayReport:
 
     @property
     def times_real_time(self) -> float:
-        """How many times faster than it was lived."""
+        """Speed relative to real time."""
         return self.log_s / self.wall_s if self.wall_s > 0 else math.inf
 
     def outcome(self) -> dict[str, Any]:
@@ -97,7 +97,7 @@ class ReplayReport:
         }
 
     def document(self) -> dict[str, Any]:
-        """The outcome, the file, and what it cost, JSON-able."""
+        """The result, the file, and the cost, JSON-able."""
         cost = {
             "wall_s": round(self.wall_s, 3),
             "cpu_s": round(self.cpu_s, 3),
@@ -108,10 +108,10 @@ class ReplayReport:
         return {**whole, "recorded": self.recorded or None, "cost": cost}
 
 
-def _without_times(module: ModuleReport) -> dict[str, Any]:
-    told: dict[str, Any] = _jsonable(asdict(module))
-    del told["cpu_s"]
-    return told
+def _without_times(module: ReplayedModule) -> dict[str, Any]:
+    facts: dict[str, Any] = _jsonable(asdict(module))
+    del facts["cpu_s"]
+    return facts
 
 
 def _jsonable(value: Any) -> Any:

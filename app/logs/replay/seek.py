@@ -1,4 +1,4 @@
-"""Putting a program down anywhere in its recording, so that the scene stands there as if lived till then."""
+"""Moves a running program to any position of its recording, with the state of that position."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 from app.logs.log import Log, Logged
 from app.logs.replay.replay_body import ReplayBody
-from app.logs.replay.state_at import ACCUMULATED, Past
+from app.logs.replay.state_at import ACCUMULATED, RecordedState
 from app.messages import (
     Audio,
     DesiresRecord,
@@ -21,6 +21,7 @@ from app.messages import (
     LogLine,
     LoudNoise,
     OperatorDrive,
+    PerceptEvent,
     SeparatedSound,
     Twist,
 )
@@ -29,32 +30,32 @@ from app.runtime.replay_clock import ReplayClock
 
 T = TypeVar("T")
 
-#: These were meant for their moment: what was commanded, noted or heard is not said again at a jump. A frame of sound
-#: by itself is a click, and to whoever listens for noises an event.
-OF_THE_MOMENT = (OperatorDrive, Twist, EventRecord, LogLine, Audio, SeparatedSound, LoudNoise)
-#: For how long (s) before a jump the recorded lanes are looked up, one in so many seconds.
+#: Messages of a moment: commands, events and sounds are not published again at a jump. A frame of sound alone is a
+#: click, which a detector of noises would report.
+OF_THE_MOMENT = (OperatorDrive, Twist, EventRecord, LogLine, Audio, SeparatedSound, LoudNoise, PerceptEvent)
+#: The time (s) before a jump of which recorded lanes are read, and the period (s) between two.
 LANES_S = 60.0
 LANES_PERIOD_S = 0.5
 #: A step where the recording has neither images nor scans.
 STEP_S = 0.1
-#: After a jump, modules get this long (real s) to start, and then to work on what they are shown.
+#: After a jump, modules get this long (real s) to start, and then to process the messages shown.
 START_WITHIN_S = 2.0
 SHOW_WITHIN_S = 0.3
 #: While the body reads, it is asked so often (s) whether it is done.
 _READ_AGAIN_S = 0.001
 
 
-class Places:
-    """:meth:`open` before anything else, :meth:`close` at the end. ``log`` is read in a thread of its own."""
+class ReplaySeeker:
+    """Call :meth:`open` first, :meth:`close` at the end. ``log`` is read in a thread of its own."""
 
     def __init__(self, system: System, body: ReplayBody, clock: ReplayClock, log: Log) -> None:
         self._system = system
         self._body = body
         self._clock = clock
         self._info = log.info
-        self._past = Past(log)
+        self._past = RecordedState(log)
         self._reader: ThreadPoolExecutor | None = None
-        #: Between two places: from the end of all modules until the jump is told.
+        #: True during a jump: from the stop of all modules until observers of the jump are notified.
         self.moving = False
         #: The recorded lanes of the minute before the last jump, two a second, in order.
         self.lanes: list[Lanes] = []
@@ -64,25 +65,26 @@ class Places:
         self._reader = ThreadPoolExecutor(1, thread_name_prefix="playback reader")
 
     async def close(self) -> None:
-        """Read no more; the log may be closed then."""
+        """Stop reading; the log may be closed then."""
         if self._reader is not None:
             await asyncio.get_running_loop().run_in_executor(None, self._reader.shutdown)
 
     async def go(self, position: float, jumped: Callable[[float], None]) -> None:
-        """Begin every module anew at ``position`` (s) and show it what was there; time must stand.
+        """Restart every module at ``position`` (s) and publish the state there; the clock must be paused.
 
-        ``jumped`` is called when everything before is forgotten, before anything of the new place is shown. Raises
-        LogError; where the place itself cannot be read, all is left as it is.
+        ``jumped`` is called when all former state is cleared, before anything of the new position is published. Raises
+        LogError; if the position cannot be read, nothing changes.
         """
         system, body = self._system, self._body
         known, wishes, lanes = await self._read(self._standing, position)
         self.moving = True
         try:
-            await system.begin_anew(lambda: self._jump(position, known))
+            await system.reset(lambda: self._jump(position, known))
             await _patiently(system.supervisor.started(), START_WITHIN_S)
             for logged in wishes:
                 body.show(logged.channel, logged.message)
-            # What is wanted there decides what is shown there; how attention came to it is no event of the recording.
+            # Desires at the position decide which channels are shown; how attention reaches its selection is no
+            # recorded event.
             await _patiently(system.translator.settled(), START_WITHIN_S)
             system.timeline.clear()
             self.lanes = lanes
@@ -93,7 +95,7 @@ class Places:
         await self.worked()
 
     async def show(self, channels: Set[str], unless: Callable[[], bool] = lambda: False) -> None:
-        """Say again what ``channels`` said last, as far as somebody listens, ``unless`` that is no longer asked for.
+        """Publish the last message of ``channels`` that are wanted, ``unless`` that returns True meanwhile.
 
         Raises LogError.
         """
@@ -109,18 +111,18 @@ class Places:
         return await self._read(self._next_step, self._clock.now())
 
     async def quiet(self) -> None:
-        """Wait until everybody waits: for time, or for somebody outside."""
-        activity, translator = self._system.graph.activity, self._system.translator
+        """Wait until every task waits for time or for an event from outside."""
+        pending, translator = self._system.graph.pending_work, self._system.translator
         while True:
             await translator.settled()
-            await activity.quiet()
+            await pending.quiet()
             if self._body.reading:
                 await asyncio.sleep(_READ_AGAIN_S)
             elif translator.is_settled:
                 return
 
     async def worked(self) -> None:
-        """Wait, within reason, until what was shown has been worked on."""
+        """Wait, for a limited time, until the messages shown are processed."""
         await _patiently(self.quiet(), SHOW_WITHIN_S)
 
     def _jump(self, position: float, known: list[Logged]) -> None:
@@ -133,7 +135,7 @@ class Places:
                 channel.publish(logged.message)
 
     def _standing(self, position: float) -> tuple[list[Logged], list[Logged], list[Lanes]]:
-        """What modules that begin at ``position`` must know at once, what was desired there, and the lanes before."""
+        """State that modules need at ``position``, the desires there, and the lanes before."""
         past = self._past
         lanes: list[Lanes] = past.now_and_then(Lanes, position - LANES_S, position, LANES_PERIOD_S)
         return past.of_types(ACCUMULATED, position), past.of_types((DesiresRecord,), position), lanes

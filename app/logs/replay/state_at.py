@@ -1,4 +1,4 @@
-"""What a recording said last before any moment of it: the scene to show where playback is put down."""
+"""The last messages of a recording at any position: the state to show after a seek."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from app.logs.log import Log, Logged
 from app.logs.mcap.damage import skipping
 from app.messages import JointState, Landmarks, Localization, OccupancyGrid, Odometry, Zones
 
-#: How the body moved and stood belongs to whatever was seen meanwhile: every such message is taken, not the last alone.
+#: The body's motion belongs to the images and scans taken meanwhile: every such message is used, not the last alone.
 MOTION = (Odometry, JointState)
-#: Messages that tell everything found since the beginning: modules that begin anew cannot know it.
+#: Messages that accumulate since the beginning: a module that restarts cannot compute them.
 ACCUMULATED = (Landmarks, OccupancyGrid, Localization, Zones)
 
-#: The body's motion is given from this long before what was seen, so that poses can be interpolated there.
+#: The body's motion begins this long (s) before the first image or scan, so that poses can be interpolated.
 LEAD_S = 0.1
 #: A message that arrives later than this after its capture (s) has a stamp of another clock.
 LONGEST_DELAY_S = 2.0
-#: Looking back begins with so many periods of the slowest channel, and spans from so many seconds to so many.
+#: Time searched first: this many periods of the slowest channel, within these limits (s).
 PERIODS = 2.5
 SHORTEST_S = 0.15
 LONGEST_S = 0.6
@@ -30,8 +30,8 @@ def taken_at(logged: Logged) -> float:
     return stamp if 0.0 <= logged.at - stamp <= LONGEST_DELAY_S else logged.at
 
 
-class Past:
-    """Looks back in ``log``, past what is damaged in it where the log says where that ends.
+class RecordedState:
+    """The last messages of ``log`` before a position; damaged parts are skipped where the log says where they end.
 
     Its methods read the file: call them off the event loop, one at a time.
     """
@@ -41,10 +41,10 @@ class Past:
         self._channels = log.info.channels
 
     def scene(self, position: float, channels: Collection[str]) -> list[Logged]:
-        """What to say so that whoever begins at ``position`` (s) sees what was there, in the order of arrival.
+        """Messages that show the state at ``position`` (s), in the order of arrival.
 
-        The last message of each of ``channels`` that arrived at or before ``position``; of the body's motion, what came
-        since shortly before the first of these. Raises LogError.
+        The last message of each of ``channels`` that arrived at or before ``position``; of the body's motion, all since
+        shortly before the first of these. Raises LogError.
         """
         wanted = [name for name in channels if name in self._channels and self._channels[name].count]
         moving = [name for name in wanted if self._channels[name].message_type in MOTION]
@@ -84,9 +84,9 @@ class Past:
         return found
 
     def last(self, channel: str, position: float) -> Logged | None:
-        """The last message of ``channel`` at or before ``position`` (s), None where there is none.
+        """The last message of ``channel`` at or before ``position`` (s), None without one.
 
-        Probes ever further back, then halves: a handful of messages is decoded, wherever the last one is.
+        Probes further and further back, then bisects: few messages are decoded, wherever the last one is.
         """
         if channel not in self._channels or not self._channels[channel].count:
             return None
@@ -125,7 +125,7 @@ class Past:
         return next(self._between(begin, end, (channel,)), None)
 
     def _between(self, begin: float, end: float, channels: Collection[str]) -> Iterator[Logged]:
-        """What arrived from ``begin`` to ``end``, both included."""
+        """Messages that arrived from ``begin`` to ``end``, both included."""
         if not channels:
             return
         for logged in self._messages(begin, channels):
@@ -134,5 +134,5 @@ class Past:
             yield logged
 
     def _messages(self, begin: float, channels: Collection[str]) -> Iterator[Logged]:
-        # The body tells of damage, when it comes to it.
+        # The body reports damage when it reaches it.
         return skipping(self._log, begin, channels, lambda _: None)

@@ -16,7 +16,7 @@ from app.logs.ros import typestore
 from app.logs.ros.frames import BASE, TF, Transform, header, pose3_numbers
 from app.logs.ros.generated import generated
 from app.logs.ros.info import InfoTopic, pose_key
-from app.logs.ros.record import MAIN, Record, Topic
+from app.logs.ros.record import MAIN, Record, RecordTopic
 from app.logs.ros.record_templates import assembled, stamped, with_length
 from app.messages import EncodedImage, Image, read_only
 
@@ -28,7 +28,7 @@ _NO_BYTES = np.zeros(0, np.uint8)
 
 @dataclass(frozen=True, slots=True)
 class ImageInfo:
-    """An Image but for its pixels; ``has_depth`` tells a camera without depth from depth that was lost."""
+    """An Image without its pixels; ``has_depth`` distinguishes a camera without depth from lost depth."""
 
     stamp: float
     frame: str
@@ -39,7 +39,7 @@ class ImageInfo:
 
 @dataclass(frozen=True, slots=True)
 class FisheyeImageInfo:
-    """The same of a fisheye's Image. A class of its own, so that recordings of before it stay what they are."""
+    """The same of a fisheye's Image. A class of its own, so that the format of other recordings does not change."""
 
     stamp: float
     frame: str
@@ -66,9 +66,9 @@ class ImageConverter:
 
     def __init__(self, channel: str, jpeg_quality: int, main_type: str | None = None) -> None:
         """``jpeg_quality`` 1 to 100; ``main_type`` of a channel that a file has, else the first image decides."""
-        self._color = Topic(f"/{channel}/color/compressed", _COMPRESSED, "color")
-        self._depth = Topic(f"/{channel}/depth", _RAW, "depth")
-        self._camera = Topic(f"/{channel}/camera_info", _CAMERA_INFO, None)
+        self._color = RecordTopic(f"/{channel}/color/compressed", _COMPRESSED, "color")
+        self._depth = RecordTopic(f"/{channel}/depth", _RAW, "depth")
+        self._camera = RecordTopic(f"/{channel}/camera_info", _CAMERA_INFO, None)
         self._channel = channel
         self._info: InfoTopic[Any]
         self._set_lens(FisheyeModel if main_type == generated(FisheyeImageInfo).type else CameraModel)
@@ -77,8 +77,8 @@ class ImageConverter:
         self._known: tuple[str, CameraModel | FisheyeModel, tuple[int, ...]] | None = None
 
     @property
-    def topics(self) -> tuple[Topic, ...]:
-        """Colour, depth, camera, transform, info: the last one's type tells the lens."""
+    def topics(self) -> tuple[RecordTopic, ...]:
+        """Colour, depth, camera, transform, info: the type of the last one names the lens."""
         return (self._color, self._depth, self._camera, TF, self._info.topic)
 
     def encode(self, message: Image, stamp_ns: int) -> list[Record]:
@@ -128,7 +128,7 @@ class ImageConverter:
             raw = typestore.deserialise(_RAW, parts["depth"])
             depth = raw.data.view("<u2").reshape(raw.height, raw.width)
         pixels = read_only(color.astype(np.uint8, copy=False))
-        return Image(info.stamp, info.frame, pixels, depth, info.camera, info.X_BC)
+        return Image(info.stamp, info.frame, color=pixels, depth=depth, camera=info.camera, X_BC=info.X_BC)
 
     def _set_lens(self, lens: type[CameraModel] | type[FisheyeModel]) -> None:
         self._lens = lens
@@ -157,7 +157,7 @@ class EncodedImageConverter:
     """``sensor_msgs/CompressedImage`` of the JPEG as it is."""
 
     def __init__(self, channel: str) -> None:
-        self._picture = Topic(f"/{channel}", _COMPRESSED, "jpeg")
+        self._picture = RecordTopic(f"/{channel}", _COMPRESSED, "jpeg")
         self._info = InfoTopic(channel, EncodedImageInfo)
         self.topics = (self._picture, self._info.topic)
 
@@ -179,4 +179,6 @@ class EncodedImageConverter:
         info = self._info.decode(parts[MAIN])
         ros = typestore.deserialise(_COMPRESSED, parts["jpeg"])
         data = ros.data.tobytes()
-        return EncodedImage(info.stamp, ros.header.frame_id, data, info.width, info.height, info.X_BC)
+        return EncodedImage(
+            info.stamp, ros.header.frame_id, jpeg=data, width=info.width, height=info.height, X_BC=info.X_BC
+        )

@@ -13,13 +13,13 @@ from app.base.geometry import Pose2
 from app.logs.ros import typestore
 from app.logs.ros.frames import BASE, header
 from app.logs.ros.info import InfoTopic
-from app.logs.ros.record import MAIN, Record, Topic
+from app.logs.ros.record import MAIN, Record, RecordTopic
 from app.logs.ros.record_templates import assembled, with_length
 from app.messages import PointCloud, read_only
 
 _FLOAT32 = 7
 XYZ = ("x", "y", "z")
-#: As PCL packs it: a float32 whose bytes are blue, green, red and nothing.
+#: Colour as PCL packs it: a float32 whose bytes are blue, green, red and 0.
 XYZ_RGB = (*XYZ, "rgb")
 _POINT = np.dtype([("xyz", "<f4", 3), ("bgr", "u1", 3), ("pad", "u1")])
 
@@ -36,7 +36,7 @@ class CloudHead:
         self._step = 4 * len(fields)
         nothing = np.zeros(0, np.uint8)
         data = typestore.serialise(self.TYPE, header(frame), 1, 0, described, False, self._step, 0, nothing, True)
-        # At the end: row_step, length of the data (both still 0), is_dense. The width stands after header and height.
+        # At the end: row_step, length of the data (both still 0), is_dense. The width follows header and height.
         self._head, self._dense = data[:-9], data[-1:]
         self._width_at = 4 + 8 + _padded(4 + len(frame.encode()) + 1) + 4
 
@@ -52,7 +52,7 @@ class CloudHead:
 
 @dataclass(frozen=True, slots=True)
 class PointCloudInfo:
-    """Where the base of a PointCloud was."""
+    """Pose of the base at a PointCloud's stamp."""
 
     stamp: float
     X_OB: Pose2
@@ -62,7 +62,7 @@ class PointCloudConverter:
     """``sensor_msgs/PointCloud2`` in ``base_link`` with colours, and the pose of its base."""
 
     def __init__(self, channel: str) -> None:
-        self._cloud = Topic(f"/{channel}", CloudHead.TYPE, "points")
+        self._cloud = RecordTopic(f"/{channel}", CloudHead.TYPE, "points")
         self._info = InfoTopic(channel, PointCloudInfo)
         self.topics = (self._cloud, self._info.topic)
         self._head = CloudHead(BASE, XYZ_RGB)

@@ -36,7 +36,7 @@ from app.messages import (
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """What converters may be told: nominal rate of the channel (Hz), quality of JPEG (1 to 100).
+    """Options of converters: nominal rate of the channel (Hz), quality of JPEG (1 to 100).
 
     ``main_type`` is the ROS type of the main records in a file that is read, ``main_fields`` how many fields of the
     class they hold, where the class has got more since (None: all).

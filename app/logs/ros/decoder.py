@@ -1,4 +1,4 @@
-"""From the topics of a file to messages on channels: the reverse of the encoder."""
+"""Decodes the topics of a file to messages on channels: the reverse of the encoder."""
 
 from __future__ import annotations
 
@@ -9,10 +9,12 @@ from typing import Any
 
 from rosbags.typesys import TypesysError, get_types_from_msg
 
+from app.base.errors import ConfigError
+from app.base.extensions import may_be_imported_for_a_log
 from app.logs import layout as mcap_layout
 from app.logs.ros import typestore
 from app.logs.ros.converters import Options, converter
-from app.logs.ros.generated import PACKAGE, before_defaults
+from app.logs.ros.generated import PACKAGE, before_defaults, package_of
 from app.logs.ros.record import MAIN, Converter
 from app.logs.ros.record_templates import STAMP
 from app.runtime.channel_table import ChannelSpec
@@ -22,7 +24,7 @@ log = logging.getLogger("hbba.recording")
 
 @dataclass(frozen=True, slots=True)
 class StoredTopic:
-    """A topic as a file tells of it: ``definition`` is the ``ros2msg`` text of its ``type``."""
+    """A topic in a file: ``definition`` is the ``ros2msg`` text of its ``type``."""
 
     name: str
     type: str
@@ -52,14 +54,14 @@ class DecodableChannel:
 
 
 @dataclass(frozen=True, slots=True)
-class Contents:
-    """What of a file can be read: ``channels`` by name; topics ``ignored``, and why."""
+class DecodableContents:
+    """The readable content of a file: ``channels`` by name; topics ``ignored``, and why."""
 
     channels: Mapping[str, DecodableChannel]
     ignored: Mapping[str, str] = field(default_factory=dict)
 
 
-def contents(topics: Iterable[StoredTopic]) -> Contents:
+def contents(topics: Iterable[StoredTopic]) -> DecodableContents:
     """Sort the topics of a file into channels that this program can read and topics it cannot."""
     ignored: dict[str, str] = {}
     of_channel: dict[str, list[StoredTopic]] = {}
@@ -75,7 +77,7 @@ def contents(topics: Iterable[StoredTopic]) -> Contents:
             channels[name] = _channel(name, stored)
         except _Unreadable as reason:
             ignored.update({topic.name: str(reason) for topic in stored})
-    return Contents(channels, ignored)
+    return DecodableContents(channels, ignored)
 
 
 class Decoder:
@@ -91,14 +93,14 @@ class Decoder:
 
     @property
     def topics(self) -> frozenset[str]:
-        """The topics whose records it wants."""
+        """The topics whose records it needs."""
         return frozenset(self._lanes)
 
     def add(self, topic: str, data: bytes) -> tuple[str, Any] | None:
         """Take a record; returns channel and message once that is complete.
 
-        A message with a part lost is left out, and the first of a channel is logged. Raises ValueError where the
-        bytes are not what they should be.
+        A message with a missing part is skipped, and the first of a channel is logged. Raises ValueError for invalid
+        bytes.
         """
         lane, part = self._lanes[topic]
         stamp = data[STAMP : STAMP + 8]
@@ -119,7 +121,7 @@ class Decoder:
 
 
 class _Lane:
-    """What is known so far of the message being put together on one channel."""
+    """The parts received so far of the next message on one channel."""
 
     __slots__ = ("channel", "converter", "lossy", "parts", "stamp")
 
@@ -142,10 +144,15 @@ class _Unreadable(Exception):
 
 def _channel(name: str, stored: list[StoredTopic]) -> DecodableChannel:
     class_name = stored[0].metadata.get(mcap_layout.MESSAGE, "")
+    if ":" in class_name and not may_be_imported_for_a_log(class_name):
+        package = class_name.partition(":")[0].partition(".")[0]
+        raise _Unreadable(f"{class_name!r} is a message of a package {package!r}, which is not installed for hbba")
     try:
         cls = ChannelSpec(type=class_name).message_type
     except KeyError:
         raise _Unreadable(f"this program has no message {class_name!r}") from None
+    except ConfigError as failure:
+        raise _Unreadable(failure.message) from None
     main_types = [topic.type for topic in stored if topic.metadata.get(mcap_layout.PART, MAIN) == MAIN]
     options = Options(main_type=main_types[0] if main_types else None)
     parts = {topic.part: topic for topic in converter(name, cls, options).topics if topic.part is not None}
@@ -157,14 +164,16 @@ def _channel(name: str, stored: list[StoredTopic]) -> DecodableChannel:
             raise _Unreadable(f"this program's {class_name} has no part {part!r}")
         if topic.type != parts[part].type:
             raise _Unreadable(f"this program keeps that part of {class_name} as {parts[part].type}, not {topic.type}")
-        if change := _change(topic):
+        if change := _change(topic, cls):
             main_fields = _first_fields(topic, cls) if part == MAIN else None
             if main_fields is None:
                 raise _Unreadable(f"{class_name} has changed since: {change}")
         by_part[part] = topic.name
     if MAIN not in by_part:
         raise _Unreadable(f"the topic {parts[MAIN].name}, which says what the others mean, is not in the file")
-    return DecodableChannel(name, cls, _rate(stored), by_part, parts[MAIN].type, main_fields)
+    return DecodableChannel(
+        name, cls, rate_hz=_rate(stored), topics=by_part, main_type=parts[MAIN].type, main_fields=main_fields
+    )
 
 
 def _rate(stored: list[StoredTopic]) -> float | None:
@@ -174,15 +183,15 @@ def _rate(stored: list[StoredTopic]) -> float | None:
         return None
 
 
-def _change(topic: StoredTopic) -> str:
-    """How our own types in a topic's definition differ from those of today; "" where they do not."""
+def _change(topic: StoredTopic, cls: type[Any]) -> str:
+    """Differences between our own types in a topic's definition and those of this version; "" without any."""
     try:
         then = get_types_from_msg(topic.definition, topic.type)
     except TypesysError as error:
         return f"its definition cannot be read ({error})"
     today = typestore.store().fielddefs
     for name, (_, fields) in then.items():
-        if not name.startswith(f"{PACKAGE}/"):
+        if not name.startswith(_generated_packages(cls)):
             continue
         short = name.rsplit("/", 1)[1]
         if name not in today:
@@ -197,9 +206,15 @@ def _change(topic: StoredTopic) -> str:
     return ""
 
 
+def _generated_packages(cls: type[Any]) -> tuple[str, str]:
+    """What the names of generated types begin with: the program's own, and those of the package of ``cls``."""
+    return f"{PACKAGE}/", f"{package_of(cls)}/"
+
+
 def _first_fields(topic: StoredTopic, cls: type[Any]) -> int | None:
-    """How many fields of ``cls`` a topic holds from before the others were added; None if it is not that alone."""
-    if topic.type != f"{PACKAGE}/msg/{cls.__name__}":
+    """Number of fields of ``cls`` in a topic written before the other fields were added; None for any other
+    difference."""
+    if topic.type != f"{package_of(cls)}/msg/{cls.__name__}":
         return None
     try:
         then = get_types_from_msg(topic.definition, topic.type)
@@ -207,7 +222,7 @@ def _first_fields(topic: StoredTopic, cls: type[Any]) -> int | None:
         return None
     today = typestore.store().fielddefs
     if any(list(fields) != list(today[name][1]) for name, (_, fields) in then.items()
-           if name.startswith(f"{PACKAGE}/") and name != topic.type):  # fmt: skip
+           if name.startswith(_generated_packages(cls)) and name != topic.type):  # fmt: skip
         return None
     written = list(then[topic.type][1])
     if written != list(today[topic.type][1])[: len(written)]:

@@ -1,4 +1,4 @@
-"""From messages on channels to records on topics: what a writer of logs needs."""
+"""Encodes messages on channels as records on topics, for a writer of logs."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from app.runtime.channel_table import ChannelSpec
 
 
 class Encoder:
-    """Encodes messages for one file: it leaves out what the same file already told. For one thread at a time."""
+    """Encodes messages for one file; it leaves out data that the file holds already. For one thread at a time."""
 
     def __init__(self, channels: Mapping[str, ChannelSpec], jpeg_quality: int = 90) -> None:
         """``channels``: the program's table, or the rows to be recorded; ``jpeg_quality`` 1 to 100."""

@@ -6,10 +6,10 @@ import math
 
 from app.base.geometry import Pose2, Pose3
 from app.logs.ros import typestore
-from app.logs.ros.record import Record, Topic
+from app.logs.ros.record import Record, RecordTopic
 from app.logs.ros.record_templates import Numbers
 
-TF = Topic("/tf", "tf2_msgs/msg/TFMessage", None)
+TF = RecordTopic("/tf", "tf2_msgs/msg/TFMessage", None)
 ODOM = "odom"
 BASE = "base_link"
 

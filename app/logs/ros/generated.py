@@ -6,17 +6,19 @@ Python                                 ROS
 ``stamp: float``                       ``builtin_interfaces/Time stamp``
 ``float``, ``int``, ``bool``, ``str``  ``float64``, ``int64``, ``bool``, ``string``
 ``bytes``                              ``uint8[]``
-dataclass                              nested ``hbba_msgs/<Class>``
+dataclass                              nested ``hbba_msgs/<Class>``, or of its package
 ``tuple[X, ...]``, ``tuple[X, X]``     ``X[]``, ``X[2]``
 ``NDArray[np.float32]``                ``float32[] name`` (row by row) and ``uint32[] name_shape``
 ``X | None``                           ``bool has_name`` and ``X name`` (zeros, empty, where there is none)
 =====================================  ==================================================================
 
-A field is named as in Python, in lower case, since ROS allows no other: ``X_BC`` is ``x_bc``.
+A field is named as in Python, in lower case, since ROS allows no other: ``X_BC`` is ``x_bc``. What ``Annotated`` says
+of a field beside its type is not in the definition.
 """
 
 from __future__ import annotations
 
+import re
 import types
 import typing
 from collections.abc import Callable, Iterator
@@ -49,7 +51,7 @@ class UnrecordableType(TypeError):
 
 @dataclass(frozen=True, slots=True)
 class _Field:
-    """How one field of a dataclass becomes ROS fields (``(type, name)`` each) and their values, and back."""
+    """Conversion of one field of a dataclass to ROS fields (``(type, name)`` each) and their values, and back."""
 
     declared: tuple[tuple[str, str], ...]
     pack: Callable[[Any], tuple[Any, ...]]
@@ -57,15 +59,22 @@ class _Field:
     empty: Any
 
 
+def package_of(cls: type[Any]) -> str:
+    """The ROS package of the type of ``cls``: ``hbba_msgs``, or that of the import package which ``cls`` comes from."""
+    root = cls.__module__.partition(".")[0]
+    return PACKAGE if root == "app" else f"{re.sub('[^a-z0-9]+', '_', root.lower()).strip('_')}_msgs"
+
+
 class Generated:
-    """The ROS type ``hbba_msgs/msg/<Class>`` of a dataclass: registered when made."""
+    """The ROS type ``hbba_msgs/msg/<Class>`` of a dataclass, of another package's ``<package>_msgs/msg/<Class>``:
+    registered when made."""
 
     def __init__(self, cls: type[Any], count: int | None = None) -> None:
-        """Of its first ``count`` fields alone, if that is given: as ``hbba_msgs/msg/<Class>First<count>``.
+        """Of its first ``count`` fields alone, if that is given: as ``…/<Class>First<count>``.
 
         Raises UnrecordableType.
         """
-        self.type = f"{PACKAGE}/msg/{cls.__name__}" + ("" if count is None else f"First{count}")
+        self.type = f"{package_of(cls)}/msg/{cls.__name__}" + ("" if count is None else f"First{count}")
         hints = typing.get_type_hints(cls)
         self._cls = cls
         self._names = [f.name for f in fields(cls)][:count]
@@ -75,7 +84,7 @@ class Generated:
             raise UnrecordableType(f"two fields of {cls.__name__} have one name in ROS: {declared}")
         typestore.add(self.type, "\n".join(f"{kind} {name}" for kind, name in declared))
         self._make = typestore.store().types[self.type]
-        # rosbags renames what is a keyword of Python, and keeps the type's name as one more field.
+        # rosbags renames Python's keywords, and keeps the type's name as one more field.
         self._attributes = [f.name for f in fields(self._make) if f.name != "__msgtype__"]  # type: ignore[arg-type]
 
     def to_ros(self, message: Any) -> Any:
@@ -100,7 +109,7 @@ class Generated:
         return self.from_ros(typestore.deserialise(self.type, data))
 
     def empty(self) -> Any:
-        """A message that says nothing: what stands for one that is absent."""
+        """A message of default values, written in place of an absent one."""
         return self._cls(*[field.empty for field in self._fields])
 
 
@@ -116,9 +125,9 @@ def generated(cls: type[Any], count: int | None = None) -> Generated:
 
 
 def before_defaults(cls: type[Any], declared: int) -> int | None:
-    """How many fields of ``cls`` the first ``declared`` fields of its ROS type hold, if all others have defaults.
+    """Number of fields of ``cls`` in the first ``declared`` fields of its ROS type, if all others have defaults.
 
-    None where they do not, or where a field of ``cls`` would be torn apart. Raises UnrecordableType.
+    None if they have not, or if a field of ``cls`` would be split. Raises UnrecordableType.
     """
     hints = typing.get_type_hints(cls)
     for count, field in enumerate(fields(cls)):
@@ -129,7 +138,7 @@ def before_defaults(cls: type[Any], declared: int) -> int | None:
     return None
 
 
-#: What has been made: a type is registered once for the whole process, as the store is one.
+#: Types registered so far: each is registered once for the whole process, for there is one store.
 _made: dict[tuple[type[Any], int | None], Generated] = {}
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from app.logs.ros import typestore
 from app.logs.ros.frames import ODOM
 from app.logs.ros.native_types import GeneratedConverter
-from app.logs.ros.record import Record, Topic
+from app.logs.ros.record import Record, RecordTopic
 from app.logs.stamps import SECOND
 from app.messages import Landmark, Landmarks
 
@@ -18,7 +18,8 @@ _MARKERS = "visualization_msgs/msg/MarkerArray"
 _SPHERE, _TEXT, _DELETE_ALL = 2, 9, 3
 #: Diameter of a ball and height of letters (m).
 _SIZE_M = 0.1
-#: Markers are drawn anew when one is this far (m) from where it was drawn: each sighting moves them by millimetres.
+#: Markers are drawn again when one has moved this far (m) from its drawn place: each sighting moves them by
+#: millimetres.
 _STEP_M = 0.05
 
 
@@ -27,7 +28,7 @@ class LandmarksConverter(GeneratedConverter):
 
     def __init__(self, channel: str) -> None:
         super().__init__(channel, Landmarks)
-        self._markers = Topic(f"/{channel}/markers", _MARKERS, None)
+        self._markers = RecordTopic(f"/{channel}/markers", _MARKERS, None)
         self.topics = (*self.topics, self._markers)
         self._drawn: tuple[Landmark, ...] = ()
 

@@ -13,7 +13,7 @@ from app.logs.ros import typestore
 from app.logs.ros.cloud import XYZ, CloudHead
 from app.logs.ros.frames import BASE, TF, Transform, header, pose3_numbers
 from app.logs.ros.info import InfoTopic, pose_key
-from app.logs.ros.record import MAIN, Record, Topic
+from app.logs.ros.record import MAIN, Record, RecordTopic
 from app.logs.ros.record_templates import assembled, with_length
 from app.logs.stamps import SECOND
 from app.messages import LaserScan, read_only
@@ -22,7 +22,7 @@ _SCAN = "sensor_msgs/msg/LaserScan"
 #: Scans are drawn as points about ten times a second, for viewers that know no LaserScan; all are kept as scans.
 #: A little less than the period, or a clock's jitter would halve the rate.
 POINTS_PERIOD_NS = 95 * SECOND // 1000
-#: A transform that stays is repeated once a second, for who begins to look in the middle.
+#: A static transform is repeated once a second, for readers that begin in the middle.
 TRANSFORM_PERIOD_NS = 95 * SECOND // 100
 
 
@@ -45,8 +45,8 @@ class LaserScanConverter:
 
     def __init__(self, channel: str, rate_hz: float | None) -> None:
         """``rate_hz``: nominal rate of scans, None where it is not known."""
-        self._scan = Topic(f"/{channel}", _SCAN, "scan")
-        self._points = Topic(f"/{channel}/points", CloudHead.TYPE, None)
+        self._scan = RecordTopic(f"/{channel}", _SCAN, "scan")
+        self._points = RecordTopic(f"/{channel}/points", CloudHead.TYPE, None)
         self._info = InfoTopic(channel, LaserScanInfo)
         self.topics = (self._scan, self._points, TF, self._info.topic)
         self._scan_time = 0.0 if rate_hz is None else 1.0 / rate_hz
@@ -82,9 +82,15 @@ class LaserScanConverter:
             self._transform_key, self._transform_ns = placed, stamp_ns
             records.append(Transform(BASE, message.frame).record(stamp_ns, pose3_numbers(message.X_BL)))
         info = LaserScanInfo(
-            message.stamp, message.frame, message.angle_min, message.angle_increment, message.range_min,
-            message.range_max, message.duration_s, message.X_BL,
-        )  # fmt: skip
+            message.stamp,
+            message.frame,
+            angle_min=message.angle_min,
+            angle_increment=message.angle_increment,
+            range_min=message.range_min,
+            range_max=message.range_max,
+            duration_s=message.duration_s,
+            X_BL=message.X_BL,
+        )
         records.append(self._info.record(info, stamp_ns, (known, pose)))
         return records
 
@@ -95,9 +101,17 @@ class LaserScanConverter:
         info = self._info.decode(parts[MAIN])
         ros = typestore.deserialise(_SCAN, parts["scan"])
         return LaserScan(
-            info.stamp, info.frame, read_only(ros.ranges), read_only(ros.intensities), info.angle_min,
-            info.angle_increment, info.range_min, info.range_max, info.duration_s, info.X_BL,
-        )  # fmt: skip
+            info.stamp,
+            info.frame,
+            ranges=read_only(ros.ranges),
+            intensities=read_only(ros.intensities),
+            angle_min=info.angle_min,
+            angle_increment=info.angle_increment,
+            range_min=info.range_min,
+            range_max=info.range_max,
+            duration_s=info.duration_s,
+            X_BL=info.X_BL,
+        )
 
     def _prepare(self, message: LaserScan, count: int) -> None:
         none = np.zeros(0, np.float32)

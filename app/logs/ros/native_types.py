@@ -12,7 +12,7 @@ from app.base.geometry import Pose2
 from app.logs.ros import typestore
 from app.logs.ros.frames import BASE, ODOM, TF, Transform, header, pose2_numbers
 from app.logs.ros.generated import generated
-from app.logs.ros.record import MAIN, Record, Topic
+from app.logs.ros.record import MAIN, Record, RecordTopic
 from app.logs.ros.record_templates import Numbers
 from app.logs.stamps import SECOND, from_ns
 from app.messages import JointState, LogLine, Odometry, Twist
@@ -30,10 +30,10 @@ class GeneratedConverter:
         self._generated = generated(cls)
         self._written = generated(cls, count)
         self._topic = f"/{channel}"
-        self.topics: tuple[Topic, ...] = (Topic(self._topic, self._generated.type),)
+        self.topics: tuple[RecordTopic, ...] = (RecordTopic(self._topic, self._generated.type),)
 
     def encode(self, message: Any, stamp_ns: int) -> list[Record]:
-        """One record."""
+        """Encode to one record."""
         return [Record(self._topic, self._generated.type, stamp_ns, self._generated.encode(message))]
 
     def decode(self, parts: Mapping[str, bytes]) -> Any:
@@ -50,7 +50,7 @@ class OdometryConverter:
     _TYPE = "nav_msgs/msg/Odometry"
 
     def __init__(self, channel: str) -> None:
-        self.topics = (Topic(f"/{channel}", self._TYPE), TF)
+        self.topics = (RecordTopic(f"/{channel}", self._TYPE), TF)
         zeros = np.zeros(_COVARIANCE)
         pose = typestore.make(
             "geometry_msgs/msg/Pose",
@@ -92,12 +92,12 @@ class TwistConverter:
     _TYPE = "geometry_msgs/msg/TwistStamped"
 
     def __init__(self, channel: str) -> None:
-        self.topics = (Topic(f"/{channel}", self._TYPE),)
+        self.topics = (RecordTopic(f"/{channel}", self._TYPE),)
         template = typestore.serialise(self._TYPE, header(BASE), _twist(0.0, 0.0))
         self._numbers = Numbers(template, (6 * _NUMBER, 6))
 
     def encode(self, message: Twist, stamp_ns: int) -> list[Record]:
-        """One record."""
+        """Encode to one record."""
         data = self._numbers.fill(stamp_ns, (message.linear_mps, 0.0, 0.0, 0.0, 0.0, message.angular_radps))
         return [Record(self.topics[0].name, self._TYPE, stamp_ns, data)]
 
@@ -113,12 +113,12 @@ class JointStateConverter:
     _TYPE = "sensor_msgs/msg/JointState"
 
     def __init__(self, channel: str) -> None:
-        self.topics = (Topic(f"/{channel}", self._TYPE),)
+        self.topics = (RecordTopic(f"/{channel}", self._TYPE),)
         self._names: tuple[str, ...] = ()
         self._numbers = self._template(())
 
     def encode(self, message: JointState, stamp_ns: int) -> list[Record]:
-        """One record."""
+        """Encode to one record."""
         if message.names != self._names:
             self._names = message.names
             self._numbers = self._template(message.names)
@@ -143,10 +143,10 @@ class LogLineConverter:
     _TYPE = "rcl_interfaces/msg/Log"
 
     def __init__(self, channel: str) -> None:
-        self.topics = (Topic(f"/{channel}", self._TYPE),)
+        self.topics = (RecordTopic(f"/{channel}", self._TYPE),)
 
     def encode(self, message: LogLine, stamp_ns: int) -> list[Record]:
-        """One record; a level above 255 is written as 255."""
+        """Encode to one record; a level above 255 is written as 255."""
         time = typestore.make("builtin_interfaces/msg/Time", *divmod(stamp_ns, SECOND))
         level = min(max(message.level, 0), 255)
         source, text = typestore.encodable(message.source), typestore.encodable(message.text)

@@ -1,4 +1,5 @@
-"""Maps and ways as ROS's navigation shows them; what its types keep with fewer digits stands beside, exactly."""
+"""Maps and paths in the types of ROS's navigation; values that these hold with fewer digits are written beside,
+exactly."""
 
 from __future__ import annotations
 
@@ -11,7 +12,7 @@ import numpy as np
 
 from app.logs.ros import typestore
 from app.logs.ros.info import InfoTopic
-from app.logs.ros.record import MAIN, Record, Topic
+from app.logs.ros.record import MAIN, Record, RecordTopic
 from app.logs.stamps import SECOND
 from app.messages import OccupancyGrid, PlannedPath, read_only
 
@@ -34,7 +35,7 @@ class OccupancyGridConverter:
     """``nav_msgs/OccupancyGrid``, and its figures exactly."""
 
     def __init__(self, channel: str) -> None:
-        self._grid = Topic(f"/{channel}", _GRID, "cells")
+        self._grid = RecordTopic(f"/{channel}", _GRID, "cells")
         self._info = InfoTopic(channel, OccupancyGridInfo)
         self.topics = (self._grid, self._info.topic)
 
@@ -61,7 +62,14 @@ class OccupancyGridConverter:
         info = self._info.decode(parts[MAIN])
         ros = typestore.deserialise(_GRID, parts["cells"])
         cells = np.asarray(ros.data, np.int8).reshape(ros.info.height, ros.info.width)
-        return OccupancyGrid(info.stamp, info.frame, read_only(cells), info.resolution_m, info.origin, info.version)
+        return OccupancyGrid(
+            info.stamp,
+            info.frame,
+            cells=read_only(cells),
+            resolution_m=info.resolution_m,
+            origin=info.origin,
+            version=info.version,
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -77,7 +85,7 @@ class PlannedPathConverter:
     """``nav_msgs/Path`` for viewers, and the poses exactly."""
 
     def __init__(self, channel: str) -> None:
-        self._path = Topic(f"/{channel}", _PATH, None)
+        self._path = RecordTopic(f"/{channel}", _PATH, None)
         self._info = InfoTopic(channel, PlannedPathInfo)
         self.topics = (self._path, self._info.topic)
 

@@ -1,4 +1,4 @@
-"""What a message becomes on its way into a log, and what can make it so."""
+"""Records of a log, and the interface of the converters that make them of messages."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ MAIN = ""
 
 
 @dataclass(frozen=True, slots=True)
-class Topic:
+class RecordTopic:
     """A topic that a channel's messages are written to.
 
     ``part`` names what of the message it carries: :data:`MAIN`, or any other name; None where it is only drawn from
@@ -35,10 +35,11 @@ class Topic:
 
 
 class Converter(Protocol):
-    """One channel's messages of one class, to records and back. Used by one thread; it may remember what it wrote."""
+    """Converts the messages of one channel and class to records and back. For one thread; it may remember its last
+    records."""
 
     @property
-    def topics(self) -> tuple[Topic, ...]:
+    def topics(self) -> tuple[RecordTopic, ...]:
         """Every topic it writes to; exactly one of them is the main part."""
         ...
 
@@ -47,8 +48,8 @@ class Converter(Protocol):
         ...
 
     def decode(self, parts: Mapping[str, bytes]) -> Any | None:
-        """The message of ``parts``, CDR by part; None where a part that it had is missing.
+        """The message of ``parts``, CDR by part; None where a part is missing.
 
-        Raises ValueError where bytes are not what they should be.
+        Raises ValueError for invalid bytes.
         """
         ...

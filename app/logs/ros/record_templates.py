@@ -1,7 +1,7 @@
-"""Hot records made cheaply: rosbags writes a message once, then only its stamp, numbers or bulk are replaced.
+"""Templates for frequent records: rosbags serialises a message once, then only its stamp, numbers or bulk are replaced.
 
-What does not change from message to message (frames, names, sizes) is serialised once by rosbags; the rest stands at
-known places of the CDR. So the bytes are rosbags' own, at a tenth of its cost.
+Data that does not change from message to message (frames, names, sizes) is serialised once by rosbags; the rest is at
+known offsets of the CDR. So the bytes equal those of rosbags, at a tenth of its cost.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import struct
 
 from app.logs.stamps import SECOND
 
-#: Where the stamp of a message stands that begins with a ``std_msgs/Header`` or a ``builtin_interfaces/Time``.
+#: Offset of the stamp in a message that begins with a ``std_msgs/Header`` or a ``builtin_interfaces/Time``.
 STAMP = 4
 _TIME = struct.Struct("<iI")
 _LENGTH = struct.Struct("<I")

@@ -1,4 +1,4 @@
-"""The robot's model as ROS tells of it: viewers draw the robot from it."""
+"""The robot's model as a ROS message (URDF): viewers draw the robot from it."""
 
 from __future__ import annotations
 

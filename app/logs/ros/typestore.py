@@ -26,9 +26,9 @@ def _humble() -> Typestore:
 
 
 def add(name: str, text: str) -> None:
-    """Add the type ``name`` (``hbba_msgs/msg/Twist``) with the lines ``text`` of its ``.msg`` file; again is harmless.
+    """Add the type ``name`` (``hbba_msgs/msg/Twist``) with the lines ``text`` of its ``.msg`` file; twice is harmless.
 
-    Raises rosbags' TypesysError if the name already stands for something else.
+    Raises rosbags' TypesysError if the name has another definition already.
     """
     with _guard:
         store().register(get_types_from_msg(text, name))
@@ -58,5 +58,5 @@ def deserialise(name: str, data: bytes) -> Any:
 
 
 def encodable(text: str) -> str:
-    """What cannot be written as UTF-8 (half a surrogate pair, out of a file's name) becomes a question mark."""
+    """Replace characters that UTF-8 cannot encode (half a surrogate pair, out of a file's name) by question marks."""
     return text if text.isascii() else text.encode("utf-8", "replace").decode()

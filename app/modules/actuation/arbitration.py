@@ -26,15 +26,15 @@ class Contender:
 def arbitrate(
     now: float, commands: Mapping[str, Twist], contenders: Sequence[Contender], max_age_s: float
 ) -> tuple[str, Twist] | None:
-    """The behavior that drives and its command, or None: nobody has a fresh one.
+    """The contender that drives and its command; None if no command is fresh.
 
-    ``commands`` holds the newest twist by port. A command is fresh while its stamp is within ``max_age_s`` of ``now``;
-    one that is not finite is none. Equal priorities go to the contender listed first.
+    ``commands``: the newest twist by port. A command is fresh while its stamp is within ``max_age_s`` of ``now``; a
+    command with a non-finite value counts as none. Among equal priorities the contender listed first wins.
     """
     winner: Contender | None = None
     for contender in contenders:
         command = commands.get(contender.port)
-        # So asked, a stamp that is no number is not fresh.
+        # The comparison is written so that a NaN stamp is not fresh.
         if command is None or not abs(now - command.stamp) <= max_age_s:
             continue
         if not (math.isfinite(command.linear_mps) and math.isfinite(command.angular_radps)):
@@ -56,8 +56,8 @@ def clamped(twist: Twist, limits: BaseLimits) -> Twist:
 def approach(before: Twist, target: Twist, limits: BaseLimits, longest_s: float) -> Twist:
     """The twist between ``before`` and ``target`` that the body's accelerations allow at the target's stamp.
 
-    The time that passed counts up to ``longest_s``, so that a long rest does not permit a jump. A stop (all zero) is
-    passed on at once: braking is shaped by the body, never delayed here.
+    The time since ``before`` counts up to ``longest_s``, so that a long pause does not permit a jump. A stop (all zero)
+    is passed on at once: the guard shapes braking, and nothing here delays it.
     """
     if target.linear_mps == 0.0 and target.angular_radps == 0.0:
         return target

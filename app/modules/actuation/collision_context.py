@@ -1,6 +1,6 @@
-"""What MobileBaseControl knows of the robot's surroundings and of the operator's hold, and what follows for a command.
+"""Context of the collision monitor: newest scan, odometry since, operator's override; limits a command by them.
 
-Values and times in, a twist out: it has no loop and no clock of its own.
+Pure on values and times: no event loop and no clock of its own.
 """
 
 from __future__ import annotations
@@ -12,22 +12,22 @@ from app.base.pose_buffer import PoseBuffer
 from app.link import BaseLimits
 from app.messages import LaserScan, Odometry, OperatorDrive, Twist
 from app.modules.actuation.arbitration import approach
-from app.modules.actuation.collision_monitor import CollisionMonitor, Seen, Verdict
+from app.modules.actuation.collision_monitor import CollisionMonitor, SeenPoints, Verdict
 
-#: Odometry that is older (s) than this is not carried on to now by its own speed.
+#: Greatest age (s) of odometry that is extrapolated to now by its own twist.
 _CARRIED_S = 0.1
 
 
-class Lookout:
+class CollisionContext:
     """Holds the newest scan, the odometry since, and the operator's hold; limits commands by them."""
 
     def __init__(self, monitor: CollisionMonitor, limits: BaseLimits, hold_s: float) -> None:
-        """``hold_s``: an operator's command that is older is no hold any more."""
+        """``hold_s``: greatest age of an operator's command that still counts as a hold (s)."""
         self._monitor = monitor
         self._limits = limits
         self._hold_s = hold_s
         self._scan: LaserScan | None = None
-        self._seen: Seen | None = None
+        self._seen: SeenPoints | None = None
         self._odometry: Odometry | None = None
         self._poses = PoseBuffer(span_s=2.0)
         self._operator: OperatorDrive | None = None
@@ -42,7 +42,7 @@ class Lookout:
         self._poses.add(odometry.stamp, odometry.X_OB)
 
     def commanded(self, drive: OperatorDrive) -> None:
-        """Take what an operator's hands say."""
+        """Take the operator's newest command."""
         self._operator = drive
 
     def overridden(self, now: float) -> bool:
@@ -51,10 +51,11 @@ class Lookout:
         return drive is not None and drive.held and drive.override and abs(now - drive.stamp) <= self._hold_s
 
     def limit(self, before: Twist, target: Twist, longest_s: float, *, by_hand: bool) -> tuple[Twist, str]:
-        """What may be given to the wheels at the stamp of ``target``, and why it is less than that ("": it is not).
+        """The twist to give to the wheels at the stamp of ``target``, and the reason where it is less than ``target``
+        (else "").
 
-        ``before`` is what they were given last; ``target`` is approached with the body's accelerations, but what must
-        be slower is slower at once. ``by_hand``: an operator drives, and may override.
+        ``before``: the twist given last; the result approaches ``target`` with the body's accelerations, but a
+        reduction by the monitor applies at once. ``by_hand``: an operator drives and may use the override.
         """
         now = target.stamp
         if by_hand and self.overridden(now):
@@ -65,7 +66,7 @@ class Lookout:
         allowed = self._judge(now, target, stands)
         twist, reason = self._towards(before, target, allowed, longest_s)
         if not _is_part(twist, allowed):
-            # While it speeds up or brakes, the body drives otherwise than it is to in the end.
+            # While the body accelerates or brakes, its arc differs from the arc of the target.
             now_allowed = self._judge(now, twist, stands=False)
             if now_allowed.reason:
                 return Twist(now, now_allowed.linear, now_allowed.angular), now_allowed.reason
@@ -86,7 +87,7 @@ class Lookout:
         scan, monitor = self._scan, self._monitor
         if twist.linear_mps == 0.0 and twist.angular_radps == 0.0:
             return Verdict(0.0, 0.0)
-        # As it stands, a stamp that is not a number is no fresh one.
+        # Written so that a NaN stamp is not fresh.
         if scan is None or not abs(now - scan.stamp) <= monitor.rules.stale_s:
             return monitor.blind(None if scan is None else now - scan.stamp)
         if self._seen is None:
@@ -95,7 +96,7 @@ class Lookout:
         return monitor.judge(self._seen, moved, twist.linear_mps, twist.angular_radps, stands=stands)
 
     def _motion(self, then: float, now: float) -> Pose2:
-        """``X_SB``: how the base has moved since ``then``, as far as odometry tells."""
+        """``X_SB``: motion of the base since ``then`` by odometry; None without odometry."""
         odometry, X_OS = self._odometry, self._poses.at(then)
         if odometry is None or X_OS is None:
             return Pose2()
@@ -107,7 +108,7 @@ class Lookout:
 
 
 def _is_part(twist: Twist, allowed: Verdict) -> bool:
-    """Whether ``twist`` is what is allowed, or the same arc driven more slowly."""
+    """Whether ``twist`` is the allowed twist, or the same arc at a lower speed."""
     linear, angular = twist.linear_mps, twist.angular_radps
     return (
         linear * allowed.angular == angular * allowed.linear
@@ -117,7 +118,7 @@ def _is_part(twist: Twist, allowed: Verdict) -> bool:
 
 
 def _no_faster(value: float, most: float) -> float:
-    """``value``, no faster than ``most`` and not against it."""
+    """``value`` with magnitude at most that of ``most``, and zero where the signs differ."""
     if most >= 0:
         return min(max(value, 0.0), most)
     return max(min(value, 0.0), most)

@@ -1,16 +1,14 @@
-"""The collision monitor: what of a commanded twist may be given to the wheels, by what the laser sees now.
+"""The collision monitor: limits a commanded twist by the newest laser scan.
 
-It knows nothing of plans or of who drives. Along the arc that the command would drive, the time until the footprint,
-grown by a margin, meets what the laser sees is computed exactly (``swept_footprint``); the command is scaled, its arc
-kept, until
+Its input is the command alone, no plan. The time to contact of the footprint, grown by a margin, with the scan's points
+along the commanded arc is computed exactly (``swept_footprint``). The command is scaled with its arc kept until
 
-- the body can still stop before it, at the deceleration it really has and after the time everything takes to react;
-- it is at least ``contact_s`` away.
+- the body can stop before contact, with its true deceleration and after the reaction time of the whole chain;
+- the time to contact is at least ``contact_s``.
 
-What the grown footprint only brushes past is passed at a crawl; what already is within the margin is neared no faster,
-and only as far as the footprint itself. What moves away from a thing is never held back, so that one gets out of a
-tight place. Where an arc is stopped, its turn on the spot is tried. Backwards, where the laser does not see, the body
-crawls.
+Points that only the margin touches limit the speed to a crawl. Points already within the margin are approached at a
+crawl, up to the footprint itself. Motion away from a point is never limited, so that the body can leave a tight place.
+Where the arc is stopped, its rotation alone is tried. Outside the laser's field of view, as backwards, the body crawls.
 
 The rule of slowing to keep a time to contact is Nav2's *approach* (collision monitor of the ROS 2 Navigation stack);
 the braking rule is that of the Dynamic Window Approach (Fox, Burgard, Thrun 1997).
@@ -28,22 +26,22 @@ from app.link import BaseLimits
 from app.messages import LaserScan
 from app.modules.actuation.swept_footprint import Floats, Points, Polygon, contact_times, may_decide
 
-#: Slower than this (m/s and rad/s) is standing: a command cut down to less is a stop. A body that stands starts again
-#: only for twice as much, or the laser's noise would have it jerk.
+#: Below these speeds (m/s, rad/s) the body counts as standing, and a command scaled below them is a stop. A standing
+#: body starts again only for twice as much: hysteresis against the laser's noise.
 STANDING_MPS, STANDING_RADPS = 0.03, 0.08
-#: A point is neared when it comes closer by more than this share of its own speed past the body; a thing that touches a
-#: round body, drawn as a polygon, may scrape along its edges while the body turns.
+#: A point approaches if its closing speed exceeds this share of its own speed relative to the body: a point beside a
+#: round body, drawn as a polygon, may graze its edges while the body turns.
 NEARED, NEARED_IN_TOUCH = 0.02, 0.25
 
 
 @dataclass(frozen=True, slots=True)
-class Rules:
-    """How careful the monitor is.
+class MonitorRules:
+    """Parameters of the monitor.
 
-    ``margin_m`` around the footprint; ``contact_s`` is the least time to contact; ``reaction_s`` the time from a ray to
-    wheels that obey; a scan older than ``stale_s``, or as far ahead of its time, is none; ``crawl_mps`` and
-    ``crawl_radps`` are what is allowed where nothing is known; so many points as ``evidence`` make a thing: one alone
-    may be noise.
+    ``margin_m``: added to the footprint on all sides. ``contact_s``: least time to contact. ``reaction_s``: time from a
+    laser ray to a reaction of the wheels. ``stale_s``: greatest age of a scan, and greatest advance of its stamp over
+    the clock. ``crawl_mps``, ``crawl_radps``: speeds allowed without knowledge of the surroundings. ``evidence``: least
+    number of points that make an obstacle; a single point may be noise.
     """
 
     margin_m: float = 0.05
@@ -57,7 +55,7 @@ class Rules:
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """The velocity that may be driven (m/s, rad/s), and why it is not the commanded one ("" where it is)."""
+    """The allowed velocity (m/s, rad/s), and the reason where it differs from the commanded one (else "")."""
 
     linear: float
     angular: float
@@ -65,10 +63,10 @@ class Verdict:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Seen:
-    """What one scan saw: the near ``points`` (N,), x + iy m in ``base_link`` at ``stamp`` (s), the middle of its sweep;
-    whether the laser looks along the body's x axis ``ahead`` and ``behind``; ``dead``: not one ray measured anything,
-    not even that nothing is there."""
+class SeenPoints:
+    """Points of one scan near the robot: ``points`` (N,), x + iy m in ``base_link`` at ``stamp`` (s), the middle of the
+    sweep. ``ahead``, ``behind``: whether the laser's field of view covers the body's x axis. ``dead``: no ray returned
+    a range, not even "free"."""
 
     stamp: float
     points: Points
@@ -78,23 +76,23 @@ class Seen:
 
 
 class CollisionMonitor:
-    """Judges commands for one body: a pure function of what it is given, but for a table of the scan's angles."""
+    """Limits commands for one body: a pure function of its arguments, with a cached table of the scan's angles."""
 
-    def __init__(self, corners: tuple[tuple[float, float], ...], limits: BaseLimits, rules: Rules) -> None:
-        """``corners`` as ``RobotDescription.footprint``. Raises ValueError for what is no footprint."""
+    def __init__(self, corners: tuple[tuple[float, float], ...], limits: BaseLimits, rules: MonitorRules) -> None:
+        """``corners`` as ``RobotDescription.footprint``. Raises ValueError for an invalid footprint."""
         self.rules = rules
         self._limits = limits
         self._tight = Polygon.of(corners)
         self._grown = Polygon.of(corners, rules.margin_m)
         slowest_stop = max(limits.linear_mps / limits.linear_mps2, limits.angular_radps / limits.angular_radps2)
         self._horizon_s = max(rules.contact_s, rules.reaction_s + slowest_stop / 2)
-        #: Further than this (m) from the base nothing matters, however old the scan may be.
+        #: Greatest distance (m) from the base of a point that can matter, at the greatest age of a scan.
         self.reach_m = self._grown.outer + limits.linear_mps * (self._horizon_s + rules.stale_s)
         self._angles: tuple[int, float, float] | None = None
         self._cosines = self._sines = np.empty(0)
 
-    def see(self, scan: LaserScan) -> Seen:
-        """The points of ``scan`` that may matter."""
+    def see(self, scan: LaserScan) -> SeenPoints:
+        """The points of ``scan`` within the distance that can matter."""
         key = (len(scan.ranges), scan.angle_min, scan.angle_increment)
         if key != self._angles:
             angles = scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))
@@ -113,11 +111,11 @@ class CollisionMonitor:
         first, last = min(scan.angle_min, last), max(scan.angle_min, last)
         middle = scan.stamp + scan.duration_s / 2
         ahead, behind = _looks(first, last, -yaw), _looks(first, last, math.pi - yaw)
-        return Seen(middle, points, ahead, behind, not measured.any())
+        return SeenPoints(middle, points, ahead, behind, not measured.any())
 
-    def judge(self, seen: Seen, X_SB: Pose2, linear: float, angular: float, *, stands: bool = False) -> Verdict:
-        """What may be driven of (``linear``, ``angular``); the base has moved by ``X_SB`` since ``seen`` was seen, and
-        ``stands`` now or drives."""
+    def judge(self, seen: SeenPoints, X_SB: Pose2, linear: float, angular: float, *, stands: bool = False) -> Verdict:
+        """The allowed part of (``linear``, ``angular``). ``X_SB``: motion of the base since ``seen``; ``stands``:
+        whether the base stands now."""
         if linear == 0.0 and angular == 0.0:
             return Verdict(0.0, 0.0)
         if seen.dead:
@@ -125,7 +123,7 @@ class CollisionMonitor:
         turned = complex(math.cos(X_SB.theta), -math.sin(X_SB.theta))
         points = (seen.points - complex(X_SB.x, X_SB.y)) * turned
         scale, where = self._scale(points, linear, angular, stands)
-        reason = "" if where is None else self._words(complex(points[where]), scale)
+        reason = "" if where is None else self._explanation(complex(points[where]), scale)
         crawl = self._crawl(linear, angular)
         hidden = (linear > 0 and not seen.ahead) or (linear < 0 and not seen.behind)
         if hidden and crawl < scale:
@@ -137,8 +135,7 @@ class CollisionMonitor:
         return Verdict(scale * linear, scale * angular, reason)
 
     def blind(self, age_s: float | None) -> Verdict:
-        """What may be driven while the newest scan is ``age_s`` old, which is too old or no age (None: there is no
-        scan)."""
+        """The allowed velocity without a usable scan: the newest is ``age_s`` old (None: there is no scan)."""
         if age_s is None:
             why = "the laser has given no scan yet"
         elif age_s > 0.0:
@@ -148,7 +145,7 @@ class CollisionMonitor:
         return Verdict(0.0, 0.0, f"stopped: {why}")
 
     def crawl(self, linear: float, angular: float) -> Verdict:
-        """What may be driven on an operator's explicit hold, whatever stands in the way."""
+        """The allowed velocity under the operator's override, whatever the scan shows."""
         scale = self._crawl(linear, angular)
         return Verdict(scale * linear, scale * angular, "override: it crawls, whatever is in the way")
 
@@ -160,9 +157,17 @@ class CollisionMonitor:
         )
 
     def _scale(self, points: Points, linear: float, angular: float, stands: bool) -> tuple[float, int | None]:
-        """The share of the command that may be driven, in [0, 1], and the point that says so."""
+        """The allowed share of the command, in [0, 1], and the point that limits it."""
         rules, horizon = self.rules, self._horizon_s
-        near = may_decide(points, self._tight, self._grown, linear, angular, horizon, rules.evidence)
+        near = may_decide(
+            points,
+            self._tight,
+            grown=self._grown,
+            linear=linear,
+            angular=angular,
+            horizon_s=horizon,
+            evidence=rules.evidence,
+        )
         if len(near) < rules.evidence:
             return 1.0, None
         times = contact_times(points[near], self._grown, linear, angular, horizon)
@@ -174,7 +179,7 @@ class CollisionMonitor:
         crawl = self._crawl(linear, angular)
         slow = np.flatnonzero(shares < crawl)
         if len(slow):
-            # Slower than a crawl only before what the footprint itself would meet; what it brushes past is passed.
+            # Below a crawl only for contact with the footprint itself; the margin alone permits a crawl.
             passed_s = horizon + 2 * self._grown.outer / max(abs(linear), abs(angular) * self._tight.inner)
             brushed = contact_times(points[near[slow]], self._tight, linear, angular, passed_s) == np.inf
             shares[slow[brushed]] = crawl
@@ -191,10 +196,10 @@ class CollisionMonitor:
         return scale, int(near[worst])
 
     def _share(self, times: Floats, linear: float, angular: float) -> Floats:
-        """The greatest shares of the command with which contact, ``times`` (s) away at its full speed, can be avoided.
+        """The greatest shares of the command that avoid contact, which is ``times`` (s) away at full speed.
 
-        With share k the body covers k·t_r while it reacts and k²/2b while it brakes, where b (1/s) is what it can take
-        from k in a second with the arc kept.
+        With share k the body covers k·t_r while it reacts and k²/2b while it brakes, where b (1/s) is the decrease of k
+        per second with the arc kept.
         """
         limits, reaction = self._limits, self.rules.reaction_s
         braking = min(
@@ -205,9 +210,9 @@ class CollisionMonitor:
         return np.minimum(1.0, np.minimum(stoppable, times / self.rules.contact_s))
 
     def _within(self, points: Points, linear: float, angular: float, crawl: float) -> Floats:
-        """Shares for points that lie within the margin already."""
+        """Shares for points that are within the margin already."""
         beyond, edges = self._tight.beyond(points)
-        # A point's velocity as the body sees it.
+        # Velocity of a point relative to the body.
         velocity = -1j * angular * points - linear
         closing = -(self._tight.normals[edges].conj() * velocity).real
         share = closing / np.maximum(np.abs(velocity), 1e-9)
@@ -216,7 +221,7 @@ class CollisionMonitor:
         touching = np.where(share > NEARED_IN_TOUCH, 0.0, 1.0)
         return np.where(beyond >= 0.0, outside, touching)
 
-    def _words(self, point: complex, scale: float) -> str:
+    def _explanation(self, point: complex, scale: float) -> str:
         distance = max(0.0, float(self._tight.beyond(np.array([point]))[0][0]))
         bearing = math.degrees(math.atan2(point.imag, point.real))
         if abs(bearing) <= 60:
@@ -229,7 +234,7 @@ class CollisionMonitor:
 
 
 def _looks(first: float, last: float, bearing: float) -> bool:
-    """Whether ``bearing`` (rad) lies between ``first`` and ``last``, a whole turn more or less."""
+    """Whether ``bearing`` (rad, modulo 2π) is between ``first`` and ``last``."""
     if last - first >= 2 * math.pi - 0.05:
         return True
     return (bearing - first) % (2 * math.pi) <= last - first

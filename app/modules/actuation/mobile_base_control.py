@@ -11,13 +11,13 @@
 
 At 10 Hz, with each command and with each scan that arrives: the highest priority among the behaviors with a fresh
 command drives; its twist is clamped to the body's speeds, limited by the collision monitor, and approached with the
-body's accelerations, then given to the robot link. When nobody commands, zero is sent a few times, then nothing.
-``exploitation`` tells attention whose command was let through, and people why it was limited.
+body's accelerations, then given to the robot link. Without a fresh command, zero is sent a few times, then nothing.
+``exploitation`` reports whose command was let through, for attention, and why it was limited, for people.
 
-On a body with a laser the collision monitor (``collision_monitor.py``) judges every command, from a
-person or a behavior: without a fresh scan the base stays still. The operator alone may override it, at a crawl, while
-both dead-man and override are held. A
-program that does not wire the scans of such a body is refused, unless it says ``collision_monitor: off``.
+On a body with a laser the collision monitor (``collision_monitor.py``) limits every command, of an operator or a
+behavior: without a fresh scan the base stands still. Only the operator can override it, at a crawl, while both dead-man
+and override are held. A program that does not wire the scans of such a body is refused, unless its configuration says
+``collision_monitor: off``.
 """
 
 from __future__ import annotations
@@ -33,20 +33,20 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from app.link import BaseLimits, RobotDescription, RobotLink
 from app.messages import Exploitation, LaserScan, LinkStatus, Message, Odometry, OperatorDrive, Twist
 from app.modules.actuation.arbitration import Contender, approach, arbitrate, clamped
-from app.modules.actuation.collision_context import Lookout
-from app.modules.actuation.collision_monitor import CollisionMonitor, Rules
-from app.modules.body import attach, robot_link
+from app.modules.actuation.collision_context import CollisionContext
+from app.modules.actuation.collision_monitor import CollisionMonitor, MonitorRules
+from app.modules.stream_module import attach, robot_link
 from app.runtime.errors import ModuleFailed
 from app.runtime.module import Caution, Input, Module, ModuleContext, Settings
 
 M = TypeVar("M", bound=Message)
 
-#: So many zeros are sent after the last command, in case one is lost on the way to the motors.
+#: Zero commands sent after the last command, in case one is lost on the way to the motors.
 PARTING_ZEROS = 3
 
 
 class ContenderSettings(BaseModel):
-    """One behavior that may drive."""
+    """One behavior that may drive, and its priority."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -56,7 +56,7 @@ class ContenderSettings(BaseModel):
 
 
 class MonitorSettings(BaseModel):
-    """How careful the collision monitor is."""
+    """Parameters of the collision monitor; see ``MonitorRules``."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -68,9 +68,9 @@ class MonitorSettings(BaseModel):
     crawl_radps: float = Field(0.3, gt=0, le=0.5, description="allowed likewise")
     evidence: int = Field(2, ge=1, le=10, description="so many points make a thing; one alone may be noise")
 
-    def rules(self) -> Rules:
-        """As the monitor takes them."""
-        return Rules(**self.model_dump())
+    def rules(self) -> MonitorRules:
+        """The parameters in the monitor's own type."""
+        return MonitorRules(**self.model_dump())
 
 
 _OWN_INPUTS = frozenset({"scans", "odometry", "operator"})
@@ -97,7 +97,7 @@ class MobileBaseControlSettings(Settings):
 
 
 class MobileBaseControl(Module):
-    """Lets one behavior at a time drive, and tells which."""
+    """Lets one behavior at a time drive the base, and publishes which."""
 
     title = "Mobile base control"
     streams = MappingProxyType({"status": "status"})
@@ -115,12 +115,12 @@ class MobileBaseControl(Module):
             port = self.input(contender.port, Twist, always_open=True, moves=True)
             self.on(port, partial(self._take, contender.port))
         self._scans = self.input("scans", LaserScan, always_open=True)
-        self.on(self._scans, self._look)
-        # Read when a command is judged, not as they come.
+        self.on(self._scans, self._take_scan)
+        # Read when a command is limited, not on arrival.
         self._odometry = self.input("odometry", Odometry, capacity=128, always_open=True)
         self._operator = self.input("operator", OperatorDrive, capacity=8, always_open=True)
         self.every(self.settings.period_s, self._beat)
-        self._lookout: Lookout | None = None
+        self._collision_context: CollisionContext | None = None
         self._limited = ""
         self._commands: dict[str, Twist] = {}
         self._sent = Twist(0.0, 0.0, 0.0)
@@ -138,24 +138,24 @@ class MobileBaseControl(Module):
             )
 
     def cautions(self) -> tuple[Caution, ...]:
-        """That there is no collision monitor, where there is none."""
+        """A warning where no collision monitor runs."""
         why = self._unmonitored()
         return (Caution("No collision monitor", why),) if why else ()
 
     async def start(self) -> None:
-        """Take hold of the body. Raises ModuleFailed for a body without status, or whose footprint is none."""
+        """Look up the body. Raises ModuleFailed for a body without status or with an invalid footprint."""
         self._release = attach(self, "status", LinkStatus, self.status.publish)
         self._link = robot_link(self)
-        self._lookout = self._post_lookout()
+        self._collision_context = self._start_collision_context()
 
     async def stop(self) -> None:
-        """Leave the wheels commanded to zero."""
+        """Command the wheels to zero."""
         if self._release is not None:
             self._release()
             self._link.command(Twist(self.clock.now(), 0.0, 0.0))
 
     def _unmonitored(self) -> str:
-        """A sentence that says why no collision monitor judges commands; "" where one does."""
+        """The reason why no collision monitor limits commands, as a sentence; "" where one does."""
         body = robot_link(self).description
         if not _has_laser(body):
             why = "has no laser"
@@ -167,7 +167,7 @@ class MobileBaseControl(Module):
             return ""
         return f"{body.name} {why}: nothing keeps it from driving into things"
 
-    def _post_lookout(self) -> Lookout | None:
+    def _start_collision_context(self) -> CollisionContext | None:
         if self._unmonitored():
             return None
         body = self._link.description
@@ -175,21 +175,21 @@ class MobileBaseControl(Module):
             monitor = CollisionMonitor(body.footprint, body.limits, self.settings.monitor.rules())
         except ValueError as problem:
             raise ModuleFailed(f"{body.name}: {problem}") from None
-        return Lookout(monitor, body.limits, self.settings.max_age_s)
+        return CollisionContext(monitor, body.limits, self.settings.max_age_s)
 
     async def _take(self, port: str, command: Twist) -> None:
         self._commands[port] = command
-        self._drive_and_tell()
+        self._drive_and_report()
 
-    async def _look(self, scan: LaserScan) -> None:
-        if self._lookout is None:
+    async def _take_scan(self, scan: LaserScan) -> None:
+        if self._collision_context is None:
             return
-        self._lookout.scanned(scan)
+        self._collision_context.scanned(scan)
         if self._driver is not None:
-            # What stands in the way now is not for the next beat to find.
-            self._drive_and_tell()
+            # An obstacle in this scan must not wait for the next period.
+            self._drive_and_report()
 
-    def _drive_and_tell(self) -> None:
+    def _drive_and_report(self) -> None:
         before = self._driver, bool(self._limited)
         self._drive()
         if (self._driver, bool(self._limited)) != before:
@@ -200,13 +200,13 @@ class MobileBaseControl(Module):
         self._report()
 
     def _gather(self) -> None:
-        lookout = self._lookout
+        collision_context = self._collision_context
         for odometry in _waiting(self._odometry):
-            if lookout is not None:
-                lookout.moved(odometry)
+            if collision_context is not None:
+                collision_context.moved(odometry)
         for drive in _waiting(self._operator):
-            if lookout is not None:
-                lookout.commanded(drive)
+            if collision_context is not None:
+                collision_context.commanded(drive)
 
     def _drive(self) -> None:
         self._gather()
@@ -216,7 +216,7 @@ class MobileBaseControl(Module):
         self._limited = ""
         if choice is None:
             self._driver = None
-            # The stamp stays that of the last command: the first one after a rest gets a whole period to speed up.
+            # The stamp stays that of the last command: the first command after a pause then accelerates for one period.
             self._sent = Twist(self._sent.stamp, 0.0, 0.0)
             if self._zeros_left == 0:
                 return
@@ -229,10 +229,10 @@ class MobileBaseControl(Module):
         self._link.command(replace(self._sent, stamp=now))
 
     def _within_sight(self, driver: str, target: Twist, limits: BaseLimits) -> tuple[Twist, str]:
-        if self._lookout is None:
+        if self._collision_context is None:
             return approach(self._sent, target, limits, self.settings.period_s), ""
         by_hand = driver == self.settings.by_hand
-        return self._lookout.limit(self._sent, target, self.settings.period_s, by_hand=by_hand)
+        return self._collision_context.limit(self._sent, target, self.settings.period_s, by_hand=by_hand)
 
     def _report(self) -> None:
         now = self.clock.now()
@@ -244,6 +244,6 @@ def _has_laser(body: RobotDescription) -> bool:
 
 
 def _waiting(port: Input[M]) -> Iterator[M]:
-    """What waits at ``port``, oldest first; nothing at one that is not wired."""
+    """Messages that wait at ``port``, oldest first; none for a port that is not wired."""
     while port.connected and port.subscription.waiting:
         yield port.subscription.receive_nowait()

@@ -1,11 +1,11 @@
-"""When a body that keeps its velocity touches what a laser sees: exact, for a convex footprint on a circular arc.
+"""Time to contact of a moving body with laser points: exact for a convex footprint on a circular arc.
 
-Seen from the body, every point of the world moves on a circle around the centre of rotation (on a straight line when
-the body does not turn). The footprint is the intersection of half planes; on such a circle each half plane excludes one
-arc, so a point is inside where no such arc holds it. That is computed for all points at once.
+In the body's frame every world point moves on a circle around the centre of rotation (on a straight line when the body
+does not turn). The footprint is the intersection of half planes. On such a circle each half plane excludes one arc, so
+a point is inside where no such arc holds it. The computation covers all points at once.
 
-Nothing is stepped along the way, so nothing thin can be stepped over. Judging circular arcs by how far they go without
-contact is R. Simmons's *curvature-velocity method* (ICRA 1996).
+The path is not sampled, so a thin obstacle cannot be missed between two samples. To rate circular arcs by their free
+length is R. Simmons's *curvature-velocity method* (ICRA 1996).
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 Points = NDArray[np.complex128]
 """Points of a plane as complex numbers: x + iy, m in ``base_link``."""
 
-#: An arc that turns less than this (rad) in the time looked ahead is straight: it strays under 1 mm on 1 m.
+#: An arc that turns less than this (rad) within the horizon is treated as straight: the error is under 1 mm on 1 m.
 STRAIGHT_RAD = 1e-3
 _TOUCH_RAD = 1e-9
 _ALWAYS_RAD = 4.0  # more than any bearing: a half plane that is never entered
@@ -43,10 +43,10 @@ class Polygon:
 
     @staticmethod
     def of(corners: Sequence[tuple[float, float]], margin_m: float = 0.0) -> Polygon:
-        """The polygon of ``corners`` (m, convex, counter-clockwise, the origin inside), every edge moved out by
+        """The polygon of ``corners`` (m, convex, counter-clockwise, around the origin), every edge moved out by
         ``margin_m``.
 
-        Raises ValueError for corners that are not so.
+        Raises ValueError for corners without these properties.
         """
         points = np.array([complex(x, y) for x, y in corners])
         edges = np.roll(points, -1) - points
@@ -71,9 +71,9 @@ class Polygon:
         )
 
     def beyond(self, points: Points) -> tuple[Floats, NDArray[np.intp]]:
-        """How far (m) each of ``points`` (N,) lies beyond the edge it is furthest beyond, and which edge that is.
+        """How far (m) each of ``points`` (N,) is beyond its most exceeded edge, and the index of that edge.
 
-        Negative inside. Beside an edge it is the distance, off a corner a little less.
+        Negative inside. Beside an edge it equals the distance, off a corner it is a little less.
         """
         beyond = self.edgewise(points)
         edge = beyond.argmax(axis=1)
@@ -83,13 +83,13 @@ class Polygon:
 def may_decide(
     points: Points, tight: Polygon, grown: Polygon, linear: float, angular: float, horizon_s: float, evidence: int
 ) -> NDArray[np.intp]:
-    """Which of ``points`` (N,) may be among the first ``evidence`` that stop the body: all that do are among them.
+    """Which of ``points`` (N,) may be among the first ``evidence`` contacts: a superset of them.
 
-    Judged by discs around and inside the footprints, of which the discs inside must surely be met: what comes later
-    than those needs no closer look.
+    Uses discs around and inside the footprints: a point that reaches the outer disc later than enough others surely
+    reach the inner one cannot be among the first.
     """
     if abs(angular) * horizon_s < STRAIGHT_RAD:
-        return _first_on_line(points, tight, grown, linear, horizon_s, evidence)
+        return _first_on_line(points, tight, grown=grown, linear=linear, horizon_s=horizon_s, evidence=evidence)
     centre = linear / angular
     distance = abs(centre)
     around = points - 1j * centre
@@ -99,7 +99,7 @@ def may_decide(
     if distance < 1e-6 or len(near) < 4 * evidence:
         return near
     around, reach2 = around[near], np.maximum(reach2[near], 1e-18)  # one at the very centre has no direction
-    # How far each has to go around the centre to where the base's origin is, and before that to the discs.
+    # Angle of each point around the centre to the base's origin, and before that to the discs.
     to_go = np.angle(around * (1j if centre > 0 else -1j))
     to_go = to_go if angular > 0 else -to_go
     span = 2 * distance * np.sqrt(reach2)
@@ -139,10 +139,10 @@ def _first_on_line(
 
 
 def contact_times(points: Points, polygon: Polygon, linear: float, angular: float, horizon_s: float) -> Floats:
-    """When each of ``points`` (N,) is first inside ``polygon``, in seconds from now, (N,).
+    """Time until each of ``points`` (N,) is inside ``polygon``, in seconds from now, (N,).
 
-    The body drives with ``linear`` (m/s) and ``angular`` (rad/s, left positive) all the while. 0 for points inside
-    already, inf for those not met within ``horizon_s``.
+    The body keeps ``linear`` (m/s) and ``angular`` (rad/s, left positive). 0 for points already inside, inf for points
+    not met within ``horizon_s``.
     """
     if abs(angular) * horizon_s < STRAIGHT_RAD:
         return _straight(points, polygon, linear, horizon_s)
@@ -168,7 +168,7 @@ def _around(points: Points, polygon: Polygon, linear: float, angular: float, hor
     centre = linear / angular
     around = points - 1j * centre
     reach = np.maximum(np.abs(around), 1e-9)
-    # Of a half plane, its line's distance from the centre; a point is beyond it within `half` of its normal's bearing.
+    # Distance of a half plane's line from the centre; a point is beyond it within `half` of its normal's bearing.
     cosine = (polygon.offsets - polygon.normals.imag * centre) / reach[:, None]
     half = np.where(cosine > -1.0, np.arccos(np.minimum(np.maximum(cosine, -1.0), 1.0)), _ALWAYS_RAD)
     left = np.angle(around)[:, None] - polygon.bearings

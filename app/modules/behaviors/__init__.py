@@ -1,1 +1,1 @@
-"""What the robot can do with its base and body: each behavior proposes, the arbiter disposes."""
+"""Behaviors of the base and body: each proposes a command, the arbiter selects one."""

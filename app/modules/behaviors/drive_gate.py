@@ -1,8 +1,8 @@
-"""What an operator's hands may do to the base: a pure decision on each command and on each beat of the clock.
+"""Dead-man rules for an operator's commands: a pure decision on each command and on each tick of the clock.
 
-The dead-man rules: a command with ``held`` False stops at once, even one that comes late; while held, silence of
-``timeout_s`` stops too; what cannot be a stick position (not a number, beyond full stick) stops and is refused; a held
-command older than one already taken is ignored.
+A command with ``held`` False stops at once, also a late one. While ``held``, ``timeout_s`` without a command stops. An
+invalid stick position (not a number, beyond full stick) stops and is refused. A held command older than one already
+taken is ignored.
 """
 
 from __future__ import annotations
@@ -13,20 +13,20 @@ from dataclasses import dataclass
 from app.link import BaseLimits
 from app.messages import OperatorDrive, Twist
 
-#: Full stick is 1; rounding on the way here may add a hair.
+#: Full stick is 1; conversions may add a rounding error.
 _FULL = 1.0 + 1e-6
 
 
 @dataclass(frozen=True, slots=True)
 class Decision:
-    """What follows from a command or a beat: the ``twist`` to publish (or None), and a ``problem`` in words (or "")."""
+    """Result of a command or a tick: the ``twist`` to publish (or None), and a ``problem`` in words (or "")."""
 
     twist: Twist | None
     problem: str = ""
 
 
 class DriveGate:
-    """Turns operator commands into twists; ``timeout_s`` is how long a held command stands by itself."""
+    """Turns operator commands into twists; ``timeout_s``: how long a held command stays valid without another (s)."""
 
     def __init__(self, limits: BaseLimits, timeout_s: float = 0.25) -> None:
         self.limits = limits
@@ -36,7 +36,7 @@ class DriveGate:
         self._held_since: float | None = None
 
     def take(self, command: OperatorDrive, speed: float = 1.0) -> Decision:
-        """Decide on a command: full stick gives ``speed`` (in ]0, 1]) of the robot's limits."""
+        """Decide on a command; full stick gives ``speed`` (in ]0, 1]) of the robot's limits."""
         if command.operator != self._operator:
             self._operator, self._sequence = command.operator, -1
         late = command.sequence <= self._sequence
@@ -58,7 +58,7 @@ class DriveGate:
         )
 
     def beat(self, now: float) -> Decision:
-        """Decide on silence: a held command older than ``timeout_s`` is stopped, once."""
+        """Decide on silence: stops a held command older than ``timeout_s``, once."""
         if self._held_since is None or now - self._held_since < self.timeout_s:
             return Decision(None)
         silence_s = now - self._held_since

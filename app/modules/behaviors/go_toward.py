@@ -9,9 +9,9 @@
     │           out  status        NavigationStatus, when it changes, or every 0.5 s       │
     └─────────────────────────────────────────────────────────────────────────────────────┘
 
-No map, no plan, no memory, no depth: every ``period_s`` the Dynamic Window Approach follows the straight line from here
-to the goal in a field made of the newest scan alone. It costs little and gets round what stands in the open; out of a
-dead end it does not find, nor does it see what is lower than the laser. Where it does not get on it stands and says so.
+No map, plan, memory or depth: every ``period_s`` the Dynamic Window Approach follows the straight line to the goal in a
+distance field of the newest scan alone. It costs little CPU and passes single obstacles. It does not leave a dead end
+and does not see obstacles lower than the laser. Without progress it stands and publishes the reason.
 """
 
 from __future__ import annotations
@@ -26,26 +26,27 @@ from pydantic import Field as Setting
 
 from app.base.geometry import Pose2
 from app.messages import LaserScan, Localization, NavigationStatus, Odometry, Twist, Zones
-from app.modules.behaviors.navigation.controller import Body, Motion
+from app.modules.behaviors.go_to import GO_TO
+from app.modules.behaviors.navigation.controller import BodyModel, MotionState
 from app.modules.behaviors.navigation.costmap.scan_costmap import points_of, scan_field
 from app.modules.behaviors.navigation.costmap.zone_layer import speed_share
 from app.modules.behaviors.navigation.kernels import load_kernels
-from app.modules.behaviors.navigation.planning.goal_planning import Plan
+from app.modules.behaviors.navigation.planning.goal_planning import GlobalPlan
 from app.modules.behaviors.navigation.planning.reference_path import SpeedAt
 from app.modules.behaviors.navigation.recovery.recovery_behaviors import RecoverySettings
 from app.modules.behaviors.navigation.tracking.desired_goal import goal_of
 from app.modules.behaviors.navigation.tracking.dynamic_window import DynamicWindow, DynamicWindowSettings
-from app.modules.behaviors.navigation.tracking.localization_monitor import PoseWatch
-from app.modules.behaviors.navigation.tracking.path_tracker import Follower, Goal, Step
+from app.modules.behaviors.navigation.tracking.localization_monitor import LocalizationMonitor
+from app.modules.behaviors.navigation.tracking.path_tracker import Goal, PathTracker, TrackingStep
 from app.modules.behaviors.navigation.tracking.sensor_health import unfit
-from app.modules.behaviors.navigation.tracking.status_publisher import Teller
-from app.modules.body import robot_link
+from app.modules.behaviors.navigation.tracking.status_publisher import StatusPublisher
+from app.modules.stream_module import robot_link
 from app.runtime.errors import ModuleFailed
 from app.runtime.module import Module, ModuleContext, Settings
 
-#: The straight line is drawn anew so often, s.
+#: Period of a new straight line, s.
 _AIM_S = 1.0
-#: Fewer samples than where the whole computer is spent on it; and the line is only where to look for the goal.
+#: Fewer samples than in PlanAndFollowPath, to save CPU; the straight line is only a rough path.
 _CHEAP = DynamicWindowSettings(samples=(7, 15), horizon_s=2.0, ahead_m=2.5, weights=(0.05, 1.0, 0.03, 0.25))
 
 
@@ -57,13 +58,14 @@ class GoTowardSettings(Settings):
 
 
 class GoToward(Module):
-    """Heads straight for a place on the map."""
+    """Drives straight toward a place on the map."""
 
     title = "Go toward"
+    desire_classes = (GO_TO,)
     Settings = GoTowardSettings
     settings: GoTowardSettings
 
-    _follower: Follower
+    _path_tracker: PathTracker
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
@@ -73,13 +75,13 @@ class GoToward(Module):
         self.zones = self.input("zones", Zones)
         self.twist = self.output("twist", Twist)
         self.status = self.output("status", NavigationStatus)
-        self.on(self.scans, self._see)
-        self.on(self.odometry, self._feel)
-        self.on(self.localization, self._localize)
+        self.on(self.scans, self._take_scan)
+        self.on(self.odometry, self._take_odometry)
+        self.on(self.localization, self._take_localization)
         self.on(self.zones, self._take_zones)
         self.every(self.settings.period_s, self._cycle)
-        self._poses = PoseWatch()
-        self._teller = Teller(self.status.publish, self.log)
+        self._poses = LocalizationMonitor()
+        self._status_publisher = StatusPublisher(self.status.publish, self.log)
         self._scan: LaserScan | None = None
         self._seen: tuple[float, np.ndarray[Any, np.dtype[np.float64]]] | None = None
         self._zones = Zones(0.0, ())
@@ -87,43 +89,43 @@ class GoToward(Module):
         self._aimed_at = -math.inf
 
     async def start(self) -> None:
-        """Learn what the body is. Raises ModuleFailed for one that does not drive."""
+        """Look up the body. Raises ModuleFailed for a body that does not drive."""
         description = robot_link(self).description
         await self.compute(load_kernels)
         self._zones = (None if self.zones.channel is None else self.zones.channel.latest) or self._zones
         try:
-            body = Body.of(description.footprint, description.limits)
+            body = BodyModel.of(description.footprint, description.limits)
         except ValueError as error:
             raise ModuleFailed(f"{self.name} cannot drive {description.name}: {error}") from None
-        # It has no way to recover by: it stands and says so.
-        self._follower = Follower(body, DynamicWindow(_CHEAP), recovery=RecoverySettings(stuck_s=math.inf))
+        # No recovery actions: the robot stands and publishes the reason.
+        self._path_tracker = PathTracker(body, DynamicWindow(_CHEAP), recovery=RecoverySettings(stuck_s=math.inf))
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
-        """Take the goal from the desire; without ``x`` and ``y`` nobody wants to go anywhere."""
+        """Take the goal from the desire; without ``x`` and ``y`` there is no goal."""
         self._goal = goal_of(parameters, self._goal)
 
     def last_word(self, port: str) -> Twist | None:
-        """A stop, when attention takes the wheel away."""
+        """A stop, for the moment when attention closes the output."""
         return Twist(self.clock.now(), 0.0, 0.0) if port == "twist" else None
 
-    async def _see(self, scan: LaserScan) -> None:
+    async def _take_scan(self, scan: LaserScan) -> None:
         self._scan = scan
 
-    async def _feel(self, odometry: Odometry) -> None:
-        self._poses.feel(odometry)
+    async def _take_odometry(self, odometry: Odometry) -> None:
+        self._poses.add_odometry(odometry)
 
-    async def _localize(self, localization: Localization) -> None:
-        self._poses.localize(localization)
+    async def _take_localization(self, localization: Localization) -> None:
+        self._poses.add_localization(localization)
 
     async def _take_zones(self, zones: Zones) -> None:
         self._zones = zones
 
     async def _cycle(self) -> None:
         now, goal = self.clock.now(), self._goal
-        if goal is None and self._teller.idle:
-            self._teller.tell(NavigationStatus(now, self.name, "idle", "no goal"))
+        if goal is None and self._status_publisher.idle:
+            self._status_publisher.update(NavigationStatus(now, self.name, "idle", "no goal"))
             return
-        # Places of one scan stay where they were in odom: localization that moves does not move them.
+        # Points of one scan keep their place in odom: a correction of the localization does not move them.
         scan = self._scan
         if scan is not None and (X_OB := self._poses.at(scan.stamp)) is not None:
             self._scan, self._seen = None, (scan.stamp, points_of(scan, X_OB))
@@ -132,41 +134,49 @@ class GoToward(Module):
             now, None if self._seen is None else self._seen[0], None, self.settings.fresh_s
         )
         if goal is None or problem or motion is None or X_MO is None or self._seen is None:
-            self._follower.go(goal, now)
-            step = Step(0.0, 0.0, "waiting" if goal is not None else "idle", problem if goal is not None else "no goal")
+            self._path_tracker.go(goal, now)
+            step = TrackingStep(
+                0.0, 0.0, "waiting" if goal is not None else "idle", problem if goal is not None else "no goal"
+            )
         else:
             step = await self.compute(self._decide, now, goal, motion, X_MO, self._seen[1], self._zones)
         if self._goal is not goal:
             return
         self.twist.publish(Twist(now, step.linear_mps, step.angular_radps))
-        follower = self._follower
-        self._teller.tell(
+        path_tracker = self._path_tracker
+        self._status_publisher.update(
             NavigationStatus(
-                now, self.name, step.state, step.reason, None if goal is None else goal.pose, follower.target,
-                follower.remaining_m, follower.progress_stamp,
+                now,
+                self.name,
+                state=step.state,
+                reason=step.reason,
+                goal=None if goal is None else goal.pose,
+                target=path_tracker.target,
+                remaining_m=path_tracker.remaining_m,
+                progress_stamp=path_tracker.progress_stamp,
             )
-        )  # fmt: skip
+        )
 
     def _decide(
         self,
         now: float,
         goal: Goal,
-        motion: Motion,
+        motion: MotionState,
         X_MO: Pose2,
         seen: np.ndarray[Any, np.dtype[np.float64]],
         zones: Zones,
-    ) -> Step:
-        """One cycle, in the module's thread; everything on the map."""
-        follower = self._follower
+    ) -> TrackingStep:
+        """One cycle, in the module's thread; all poses on the map."""
+        path_tracker = self._path_tracker
         X_MB = X_MO @ motion.pose
-        if goal is not follower.goal or now - self._aimed_at >= _AIM_S:
-            follower.go(goal, now)
-            follower.take(_straight(X_MB, goal.pose), now, self._speeds(goal, zones))
+        if goal is not path_tracker.goal or now - self._aimed_at >= _AIM_S:
+            path_tracker.go(goal, now)
+            path_tracker.take(_straight(X_MB, goal.pose), now, self._speeds(goal, zones))
             self._aimed_at = now
         c, s = math.cos(X_MO.theta), math.sin(X_MO.theta)
         points = seen @ np.array([[c, s], [-s, c]]) + np.array([X_MO.x, X_MO.y])
         field = scan_field(points, zones.zones, X_MB)
-        step = follower.step(now, replace(motion, pose=X_MB), Pose2(), field, self.settings.period_s)
+        step = path_tracker.step(now, replace(motion, pose=X_MB), Pose2(), field, self.settings.period_s)
         if step.replan and step.state == "following":
             return replace(step, state="waiting", reason="something is in the way, and it knows no way around")
         return step
@@ -178,8 +188,8 @@ class GoToward(Module):
         return lambda points: np.array([speed_mps * speed_share(zones.zones, x, y)[0] for x, y in points])
 
 
-def _straight(X_MB: Pose2, goal: Pose2) -> Plan:
+def _straight(X_MB: Pose2, goal: Pose2) -> GlobalPlan:
     heading = math.atan2(goal.y - X_MB.y, goal.x - X_MB.x)
     length = math.hypot(goal.y - X_MB.y, goal.x - X_MB.x)
     poses = np.array([[X_MB.x, X_MB.y, heading], [goal.x, goal.y, heading]])
-    return Plan("way", "", poses, goal, length)
+    return GlobalPlan("way", "", poses, goal, length)

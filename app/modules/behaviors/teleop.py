@@ -1,4 +1,4 @@
-"""Teleop: the operator's hands drive the base (thesis 4.2).
+"""Teleop: manual driving by an operator (thesis 4.2).
 
     ┌─────────────────────────────────────────────────────────────────────────────────────────┐
     │ Teleop    in   operator  OperatorDrive, 20 Hz while held, sticks -1..1; never filtered   │
@@ -8,8 +8,8 @@
     v = speed · stick_linear · v_max        ω = speed · stick_angular · ω_max
 
 ``speed`` is the parameter of the desire Teleoperation, v_max and ω_max are the body's limits. Only while the dead-man
-is held: its release gives zero at once, silence while held gives zero after ``timeout_s``, and one zero is the last
-word when attention closes the output.
+is held: its release gives zero at once, silence while held gives zero after ``timeout_s``, and one zero is published
+when attention closes the output.
 """
 
 from __future__ import annotations
@@ -17,25 +17,50 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from pydantic import Field
+from pydantic import BaseModel, ConfigDict, Field
 
+from app.attention.desires import DesireClass
 from app.messages import OperatorDrive, Twist
 from app.modules.behaviors.drive_gate import Decision, DriveGate
-from app.modules.body import robot_link
+from app.modules.stream_module import robot_link
 from app.runtime.module import Module, ModuleContext, Settings
 
 
 class TeleopSettings(Settings):
-    """Settings of Teleop: two periods whose sum bounds the time from an operator's silence to the stop."""
+    """Settings of Teleop: two periods whose sum bounds the time from an operator's last command to the stop."""
 
-    timeout_s: float = Field(0.25, gt=0, le=1, description="a held command stands this long by itself")
+    timeout_s: float = Field(0.25, gt=0, le=1, description="validity of a held command without another, s")
     period_s: float = Field(0.025, gt=0, le=0.1, description="how often silence is looked for")
 
 
+class TeleoperationParameters(BaseModel):
+    """Parameters of a desire of class Teleoperation."""
+
+    model_config = ConfigDict(extra="forbid", title="Drive by hand")
+
+    speed: float = Field(
+        1.0,
+        gt=0,
+        le=1,
+        title="Speed",
+        description="Share of the robot's greatest speeds that full stick gives, 0 to 1.",
+    )
+
+
+#: What can be desired of it.
+TELEOPERATION = DesireClass(
+    name="Teleoperation",
+    title="Drive by hand",
+    description="Drive the base by an operator's commands while the dead-man is held.",
+    parameters=TeleoperationParameters,
+)
+
+
 class Teleop(Module):
-    """Scales an operator's commands into twists, and stops when the operator does or falls silent."""
+    """Scales an operator's commands into twists, and stops on release or timeout."""
 
     title = "Teleop"
+    desire_classes = (TELEOPERATION,)
     Settings = TeleopSettings
     settings: TeleopSettings
 
@@ -43,7 +68,7 @@ class Teleop(Module):
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
-        # Room for a burst: a release must not push out, nor be pushed out by, what comes next to it.
+        # Capacity for a burst: a release must neither displace other commands nor be displaced.
         self.operator = self.input("operator", OperatorDrive, capacity=8, always_open=True)
         self.twist = self.output("twist", Twist)
         self._speed = 1.0
@@ -52,7 +77,7 @@ class Teleop(Module):
         self.every(self.settings.period_s, self._beat)
 
     async def start(self) -> None:
-        """Ask the body for its limits."""
+        """Read the body's limits."""
         self._gate = DriveGate(robot_link(self).description.limits, self.settings.timeout_s)
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
@@ -60,7 +85,7 @@ class Teleop(Module):
         self._speed = float(parameters.get("speed", 1.0))
 
     def last_word(self, port: str) -> Twist | None:
-        """A stop, when attention takes the wheel away."""
+        """A stop, for the moment when attention closes the output."""
         return Twist(self.clock.now(), 0.0, 0.0)
 
     async def _take(self, command: OperatorDrive) -> None:

@@ -1,1 +1,1 @@
-"""What makes the robot want: motivations post desires into the Intention Workspace."""
+"""Motivations: modules that post desires into the Intention Workspace."""

@@ -1,12 +1,13 @@
-"""Progress supervision: when a goal is reached, and what is done about one that is not neared. A pure decision.
+"""Progress supervision: decides whether a goal is reached, and what to do without progress. Pure functions.
 
-No progress is *distress*: it grows with the time that a goal has not been neared. At first the robot insists on the
-goal, then it silences what competes with it, in the end it gives the goal up and asks people for help; when it gets on
-again, everything is as it was before.
+*Distress* grows with the time without progress toward a goal. The robot first insists on the goal (raises its
+intensity), then inhibits competing desire classes, and finally gives the goal up and asks people for help. Progress
+restores the former state.
 
 Sources: M. Scheutz, V. Andronache, *Architectural mechanisms for dynamic changes of behavior selection strategies in
-behavior-based systems* (2004): no progress cuts what holds the robot up, and restores it later; F. Michaud's EMIB
-(2002), where Distress deactivates one of two behaviors that have been in conflict for too long; thesis 2.1.2 and 2.2.2.
+behavior-based systems* (2004): lack of progress suspends competing behaviors, and progress restores them; F. Michaud's
+EMIB (2002), where Distress deactivates one of two behaviors that have been in conflict for too long; thesis 2.1.2 and
+2.2.2.
 """
 
 from __future__ import annotations
@@ -19,19 +20,22 @@ from enum import Enum
 from app.base.geometry import Pose2, wrap_angle
 from app.messages import NavigationStatus
 
-#: What a behavior is about while it has a goal that it has not reached.
+#: States of a behavior on the way to a goal.
 UNDER_WAY = frozenset({"planning", "following", "recovering", "waiting"})
-#: Goals nearer than this (m, rad) are the same one.
+#: Goals within these tolerances (m, rad) are the same.
 SAME_M, SAME_RAD = 1e-6, 1e-6
 
 
 @dataclass(frozen=True, slots=True)
-class Patience:
-    """Times in s. Without progress for ``insist_s`` the robot insists, for ``inhibit_s`` it inhibits others, for
-    ``give_up_s`` it gives up; a goal called unreachable for ``unreachable_s`` is given up too. What was done about it
-    stands for ``relief_s`` at least, so that it can help; but where it has led to nobody's going there for
-    ``unserved_s``, it was too much to ask for. It gets on again once it is
-    ``nearer_m`` (m) nearer: a robot that creeps is in distress all the same."""
+class DistressTimes:
+    """Thresholds of distress, s without progress.
+
+    ``insist_s``: insist on the goal. ``inhibit_s``: inhibit other desires. ``give_up_s``: give the goal up;
+    ``unreachable_s``: the same while the behavior reports the goal unreachable. ``relief_s``: least duration of a
+    measure, so that it can take effect; but a measure that left the goal without any behavior for ``unserved_s`` is
+    withdrawn. ``nearer_m`` (m): least decrease of the remaining path that counts as progress, so that creeping stays
+    distress.
+    """
 
     insist_s: float = 20.0
     inhibit_s: float = 40.0
@@ -43,7 +47,7 @@ class Patience:
 
 
 class Level(Enum):
-    """What is done about distress; each goes on with what was done before."""
+    """Level of distress; each includes the measures of the lower ones."""
 
     CALM = 0
     INSISTING = 1
@@ -51,12 +55,11 @@ class Level(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Errand:
-    """What the robot was sent to do, and how it fares.
+class GoalProgress:
+    """State of one goal.
 
-    ``goal`` on the map (a heading that nobody asked for is NaN), given at ``given`` (s, robot's clock). ``status`` is
-    what the behavior that goes there says, None while none does. ``blocked`` says why the base did not drive as
-    commanded, "" where it did.
+    ``goal`` on the map (heading NaN: any), given at ``given`` (s, robot's clock). ``status``: the newest status of the
+    behavior that serves it, None without one. ``blocked``: why the base did not drive as commanded, "" where it did.
     """
 
     goal: Pose2
@@ -66,11 +69,10 @@ class Errand:
 
 
 @dataclass(frozen=True, slots=True)
-class Distress:
-    """What is remembered of the errand: what is done about it, since when; when people drove last; since when the goal
-    has been called unreachable (None: it is not) and nobody has gone there; ``overreached``: that came of insisting,
-    which is not tried again; ``furthest_m``: how long its way was at most since something is done about it (None:
-    nobody has said)."""
+class DistressState:
+    """Memory between decisions: level and its start; time of the last manual driving; since when the goal is reported
+    unreachable (None: it is not) and without a behavior; ``overreached``: insisting left the goal without a behavior
+    and is not repeated; ``furthest_m``: longest remaining path since the measure began (None: not reported)."""
 
     goal: Pose2 | None = None
     given: float = -math.inf
@@ -85,7 +87,7 @@ class Distress:
 
 @dataclass(frozen=True, slots=True)
 class Arrived:
-    """The goal is reached: its desire is fulfilled."""
+    """The goal is reached: its desire is fulfilled and removed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +99,7 @@ class GiveUp:
 
 @dataclass(frozen=True, slots=True)
 class Raise:
-    """Go to ``level``, after ``stuck_s`` without progress."""
+    """Raise the level to ``level``, after ``stuck_s`` without progress."""
 
     level: Level
     stuck_s: float
@@ -105,7 +107,7 @@ class Raise:
 
 @dataclass(frozen=True, slots=True)
 class Restore:
-    """Everything is to be as it was before; ``why`` in words."""
+    """Withdraw all measures; ``why`` in words."""
 
     why: str
 
@@ -114,7 +116,7 @@ Act = Arrived | GiveUp | Raise | Restore
 
 
 def same_goal(one: Pose2, other: Pose2) -> bool:
-    """Whether both are one place and heading; nobody's heading (NaN) equals itself alone."""
+    """Whether both have the same place and heading; NaN equals NaN only."""
     if math.hypot(one.x - other.x, one.y - other.y) > SAME_M:
         return False
     if math.isnan(one.theta) or math.isnan(other.theta):
@@ -123,72 +125,87 @@ def same_goal(one: Pose2, other: Pose2) -> bool:
 
 
 def status_of(goal: Pose2, given: float, statuses: Iterable[NavigationStatus]) -> NavigationStatus | None:
-    """Of what behaviors say, the newest that is about ``goal``, and not from before it was ``given``."""
+    """The newest status about ``goal`` that is not older than ``given``; None without one."""
     about = [s for s in statuses if s.goal is not None and s.stamp >= given and same_goal(s.goal, goal)]
     return max(about, key=lambda status: status.stamp, default=None)
 
 
 def decide(
-    now: float, errand: Errand | None, before: Distress, patience: Patience, *, by_hand: bool = False
-) -> tuple[Distress, tuple[Act, ...]]:
-    """What is done at ``now`` (s) about the ``errand`` (None: nobody wants to go anywhere), and what is remembered.
+    now: float,
+    goal_progress: GoalProgress | None,
+    before: DistressState,
+    times: DistressTimes,
+    *,
+    by_hand: bool = False,
+) -> tuple[DistressState, tuple[Act, ...]]:
+    """The action at ``now`` (s) for ``goal_progress`` (None: no goal), and the next state.
 
-    ``by_hand``: people drive just now, which is no distress, however long it takes.
+    ``by_hand``: an operator drives now, which is no distress however long it takes.
     """
-    if errand is None or before.goal is None or before.given != errand.given or not same_goal(errand.goal, before.goal):
+    if (
+        goal_progress is None
+        or before.goal is None
+        or before.given != goal_progress.given
+        or not same_goal(goal_progress.goal, before.goal)
+    ):
         ended: tuple[Act, ...] = (Restore("the goal is another one"),) if before.level is not Level.CALM else ()
-        if errand is None:
-            return Distress(), ended
-        after, acts = decide(now, errand, Distress(errand.goal, errand.given), patience, by_hand=by_hand)
+        if goal_progress is None:
+            return DistressState(), ended
+        after, acts = decide(
+            now, goal_progress, DistressState(goal_progress.goal, goal_progress.given), times, by_hand=by_hand
+        )
         return after, (*ended, *acts)
     state = replace(before, by_hand=now) if by_hand else before
-    status = errand.status
+    status = goal_progress.status
     if status is not None and status.state == "arrived":
-        return Distress(), (*_restored(state, "it has arrived"), Arrived())
+        return DistressState(), (*_restored(state, "it has arrived"), Arrived())
     if status is None or status.state not in UNDER_WAY | {"unreachable"}:
-        # Attention has given this errand to nobody.
+        # Attention has selected no behavior for this goal.
         since = now if state.unserved is None else state.unserved
         state = replace(state, unreachable=None, unserved=since)
-        if state.level is Level.CALM or now - since < patience.unserved_s:
+        if state.level is Level.CALM or now - since < times.unserved_s:
             return state, ()
-        return replace(state, level=Level.CALM, overreached=True), _restored(state, "nobody could go there so")
+        return replace(state, level=Level.CALM, overreached=True), _restored(state, "no behavior could serve it so")
     state = replace(state, unserved=None)
     if status.state == "unreachable":
         since = now if state.unreachable is None else state.unreachable
         state = replace(state, unreachable=since)
-        if now - max(since, state.by_hand) >= patience.unreachable_s:
-            return Distress(), (*_restored(state, "it is given up"), GiveUp(status.reason or "it cannot be reached"))
+        if now - max(since, state.by_hand) >= times.unreachable_s:
+            return DistressState(), (
+                *_restored(state, "it is given up"),
+                GiveUp(status.reason or "it cannot be reached"),
+            )
         return state, ()
     state = replace(state, unreachable=None)
-    progress = status.progress_stamp if status.progress_stamp is not None else errand.given
-    stuck_s = now - max(progress, errand.given, state.by_hand)
-    if stuck_s >= patience.give_up_s:
+    progress = status.progress_stamp if status.progress_stamp is not None else goal_progress.given
+    stuck_s = now - max(progress, goal_progress.given, state.by_hand)
+    if stuck_s >= times.give_up_s:
         why = f"no progress for {stuck_s:.0f} s"
-        details = "; ".join(word for word in (status.reason, errand.blocked) if word)
-        return Distress(), (
+        details = "; ".join(word for word in (status.reason, goal_progress.blocked) if word)
+        return DistressState(), (
             *_restored(state, "it is given up"),
             GiveUp(f"{why} ({details})" if details else why),
         )
-    wanted = _level(stuck_s, patience)
+    wanted = _level(stuck_s, times)
     if state.level is not Level.CALM and status.remaining_m is not None:
-        # A detour makes the way longer: getting on is from there.
+        # A detour lengthens the path: progress counts from there.
         state = replace(state, furthest_m=max(status.remaining_m, state.furthest_m or 0.0))
     if wanted.value > state.level.value and not state.overreached:
         furthest = status.remaining_m if state.level is Level.CALM else state.furthest_m
         return replace(state, level=wanted, raised=now, furthest_m=furthest), (Raise(wanted, stuck_s),)
-    if state.level is not Level.CALM and wanted is Level.CALM and now - state.raised >= patience.relief_s:
+    if state.level is not Level.CALM and wanted is Level.CALM and now - state.raised >= times.relief_s:
         far, left = state.furthest_m, status.remaining_m
-        if far is not None and left is not None and far - left < patience.nearer_m:
+        if far is not None and left is not None and far - left < times.nearer_m:
             return state, ()
         return replace(state, level=Level.CALM, furthest_m=None), (Restore("it gets on again"),)
     return state, ()
 
 
-def _level(stuck_s: float, patience: Patience) -> Level:
-    if stuck_s >= patience.inhibit_s:
+def _level(stuck_s: float, times: DistressTimes) -> Level:
+    if stuck_s >= times.inhibit_s:
         return Level.INHIBITING
-    return Level.INSISTING if stuck_s >= patience.insist_s else Level.CALM
+    return Level.INSISTING if stuck_s >= times.insist_s else Level.CALM
 
 
-def _restored(state: Distress, why: str) -> tuple[Act, ...]:
+def _restored(state: DistressState, why: str) -> tuple[Act, ...]:
     return (Restore(why),) if state.level is not Level.CALM else ()

@@ -1,4 +1,4 @@
-"""ProgressSupervisor: the motivation that ends what is reached, and feels distress where nothing is.
+"""ProgressSupervisor: the motivation that removes reached goals, and acts on goals without progress.
 
     ┌─────────────────────────────────────────────────────────────────────────────────────────┐
     │ ProgressSupervisor  in   navigation    NavigationStatus, as they come                    │
@@ -7,12 +7,11 @@
     │                     edits desires of class GoTo, and inhibits others for a time          │
     └─────────────────────────────────────────────────────────────────────────────────────────┘
 
-A desire of class GoTo whose goal is reached is removed: it is fulfilled. While a goal is not neared (``distress.py``),
-the robot first *insists*: the desire gets ``intensity`` and desired ``utility``, so that attention chooses the best way
-of going there that it has. Then it *inhibits* the classes ``inhibits``, which compete for the computer's time, by
-desires of utility 0; security desires cannot be silenced so. Both end when the robot gets on, or the goal is gone; the
-inhibiting desires expire by themselves, too. In the end the goal is given up and people are asked for help. People who
-drive by hand meanwhile are no distress.
+A desire of class GoTo whose goal is reached is removed: it is fulfilled. Without progress (``distress.py``) the module
+first *insists*: the desire gets ``intensity`` and desired ``utility``, so that attention selects the best strategy for
+it. Then it *inhibits* the classes ``inhibits``, which compete for CPU, by desires of utility 0; security desires cannot
+be inhibited. Both measures end with progress or with the goal; the inhibiting desires also expire. Finally the goal is
+given up and people are asked for help. Manual driving is no distress.
 """
 
 from __future__ import annotations
@@ -31,11 +30,11 @@ from app.messages import Exploitation, NavigationStatus
 from app.modules.motivations.distress import (
     Act,
     Arrived,
-    Distress,
-    Errand,
+    DistressState,
+    DistressTimes,
     GiveUp,
+    GoalProgress,
     Level,
-    Patience,
     Raise,
     Restore,
     decide,
@@ -46,7 +45,7 @@ from app.runtime.module import Module, ModuleContext, Settings
 
 GO_TO = "GoTo"
 _BEAT_S = 0.25
-#: Who drives, as the arbiter said this long ago at most, drives.
+#: Greatest age (s) of the arbiter's report of the driving behavior.
 _FRESH_S = 0.5
 
 
@@ -69,21 +68,21 @@ class ProgressSupervisorSettings(Settings):
             raise ValueError("insist_s, inhibit_s and give_up_s follow each other: none may be shorter than the former")
         return self
 
-    def patience(self) -> Patience:
-        """The times alone."""
-        return Patience(self.insist_s, self.inhibit_s, self.give_up_s, self.unreachable_s, self.relief_s)
+    def times(self) -> DistressTimes:
+        """The thresholds alone."""
+        return DistressTimes(self.insist_s, self.inhibit_s, self.give_up_s, self.unreachable_s, self.relief_s)
 
 
 @dataclass(frozen=True, slots=True)
 class _Insisted:
-    """A desire before and after it was insisted on."""
+    """A desire before and after its intensity was raised."""
 
     before: Desire
     after: Desire
 
 
 class ProgressSupervisor(Module):
-    """Removes desires that are fulfilled, and does something about those that do not come nearer."""
+    """Removes fulfilled desires, and acts on goals without progress."""
 
     title = "Progress supervisor"
     Settings = ProgressSupervisorSettings
@@ -97,58 +96,58 @@ class ProgressSupervisor(Module):
         self.navigation = self.input("navigation", NavigationStatus, capacity=4)
         self.going_toward = self.input("going_toward", NavigationStatus, capacity=4)
         self.exploitation = self.input("exploitation", Exploitation)
-        self.on(self.navigation, self._hear)
-        self.on(self.going_toward, self._hear)
-        self.on(self.exploitation, self._notice)
+        self.on(self.navigation, self._take_status)
+        self.on(self.going_toward, self._take_status)
+        self.on(self.exploitation, self._take_exploitation)
         self.every(_BEAT_S, self._supervise)
         self._statuses: dict[str, NavigationStatus] = {}
         self._exploited: Exploitation | None = None
-        self._distress = Distress()
-        #: When each GoTo desire's parameters were given, by id: a status from before is not about them.
+        self._distress = DistressState()
+        #: Time at which each GoTo desire's parameters were given, by id: earlier statuses are not about them.
         self._given: dict[str, tuple[Pose2, float]] = {}
         self._insisted: _Insisted | None = None
         self._inhibiting: list[str] = []
 
     async def start(self) -> None:
-        """Find the workspace and the timeline."""
+        """Look up the workspace and the timeline."""
         self._workspace = self.service(IntentionWorkspace)
         self._timeline = self.service(Timeline)
 
     async def stop(self) -> None:
-        """Leave desires as people gave them."""
+        """Restore the desires as people gave them."""
         if self._insisted is not None or self._inhibiting:
             self._restore()
 
-    async def _hear(self, status: NavigationStatus) -> None:
+    async def _take_status(self, status: NavigationStatus) -> None:
         self._statuses[status.behavior] = status
         await self._supervise()
 
-    async def _notice(self, exploitation: Exploitation) -> None:
+    async def _take_exploitation(self, exploitation: Exploitation) -> None:
         self._exploited = exploitation
 
     async def _supervise(self) -> None:
         now = self.clock.now()
         desire = self._workspace.strongest().get(GO_TO)
         if desire is not None and desire.utility == 0:
-            desire = None  # somebody inhibits the class
-        errand = None if desire is None else self._errand(desire)
+            desire = None  # another desire inhibits the class
+        goal_progress = None if desire is None else self._goal_progress(desire)
         exploited = self._exploited
         fresh = exploited is not None and now - exploited.stamp <= _FRESH_S
         by_hand = exploited is not None and fresh and exploited.behavior == self.settings.by_hand
-        self._distress, acts = decide(now, errand, self._distress, self.settings.patience(), by_hand=by_hand)
+        self._distress, acts = decide(now, goal_progress, self._distress, self.settings.times(), by_hand=by_hand)
         for act in acts:
             self._do(act, desire)
 
-    def _errand(self, desire: Desire) -> Errand:
+    def _goal_progress(self, desire: Desire) -> GoalProgress:
         goal = goal_of(desire)
         known = self._given.get(desire.id)
         if known is None or not same_goal(known[0], goal):
-            # Desires keep their creation when they are changed to another goal.
+            # A desire keeps its creation time when its goal changes.
             given = desire.created if known is None else self.clock.now()
             self._given = {d.id: self._given[d.id] for d in self._workspace.desires() if d.id in self._given}
             self._given[desire.id] = known = goal, given
         exploited = self._exploited
-        return Errand(
+        return GoalProgress(
             goal,
             known[1],
             status_of(goal, known[1], self._statuses.values()),
@@ -194,7 +193,7 @@ class ProgressSupervisor(Module):
         strongest = self._workspace.strongest()
         silenced = [cls for cls in self.settings.inhibits if cls in strongest and not strongest[cls].security]
         for cls in silenced:
-            # Should this module not live to take it back, it ends by itself.
+            # Expires by itself in case this module fails first.
             until_s = self.settings.give_up_s - self.settings.inhibit_s + self.settings.relief_s
             source = Source("motivation", self.name)
             added = self._workspace.add(cls, intensity=SCALE, utility=0.0, ttl=until_s, source=source)
@@ -214,12 +213,12 @@ class ProgressSupervisor(Module):
                 now = self._workspace.get(before.id)
             except UnknownDesire:
                 return
-            # What somebody else has changed since is theirs.
+            # Changes made by others since then stay.
             if (now.intensity, now.utility) == (after.intensity, after.utility):
                 self._workspace.change(before.id, intensity=before.intensity, utility=before.utility)
 
     def _remove_all(self, goal: Pose2) -> None:
-        """Everybody's desire for this goal: who wants the same has the same."""
+        """Remove all desires for this goal, whatever their source."""
         with self._workspace.transaction():
             for desire in self._workspace.desires():
                 if desire.cls == GO_TO and desire.utility > 0 and same_goal(goal_of(desire), goal):
@@ -233,12 +232,12 @@ class ProgressSupervisor(Module):
 
 
 def goal_of(desire: Desire) -> Pose2:
-    """Where a desire of class GoTo wants to go, on the map; NaN for a heading that it does not ask for."""
+    """The goal of a desire of class GoTo, on the map; heading NaN for any."""
     heading = desire.params.get("heading")
     return Pose2(float(desire.params["x"]), float(desire.params["y"]), math.nan if heading is None else float(heading))
 
 
 def place(desire: Desire) -> str:
-    """A goal in words."""
+    """A goal as text."""
     goal = goal_of(desire)
     return f"({goal.x:.2f}, {goal.y:.2f})"

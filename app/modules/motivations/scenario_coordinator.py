@@ -1,4 +1,4 @@
-"""ScenarioCoordinator: the motivation that wants what the scenario needs (thesis 4.2.5, 4.4).
+"""ScenarioCoordinator: the motivation that posts the scenario's desires (thesis 4.2.5, 4.4).
 
     ┌─────────────────────────────────────────────────────────────────────────────────────────┐
     │ ScenarioCoordinator    in   landmarks  Landmarks (m in odom), as they come; may be absent│
@@ -7,12 +7,12 @@
     │                        writes desires into the Intention Workspace                       │
     └─────────────────────────────────────────────────────────────────────────────────────────┘
 
-At start it posts its desires in one transaction, when it stops it takes back those that still stand. By default the
-thesis's desires at the start of the tour-guide configuration, of the classes that there are: FindQRCodes, LocateFaces,
+At start it posts its desires in one transaction, when it stops it removes those that are left. The default is the
+thesis's desires at the start of the tour-guide configuration, of the classes that exist: FindQRCodes, LocateFaces,
 DetectNoises and SLAM (i 8, u 1) and Teleoperation (i 8, u 1, security). A code found for the first time is logged.
 
-A loud noise makes it desire LocateVoices (i 8, u 1) for ``listen_s``; for as long as a voice is located meanwhile, that
-is renewed (thesis 4.4): a cheap ear that is always open wakes a dear one.
+A loud noise makes it desire LocateVoices (i 8, u 1) for ``listen_s``; the desire is renewed while a voice is located
+(thesis 4.4): a cheap detector that always runs activates an expensive one.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ from app.runtime.module import Module, ModuleContext, Settings
 
 LISTEN = "LocateVoices"
 _BEAT_S = 0.25
-#: Renewed this much before its end, so that it does not lapse between two beats.
+#: Renewed this long before its end, so that it does not lapse between two ticks.
 _AHEAD_S = 2 * _BEAT_S
 
 
 class DesireSettings(BaseModel):
-    """One desire to post, as it stands in configuration."""
+    """One desire to post, from configuration."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", populate_by_name=True)
 
@@ -65,7 +65,7 @@ class ScenarioCoordinatorSettings(Settings):
 
 
 class ScenarioCoordinator(Module):
-    """Posts the scenario's desires and takes them back; listens when something was heard."""
+    """Posts and removes the scenario's desires; desires LocateVoices after a loud noise."""
 
     title = "Scenario coordinator"
     Settings = ScenarioCoordinatorSettings
@@ -76,9 +76,9 @@ class ScenarioCoordinator(Module):
         self.landmarks = self.input("landmarks", Landmarks)
         self.noises = self.input("noises", LoudNoise, capacity=8)
         self.sources = self.input("sources", SoundSources)
-        self.on(self.landmarks, self._notice)
-        self.on(self.noises, self._startle)
-        self.on(self.sources, self._hear)
+        self.on(self.landmarks, self._take_landmarks)
+        self.on(self.noises, self._take_noise)
+        self.on(self.sources, self._take_sources)
         self.every(_BEAT_S, self._keep_listening)
         self._posted: list[str] = []
         self._listening: str | None = None
@@ -89,7 +89,7 @@ class ScenarioCoordinator(Module):
     async def start(self) -> None:
         """Post the desires; all or none.
 
-        Raises UnknownDesireClass or InvalidDesire, which name what is wrong, for a desire that cannot be.
+        Raises UnknownDesireClass or InvalidDesire, which name the fault.
         """
         workspace = self.service(IntentionWorkspace)
         wanted = self.settings.desires
@@ -110,7 +110,7 @@ class ScenarioCoordinator(Module):
         self._posted = posted
 
     async def stop(self) -> None:
-        """Take back what was posted and still stands."""
+        """Remove the posted desires that are left."""
         posted = [*self._posted, *([self._listening] if self._listening is not None else [])]
         if not posted:
             return
@@ -127,17 +127,17 @@ class ScenarioCoordinator(Module):
     def _source(self) -> Source:
         return Source("motivation", self.name)
 
-    async def _notice(self, message: Landmarks) -> None:
+    async def _take_landmarks(self, message: Landmarks) -> None:
         for landmark in message.landmarks[self._known :]:
             x, y, _ = landmark.p_OQ
             self.log.info("found QR code %r at x %.2f m, y %.2f m in odom", landmark.text, x, y)
         self._known = max(self._known, len(message.landmarks))
 
-    async def _startle(self, noise: LoudNoise) -> None:
+    async def _take_noise(self, noise: LoudNoise) -> None:
         self._listen(because=f"a noise {noise.ratio:.0f} times louder than before")
 
-    async def _hear(self, heard: SoundSources) -> None:
-        # A source that nobody has judged yet may be a voice.
+    async def _take_sources(self, heard: SoundSources) -> None:
+        # A source without a speech probability may be a voice.
         self._voice_heard |= any(s.active and not s.speech < self.settings.voice for s in heard.sources)
 
     async def _keep_listening(self) -> None:
@@ -149,7 +149,7 @@ class ScenarioCoordinator(Module):
             self._listening = None  # it expires by itself
 
     def _listen(self, because: str) -> None:
-        """Desire LocateVoices from now on for ``listen_s``, whether it is desired already or not."""
+        """Desire LocateVoices for ``listen_s`` from now on, whether or not it is desired already."""
         workspace = self.service(IntentionWorkspace)
         if LISTEN not in workspace.classes:
             return
@@ -161,6 +161,6 @@ class ScenarioCoordinator(Module):
                 workspace.change(self._listening, ttl=listen_s)
                 return
             except UnknownDesire:
-                pass  # it expired, or somebody withdrew it
+                pass  # it expired or was removed
         self.log.info("listens for voices: heard %s", because)
         self._listening = workspace.add(LISTEN, intensity=8, utility=1, ttl=listen_s, source=self._source).id

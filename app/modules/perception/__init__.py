@@ -1,1 +1,1 @@
-"""From sensor messages to percepts: pure algorithm files beside thin modules."""
+"""Perception: pure algorithm files beside thin modules that turn sensor messages into percepts."""

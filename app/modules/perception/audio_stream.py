@@ -1,14 +1,13 @@
-"""AudioStream: what the robot hears, for people.
+"""AudioStream: the front microphone's sound, for people.
 
     ┌─────────────────────────────────────────────────────────────────────────────────────────┐
     │ AudioStream    in   audio  Audio, all microphones, 48 kHz; not decimated                 │
     │                out  sound  Audio, one channel, the same rate, frames of about 20 ms      │
     └─────────────────────────────────────────────────────────────────────────────────────────┘
 
-Gives one microphone, made louder. Adding up several would cost nothing and lose something: at two that are 22 cm apart
-what comes from the side arrives 0.6 ms apart, and their sum is deaf to 800 Hz and its odd multiples. Whoever wants less
-noise and knows where the sound comes from takes the separated voices. The front microphone is, of those furthest ahead,
-the highest: farthest from the wheels.
+Publishes one microphone, amplified. A sum of several would lose frequencies: sound from the side arrives 0.6 ms apart
+at two microphones 22 cm apart, and their sum cancels 800 Hz and its odd multiples. The separated voices have less
+noise. The front microphone is the highest of those furthest ahead: farthest from the wheels.
 """
 
 from __future__ import annotations
@@ -19,19 +18,20 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
+from app.attention.desires import DesireClass
 from app.messages import Audio, read_only
 from app.modules.perception.overruns import Overruns
 from app.runtime.errors import InboxOverflow
 from app.runtime.module import Module, ModuleContext, Settings
 
-#: Places (m) that differ by less are at the same distance.
+#: Positions (m) that differ by less are at the same distance.
 _LEVEL_M = 0.005
 
 
 def front_microphone(p_BM: NDArray[np.float64]) -> int:
-    """Which of the microphones at ``p_BM`` (C, 3), m in B, is furthest ahead; of several, the highest, then the first.
+    """Index of the microphone at ``p_BM`` (C, 3), m in B, furthest ahead; among several the highest, then the first.
 
-    0 for microphones of no place (0, 3).
+    0 for microphones without positions (0, 3).
     """
     if len(p_BM) == 0:
         return 0
@@ -40,7 +40,7 @@ def front_microphone(p_BM: NDArray[np.float64]) -> int:
 
 
 def amplified(samples: NDArray[np.int16], gain: float) -> NDArray[np.int16]:
-    """``samples`` times ``gain``, held at full scale."""
+    """``samples`` times ``gain``, clipped at full scale."""
     loud = np.rint(samples * np.float32(gain))
     return np.asarray(np.clip(loud, -32768, 32767), np.int16)
 
@@ -53,10 +53,19 @@ class AudioStreamSettings(Settings):
     frame_s: float = Field(0.02, ge=0.005, le=0.2, description="a frame for people is at least so long")
 
 
+#: What can be desired of it.
+LISTEN = DesireClass(
+    name="Listen",
+    title="Hear through the robot's ears",
+    description="Send people what the robot's front microphone hears.",
+)
+
+
 class AudioStream(Module):
-    """Passes on the front microphone's sound while somebody listens."""
+    """Publishes the front microphone's sound while a subscription is open."""
 
     title = "Sound for people"
+    desire_classes = (LISTEN,)
     Settings = AudioStreamSettings
     settings: AudioStreamSettings
 
@@ -72,14 +81,14 @@ class AudioStream(Module):
         self.on(self.audio, self._take)
 
     def overflowed(self, port: str, loss: InboxOverflow) -> None:
-        """What was missed is missed: people hear a gap, and then what sounds now."""
+        """Missed frames are dropped: people hear a gap, and then current sound."""
         self._overruns.lost(self.audio, loss)
         self._waiting.clear()
 
     async def _take(self, audio: Audio) -> None:
         self._overruns.heard()
         if self._waiting and not _follows(self._waiting[-1], audio):
-            # Nobody listened for a while, or samples were lost: a frame has no gaps.
+            # No subscription for a while, or lost samples: a frame has no gaps.
             self._waiting.clear()
         self._waiting.append(audio)
         if sum(len(frame.samples) for frame in self._waiting) >= self.settings.frame_s * audio.rate * (1 - 1e-9):

@@ -21,6 +21,7 @@ from pydantic import Field
 
 from app.messages import EncodedImage, Image
 from app.modules.perception.opencv import use_calling_thread
+from app.modules.perception.telepresence import TELEPRESENCE
 from app.runtime.module import Module, ModuleContext, Settings
 
 
@@ -46,9 +47,10 @@ class CameraStreamSettings(Settings):
 
 
 class CameraStream(Module):
-    """Encodes what the camera sees, while somebody looks."""
+    """Encodes the camera's images while a subscription is open."""
 
     title = "Camera picture"
+    desire_classes = (TELEPRESENCE,)
     Settings = CameraStreamSettings
     settings: CameraStreamSettings
 
@@ -60,7 +62,7 @@ class CameraStream(Module):
         self.on(self.images, self._encode)
 
     async def start(self) -> None:
-        """Keep OpenCV's work where it is measured."""
+        """Keep OpenCV's work in the module's thread, where its CPU time is measured."""
         use_calling_thread()
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
@@ -69,8 +71,10 @@ class CameraStream(Module):
 
     async def _encode(self, image: Image) -> None:
         jpeg, width, height = await self.compute(self.picture, image, self._quality)
-        self.pictures.publish(EncodedImage(image.stamp, image.frame, jpeg, width, height, image.X_BC))
+        self.pictures.publish(
+            EncodedImage(image.stamp, image.frame, jpeg=jpeg, width=width, height=height, X_BC=image.X_BC)
+        )
 
     def picture(self, image: Image, quality: int) -> tuple[bytes, int, int]:
-        """What people are shown of ``image``, as of :func:`encode_jpeg`; in the module's own thread."""
+        """The published picture of ``image``, as of :func:`encode_jpeg`; runs in the module's own thread."""
         return encode_jpeg(image.color, quality, self.settings.width)

@@ -1,4 +1,4 @@
-"""FaceDetector: whose faces the robot sees, and where (thesis 4.2).
+"""FaceDetector: detection, position and tracking of faces (thesis 4.2).
 
     ┌─────────────────────────────────────────────────────────────────────────────────────────────┐
     │ FaceDetector   in   images     Image with depth, 15 Hz / φ                                   │
@@ -7,13 +7,13 @@
     │                out  faces      Faces, with each image taken, px and m in base_link           │
     └─────────────────────────────────────────────────────────────────────────────────────────────┘
 
-Finds faces with YuNet, in the fisheye's image unrolled (``faces/yunet.py``, ``faces/panorama.py``); places them by
-depth, or where there is none by their direction and how tall people are (``faces/placing.py``, ``height.py``); and
-gives each a number that it keeps while it is visible, in either camera (``faces/tracks.py``). Both cameras are
-optional, and either may be closed.
+Detects faces with YuNet, in the fisheye's image after unrolling (``faces/yunet.py``, ``faces/panorama.py``). Positions
+come from depth, or without depth from the direction and the distribution of people's heights
+(``faces/face_position.py``, ``height_prior.py``). Each face has a track number for as long as it is visible in either
+camera (``faces/face_tracks.py``). Both cameras are optional, and either may be closed.
 
-``min_score`` is a parameter of the desire LocateFaces. ``fine`` is one of its strategies: without it images are looked
-at reduced, for a third of the computing time, and faces are found to about half the distance.
+``min_score`` is a parameter of the desire LocateFaces. ``fine`` is a parameter of its strategies: without it images are
+reduced first, which takes a third of the CPU time and halves the range of detection.
 """
 
 from __future__ import annotations
@@ -22,19 +22,20 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from pydantic import Field
+from pydantic import BaseModel, ConfigDict, Field
 
+from app.attention.desires import DesireClass
 from app.base.geometry import Pose2
 from app.messages import Face, Faces, Image, Odometry, read_only
-from app.modules.perception.faces.face_position import FaceLooker, Sighting
-from app.modules.perception.faces.face_tracks import FaceTracks, Placed, TrackModel, prepare
+from app.modules.perception.faces.face_position import FaceLocator, FaceSighting
+from app.modules.perception.faces.face_tracks import FaceTracks, PlacedFace, TrackModel, prepare
 from app.modules.perception.faces.yunet import THRESHOLD
-from app.modules.perception.height_prior import People
+from app.modules.perception.height_prior import HeightPrior
 from app.modules.perception.opencv import use_calling_thread
 from app.modules.perception.pose_at import PoseAt
 from app.runtime.module import Module, ModuleContext, Settings
 
-#: Kept over restarts, so that nobody is taken for who was there before.
+#: Kept over restarts, so that track numbers are not reused.
 _NEXT_TRACK = "next track"
 
 
@@ -52,10 +53,35 @@ class FaceDetectorSettings(Settings):
     forget_s: float = Field(1.2, gt=0, description="a face not seen for longer has gone, and comes back as another")
 
 
+class LocateFacesParameters(BaseModel):
+    """Parameters of a desire of class LocateFaces."""
+
+    model_config = ConfigDict(extra="forbid", title="Locate faces")
+
+    min_score: float = Field(
+        0.8,
+        gt=0,
+        lt=1,
+        title="Least score",
+        description="How sure the detector must be that it is a face, 0 to 1: higher loses small and turned faces, "
+        "lower takes other things for faces.",
+    )
+
+
+#: What can be desired of it.
+LOCATE_FACES = DesireClass(
+    name="LocateFaces",
+    title="Locate faces",
+    description="Find faces in both cameras' views, follow them, and report where they are (m, in base_link).",
+    parameters=LocateFacesParameters,
+)
+
+
 class FaceDetector(Module):
-    """Finds, places and follows faces."""
+    """Detects, places and tracks faces."""
 
     title = "Face detector"
+    desire_classes = (LOCATE_FACES,)
     Settings = FaceDetectorSettings
     settings: FaceDetectorSettings
 
@@ -63,7 +89,7 @@ class FaceDetector(Module):
         super().__init__(context)
         self._min_score = self.settings.min_score
         self._fine = self.settings.fine
-        self._looker: FaceLooker | None = None
+        self._looker: FaceLocator | None = None
         self._tracks = FaceTracks()
         self._poses = PoseAt(self.clock)
         self._poseless = False
@@ -71,45 +97,45 @@ class FaceDetector(Module):
         self.panorama = self.input("panorama", Image)
         self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True)
         self.faces = self.output("faces", Faces)
-        self.on(self.images, self._look)
-        self.on(self.panorama, self._look)
-        self.on(self.odometry, self._remember)
+        self.on(self.images, self._detect)
+        self.on(self.panorama, self._detect)
+        self.on(self.odometry, self._take_odometry)
 
     async def start(self) -> None:
-        """Load the model; after a restart, go on with numbers no face has had. Raises ModuleFailed."""
+        """Load the model; after a restart, continue with unused track numbers. Raises ModuleFailed."""
         use_calling_thread()
-        people = People(self.settings.height_mean_m, self.settings.height_sigma_m)
-        self._looker = await self.compute(FaceLooker, self._min_score, people)
+        people = HeightPrior(self.settings.height_mean_m, self.settings.height_sigma_m)
+        self._looker = await self.compute(FaceLocator, self._min_score, people)
         await self.compute(prepare)
-        self._tracks = FaceTracks(TrackModel(forget_s=self.settings.forget_s), self.kept.get(_NEXT_TRACK, 1))
+        self._tracks = FaceTracks(TrackModel(forget_s=self.settings.forget_s), self.persistent.get(_NEXT_TRACK, 1))
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
         """Take ``min_score`` and ``fine`` from the intention."""
         self._min_score = float(parameters.get("min_score", self.settings.min_score))
         self._fine = bool(parameters.get("fine", self.settings.fine))
 
-    async def _remember(self, odometry: Odometry) -> None:
+    async def _take_odometry(self, odometry: Odometry) -> None:
         self._poses.add(odometry)
 
-    async def _look(self, image: Image) -> None:
+    async def _detect(self, image: Image) -> None:
         sightings = await self.compute(self._find, image, self._min_score, self._fine)
         X_OB = await self._poses.at(image.stamp) if sightings else None
         if sightings:
-            self._tell_of_pose(X_OB)
+            self._report_pose(X_OB)
         placed = self._tracks.see(image.stamp, image.frame, sightings, None if X_OB is None else X_OB.to_pose3())
-        self.kept[_NEXT_TRACK] = self._tracks.next
+        self.persistent[_NEXT_TRACK] = self._tracks.next
         faces = tuple(_face(sighting, where) for sighting, where in zip(sightings, placed, strict=True))
         height, width = image.color.shape[:2]
-        self.faces.publish(Faces(image.stamp, image.frame, width, height, image.X_BC, faces))
+        self.faces.publish(Faces(image.stamp, image.frame, width=width, height=height, X_BC=image.X_BC, faces=faces))
 
-    def _find(self, image: Image, min_score: float, fine: bool) -> list[Sighting]:
+    def _find(self, image: Image, min_score: float, fine: bool) -> list[FaceSighting]:
         assert self._looker is not None
         settings = self.settings
         self._looker.finder.threshold = min_score
         longest = settings.fine_px if fine else settings.coarse_px
         return self._looker.look(image, longest, settings.fine_px_per_rad if fine else settings.coarse_px_per_rad)
 
-    def _tell_of_pose(self, X_OB: Pose2 | None) -> None:
+    def _report_pose(self, X_OB: Pose2 | None) -> None:
         if (X_OB is None) != self._poseless:
             self._poseless = X_OB is None
             if self._poseless:
@@ -120,7 +146,7 @@ class FaceDetector(Module):
                 self.log.info("odometry reaches the stamps of the images again")
 
 
-def _face(sighting: Sighting, placed: Placed) -> Face:
+def _face(sighting: FaceSighting, placed: PlacedFace) -> Face:
     x, y, z = placed.p_BF.tolist()
     towards = placed.p_BF - sighting.origin
     range_m = float(np.linalg.norm(towards))
@@ -128,10 +154,10 @@ def _face(sighting: Sighting, placed: Placed) -> Face:
     return Face(
         placed.track,
         sighting.face.score,
-        sighting.face.box,
-        read_only(sighting.face.landmarks),
-        (x, y, z),
-        read_only(placed.covariance),
-        range_m,
-        float(np.sqrt(ray @ placed.covariance @ ray)),
+        box=sighting.face.box,
+        landmarks=read_only(sighting.face.landmarks),
+        p_BF=(x, y, z),
+        covariance=read_only(placed.covariance),
+        range_m=range_m,
+        range_sigma_m=float(np.sqrt(ray @ placed.covariance @ ray)),
     )

@@ -1,11 +1,11 @@
-"""Where a fisheye image could hold a code, and those places as a pinhole camera would see them.
+"""Candidate regions for codes in a fisheye image, resampled as a pinhole camera would see them.
 
 Straight edges are bent in a fisheye image, and far from its middle its scale differs along and across: decoders meant
 for straight codes miss those there. Undistorting the whole hemisphere finely enough would cost more than everything
-else, so only what looks like print is: a code is the densest black and white there is in *both* directions. The mean
-differences of neighbouring pixels are taken per block of 16 x 16 px, the lesser of the two directions counts, and the
-strongest blocks are cut out as patches, square to a ray through their middle (a gnomonic projection), resampled at a
-scale of ``PX_PER_RAD``. Patches lie on a fixed grid of directions that overlap, so that each is computed once and kept.
+else, so only print-like regions are: a code has the highest density of edges in *both* directions. The score of a block
+of 16 x 16 px is the mean difference of neighbouring pixels in the direction where it is less. The blocks of highest
+score are cut out as patches, square to a ray through their middle (a gnomonic projection), resampled at a scale of
+``PX_PER_RAD``. Patches lie on a fixed grid of directions that overlap, so that each is computed once and kept.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ Cell = tuple[int, int]
 
 #: Scale of a patch at its middle: about twice that of the thesis's panoramic camera.
 PX_PER_RAD = 600.0
-#: Patches reach so far from their middle, and lie so far apart: what is no wider than 20 degrees lies whole in the
-#: patch nearest to it (a code of 0.18 m from 0.5 m on).
+#: Half size of a patch and spacing of patches (rad): an object up to 20 degrees wide is whole in the nearest patch (a
+#: code of 0.18 m from 0.5 m on).
 HALF_FOV = math.radians(15.0)
 STEP = math.radians(10.0)
-#: Mean difference over two pixels (grey levels), in the direction where it is less, below which nothing is print.
-#: A sensor's noise of 5 levels gives 4, a code of 200 levels of contrast 15 to 40.
+#: Least mean difference over two pixels (grey levels), in the direction where it is less, for print. A sensor's noise
+#: of 5 levels gives 4, a code of 200 levels of contrast 15 to 40.
 LEAST_DETAIL = 8.0
 
 _BLOCK = 16
@@ -38,12 +38,12 @@ _SIDE = 2 * round(PX_PER_RAD * math.tan(HALF_FOV))
 _COARSE = 8
 _SPREAD_BLOCKS = 1.5
 _APART_BLOCKS = 4
-#: Remapping tables kept, 0.6 MB each.
+#: Number of cached remapping tables, 0.6 MB each.
 _KEPT = 64
 
 
 class FisheyePatches:
-    """Patches of the images of one fisheye camera; keeps the tables it resamples with."""
+    """Patches of the images of one fisheye camera; caches its remapping tables."""
 
     def __init__(self, camera: FisheyeModel) -> None:
         self.camera = camera
@@ -54,11 +54,11 @@ class FisheyePatches:
         self._tables: OrderedDict[Cell, tuple[NDArray[np.int16], NDArray[np.uint16]]] = OrderedDict()
 
     def promising(self, grey: NDArray[np.uint8], most: int) -> list[Cell]:
-        """The cells of ``grey`` (H, W) uint8 that could hold a code, the likeliest first, at most ``most``."""
+        """The cells of ``grey`` (H, W) uint8 with print-like regions, by descending score, at most ``most``."""
         strength = _detail(grey)
         strength[np.isnan(self._block_rays[..., 0])] = 0.0
         cells: list[Cell] = []
-        # A cell may be the nearest of several strong blocks.
+        # One cell may be the nearest of several blocks.
         for _ in range(2 * most):
             v, u = divmod(int(np.argmax(strength)), strength.shape[1])
             if strength[v, u] < LEAST_DETAIL or len(cells) == most:
@@ -73,12 +73,12 @@ class FisheyePatches:
         return cells
 
     def cut(self, grey: NDArray[np.uint8], cell: Cell) -> NDArray[np.uint8]:
-        """The patch ``cell`` of ``grey`` (H, W) uint8, itself (S, S) uint8; black where the camera sees nothing."""
+        """The patch ``cell`` of ``grey`` (H, W) uint8: (S, S) uint8; black outside the camera's field of view."""
         patch = cv2.remap(grey, *self._table(cell), cv2.INTER_CUBIC)
         return np.asarray(patch, np.uint8)
 
     def rays(self, cell: Cell, pixels: NDArray[np.floating]) -> NDArray[np.float64]:
-        """Unit vectors (..., 3) in the camera's optical frame, along which ``pixels`` (..., 2) of a patch look."""
+        """Unit vectors (..., 3) in the camera's optical frame of ``pixels`` (..., 2) of a patch."""
         middle = 0.5 * (_SIDE - 1)
         flat = (np.asarray(pixels, np.float64) - middle) / PX_PER_RAD
         rays = np.concatenate((flat, np.ones_like(flat[..., :1])), axis=-1)
@@ -90,8 +90,8 @@ class FisheyePatches:
         if cell in self._tables:
             self._tables.move_to_end(cell)
             return self._tables[cell]
-        # Where rays meet the image changes slowly from pixel to pixel: projected for every eighth, the rest is between.
-        # Also beyond the lens's limit, since a gap would spread; what lies there is black in the image, or beside it.
+        # The projection is smooth: computed for every eighth pixel and interpolated. Also beyond the lens's limit,
+        # since a gap would spread; the image is black there.
         blocks = -(-_SIDE // _COARSE) + 2
         at = _COARSE * (np.arange(blocks) - 1) + 0.5 * (_COARSE - 1)
         v, u = np.meshgrid(at, at, indexing="ij")
@@ -111,7 +111,7 @@ def _detail(grey: NDArray[np.uint8]) -> NDArray[np.float32]:
     height, width = grey.shape
     blocks = (width // _BLOCK, height // _BLOCK)
     whole = grey[: blocks[1] * _BLOCK, : blocks[0] * _BLOCK]
-    # Whole blocks only: averaging them is many times faster than areas with fractions of pixels.
+    # Whole blocks only: their mean is many times faster than areas with fractions of pixels.
     across, down = np.zeros_like(whole), np.zeros_like(whole)
     across[:, :-2] = cv2.absdiff(whole[:, 2:], whole[:, :-2])
     down[:-2] = cv2.absdiff(whole[2:], whole[:-2])

@@ -1,7 +1,7 @@
-"""How far away a face or a mouth is, from how tall people are: the height Gaussian (thesis 4.2).
+"""Height prior: distance of a face or mouth by the distribution of people's heights, the height Gaussian (thesis 4.2).
 
-A camera without depth, and microphones, know of a person's face or mouth only the direction. Most people stand, and
-their heights are known well enough to tell where along that direction the face must be.
+A camera without depth, and microphones, measure only the direction of a person's face or mouth. Most people stand, and
+the spread of their heights is small enough to bound the distance along that direction.
 
 *Figures.* Adults of the United States, 20 years and more, measured barefoot 2015-2018: men 1.753 m, women 1.613 m in
 the mean, standard deviations about 0.075 m and 0.070 m from the percentiles (Fryar, Carroll, Gu, Afful and Ogden,
@@ -9,7 +9,7 @@ the mean, standard deviations about 0.075 m and 0.070 m from the percentiles (Fr
 mean 1.683 m and σ = √((0.075² + 0.070²) / 2 + 0.07²) = 0.101 m; shoes add 0.027 m. So height ~ N(1.71 m, 0.10 m).
 Eyes are at 0.936 of it and the chin at 0.870 (Drillis and Contini 1966, in Winter, *Biomechanics and Motor Control of
 Human Movement*, figure 4.1). The lips part about 0.043 m above the chin: 0.896. The middle of the face, midway
-between eyes and mouth, is at 0.916. A simulated world that draws people from other figures tests who relies on these.
+between eyes and mouth, is at 0.916. A simulated world that draws people from other figures tests this prior.
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ SHARES: dict[Part, float] = {"eyes": 0.936, "face": 0.916, "mouth": 0.896}
 
 
 @dataclass(frozen=True, slots=True)
-class People:
-    """The people expected: their height, and how far they may be. Lengths in metres.
+class HeightPrior:
+    """Prior of people's heights and distances. Lengths in metres.
 
-    ``others`` is the share of people whose height says nothing: they sit, bend, or are children. Their faces may be
-    anywhere between ``lowest_m`` and ``highest_m`` above the floor.
+    ``others``: share of people who sit, bend, or are children; their faces are uniform between ``lowest_m`` and
+    ``highest_m`` above the floor.
     """
 
     mean_m: float = 1.71
@@ -46,9 +46,9 @@ class People:
         return SHARES[part] * self.mean_m, SHARES[part] * self.sigma_m
 
 
-STANDING = People()
+STANDING = HeightPrior()
 
-#: Evidence (1/m, integrated over ranges) below which a ray is taken to meet no face at all.
+#: Evidence (1/m, integrated over ranges) below which a ray cannot meet a face.
 IMPOSSIBLE = 1e-6
 
 
@@ -58,23 +58,23 @@ def range_from_height(
     part: Part = "face",
     *,
     elevation_sigma: float = 0.0,
-    people: People = STANDING,
+    people: HeightPrior = STANDING,
 ) -> tuple[float, float]:
     """Mean and standard deviation (m) of the distance along a ray to a person's ``part``.
 
-    ``direction`` (3,) is the ray in axes whose z points up (``base_link`` of a robot on a level floor), of any
-    length; ``origin_height_m`` is the height of the ray's origin above the floor; ``elevation_sigma`` (rad) is how
-    well the ray's elevation is known.
+    ``direction`` (3,) is the ray in axes whose z points up (``base_link`` of a robot on a level floor), of any length;
+    ``origin_height_m`` is the height of the ray's origin above the floor; ``elevation_sigma`` (rad) is the standard
+    deviation of the ray's elevation.
 
-    It is the posterior of the range r, before anything is seen uniform over ``nearest_m`` to ``farthest_m``, given that
+    It is the posterior of the range r, uniform over ``nearest_m`` to ``farthest_m`` a priori, given that
     the part's height z₀ + r sin ε is Gaussian for most people, N(μ, σ), and uniform for the others::
 
         p(r) ∝ (1 - o) N(z₀ + r sin ε; μ, σ) + o U(z₀ + r sin ε; lowest, highest),    nearest ≤ r ≤ farthest
 
-    Its first part is a Gaussian about (μ - z₀) / sin ε of deviation σ / |sin ε|, cut off at both ends; so the
-    deviation grows as the ray nears the horizontal, up to the uniform distribution's, 7.5 m / √12 = 2.2 m. Where no
-    standing person can be (a ray that falls from above face height), the second part tells. A ray that meets no face
-    (∫ p < 10⁻⁶ before it is made 1) gives what was known before. Raises ValueError for a direction of length zero.
+    Its first part is a Gaussian about (μ - z₀) / sin ε of deviation σ / |sin ε|, cut off at both ends; so the deviation
+    grows as the ray nears the horizontal, up to the uniform distribution's, 7.5 m / √12 = 2.2 m. Where no standing
+    person can be (a ray that falls from above face height), the second part dominates. A ray that meets no face (∫ p <
+    10⁻⁶ before normalization) gives the prior. Raises ValueError for a direction of length zero.
     """
     length = math.hypot(*direction)
     if not length > 0:
@@ -83,13 +83,13 @@ def range_from_height(
     mean, sigma = people.part(part)
     range_m, range_sigma_m = _posterior(mean - origin_height_m, sigma, rise, origin_height_m, people)
     if elevation_sigma > 0:
-        # A tilt of the ray moves the height where it is read by range times angle, as if people varied by that more.
+        # An error of the elevation shifts the height by range times angle, as a wider spread of heights would.
         sigma = math.hypot(sigma, range_m * elevation_sigma)
         return _posterior(mean - origin_height_m, sigma, rise, origin_height_m, people)
     return range_m, range_sigma_m
 
 
-def _posterior(above: float, sigma: float, rise: float, origin: float, people: People) -> tuple[float, float]:
+def _posterior(above: float, sigma: float, rise: float, origin: float, people: HeightPrior) -> tuple[float, float]:
     parts = (
         (1 - people.others, _of_gaussian(above, sigma, rise, people.nearest_m, people.farthest_m)),
         (people.others, _of_uniform(people.lowest_m - origin, people.highest_m - origin, rise, people)),
@@ -106,7 +106,7 @@ def _of_gaussian(above: float, sigma: float, rise: float, low: float, high: floa
     """Evidence, mean and deviation of a range in ``low`` to ``high`` whose ``rise`` is Gaussian."""
     a, b = sorted(((low * rise - above) / sigma, (high * rise - above) / sigma))
     if b - a < 1e-3:
-        # All ranges are at the same height: nothing is learnt of them, and the quotients below would cancel out.
+        # A level ray has one height at all ranges: it carries no information, and the quotients below would cancel.
         return (high - low) * _density(a) / sigma, *_uniform(low, high)
     mass = _mass(a, b)
     if not mass / abs(rise) > 1e-3 * IMPOSSIBLE:
@@ -118,8 +118,8 @@ def _of_gaussian(above: float, sigma: float, rise: float, low: float, high: floa
     return mass / abs(rise), mean, deviation
 
 
-def _of_uniform(lowest: float, highest: float, rise: float, people: People) -> tuple[float, float, float]:
-    """The same for a height that is uniform between ``lowest`` and ``highest`` above the origin."""
+def _of_uniform(lowest: float, highest: float, rise: float, people: HeightPrior) -> tuple[float, float, float]:
+    """The same for a height uniform between ``lowest`` and ``highest`` above the origin."""
     low, high = people.nearest_m, people.farthest_m
     if abs(rise) > 1e-9:
         first, last = sorted((lowest / rise, highest / rise))
@@ -140,7 +140,7 @@ def _density(x: float) -> float:
 
 
 def _mass(a: float, b: float) -> float:
-    """Of the standard Gaussian between a ≤ b, without cancellation in its tails."""
+    """Probability mass of the standard Gaussian between a ≤ b, without cancellation in its tails."""
     if a > 0:
         a, b = -b, -a
     return 0.5 * (math.erfc(-b / math.sqrt(2)) - math.erfc(-a / math.sqrt(2)))

@@ -1,10 +1,9 @@
 """Repeated sightings of QR codes merged into landmarks: a recursive weighted mean, without any event loop.
 
-Each sighting has its own variance R: by measured depth, at range r, it is R = (σ₀ + k r²)² (the depth's error grows
-with the square of the range), by a laser it is what ``laser_ray`` says. With the landmark's variance P, each sighting
-moves it by the share P / (P + R), which is the mean of all sightings weighted by 1 / R. P never falls below a floor:
-sightings share the drift of the odometry, so a thousand of them are not a thousand independent ones, and a landmark
-must stay able to follow.
+Each sighting has its own variance R: by depth, at range r, R = (σ₀ + k r²)² (the depth's error grows with the square of
+the range); by the laser, that of ``laser_ray``. With the landmark's variance P, each sighting moves it by the share P /
+(P + R), which is the mean of all sightings weighted by 1 / R. P never falls below a floor: sightings share the drift of
+the odometry, so a thousand of them are not a thousand independent ones, and a landmark must stay able to follow.
 """
 
 from __future__ import annotations
@@ -31,10 +30,10 @@ class SightingModel:
 
 
 class LandmarkMap:
-    """The landmarks known so far, in the order of first sight.
+    """The known landmarks, in the order of first sight.
 
-    The same text may hang in several places: a sighting further than ``gate_m`` from every landmark of its text
-    (or than three standard deviations, if that is more) is a new one.
+    The same text may be in several places: a sighting further than ``gate_m`` from every landmark of its text (or than
+    three standard deviations, if that is more) makes a new one.
     """
 
     def __init__(
@@ -46,7 +45,7 @@ class LandmarkMap:
 
     @property
     def landmarks(self) -> tuple[Landmark, ...]:
-        """All of them."""
+        """All landmarks."""
         return tuple(self._landmarks)
 
     def see(self, stamp: float, text: str, p_OQ: Point, range_m: float) -> Landmark:
@@ -58,7 +57,7 @@ class LandmarkMap:
         sigma_m = max(self._model.floor_m, sigma_m)
         index = self._nearest(text, p_OQ, sigma_m)
         if index is None:
-            landmark = Landmark(text, p_OQ, sigma_m, 1, stamp, stamp)
+            landmark = Landmark(text, p_OQ, sigma_m=sigma_m, sightings=1, first_seen=stamp, last_seen=stamp)
             self._landmarks.append(landmark)
         else:
             landmark = merged(self._landmarks[index], stamp, p_OQ, sigma_m, self._model.floor_m)

@@ -1,16 +1,17 @@
-"""Where a camera's ray meets the wall that a laser sees: a place for what hangs there (thesis 4.2), by pure functions.
+"""Intersection of a camera's ray with a wall in the laser scan: position of an object on the wall (thesis 4.2). Pure
+functions.
 
-A camera without depth gives a code's direction alone. Walls are upright, so the wall that the laser sees at its own
-height stands at the code's height too: seen from above, the camera's ray crosses the scan's points, and the code hangs
-where it does, at the height that the ray has there::
+A camera without depth gives only a code's direction. Walls are upright, so the wall at the laser's height is also at
+the code's height: in plan view the camera's ray crosses the scan's points, and the code is at that crossing, at the
+ray's height there::
 
     p = c + s r        s = n . (m - c) / (n . r)        sigma^2 = (sigma_w / |n . r|)^2 + (s sigma_r / |n . r|)^2
 
 with the camera's centre c and unit ray r, the wall's horizontal unit normal n and a point m of it, fitted to the
 laser's points around the crossing; sigma_w is that fit's, sigma_r (rad) the ray's.
 
-There is no place where the crossing lies at an edge (a door, the end of a cupboard), where the points around it are no
-straight wall, or where ray and wall are nearly parallel.
+There is no result where the crossing is at an edge (a door, the end of a cupboard), where the points around it do not
+form a straight wall, or where ray and wall are nearly parallel.
 """
 
 from __future__ import annotations
@@ -24,28 +25,28 @@ from numpy.typing import NDArray
 from app.base.geometry import Pose2
 from app.messages import LaserScan
 
-#: Points so far (m) from the crossing say how the wall runs there, or where they are sparse a few on each side; fewer
-#: than ``FEWEST_POINTS`` say nothing.
+#: Radius (m) around the crossing of the points used for the wall, or where they are sparse a few on each side; at least
+#: ``FEWEST_POINTS``.
 AROUND_M = 0.2
 FEWEST_POINTS = 5
-#: The wall goes on so far (m) on both sides, as it must for a page to hang there.
+#: Least extent (m) of the wall on both sides, the room of a page.
 CLEAR_M = 0.05
-#: Points further (m, r.m.s.) from the line through them are no wall.
+#: Greatest residual (m, r.m.s.) of a straight wall.
 ROUGHEST_M = 0.03
-#: Ray and wall must meet at an angle whose sine is at least this (10 degrees), and the ray must not be steeper (70).
+#: Least sine of the angle between ray and wall (10 degrees), and greatest steepness of the ray (70).
 LEAST_SINE = math.sin(math.radians(10.0))
 LEAST_LEVEL = math.cos(math.radians(70.0))
 
-#: Neighbouring points are of one wall while the laser could see it under 10 degrees or more, noise apart.
+#: Least angle at which the laser may see a wall for neighbouring points to belong to one wall, noise apart.
 _STEEPEST = 1.0 / LEAST_SINE
 _NOISE_M = 0.03
-#: What is left of a laser's error however many points are taken together.
+#: Systematic error of the laser, which averaging does not reduce.
 _LEAST_SIGMA_M = 0.005
 
 
 @dataclass(frozen=True, slots=True)
 class WallPoint:
-    """Where the ray meets the wall: ``point`` (x, y, z) m, ``range_m`` along the ray, ``sigma_m`` of the place."""
+    """Intersection of ray and wall: ``point`` (x, y, z) m, ``range_m`` along the ray, ``sigma_m`` of the position."""
 
     point: tuple[float, float, float]
     range_m: float
@@ -53,10 +54,10 @@ class WallPoint:
 
 
 def scan_points(scan: LaserScan, X_OB_begin: Pose2, X_OB_end: Pose2) -> NDArray[np.float64]:
-    """The ends (N, 2) of the rays of ``scan``, m in the frame O of the poses; NaN where a ray met nothing.
+    """The ends (N, 2) of the rays of ``scan``, m in the frame O of the poses; NaN for rays without a return.
 
-    The robot goes from ``X_OB_begin`` (at the first ray) to ``X_OB_end`` (at the last) meanwhile: each ray is placed
-    by its own pose, interpolated between them.
+    The robot moves from ``X_OB_begin`` (first ray) to ``X_OB_end`` (last ray): each ray is placed by its own
+    interpolated pose.
     """
     count = len(scan.ranges)
     ranges = scan.ranges.astype(np.float64)
@@ -81,10 +82,11 @@ def wall_on_ray(
     ray: NDArray[np.float64],
     ray_sigma_rad: float,
 ) -> WallPoint | None:
-    """Where ``ray`` (3,), a unit vector from ``camera`` (3,) m, meets the first wall of ``points`` (N, 2), or None.
+    """Intersection of ``ray`` (3,), a unit vector from ``camera`` (3,) m, with the first wall of ``points`` (N, 2), or
+    None.
 
-    ``points`` come in the order of the laser's rays, ``spacing_rad`` apart, seen from ``laser`` (m); NaN: no echo.
-    All in one frame whose z points up; heights are above its ground, and a place below it is none.
+    ``points``: in the order of the laser's rays, ``spacing_rad`` apart, seen from ``laser`` (m); NaN: no return. All in
+    one frame whose z points up; heights are above its ground, and a position below it is invalid.
     """
     level = math.hypot(ray[0], ray[1])
     if level < LEAST_LEVEL:
@@ -108,7 +110,7 @@ def wall_on_ray(
     if abs(sine) < LEAST_SINE:
         return None
     distance = float(normal @ (middle - camera[:2])) / sine
-    # The line through the points around goes by the crossing it was asked for, or it is no wall there.
+    # The fitted line must pass near the crossing, else there is no wall.
     if abs(distance - crossing[1]) > AROUND_M or distance <= 0:
         return None
     range_m = distance / level
@@ -121,7 +123,7 @@ def wall_on_ray(
 
 
 def _first_crossing(along: NDArray[np.float64], across: NDArray[np.float64]) -> tuple[int, float] | None:
-    """The pair of points (the first's index) between which the ray crosses nearest, and how far off (m), or None."""
+    """The pair of points (the first's index) with the nearest crossing of the ray, and its distance (m), or None."""
     first, second = across[:-1], across[1:]
     pairs = np.flatnonzero((first <= 0) != (second <= 0))
     share = first[pairs] / (first[pairs] - second[pairs])
@@ -136,8 +138,8 @@ def _first_crossing(along: NDArray[np.float64], across: NDArray[np.float64]) -> 
 def _joined(
     seen: NDArray[np.float64], numbers: NDArray[np.intp], laser: tuple[float, float], spacing_rad: float
 ) -> NDArray[np.bool_]:
-    """(N - 1,) whether each point and the next are of one wall: neighbouring rays, and no further apart than a wall
-    seen steeply would make them."""
+    """(N - 1,) whether each point and the next are of one wall: neighbouring rays, no further apart than on a wall at
+    the least angle."""
     gap = np.linalg.norm(np.diff(seen, axis=0), axis=1)
     distance = np.linalg.norm(seen - np.asarray(laser), axis=1)
     farthest = np.maximum(distance[:-1], distance[1:]) * abs(spacing_rad) * _STEEPEST + _NOISE_M
@@ -147,13 +149,13 @@ def _joined(
 def _around(
     seen: NDArray[np.float64], joined: NDArray[np.bool_], pair: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], float] | None:
-    """A point, the unit normal and the sigma (m) of the line through the points around the crossing, which lies between
+    """A point, the unit normal and the sigma (m) of the line through the points around the crossing, which is between
     ``pair`` and the next; None where there is no straight wall."""
     if not joined[pair]:
         return None
     centre = 0.5 * (seen[pair] + seen[pair + 1])
     distance = np.linalg.norm(seen - centre, axis=1)
-    # A wall seen steeply from afar has its points further apart.
+    # Points of a distant wall at a small angle are further apart.
     spacing = 2.0 * float(distance[pair])
     near = distance <= max(AROUND_M, 0.5 * (FEWEST_POINTS + 1) * spacing)
     begin, end = pair, pair + 2

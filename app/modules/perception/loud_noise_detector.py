@@ -1,14 +1,15 @@
-"""LoudNoiseDetector: noises much louder than what was heard before, by one front microphone (thesis 4.2).
+"""LoudNoiseDetector: noises much louder than the background, by one front microphone (thesis 4.2).
 
     ┌─────────────────────────────────────────────────────────────────────────────────────────┐
     │ LoudNoiseDetector    in   audio   Audio, frames of 512 at 48 kHz, all of them (lossless) │
     │                      out  noises  LoudNoise, one for each noise, when it begins          │
     └─────────────────────────────────────────────────────────────────────────────────────────┘
 
-Judges each frame by the rule of ``loud_noises``: its energy against the robust mean of those before it. Nothing is told
-within the first second, nor after a gap of more than a second (``first_sample``), for want of a background.
+Applies the rule of ``loud_noises`` to each frame: its energy against the robust mean of those before it. No noise is
+published within the first second, or within a second after a gap of more than a second (``first_sample``): the
+background is unknown then.
 
-It costs so little that the frames are judged where they arrive, on the event loop, without a thread's detour. ``ratio``
+The cost is so small that frames are processed on the event loop, without a thread. ``ratio``
 and ``hold_off_s`` are parameters of the desire DetectNoises.
 """
 
@@ -18,15 +19,16 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from pydantic import Field
+from pydantic import BaseModel, ConfigDict, Field
 
+from app.attention.desires import DesireClass
 from app.messages import Audio, LoudNoise
-from app.modules.perception.loud_noises import FRAME, BandEnergy, LoudNoiseJudge, Rule, onset_of
+from app.modules.perception.loud_noises import FRAME, BandEnergy, LoudnessRule, OnsetDetector, onset_of
 from app.modules.perception.overruns import Overruns
 from app.runtime.errors import InboxOverflow, ModuleFailed
 from app.runtime.module import Module, ModuleContext, Settings
 
-#: A second of frames: what may wait when the loop is held up.
+#: Inbox capacity: a second of frames, for stalls of the event loop.
 _CAPACITY = 94
 
 
@@ -38,7 +40,7 @@ class LoudNoiseDetectorSettings(Settings):
     hold_off_s: float = Field(0.25, ge=0, description="quiet between two noises; unless a desire says")
     window_s: float = Field(200 * FRAME / 48_000, gt=0, description="over which the background is averaged")
     history_s: float = Field(
-        100 * FRAME / 48_000, gt=0, description="how long nothing is told at first, or after a gap"
+        100 * FRAME / 48_000, gt=0, description="time without detections at the start, or after a gap"
     )
     floor_db: float = Field(
         -32.0,
@@ -47,10 +49,41 @@ class LoudNoiseDetectorSettings(Settings):
     )
 
 
+class DetectNoisesParameters(BaseModel):
+    """Parameters of a desire of class DetectNoises."""
+
+    model_config = ConfigDict(extra="forbid", title="Detect loud noises")
+
+    ratio: float = Field(
+        20.0,
+        ge=2,
+        le=1000,
+        title="How loud",
+        description="A noise is loud if its energy is this many times that of the background.",
+    )
+    hold_off_s: float = Field(
+        0.25,
+        ge=0,
+        le=10,
+        title="Hold-off",
+        description="Quiet between two noises that count as two, in seconds.",
+    )
+
+
+#: What can be desired of it.
+DETECT_NOISES = DesireClass(
+    name="DetectNoises",
+    title="Detect loud noises",
+    description="Report when a clap, a call or the like is heard, much louder than what was heard before.",
+    parameters=DetectNoisesParameters,
+)
+
+
 class LoudNoiseDetector(Module):
-    """Hears claps and calls."""
+    """Detects claps, calls and other sudden loud sounds."""
 
     title = "Loud noise detector"
+    desire_classes = (DETECT_NOISES,)
     Settings = LoudNoiseDetectorSettings
     settings: LoudNoiseDetectorSettings
 
@@ -63,7 +96,7 @@ class LoudNoiseDetector(Module):
         self._overruns = Overruns(self.log, self.clock)
         self._rest = np.zeros(0, np.int16)
         self._band = BandEnergy(48_000)
-        self._judge = LoudNoiseJudge()
+        self._detector = OnsetDetector()
         self.audio = self.input("audio", Audio, capacity=_CAPACITY, lossless=True)
         self.noises = self.output("noises", LoudNoise)
         self.on(self.audio, self._listen)
@@ -73,10 +106,10 @@ class LoudNoiseDetector(Module):
         self._ratio = float(parameters.get("ratio", self.settings.ratio))
         self._hold_off_s = float(parameters.get("hold_off_s", self.settings.hold_off_s))
         if self._rate:
-            self._judge.follow(self._rule())
+            self._detector.follow(self._rule())
 
     def overflowed(self, port: str, loss: InboxOverflow) -> None:
-        """Say so and begin afresh: what the background was by now is not known."""
+        """Log the loss and restart: the background is unknown."""
         self._overruns.lost(self.audio, loss)
         self._awaited = -1
 
@@ -100,20 +133,25 @@ class LoudNoiseDetector(Module):
             samples, self._rest = samples[:whole], samples[whole:]
         for first in range(0, len(samples), FRAME):
             frame = samples[first : first + FRAME]
-            noise = onset_of(frame, self._band.frame(frame), self._judge)
+            noise = onset_of(frame, self._band.frame(frame), self._detector)
             if noise is not None:
                 self.noises.publish(LoudNoise(begin + first / audio.rate, noise.ratio, noise.level_db))
 
     def _resume(self, audio: Audio, lost: int) -> None:
-        """Go on after a gap of ``lost`` samples; afresh if it is long, or if the sound is another."""
+        """Continue after a gap of ``lost`` samples; restart after a long gap or a change of the sound's format."""
         self._rest = np.zeros(0, np.int16)
         self._band = BandEnergy(audio.rate)
         if self._awaited < 0 or audio.rate != self._rate or not 0 <= lost <= audio.rate:
             self._rate = audio.rate
-            self._judge = LoudNoiseJudge(self._rule())
+            self._detector = OnsetDetector(self._rule())
 
-    def _rule(self) -> Rule:
+    def _rule(self) -> LoudnessRule:
         settings = self.settings
-        return Rule.lasting(
-            self._rate, self._ratio, settings.floor_db, settings.window_s, settings.history_s, self._hold_off_s
+        return LoudnessRule.lasting(
+            self._rate,
+            self._ratio,
+            floor_db=settings.floor_db,
+            window_s=settings.window_s,
+            history_s=settings.history_s,
+            hold_off_s=self._hold_off_s,
         )

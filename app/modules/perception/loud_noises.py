@@ -8,22 +8,20 @@ The thesis calls a frame of 512 samples a loud noise where its energy is more th
 
 - *Band.* Below 300 Hz lie hum, footfalls, the thud of a door and of a microphone that is switched on, above 6 kHz
   little of a clap or a voice.
-- *Robust background b.* A frame counts at most ``CLIP`` times the background of its time: one clap leaves it where it
-  was, while a level that stays is followed within seconds, however far it jumped.
+- *Robust background b.* A frame counts at most ``CLIP`` times the background of its time: one clap hardly changes it,
+  while a lasting change of level is followed within seconds, however large.
 - *No thud.* A frame with more than ``THUD`` times as much energy outside the band as in it begins no noise, however
   loud.
-- *Usual peaks q.* What 98 of 100 frames stay below, followed by steps up and down (a stochastic quantile): people who
-  talk and music that plays are far above their own mean again and again, and are no news.
-- *Attack.* A clap or a call begins out of less: a frame that is not ``ATTACK`` times the mean of those a moment
-  before it begins no noise, unless it is ``PLAIN`` times the floor. The louder syllables of people who talk rise out
-  of the others.
-- *Floor.* Nothing below it is loud, however silent it was before; and what is more silent than ``floor / ratio`` makes
-  no difference.
+- *Usual peaks q.* The 98 % quantile of the frames, tracked by steps up and down (stochastic quantile): speech and music
+  exceed their own mean often, and these peaks are no events.
+- *Attack.* A clap or a call rises steeply: a frame below ``ATTACK`` times the mean of those a moment before begins no
+  noise, unless it is ``PLAIN`` times the floor. The louder syllables of speech rise gradually.
+- *Floor.* No frame below it is loud, whatever the background; a background below ``floor / ratio`` has no effect.
 - *One noise, one event.* A noise begins where a frame is loud and lasts while frames stay above a quarter of that; the
-  next can begin only ``hold_off`` frames after its end. And nobody judges before a background is known.
+  next can begin only ``hold_off`` frames after its end. There is no detection before a background is known.
 
-But for the floor and what is far above it, only ratios of energies are compared: scaling the whole sound changes
-nothing else as long as its background stays above ``floor / ratio``.
+Except for the floor, only ratios of energies are compared: the result is independent of gain as long as the background
+stays above ``floor / ratio``.
 """
 
 from __future__ import annotations
@@ -38,33 +36,33 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
-#: Samples that are judged together (thesis 4.2).
+#: Samples per frame (thesis 4.2).
 FRAME = 512
-#: A frame counts in the background at most this often the background itself.
+#: Greatest weight of a frame in the background, as a multiple of the background.
 CLIP = 4.0
-#: A loud frame is at least this often what frames usually stay below: 6.5 dB.
+#: Least energy of a loud frame over the usual peaks: 6.5 dB.
 CREST = 4.5
-#: A frame whose whole energy is more often that of its band is a thud: 7 dB.
+#: Greatest whole energy of a noise over its energy in the band; above, it is a thud: 7 dB.
 THUD = 5.0
-#: A noise begins so many times louder than the mean from 0.15 to 0.03 s before it: 12.5 dB.
+#: Least rise over the mean from 0.15 to 0.03 s before: 12.5 dB.
 ATTACK = 18.0
-#: What is so many times louder than the floor begins one however it rises: 8 dB.
+#: Energy over the floor from which no rise is needed: 8 dB.
 PLAIN = 6.3
-#: A noise lasts while its frames are above this share of what would begin one.
+#: A noise lasts while its frames exceed this share of the threshold.
 LASTS = 0.25
 
 _HIGH_PASS_HZ = 300.0
 _DECIMATED_HZ = 12_000.0
 _FULL_SCALE = 32768.0
-#: The share of frames that stay below the usual peaks, and how far a frame above moves them up: 0.3 decibels.
+#: Quantile of the usual peaks, and its step up per frame above it: 0.3 decibels.
 _BELOW = 0.98
 _UP = 10.0 ** (0.03 * _BELOW)
 _DOWN = 10.0 ** (-0.03 * (1.0 - _BELOW))
 #: Frames, 0.85 s: longer than a clap and most calls.
 _SHORT = 80
-#: Frames, about 0.1 s: what is above the usual peaks for longer moves them no further.
+#: Frames, about 0.1 s: a longer sound above the usual peaks moves them no further.
 _SYLLABLE = 10
-#: What a noise begins out of: so many frames, but for the last ones, within which a call may rise.
+#: Number of frames whose mean a noise must exceed, without the last ones, in which a call may rise.
 _BEFORE, _RISE = 14, 2
 _LONG_AGO = 1 << 30
 #: -90 dB: one step of 16 bits. A background below it is silence.
@@ -88,16 +86,16 @@ def high_pass(edge_hz: float, rate_hz: float) -> tuple[NDArray[np.float64], NDAr
 
 
 class BandEnergy:
-    """Energies of the frames of one microphone between 300 Hz and 6 kHz; remembers its filter from call to call."""
+    """Energies of the frames of one microphone between 300 Hz and 6 kHz; keeps the filter's state between calls."""
 
     def __init__(self, rate: int) -> None:
         # A power of two, so that it divides a frame.
         self._step = 1 << max(0, round(math.log2(rate / _DECIMATED_HZ)))
         b, a = high_pass(_HIGH_PASS_HZ, rate / self._step)
-        #: What the filter's state is where a sample of 1 has stood for ever: then nothing passes.
+        #: State of the filter after a constant input of 1, for which the output is zero.
         self._rest: NDArray[np.float64] = np.array([-b[0], b[2]])
-        # The filter over a whole frame is linear in its samples and its state: one matrix for both, since the calls
-        # of a general filter cost several times what they compute.
+        # The filter over a whole frame is linear in its samples and state: one matrix for both is several times faster
+        # than a general filter call.
         self._count = FRAME // self._step
         inputs = np.eye(self._count + 2)
         passed, state = np.empty((self._count, self._count + 2)), inputs[self._count :].copy()
@@ -115,7 +113,7 @@ class BandEnergy:
         inputs, count = self._inputs, self._count
         np.add.reduce(samples.reshape(count, self._step), axis=1, dtype=np.float32, out=inputs[:count])
         if not self._begun:
-            # As if the first sample had stood there for ever: no step at the beginning.
+            # Initialized to a constant first sample: no step at the beginning.
             inputs[count:] = self._rest * inputs[0]
             self._begun = True
         outputs = self._filter @ inputs
@@ -131,8 +129,8 @@ def whole_energy(samples: NDArray[np.int16]) -> float:
 
 
 @dataclass(frozen=True, slots=True)
-class Rule:
-    """When a frame is loud. ``floor_db`` is in dB of full scale, lengths are in frames."""
+class LoudnessRule:
+    """Thresholds of a loud frame. ``floor_db`` is in dB of full scale, lengths are in frames."""
 
     ratio: float = 20.0
     floor_db: float = -32.0
@@ -148,7 +146,7 @@ class Rule:
     @classmethod
     def lasting(
         cls, rate: int, ratio: float, floor_db: float, window_s: float, history_s: float, hold_off_s: float
-    ) -> Rule:
+    ) -> LoudnessRule:
         """The rule for sound of ``rate`` samples a second, with its lengths in seconds."""
         frames_per_s = rate / FRAME
         window = max(2, round(window_s * frames_per_s))
@@ -163,23 +161,24 @@ class Rule:
 
 @dataclass(frozen=True, slots=True)
 class Onset:
-    """A loud noise begins with this frame: so many times the background's energy; its own level (dB of full scale)."""
+    """Onset of a loud noise: energy as a multiple of the background's, and level of the frame (dB of full scale)."""
 
     ratio: float
     level_db: float
 
 
-def onset_of(frame: NDArray[np.int16], energy: float, judge: LoudNoiseJudge) -> Onset | None:
-    """Let ``judge`` hear the next ``frame`` (512,) int16, of which ``energy`` is what :class:`BandEnergy` said."""
-    ratio = judge.judge(energy, partial(whole_energy, frame))
+def onset_of(frame: NDArray[np.int16], energy: float, detector: OnsetDetector) -> Onset | None:
+    """Pass the next ``frame`` (512,) int16 with its :class:`BandEnergy` ``energy`` to ``detector``; the onset, if there
+    is one."""
+    ratio = detector.update(energy, partial(whole_energy, frame))
     return None if ratio is None else Onset(ratio, decibels(whole_energy(frame)))
 
 
-class LoudNoiseJudge:
-    """Judges frame after frame: ``judge(energy)`` gives the ratio to the background where a loud noise begins."""
+class OnsetDetector:
+    """Detects onsets frame by frame: ``update(energy)`` gives the ratio to the background where a loud noise begins."""
 
-    def __init__(self, rule: Rule | None = None) -> None:
-        self._rule = rule or Rule()
+    def __init__(self, rule: LoudnessRule | None = None) -> None:
+        self._rule = rule or LoudnessRule()
         self._floor = self._rule.floor
         self._energies = [0.0] * self._rule.window
         self._known = 0
@@ -187,15 +186,15 @@ class LoudNoiseJudge:
         self._sum = 0.0
         self._usual_peaks = 0.0
         self._before: deque[float] = deque([0.0] * _BEFORE, _BEFORE)
-        #: Frames since a noise was last under way.
+        #: Frames since the end of the last noise.
         self._quiet = _LONG_AGO
-        #: Frames since the last one began.
+        #: Frames since the onset of the last noise.
         self._age = _LONG_AGO
-        #: Frames on end above the usual peaks.
+        #: Consecutive frames above the usual peaks.
         self._above = 0
 
-    def follow(self, rule: Rule) -> None:
-        """Judge by ``rule`` from now on; begins afresh if its window is another."""
+    def follow(self, rule: LoudnessRule) -> None:
+        """Use ``rule`` from now on; restarts if its window differs."""
         if rule.window != self._rule.window:
             self._energies = [0.0] * rule.window
             self._known = self._next = 0
@@ -215,10 +214,11 @@ class LoudNoiseJudge:
     def _loud(self) -> float:
         return max(self._floor, self._rule.ratio * max(self.background, _SILENCE), CREST * self._usual_peaks)
 
-    def judge(self, energy: float, whole: Callable[[], float] | None = None) -> float | None:
+    def update(self, energy: float, whole: Callable[[], float] | None = None) -> float | None:
         """Take the energy of the next frame; its ratio to the background if a loud noise begins with it, or None.
 
-        ``whole`` gives its energy without the band's limits, asked only where one could; None: nothing is a thud.
+        ``whole`` gives the energy of all frequencies and is called only where it decides; None: no frame counts as a
+        thud.
         """
         rule = self._rule
         if self._known < rule.history:
@@ -247,10 +247,10 @@ class LoudNoiseJudge:
             self._above = 0
         else:
             self._above += 1
-            # Little by one that lasts, and not by a noise that was told, or nobody could clap or call twice.
+            # A lasting sound moves it little, and a detected noise not at all: a second clap must remain detectable.
             if self._above <= _SYLLABLE and (self._quiet >= rule.hold_off or self._age > _SHORT):
                 self._usual_peaks *= _UP
-        # A background that rises takes them along: steps are slow.
+        # A rising background raises the peaks as well: their own steps are slow.
         self._usual_peaks = max(self._usual_peaks, self.background)
         return energy / background if begins else None
 
@@ -265,5 +265,5 @@ class LoudNoiseJudge:
         self._energies[place] = energy
         self._next = (place + 1) % len(self._energies)
         if self._next == 0:
-            # What sums and differences lose in rounding does not add up.
+            # Recomputed, so that rounding errors of sums do not accumulate.
             self._sum = sum(self._energies)

@@ -1,4 +1,4 @@
-"""OpenCV as this program uses it."""
+"""Process-wide settings of OpenCV."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import cv2
 
 
 def use_calling_thread() -> None:
-    """Keep OpenCV's work in the thread that calls it, for the whole process.
+    """Keep OpenCV's work in the calling thread, for the whole process.
 
-    Its own thread pool would do the work where no module's CPU time is measured, and where attention cannot see it.
+    Work in its own thread pool would be missing from the modules' CPU times, and so from attention.
     """
     cv2.setNumThreads(0)

@@ -1,4 +1,4 @@
-"""Sound that came faster than it could be heard: said once when it begins, once when it is over."""
+"""Overruns: sound that arrives faster than it is processed, logged once at the begin and once at the end."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from app.runtime.clock import Clock
 from app.runtime.errors import InboxOverflow
 from app.runtime.module import Input
 
-#: Without a loss for this long (s), the computer keeps up again.
+#: Time (s) without a loss after which the overrun is over.
 QUIET_S = 5.0
 
 
 class Overruns:
-    """The losses of one lossless input for sound.
+    """Losses of one lossless input for sound.
 
-    A backlog would be heard ever later, and lose again with each frame: after a loss it is thrown away as a whole, so
-    that what is heard next is what sounds now.
+    A backlog would add latency and lose again with each frame: after a loss it is dropped as a whole, so that
+    processing resumes with current sound.
     """
 
     def __init__(self, log: logging.Logger, clock: Clock) -> None:
@@ -26,14 +26,14 @@ class Overruns:
         self._last: float | None = None
 
     def lost(self, port: Input[Audio], loss: InboxOverflow) -> None:
-        """``port`` lost messages: begin with the next that comes."""
+        """``port`` lost messages: log the begin of an overrun."""
         port.subscription.discard()
         if self._last is None:
             self._log.warning("sound comes faster than it can be heard, listening begins afresh: %s", loss)
         self._last = self._clock.now()
 
     def heard(self) -> None:
-        """A frame was taken."""
+        """A frame was processed."""
         if self._last is not None and self._clock.now() - self._last > QUIET_S:
             self._last = None
             self._log.info("hears all sound again")

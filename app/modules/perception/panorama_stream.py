@@ -7,9 +7,9 @@
 
 The picture is equirectangular in the axes of ``base_link``, seen from the camera: its ``width`` px are the half circle
 in front, the left edge at azimuth +90°, the right one at -90°; every pixel spans the same angle upwards, and the middle
-row is level. A direction of azimuth a and elevation e (rad) is found at x = width (1/2 - a / π) and
-y = height / 2 - width e / π, edges counted, not middles of pixels. With 640 x 384 px it reaches 54° up and down. What
-the lens does not see is black. ``jpeg_quality`` is a parameter of the desire Telepresence.
+row is level. A direction of azimuth a and elevation e (rad) is found at x = width (1/2 - a / π) and y = height / 2 -
+width e / π, edges counted, not middles of pixels. With 640 x 384 px it reaches 54° up and down. Directions outside the
+lens's field of view are black. ``jpeg_quality`` is a parameter of the desire Telepresence.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ from app.modules.perception.camera_stream import CameraStream, CameraStreamSetti
 from app.runtime.module import ModuleContext
 
 _TURNED = 1e-4
-"""How far (rad, nearly) a camera may turn before its map is made anew: a fiftieth of a pixel."""
+"""Rotation of a camera (rad, approximately) from which its map is computed again: a fiftieth of a pixel."""
 
 
 def directions(width: int, height: int) -> NDArray[np.float64]:
-    """Unit vectors (height, width, 3) in ``base_link``'s axes along which the pixels of the panorama look."""
+    """Unit vectors (height, width, 3) in ``base_link``'s axes of the panorama's pixels."""
     azimuth = math.pi * (0.5 - (np.arange(width) + 0.5) / width)
     elevation = math.pi / width * (0.5 * height - (np.arange(height) + 0.5))
     level = np.cos(elevation)[:, None]
@@ -39,8 +39,8 @@ def directions(width: int, height: int) -> NDArray[np.float64]:
     return np.stack((level * np.cos(azimuth), level * np.sin(azimuth), up), axis=-1)
 
 
-class Unroller:
-    """Makes panoramas of ``width`` x ``height`` (px) out of one camera's images; remembers where each pixel is."""
+class PanoramaProjection:
+    """Computes panoramas of ``width`` x ``height`` (px) from one camera's images; caches the remapping table."""
 
     def __init__(self, width: int, height: int) -> None:
         self._directions = directions(width, height)
@@ -70,7 +70,7 @@ class PanoramaStreamSettings(CameraStreamSettings):
 
 
 class PanoramaStream(CameraStream):
-    """Unrolls and encodes what the panoramic camera sees, while somebody looks."""
+    """Unrolls and encodes the panoramic camera's images while a subscription is open."""
 
     title = "Panorama"
     Settings = PanoramaStreamSettings
@@ -78,7 +78,7 @@ class PanoramaStream(CameraStream):
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
-        self._unroller = Unroller(self.settings.width, self.settings.height)
+        self._unroller = PanoramaProjection(self.settings.width, self.settings.height)
 
     def picture(self, image: Image, quality: int) -> tuple[bytes, int, int]:
         """The panorama of ``image``, as a JPEG."""

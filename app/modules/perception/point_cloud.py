@@ -28,7 +28,7 @@ def colored_cloud(image: Image, max_points: int) -> tuple[NDArray[np.float32], N
     if image.depth is None:
         raise ValueError(f"the camera {image.frame} gives no depth: no point cloud can be built from it")
     step = grid_step(image.camera, max_points)
-    # The grid is centred, so that no side of the picture is cut off by up to a whole step.
+    # The grid is centred, so that no border of up to a whole step is cut off on one side.
     rows = _centred(image.camera.height, step)
     columns = _centred(image.camera.width, step)
     depth = image.depth[rows][:, columns]

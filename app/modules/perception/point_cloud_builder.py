@@ -1,4 +1,4 @@
-"""PointCloudBuilder: what the camera sees, as coloured points in space (thesis 3.4).
+"""PointCloudBuilder: coloured point clouds of a depth camera (thesis 3.4).
 
     ┌─────────────────────────────────────────────────────────────────────────────────────────┐
     │ PointCloudBuilder    in   images    Image with depth, 15 Hz / φ                          │
@@ -9,8 +9,8 @@
     p_B = X_BC · z · K⁻¹ (u, v, 1)ᵀ
 
 over a regular grid of at most ``max_points`` pixels, a parameter of the desire Telepresence. Each cloud carries the
-pose X_OB of its own instant: where odometry is not there yet, it is waited for, and a cloud whose pose never comes is
-dropped (the thesis's clouds were drawn with a newer pose than their own, and smeared).
+pose X_OB of its own instant: the builder waits for odometry of that instant and drops a cloud without it (the thesis's
+clouds were drawn with a newer pose than their own, and smeared).
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from pydantic import Field
 from app.messages import Image, Odometry, PointCloud, read_only
 from app.modules.perception.point_cloud import colored_cloud
 from app.modules.perception.pose_at import PoseAt
+from app.modules.perception.telepresence import TELEPRESENCE
 from app.runtime.module import Module, ModuleContext, Settings
 
 
@@ -36,6 +37,7 @@ class PointCloudBuilder(Module):
     """Builds point clouds, each in the pose of its own instant."""
 
     title = "Point cloud"
+    desire_classes = (TELEPRESENCE,)
     Settings = PointCloudBuilderSettings
     settings: PointCloudBuilderSettings
 
@@ -48,13 +50,13 @@ class PointCloudBuilder(Module):
         self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True)
         self.clouds = self.output("clouds", PointCloud)
         self.on(self.images, self._build)
-        self.on(self.odometry, self._remember)
+        self.on(self.odometry, self._take_odometry)
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
         """Take ``max_points`` from the intention."""
         self._max_points = int(parameters.get("max_points", self.settings.max_points))
 
-    async def _remember(self, odometry: Odometry) -> None:
+    async def _take_odometry(self, odometry: Odometry) -> None:
         self._poses.add(odometry)
 
     async def _build(self, image: Image) -> None:

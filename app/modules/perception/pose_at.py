@@ -1,4 +1,4 @@
-"""The robot's pose at a message's own stamp, awaited if odometry has not come that far yet."""
+"""Pose of the robot at a message's own stamp, awaited until odometry reaches it."""
 
 from __future__ import annotations
 
@@ -11,10 +11,9 @@ from app.runtime.clock import Clock
 
 
 class PoseAt:
-    """Poses X_OB by stamp: ``add`` each odometry message, ``await at(stamp)`` for the pose of that very instant.
+    """Poses X_OB by stamp: ``add`` each odometry message, ``await at(stamp)`` for the pose at exactly that instant.
 
-    Never the pose of another instant: not the newest, not the nearest. Between two odometry messages the pose is
-    interpolated.
+    Never the newest or nearest pose instead: between two odometry messages the pose is interpolated.
     """
 
     def __init__(self, clock: Clock, span_s: float = 10.0) -> None:
@@ -24,7 +23,7 @@ class PoseAt:
         self._arrived = asyncio.Event()
 
     def add(self, odometry: Odometry) -> None:
-        """Remember a pose and wake whoever waits for it."""
+        """Add a pose and wake the waiting calls of :meth:`at`."""
         self._buffer.add(odometry.stamp, odometry.X_OB)
         self._newest = max(self._newest, odometry.stamp)
         arrived, self._arrived = self._arrived, asyncio.Event()

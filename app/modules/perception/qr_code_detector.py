@@ -1,4 +1,4 @@
-"""QRCodeDetector: which QR codes the cameras see, and where they hang (thesis 4.2).
+"""QRCodeDetector: detection and positions of QR codes (thesis 4.2).
 
     ┌─────────────────────────────────────────────────────────────────────────────────────────┐
     │ QRCodeDetector    in   images     Image with depth, 15 Hz / φ                            │
@@ -14,11 +14,11 @@ camera's pose X_BC and into ``odom`` by X_OB, both of the image's own stamp, and
 
     p_OQ = X_OB X_BC p_CQ        p ← p + P / (P + R) · (p_OQ − p)        σ(r) = σ₀ + k r²
 
-A fisheye's images are read in undistorted patches. A code of an image without depth hangs where the ray towards its
-centre meets the wall that the laser saw within ``scan_age_s`` of the image; it has no place where that is not clear
-(``laser_ray``), or where a code of the size seen would be larger than ``largest_code_m`` there.
+A fisheye's images are read in undistorted patches. A code in an image without depth is placed where the ray through its
+centre meets a wall of the scan within ``scan_age_s`` of the image; it has no position where that is ambiguous
+(``laser_ray``), or where its size would exceed ``largest_code_m``.
 
-Landmarks that stay where they are, are told again once a second while they are seen, for their counts. ``upscale`` (a
+Unmoved landmarks are published once a second while they are seen, for their counts. ``upscale`` (a
 second try on the enlarged image, not for a fisheye's) is a parameter of the desire FindQRCodes.
 """
 
@@ -32,8 +32,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
+from pydantic import BaseModel, ConfigDict, Field
 
+from app.attention.desires import DesireClass
 from app.base.geometry import FisheyeModel, Pose2
 from app.messages import Image, Landmarks, LaserScan, Odometry, QRCode, QRCodes
 from app.modules.perception.fisheye_patches import FisheyePatches
@@ -44,7 +45,7 @@ from app.modules.perception.pose_at import PoseAt
 from app.modules.perception.qr_codes import central_ray, corner_rays, detect, detect_panorama, edge_angle
 from app.runtime.module import Module, ModuleContext, Settings
 
-#: Scans kept: as many as the laser sends while the slowest image is read.
+#: Number of kept scans: those of the time the slowest image takes.
 _SCANS = 16
 
 
@@ -66,11 +67,34 @@ class QRCodeDetectorSettings(Settings):
     )
 
 
+class FindQRCodesParameters(BaseModel):
+    """Parameters of a desire of class FindQRCodes."""
+
+    model_config = ConfigDict(extra="forbid", title="Find QR codes")
+
+    upscale: bool = Field(
+        True,
+        title="Second try enlarged",
+        description="Look again in the Kinect's image enlarged two times when nothing was found: reads codes from "
+        "further away, for about twice the computing time.",
+    )
+
+
+#: What can be desired of it.
+FIND_QR_CODES = DesireClass(
+    name="FindQRCodes",
+    title="Find QR codes",
+    description="Read the QR codes in both cameras' views and remember where they hang (m, in odom).",
+    parameters=FindQRCodesParameters,
+)
+
+
 class QRCodeDetector(Module):
-    """Reads codes and remembers where they hang."""
+    """Reads codes and keeps their positions."""
 
     title = "QR code detector"
-    aids = frozenset({"scans"})
+    desire_classes = (FIND_QR_CODES,)
+    auxiliary_inputs = frozenset({"scans"})
     Settings = QRCodeDetectorSettings
     settings: QRCodeDetectorSettings
 
@@ -79,7 +103,7 @@ class QRCodeDetector(Module):
         self._upscale = self.settings.upscale
         self._poses = PoseAt(self.clock)
         self._map = LandmarkMap()
-        self._told: Landmarks | None = None
+        self._published: Landmarks | None = None
         self._poseless = False
         self._patches: FisheyePatches | None = None
         self._scans: deque[LaserScan] = deque(maxlen=_SCANS)
@@ -92,21 +116,23 @@ class QRCodeDetector(Module):
         self.on(self.images, self._detect)
         self.on(self.panorama, self._detect)
         self.on(self.scans, self._keep)
-        self.on(self.odometry, self._remember)
+        self.on(self.odometry, self._take_odometry)
 
     async def start(self) -> None:
-        """Keep OpenCV's work where it is measured, and go on with the landmarks known before a restart."""
+        """Keep OpenCV's work in the module's thread, and continue with the landmarks from before a restart."""
         use_calling_thread()
         channel = self.landmarks.channel
-        self._told = None if channel is None else channel.latest
+        self._published = None if channel is None else channel.latest
         model = SightingModel(self.settings.sigma_floor_m, self.settings.sigma_per_m2)
-        self._map = LandmarkMap(model, self.settings.gate_m, () if self._told is None else self._told.landmarks)
+        self._map = LandmarkMap(
+            model, self.settings.gate_m, () if self._published is None else self._published.landmarks
+        )
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
         """Take ``upscale`` from the intention."""
         self._upscale = bool(parameters.get("upscale", self.settings.upscale))
 
-    async def _remember(self, odometry: Odometry) -> None:
+    async def _take_odometry(self, odometry: Odometry) -> None:
         self._poses.add(odometry)
 
     async def _keep(self, scan: LaserScan) -> None:
@@ -148,7 +174,7 @@ class QRCodeDetector(Module):
                 x, y, z = X_OB3.transform(p_BQ).tolist()
                 range_m = float(np.linalg.norm(p_BQ - image.X_BC.translation))
                 self._map.see(image.stamp, code.text, (x, y, z), range_m)
-        self._tell(image.stamp)
+        self._publish_landmarks(image.stamp)
 
     async def _place_on_walls(self, image: Image, X_OB: Pose2 | None, codes: tuple[QRCode, ...]) -> None:
         walls = await self._walls(image.stamp)
@@ -171,10 +197,10 @@ class QRCodeDetector(Module):
         for text, hit in found:
             self._map.take(image.stamp, text, hit.point, math.hypot(hit.sigma_m, self.settings.wall_sigma_m))
         if found:
-            self._tell(image.stamp)
+            self._publish_landmarks(image.stamp)
 
     async def _walls(self, stamp: float) -> tuple[NDArray[np.float64], tuple[float, float], float] | None:
-        """The scan nearest to ``stamp``: its points in odom, where its laser was, the angle between its rays."""
+        """The scan nearest to ``stamp``: its points in odom, the laser's position, the angle between its rays."""
         scan = min(self._scans, key=lambda s: abs(s.stamp + 0.5 * s.duration_s - stamp))
         if abs(scan.stamp + 0.5 * scan.duration_s - stamp) > self.settings.scan_age_s:
             return None
@@ -185,26 +211,26 @@ class QRCodeDetector(Module):
         x, y, _ = begin.to_pose3().transform(scan.X_BL.translation).tolist()
         return scan_points(scan, begin, end), (x, y), scan.angle_increment
 
-    def _tell(self, stamp: float) -> None:
-        # Two cameras take turns, and the slower to read of them may come later with an earlier stamp.
-        stamp = stamp if self._told is None else max(stamp, self._told.stamp)
+    def _publish_landmarks(self, stamp: float) -> None:
+        # The images of two cameras are processed in turn, and one may come later with an earlier stamp.
+        stamp = stamp if self._published is None else max(stamp, self._published.stamp)
         known = Landmarks(stamp, self._map.landmarks)
         if self._is_news(known):
-            self._told = known
+            self._published = known
             self.landmarks.publish(known)
 
     def _is_news(self, known: Landmarks) -> bool:
-        told = self._told
-        if told is None or len(told.landmarks) != len(known.landmarks):
+        published = self._published
+        if published is None or len(published.landmarks) != len(known.landmarks):
             return True
-        if known.stamp - told.stamp >= self.settings.refresh_s:
+        if known.stamp - published.stamp >= self.settings.refresh_s:
             return True
         places: list[tuple[Point, Point]] = [
-            (a.p_OQ, b.p_OQ) for a, b in zip(told.landmarks, known.landmarks, strict=True)
+            (a.p_OQ, b.p_OQ) for a, b in zip(published.landmarks, known.landmarks, strict=True)
         ]
         return any(math.dist(before, now) > self.settings.moved_m for before, now in places)
 
 
 def _of(image: Image, codes: tuple[QRCode, ...]) -> QRCodes:
     height, width = image.color.shape[:2]
-    return QRCodes(image.stamp, image.frame, width, height, image.X_BC, codes)
+    return QRCodes(image.stamp, image.frame, width=width, height=height, X_BC=image.X_BC, codes=codes)

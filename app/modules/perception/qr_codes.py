@@ -1,4 +1,4 @@
-"""Finding QR codes in an image and placing them in space: pure functions.
+"""Detection and position of QR codes in an image: pure functions.
 
 Decoding is zxing-cpp's (ISO/IEC 18004), with a second try on the image enlarged two times where nothing was found. A
 fisheye's images are read in undistorted patches of them (``fisheye_patches``). Codes are placed here by the depth of
@@ -16,19 +16,19 @@ from app.base.geometry import CameraModel, FisheyeModel
 from app.messages import Image, QRCode, read_only
 from app.modules.perception.fisheye_patches import FisheyePatches
 
-#: A code needs at least this many pixels with depth, and this share of its own, to be placed.
+#: Least number of pixels with depth, and their least share, to place a code.
 FEWEST_DEPTHS = 12
 SMALLEST_SHARE = 0.1
 
 _UPSCALE = 2
-#: Codes of the same text nearer than this (cosine of the angle) are one, seen in two patches.
+#: Codes of the same text within this (cosine of the angle) are one, seen in two patches.
 _SAME_PLACE = float(np.cos(np.radians(5.0)))
 
 
 def detect(image: Image, upscale: bool = True) -> tuple[QRCode, ...]:
     """All codes of ``image``, each placed in ``base_link`` at the image's stamp where its depth could be measured.
 
-    ``upscale``: look again in the image enlarged two times if nothing was found.
+    ``upscale``: a second try on the image enlarged two times if no code was found.
     """
     grey = np.asarray(cv2.cvtColor(image.color, cv2.COLOR_RGB2GRAY), np.uint8)
     codes = []
@@ -45,7 +45,7 @@ def detect(image: Image, upscale: bool = True) -> tuple[QRCode, ...]:
 
 
 def detect_panorama(image: Image, patches: FisheyePatches, most_patches: int) -> tuple[QRCode, ...]:
-    """All codes of the fisheye ``image``, none of them placed; looks into at most ``most_patches`` of ``patches``."""
+    """All codes of the fisheye ``image``, without positions; reads at most ``most_patches`` of ``patches``."""
     grey = np.asarray(cv2.cvtColor(image.color, cv2.COLOR_RGB2GRAY), np.uint8)
     codes: list[QRCode] = []
     known: list[tuple[str, NDArray[np.float64]]] = []
@@ -81,7 +81,7 @@ def central_ray(rays: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def edge_angle(rays: NDArray[np.float64]) -> float:
-    """Angle (rad) under which the longest edge of a code is seen along ``rays`` (4, 3) of its corners."""
+    """Angle (rad) subtended by the longest edge of a code, by the ``rays`` (4, 3) of its corners."""
     cosines = np.einsum("ij,ij->i", rays, np.roll(rays, 1, axis=0))
     return float(np.arccos(np.clip(cosines.min(), -1.0, 1.0)))
 
@@ -92,7 +92,7 @@ def decode(grey: NDArray[np.uint8], upscale: bool = True) -> list[tuple[str, NDA
     if found or not upscale:
         return found
     enlarged = cv2.resize(grey, None, fx=_UPSCALE, fy=_UPSCALE, interpolation=cv2.INTER_CUBIC)
-    # Pixel centres: u of the small image lies at 2 u + 1/2 of the enlarged one.
+    # Pixel centres: u of the small image is 2 u + 1/2 of the enlarged one.
     shift = np.float32(0.5 * (_UPSCALE - 1))
     return [(text, (corners - shift) / np.float32(_UPSCALE)) for text, corners in _read(np.asarray(enlarged, np.uint8))]
 
@@ -113,8 +113,8 @@ def locate(corners: NDArray[np.float32], depth: NDArray[np.uint16], camera: Came
     ``corners`` (4, 2) px, clockwise; ``depth`` (H, W) uint16 mm, 0 = none. The inverse depth of a plane is linear in
     the pixels, so 1/z = a u + b v + c is fitted to the depths inside the corners, twice: the second time without those
     beyond three times the median residual of the first. The centre is where the diagonals cross, which perspective
-    leaves in place, at the plane's depth there; the median depth takes the plane's place where that strays from it by
-    more than the code's own size allows.
+    leaves in place, at the plane's depth there; the median depth replaces the plane where they differ by more than the
+    code's size allows.
     """
     centre = diagonal_crossing(corners.astype(np.float64))
     v, u = _inside(corners, depth.shape)
@@ -133,7 +133,7 @@ def locate(corners: NDArray[np.float32], depth: NDArray[np.uint16], camera: Came
 
 
 def diagonal_crossing(corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Where the diagonals of the quadrilateral ``corners`` (4, 2) cross, or its mean corner if they are parallel."""
+    """Intersection of the diagonals of the quadrilateral ``corners`` (4, 2); its mean corner if they are parallel."""
     a, b, c, d = corners
     system = np.stack((c - a, b - d), axis=1)
     if abs(np.linalg.det(system)) < 1e-9:
@@ -150,7 +150,7 @@ def _inside(corners: NDArray[np.float32], shape: tuple[int, ...]) -> tuple[NDArr
     whole = np.round(corners).astype(np.int32)
     u0, v0 = np.clip(whole.min(axis=0), 0, (width, height))
     u1, v1 = np.clip(whole.max(axis=0) + 1, 0, (width, height))
-    # A mask of the code's own box: one of the whole image would cost more than all the rest.
+    # A mask of the code's own box: a mask of the whole image would dominate the cost.
     mask = np.zeros((v1 - v0, u1 - u0), np.uint8)
     if mask.size:
         cv2.fillConvexPoly(mask, whole - (u0, v0), 1)

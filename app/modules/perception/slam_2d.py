@@ -1,4 +1,4 @@
-"""SLAM2D: the map of a place, and where the robot is on it (thesis 4.2, 4.3: SLAM 2D).
+"""SLAM2D: mapping and localization with a laser (thesis 4.2, 4.3: SLAM 2D).
 
     ┌─────────────────────────────────────────────────────────────────────────────────────────┐
     │ SLAM2D    in   scans         LaserScan, 40 Hz / φ, in X_BL; the newest alone              │
@@ -9,17 +9,16 @@
     │           is the MapKeeper: save, load, begin, place, search, mark                       │
     └─────────────────────────────────────────────────────────────────────────────────────────┘
 
-Each scan is matched in the module's thread (slam/mapper.py), from where odometry says the robot has gone since the last
-one: at any φ, and after the scans were closed for a while. Loops are closed, the grid is drawn and the robot is looked
-for in a second thread, so that these delay no pose::
+Each scan is matched in the module's thread (slam/mapper.py), with odometry since the last one as prior: at any φ, and
+after a pause of the scans. Loop closure, drawing and relocalization run in a second thread, so that these delay no
+pose::
 
     X_MO = X_MB @ X_OB(stamp)^-1
 
-On a map that was loaded and stays, the pose is followed (``tracking``); where the scans do not fit for a while, the
-robot is ``lost`` and looks for itself (``searching``), believing nothing before motion tells (slam/relocalization.py).
-On a map that grows, odometry leads over places where scans do not fit; nothing is added while the robot is ``lost``:
-it may have been carried. ``rays`` (one in so many is looked at) and
-``mapping`` (false: the map stays as it is, though it could grow) are parameters of the strategies.
+On a loaded map that does not grow, the pose is tracked (``tracking``). After a time of misfitting scans the robot is
+``lost`` and relocalizes (``searching``), which accepts a pose only after motion (slam/relocalization.py). On a growing
+map, odometry bridges misfitting scans; the map does not grow while the robot is ``lost``: it may have been carried.
+``rays`` (every n-th ray is used) and ``mapping`` (false: the map does not grow) are parameters of the strategies.
 """
 
 from __future__ import annotations
@@ -32,56 +31,65 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from pydantic import Field
 
+from app.attention.desires import DesireClass
 from app.base import compiled
 from app.base.geometry import Pose2
 from app.maps.control import MapControl
 from app.maps.library import MapLibrary
 from app.messages import LaserScan, Localization, Message, OccupancyGrid, Odometry, Zone, Zones, read_only
 from app.modules.perception.pose_at import PoseAt
-from app.modules.perception.slam.initial_map import Legacy, Shown, first_map
-from app.modules.perception.slam.localization_quality import FITS_NOT, FitWatch, empty_grid, spread_of
-from app.modules.perception.slam.map_server import Keeper
+from app.modules.perception.slam.initial_map import LastPublished, RestartState, choose_initial_map
+from app.modules.perception.slam.localization_quality import FITS_NOT, FitMonitor, empty_grid, spread_of
+from app.modules.perception.slam.map_server import MapServer
 from app.modules.perception.slam.optimizer import OptimizerProcess
 from app.runtime.module import Module, ModuleContext, Settings
 from app.runtime.ports import Output
 
-if TYPE_CHECKING:  # compiled, or loaded, when they are imported: that is left to the module's thread
-    from app.modules.perception.slam.map_rendering import Glance
-    from app.modules.perception.slam.relocalization import Place, PlaceSearch
-    from app.modules.perception.slam.session import Followed, KeptMap, MapSession
+if TYPE_CHECKING:  # kernels are compiled or loaded on import, in the module's thread
+    from app.modules.perception.slam.map_rendering import ExtraView
+    from app.modules.perception.slam.relocalization import PoseHypothesis, PoseSearch
+    from app.modules.perception.slam.session import MapSession, ScanResult, StoredMap
     from app.modules.perception.slam.types import Match
 
 M = TypeVar("M", bound=Message)
 
-#: On a map that grows, odometry leads over fewer scans in a row than these that do not fit, however far apart they are.
+#: Number of consecutive misfitting scans that odometry bridges on a growing map, whatever their time ...
 _LEAST_MISFITS = 3
-#: ... and it grows on once so much of each scan lies on it: long walls are alike, and what is added wrongly stays.
+#: ... and inlier share from which the map grows again: long walls are similar, and errors stay on the map.
 _SURE = 0.8
-#: The graph's correction holds the interpreter's lock for some 0.05 ms an edge.
+#: Number of edges from which the correction runs in another process: it holds the interpreter's lock for about 0.05 ms
+#: per edge.
 _LEAST_EDGES = 400
-#: Scans wait so long (s) for odometry to come as far.
+#: Time (s) a scan waits for odometry of its stamp.
 _PATIENCE_S = 0.2
 
 
 class SLAM2DSettings(Settings):
     """Settings of SLAM2D."""
 
-    map: str = Field("", description="the map that is taken into use at the start; none: an empty one is begun")
-    extend: bool = Field(False, description="whether that map goes on growing")
+    map: str = Field("", description="map in use at the start; none: an empty one")
+    extend: bool = Field(False, description="whether that map grows")
     cell_m: float = Field(0.05, ge=0.01, le=1, description="side of a cell of the map")
-    side_m: float = Field(50.0, ge=1, le=500, description="side of an empty map; it grows beyond where it must")
-    publish_s: float = Field(1.0, ge=0.1, description="the map is told no more often than this")
-    lost_after_s: float = Field(1.0, gt=0, description="scans that do not fit for so long: the robot is lost")
-    search_after_s: float = Field(
-        2.0, gt=0, description="... and for so long, on a map that stays: it looks for itself"
-    )
-    sure_after_s: float = Field(1.0, gt=0, description="it stops looking when scans fit again for so long after all")
+    side_m: float = Field(50.0, ge=1, le=500, description="initial side of an empty map")
+    publish_s: float = Field(1.0, ge=0.1, description="least period of published maps")
+    lost_after_s: float = Field(1.0, gt=0, description="time of misfitting scans after which the robot is lost")
+    search_after_s: float = Field(2.0, gt=0, description="the same for relocalization, on a map that does not grow")
+    sure_after_s: float = Field(1.0, gt=0, description="time of fitting scans after which relocalization ends")
+
+
+#: What can be desired of it.
+MAP_AND_LOCALIZE = DesireClass(
+    name="SLAM",
+    title="Map and know where it is",
+    description="Map the place with the laser, close loops, and report where the robot is on the map (m).",
+)
 
 
 class SLAM2D(Module):
-    """Maps, follows the robot, and keeps maps."""
+    """Maps, localizes the robot, and saves maps."""
 
     title = "SLAM 2D"
+    desire_classes = (MAP_AND_LOCALIZE,)
     Settings = SLAM2DSettings
     settings: SLAM2DSettings
 
@@ -95,22 +103,22 @@ class SLAM2D(Module):
         self._session: MapSession | None = None
         self._name = ""
         self._zones: tuple[Zone, ...] = ()
-        self._told: Localization | None = None
-        self._legacy = Legacy(self.kept)
-        self._fits = FitWatch(self.settings.lost_after_s, self.settings.sure_after_s)
-        #: Looking for the robot: asked for, under way, and where it may be by now.
+        self._published: Localization | None = None
+        self._restart_state = RestartState(self.persistent)
+        self._fits = FitMonitor(self.settings.lost_after_s, self.settings.sure_after_s)
+        #: Relocalization: requested, running, and its hypotheses.
         self._search_due = False
-        self._search: PlaceSearch | None = None
-        self._places: tuple[Place, ...] = ()
-        self._sighting: tuple[LaserScan, Pose2] | None = None
-        #: For the second thread: loops to close, looks to draw, the version that is drawn.
-        self._followed: Followed | None = None
-        self._glances: list[Glance] = []
+        self._search: PoseSearch | None = None
+        self._hypotheses: tuple[PoseHypothesis, ...] = ()
+        self._search_scan: tuple[LaserScan, Pose2] | None = None
+        #: For the second thread: loops to close, views to draw, the drawn version.
+        self._followed: ScanResult | None = None
+        self._extra_views: list[ExtraView] = []
         self._drawn = -1
         self._draw_due = False
         self._version = 0
         self._wake = asyncio.Event()
-        #: The timer and whoever saves a map draw in turn.
+        #: The timer and the saving of a map draw in turn.
         self._drawing = asyncio.Lock()
         self._optimizer = OptimizerProcess(_LEAST_EDGES)
         self._working: asyncio.Task[None] | None = None
@@ -121,22 +129,22 @@ class SLAM2D(Module):
         self.map = self.output("map", OccupancyGrid)
         self.zones = self.output("zones", Zones)
         self.on(self.scans, self._see)
-        self.on(self.odometry, self._remember)
+        self.on(self.odometry, self._take_odometry)
         self.every(self.settings.publish_s, self._let_draw)
 
     async def start(self) -> None:
-        """Load the kernels, and the map to begin with: the one in use before a restart, or as configured."""
+        """Load the kernels, and the initial map: the one in use before a restart, or as configured."""
         await self.compute(self._load_kernels)
-        keeper = Keeper(self, self.service(MapLibrary))
+        map_server = MapServer(self, self.service(MapLibrary))
         control = self.service(MapControl)
         same = await self._take_first()
         await control.resume(self._name, same=same)
         self._working = asyncio.create_task(self._metered(self._work()), name=f"{self.name}, behind")
         self._working.add_done_callback(self._ended)
-        self._detach = control.attach(keeper)
+        self._detach = control.attach(map_server)
 
     async def stop(self) -> None:
-        """Keep no maps any more."""
+        """Detach from the map control and end the second thread's work."""
         self._detach()
         if self._working is not None:
             self._working.cancel()
@@ -148,9 +156,9 @@ class SLAM2D(Module):
         self._mapping = bool(parameters.get("mapping", True))
         self._rays = max(1, int(parameters.get("rays", 1)))
 
-    # --- The robot's place -----------------------------------------------------------------------------------------
+    # --- Localization -----------------------------------------------------------------------------------------
 
-    async def _remember(self, odometry: Odometry) -> None:
+    async def _take_odometry(self, odometry: Odometry) -> None:
         self._odometry = odometry
         self._poses.add(odometry)
 
@@ -166,7 +174,7 @@ class SLAM2D(Module):
         if X_OB is None or session is None:
             return
         if self._search is not None:
-            self._sighting = scan, X_OB
+            self._search_scan = scan, X_OB
             self._wake.set()
         odometry = self._odometry
         twist = (0.0, 0.0) if odometry is None else (odometry.linear_mps, odometry.angular_radps)
@@ -177,18 +185,28 @@ class SLAM2D(Module):
         if followed is not None:
             self._take(session, followed)
         if followed is None or self._search is not None:
-            self._tell_search(scan.stamp, X_OB)
+            self._publish_search(scan.stamp, X_OB)
         else:
             match, state = followed.match, self._state(session, followed.match)
-            self._tell(Localization(scan.stamp, match.X_MO, match.X_MB, match.covariance, state, match.overlap, ""))
+            self._publish(
+                Localization(
+                    scan.stamp,
+                    match.X_MO,
+                    X_MB=match.X_MB,
+                    covariance=match.covariance,
+                    state=state,
+                    overlap=match.overlap,
+                    map="",
+                )
+            )
 
-    def _take(self, session: MapSession, followed: Followed) -> None:
-        """Note what is to be done for a scan that was matched, and whether it fitted."""
+    def _take(self, session: MapSession, followed: ScanResult) -> None:
+        """Take a matched scan: schedule its job and views, and update the fit monitor."""
         if followed.job is not None:
             self._followed = followed
             self._wake.set()
-        if followed.glance is not None:
-            self._glances.append(followed.glance)
+        if followed.extra_view is not None:
+            self._extra_views.append(followed.extra_view)
         match = followed.match
         if session.grows:
             self._fits.see(match.stamp, match.inliers, match.matched, _SURE, _LEAST_MISFITS)
@@ -201,30 +219,34 @@ class SLAM2D(Module):
     def _state(self, session: MapSession, match: Match) -> str:
         unfit_s = self._fits.unfit_s(match.stamp)
         if unfit_s > self.settings.search_after_s and not session.grows and not self._search_due:
-            self.log.warning("scans do not fit the map where the robot should be: it looks for itself")
+            self.log.warning("scans do not fit the map where the robot should be: relocalization starts")
             self._search_due = True
             self._wake.set()
         if self._fits.lost:
             return "lost"
         return "mapping" if session.grows and self._mapping else "tracking"
 
-    def _tell_search(self, stamp: float, X_OB: Pose2) -> None:
-        """Tell that the robot looks for itself, and where it likeliest is."""
+    def _publish_search(self, stamp: float, X_OB: Pose2) -> None:
+        """Publish that relocalization is running, with its likeliest hypothesis."""
         grid = None if self._session is None else self._session.grid
-        best = self._places[0] if self._places else None
-        last = Pose2() if self._told is None else self._told.X_MO
+        best = self._hypotheses[0] if self._hypotheses else None
+        last = Pose2() if self._published is None else self._published.X_MO
         X_MO = last if best is None else best.X_MO
         overlap = 0.0 if best is None else max(0.0, best.score)
-        covariance = spread_of([place.X_MO @ X_OB for place in self._places], grid)
-        self._tell(Localization(stamp, X_MO, X_MO @ X_OB, covariance, "searching", overlap, ""))
+        covariance = spread_of([place.X_MO @ X_OB for place in self._hypotheses], grid)
+        self._publish(
+            Localization(
+                stamp, X_MO, X_MB=X_MO @ X_OB, covariance=covariance, state="searching", overlap=overlap, map=""
+            )
+        )
 
-    def _tell(self, place: Localization) -> None:
+    def _publish(self, place: Localization) -> None:
         covariance = read_only(np.array(place.covariance, np.float64))
-        self._told = replace(place, covariance=covariance, map=self._name)
-        self.localization.publish(self._told)
+        self._published = replace(place, covariance=covariance, map=self._name)
+        self.localization.publish(self._published)
 
     def _end_search(self) -> None:
-        self._search, self._sighting, self._places, self._search_due = None, None, (), False
+        self._search, self._search_scan, self._hypotheses, self._search_due = None, None, (), False
         self._fits.begin()
 
     # --- Behind ----------------------------------------------------------------------------------------------------
@@ -234,7 +256,7 @@ class SLAM2D(Module):
         self._wake.set()
 
     async def _work(self) -> None:
-        """What the second thread does, one thing after the other."""
+        """The loop of the second thread: one task after the other."""
         while True:
             await self._wake.wait()
             self._wake.clear()
@@ -248,18 +270,18 @@ class SLAM2D(Module):
                 await self._draw(session)
 
     async def _look(self, session: MapSession) -> None:
-        """Begin to look for the robot, or go on with it."""
+        """Start relocalization, or continue it with the newest scan."""
         if self._search_due and self._search is None:
-            search = await self.compute_behind(session.begin_search)
+            search = await self.compute_background(session.begin_search)
             if session is self._session and self._search_due:
                 self._search, self._search_due = search, False
-        search, sighting, self._sighting = self._search, self._sighting, None
+        search, sighting, self._search_scan = self._search, self._search_scan, None
         if search is None or sighting is None:
             return
-        X_MO, places = await self.compute_behind(_looked, search, *sighting)
+        X_MO, hypotheses = await self.compute_background(_looked, search, *sighting)
         if search is not self._search:
             return
-        self._places = places
+        self._hypotheses = hypotheses
         if X_MO is not None:
             at = X_MO @ sighting[1]
             self.log.info("the robot found itself at x %.2f m, y %.2f m on the map", at.x, at.y)
@@ -270,22 +292,22 @@ class SLAM2D(Module):
     async def _close_loops(self, session: MapSession) -> None:
         followed, self._followed = self._followed, None
         if followed is not None and followed.job is not None:
-            outcome = await self.compute_behind(followed.job.run)
+            outcome = await self.compute_background(followed.job.run)
             await self.compute(session.take, followed.slam, outcome)
 
     async def _draw(self, session: MapSession) -> None:
-        """Draw what changed, and tell the map if its cells did."""
+        """Draw changes, and publish the map if its cells changed."""
         if not session.grows:
             return
         async with self._drawing:
             snapshot, state = await self.compute(session.snapshot), await self.compute(session.state)
-            while await self.compute_behind(session.draw, snapshot):
+            while await self.compute_background(session.draw, snapshot):
                 await self._close_loops(session)
-            glances, self._glances = self._glances, []
-            grid = await self.compute_behind(session.drawn, glances, self.clock.now(), self._version + 1)
+            glances, self._extra_views = self._extra_views, []
+            grid = await self.compute_background(session.drawn, glances, self.clock.now(), self._version + 1)
             if session is not self._session:
                 return
-            self._legacy.grow(state)
+            self._restart_state.grow(state)
             if grid is not None:
                 self._version = grid.version
                 self.map.publish(grid)
@@ -295,7 +317,7 @@ class SLAM2D(Module):
         if isinstance(error, Exception):
             self.fail(error)
 
-    # --- The map in use: what the keeper asks for ------------------------------------------------------------------
+    # --- The map in use: interface of the map server ------------------------------------------------------------------
 
     @property
     def session(self) -> MapSession:
@@ -305,7 +327,7 @@ class SLAM2D(Module):
 
     @property
     def X_OB(self) -> Pose2:
-        """Where odometry says that the robot is now."""
+        """Current pose of the robot by odometry."""
         return Pose2() if self._odometry is None else self._odometry.X_OB
 
     @property
@@ -314,17 +336,17 @@ class SLAM2D(Module):
         return self._name
 
     def call(self, name: str) -> None:
-        """The map in use has this name from now on."""
+        """Set the name of the map in use."""
         self._name = name
-        self._legacy.call(name)
+        self._restart_state.call(name)
 
     @property
     def known_zones(self) -> tuple[Zone, ...]:
         """The zones of the map in use."""
         return self._zones
 
-    def new_session(self, kept: KeptMap | None, X_MO: Pose2 | None, grows: bool) -> MapSession:
-        """*Behind.* A session on a map that was kept, or an empty one."""
+    def new_session(self, kept: StoredMap | None, X_MO: Pose2 | None, grows: bool) -> MapSession:
+        """*Behind.* A session on a saved map, or an empty one."""
         from app.modules.perception.slam.session import MapSession
 
         settings = self.settings
@@ -335,11 +357,11 @@ class SLAM2D(Module):
         )  # fmt: skip
 
     def use(self, session: MapSession, name: str, zones: tuple[Zone, ...]) -> None:
-        """Take a map into use, and tell it with its zones and where the robot is on it."""
+        """Take a map into use, and publish it with its zones and the localization."""
         self._session = session
-        self._followed, self._glances = None, []
+        self._followed, self._extra_views = None, []
         self.call(name)
-        self._legacy.use(grows=session.grows)
+        self._restart_state.use(grows=session.grows)
         now, settings = self.clock.now(), self.settings
         grid = session.grid or empty_grid(settings.cell_m, settings.side_m)
         self._version += 1
@@ -348,34 +370,34 @@ class SLAM2D(Module):
         self._end_search()
         if session.lost:
             self.search()
-            self._tell_search(now, self.X_OB)
+            self._publish_search(now, self.X_OB)
 
     def mark(self, zones: tuple[Zone, ...]) -> None:
-        """Tell the zones of the map in use."""
+        """Set and publish the zones of the map in use."""
         self._zones = zones
         self.zones.publish(Zones(self.clock.now(), zones))
 
     def placed(self) -> None:
-        """The robot was placed: it is not looked for any more."""
+        """The pose was set: end the relocalization."""
         self._end_search()
-        # Hands slip: nothing is added to the map, and nothing drives by the place, before scans fit there.
+        # A person's pose may be wrong: the map does not grow and the pose is not used for driving until scans fit.
         self._fits.begin(doubted=True)
 
     def search(self) -> None:
-        """Look for the robot on the map in use."""
+        """Start relocalization on the map in use."""
         self._end_search()
         self._search_due = True
         self._wake.set()
 
     async def finish(self, session: MapSession) -> None:
-        """Correct and draw all that is known by now."""
+        """Correct and draw the map completely."""
         settling = await self.compute(session.settling)
         if settling is not None:
             slam, job = settling
-            await self.compute(session.take, slam, await self.compute_behind(job.run))
+            await self.compute(session.take, slam, await self.compute_background(job.run))
         await self._draw(session)
 
-    # --- The beginning ---------------------------------------------------------------------------------------------
+    # --- Start ---------------------------------------------------------------------------------------------
 
     def _load_kernels(self) -> None:
         if not compiled.is_ready():
@@ -384,16 +406,16 @@ class SLAM2D(Module):
         import app.modules.perception.slam.session  # noqa: F401
 
     async def _take_first(self) -> bool:
-        """The map to begin with; whether the instance before had it in use."""
-        shown, self._told, zones = _last(self.map), _last(self.localization), _last(self.zones)
-        self._version = 0 if shown is None else shown.version
-        last = Shown(shown, self._told, () if zones is None else zones.zones)
+        """Take the initial map into use; returns whether the earlier instance used the same."""
+        last_published, self._published, zones = _last(self.map), _last(self.localization), _last(self.zones)
+        self._version = 0 if last_published is None else last_published.version
+        last = LastPublished(last_published, self._published, () if zones is None else zones.zones)
         library, settings = self.service(MapLibrary), self.settings
-        first = await self.compute_behind(
-            first_map, self._legacy, last, library, self.new_session, settings.map, settings.extend
+        first = await self.compute_background(
+            choose_initial_map, self._restart_state, last, library, self.new_session, settings.map, settings.extend
         )
         if first.refused:
-            self.log.error("the map cannot be taken into use, an empty one is begun: %s", first.refused)
+            self.log.error("the map cannot be taken into use, an empty one starts: %s", first.refused)
         if first.stopped:
             self.log.warning("the map grows no more: it failed too soon again; begin another, or load one")
         self.use(first.session, first.name, first.zones)
@@ -404,7 +426,7 @@ def _last(output: Output[M]) -> M | None:
     return None if output.channel is None else output.channel.latest
 
 
-def _looked(search: PlaceSearch, scan: LaserScan, X_OB: Pose2) -> tuple[Pose2 | None, tuple[Place, ...]]:
+def _looked(search: PoseSearch, scan: LaserScan, X_OB: Pose2) -> tuple[Pose2 | None, tuple[PoseHypothesis, ...]]:
     from app.modules.perception.slam.session import look
 
     return look(search, scan, X_OB)

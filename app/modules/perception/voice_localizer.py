@@ -1,4 +1,4 @@
-"""VoiceLocalizer: where voices and other sounds come from, who is who, and each by itself (thesis 4.2: ManyEars).
+"""VoiceLocalizer: localization, tracking and separation of voices and other sounds (thesis 4.2: ManyEars).
 
     ┌─────────────────────────────────────────────────────────────────────────────────────────┐
     │ VoiceLocalizer    in   audio      Audio, 2 and more channels, frames of any length; all  │
@@ -10,12 +10,12 @@
     └─────────────────────────────────────────────────────────────────────────────────────────┘
 
 Computes steered response power over the sphere (voices/localization.py), tracks in ``odom``'s axes by the heading at
-the sound's own time (voices/tracking.py), each source's probability of being speech (Silero VAD, voices/speech.py), its
-distance from how tall people are (height.py), and each of up to two sources by itself (voices/separation.py).
-``microphones`` (2, 4, 8 ...: that many of those there are) and ``separation`` are parameters of the strategies for the
-desire LocateVoices, ``voices`` (how many are separated) of the desire itself. After a gap in the sound, and after a
-restart, all begins afresh but the numbers of the tracks. Where the microphones' positions do not explain what they hear
-(voices/array_check.py), it is said once.
+the sound's own time (voices/tracking.py), each source's probability of being speech (Silero VAD,
+voices/voice_activity.py), its distance by people's heights (height_prior.py), and the separated sound of up to two
+sources (voices/separation.py). ``microphones`` (2, 4, 8 ...: the number of used ones) and ``separation`` are parameters
+of the strategies for the desire LocateVoices, ``voices`` (how many are separated) of the desire itself. After a gap in
+the sound, and after a restart, all state except the track numbers is reset. Microphone positions that do not explain
+the sound (voices/array_check.py) are logged once.
 """
 
 from __future__ import annotations
@@ -26,18 +26,19 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
+from pydantic import BaseModel, ConfigDict, Field
 
+from app.attention.desires import DesireClass
 from app.messages import Audio, Odometry, SeparatedSound, SoundSources
 from app.modules.perception.overruns import Overruns
 from app.modules.perception.pose_at import PoseAt
 from app.modules.perception.voices.microphone_array import MicrophoneArray
 from app.modules.perception.voices.pipeline import PipelineSettings, VoicePipeline
-from app.modules.perception.voices.voice_activity import SpeechJudge
+from app.modules.perception.voices.voice_activity import VoiceActivityDetector
 from app.runtime.errors import InboxOverflow, ModuleFailed
 from app.runtime.module import Module, ModuleContext, Settings
 
-#: Kept over restarts and for the next pipeline, so that nobody is taken for who was heard before.
+#: Kept over restarts and for the next pipeline, so that track numbers are not reused.
 _NEXT_TRACK = "next track"
 
 
@@ -57,7 +58,7 @@ class VoiceLocalizerSettings(Settings):
 
 @dataclass(frozen=True, slots=True)
 class _Wiring:
-    """What a pipeline is made for."""
+    """Parameters of a pipeline."""
 
     p_BM: NDArray[np.float64]
     rate: int
@@ -66,10 +67,34 @@ class _Wiring:
         return audio.rate == self.rate and (audio.p_BM is self.p_BM or np.array_equal(audio.p_BM, self.p_BM))
 
 
+class LocateVoicesParameters(BaseModel):
+    """Parameters of a desire of class LocateVoices."""
+
+    model_config = ConfigDict(extra="forbid", title="Locate voices")
+
+    voices: int = Field(
+        2,
+        ge=1,
+        le=4,
+        title="Voices apart",
+        description="Greatest number of separated sources, where the strategy in force separates.",
+    )
+
+
+#: What can be desired of it.
+LOCATE_VOICES = DesireClass(
+    name="LocateVoices",
+    title="Locate voices",
+    description="Report where voices and other sounds come from (in base_link), and hear each by itself.",
+    parameters=LocateVoicesParameters,
+)
+
+
 class VoiceLocalizer(Module):
-    """Locates, follows, judges and separates sounds."""
+    """Localizes, tracks, classifies and separates sounds."""
 
     title = "Voice localizer"
+    desire_classes = (LOCATE_VOICES,)
     Settings = VoiceLocalizerSettings
     settings: VoiceLocalizerSettings
 
@@ -86,19 +111,19 @@ class VoiceLocalizer(Module):
         self._doubted = False
         self._waiting: list[NDArray[np.int16]] = []
         self._waiting_length = 0
-        #: Number and time of the first sample that waits, and the number of the next to come.
+        #: Number and time of the first waiting sample, and the number of the next expected one.
         self._first_sample, self._stamp, self._next_sample = 0, 0.0, -1
         self.audio = self.input("audio", Audio, capacity=94, lossless=True)
         self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True)
         self.sources = self.output("sources", SoundSources)
         self.separated = self.output("separated", SeparatedSound)
-        self.on(self.audio, self._hear)
-        self.on(self.odometry, self._remember)
+        self.on(self.audio, self._take_audio)
+        self.on(self.odometry, self._take_odometry)
 
     async def start(self) -> None:
-        """Read the network that judges."""
+        """Load the network of the voice activity detection."""
         if self.settings.speech:
-            await self.compute(SpeechJudge)
+            await self.compute(VoiceActivityDetector)
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
         """Take ``microphones``, ``separation`` and ``voices`` from the intention; another pipeline if they changed."""
@@ -114,20 +139,20 @@ class VoiceLocalizer(Module):
             self._retire()
 
     def overflowed(self, port: str, loss: InboxOverflow) -> None:
-        """Sound came faster than it could be heard: what was lost is a gap, told by the samples' numbers."""
+        """Lost sound is a gap, which the samples' numbers show."""
         self._overruns.lost(self.audio, loss)
 
-    async def _remember(self, odometry: Odometry) -> None:
+    async def _take_odometry(self, odometry: Odometry) -> None:
         self._poses.add(odometry)
 
-    async def _hear(self, audio: Audio) -> None:
+    async def _take_audio(self, audio: Audio) -> None:
         self._overruns.heard()
         if self._wiring is None or not self._wiring.same(audio):
             self._retire()
             self._wiring = _Wiring(audio.p_BM, audio.rate)
             self._doubted = False
         if audio.first_sample != self._next_sample:
-            self._forget()
+            self._reset()
         if not self._waiting_length:
             self._first_sample, self._stamp = audio.first_sample, audio.stamp
         self._waiting.append(audio.samples)
@@ -135,9 +160,9 @@ class VoiceLocalizer(Module):
         self._next_sample = audio.first_sample + len(audio.samples)
         while self._pipeline is None:
             wanted = self._microphones, self._wanted
-            first = self.kept.get(_NEXT_TRACK, 1)
+            first = self.persistent.get(_NEXT_TRACK, 1)
             made = await self.compute(_made, self._wiring, *wanted, self.settings.body_m, first)
-            # Another may have been asked for meanwhile.
+            # The parameters may have changed meanwhile.
             self._pipeline = made if wanted == (self._microphones, self._wanted) else None
         pipeline = self._pipeline
         while self._waiting_length >= pipeline.step and self._pipeline is pipeline:
@@ -151,7 +176,7 @@ class VoiceLocalizer(Module):
                 )
 
     async def _process(self, pipeline: VoicePipeline, rate: int) -> None:
-        """Hear one block of what waits."""
+        """Process one block of the waiting sound."""
         sound = np.concatenate(self._waiting)
         block, rest = sound[: pipeline.step], sound[pipeline.step :]
         stamp, first_sample = self._stamp, self._first_sample
@@ -159,16 +184,16 @@ class VoiceLocalizer(Module):
         self._stamp, self._first_sample = stamp + pipeline.step / rate, first_sample + pipeline.step
         heading = await self._heading_at(pipeline.instant(stamp))
         sources, separated = await self.compute(pipeline.process, block, stamp, first_sample, heading)
-        self.kept[_NEXT_TRACK] = pipeline.next_track
+        self.persistent[_NEXT_TRACK] = pipeline.next_track
         self.sources.publish(sources)
         if separated is not None:
             self.separated.publish(separated)
 
     async def _heading_at(self, stamp: float) -> float:
-        """The robot's heading then; the last one known where odometry does not reach."""
+        """The robot's heading at that time; the last known one where odometry does not reach it."""
         if not self.odometry.connected:
             return 0.0
-        # Once it was late, it is not waited for again: sound does not wait either.
+        # After one timeout there is no further waiting: sound continues.
         X_OB = await self._poses.at(stamp, 0.0 if self._poseless else 0.5)
         if (X_OB is None) != self._poseless:
             self._poseless = X_OB is None
@@ -180,16 +205,16 @@ class VoiceLocalizer(Module):
             self._heading = X_OB.theta
         return self._heading
 
-    def _forget(self) -> None:
-        """The next samples do not follow the last."""
+    def _reset(self) -> None:
+        """Reset: the next samples do not follow the last."""
         self._waiting, self._waiting_length = [], 0
         if self._pipeline is not None:
             self._pipeline.reset()
 
     def _retire(self) -> None:
-        """Another pipeline takes over, with numbers of its own."""
+        """Replace the pipeline, with new track numbers."""
         self._pipeline = None
-        self._forget()
+        self._reset()
 
 
 def _made(

@@ -1,1 +1,1 @@
-"""The Recorder: what the robot lives, on disk."""
+"""The Recorder: channels on disk."""

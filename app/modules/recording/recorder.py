@@ -1,4 +1,4 @@
-"""Recorder: what the robot lives, on disk (thesis 4.4: every experiment was recorded).
+"""Recorder: channels on disk (thesis 4.4: every experiment was recorded).
 
 ┌─────────────────────────────────────────────────────────────────────────────────────────┐
 │ Recorder    in   <channel>  every channel whose `log` is not `never`, or those named    │
@@ -6,8 +6,9 @@
 └─────────────────────────────────────────────────────────────────────────────────────────┘
 
 It records while the intention gives it parameters (desire class Record): into one file, or, with ``keep_minutes``,
-into a ring of the last minutes. Strategies may thin pictures and scans; what no strategy names is taken whole. While
-it does not record it takes and forgets. Disk and encoding are the writer's thread's; see docs/recording.md.
+into a ring of the last minutes. Strategies may decimate images and scans; inputs that no strategy names are recorded
+completely. While it does not record, it discards its messages. The writer's thread encodes and writes; see
+docs/recording.md.
 """
 
 from __future__ import annotations
@@ -16,13 +17,15 @@ import asyncio
 import time
 from collections.abc import Awaitable, Callable, Coroutine, Mapping
 from contextlib import suppress
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
+from app.attention.desires import DesireClass
 from app.attention.timeline import EventKind
+from app.base.named_library import LONGEST_NAME
 from app.logs.control import RecorderControl, RecorderUnavailable
-from app.logs.library import RecordingLibrary, default_name
+from app.logs.library import NAME_PATTERN, RecordingLibrary, default_name, name_or_nothing
 from app.logs.log import LogError
 from app.logs.manifest import Manifest
 from app.logs.mcap.disk_time import DiskTime
@@ -31,26 +34,26 @@ from app.logs.mcap.open_file import OpenFile, create
 from app.logs.mcap.ring import SEGMENT_S, Ring
 from app.logs.mcap.writer import MEGABYTE, Limits, RecordingWriter, Sink, check_room
 from app.logs.ros.encoder import Encoder
-from app.messages import EventRecord, Image, Message, ModuleRecord, PointCloud, RecorderStatus
+from app.messages import EventRecord, Image, Message, ModuleRecord, PointCloud, RecorderState, RecorderStatus
 from app.modules.recording.ring_saver import NO_RING, RingSaver
 from app.runtime.channel_table import ChannelSpec, ChannelTable
 from app.runtime.errors import InboxOverflow
 from app.runtime.module import Module, ModuleContext, Settings
 from app.runtime.ports import Input
 
-#: Closing a file takes less than this (s); a disk that needs longer is left to finish in its own thread.
+#: Time allowed for closing a file (s); on a slower disk its thread finishes alone.
 CLOSING_S = 0.4
 
 
-#: Room (messages) for what comes in one go after the loop stood still; what finds none is counted as dropped.
+#: Capacity (messages) for a burst after the loop was blocked; messages beyond it are counted as dropped.
 INBOX = 1024
-#: ... of messages of a megabyte and more.
+#: The same for messages of a megabyte and more.
 LARGE_INBOX = 32
 LARGE = (Image, PointCloud)
 
 
 class EventPattern(BaseModel):
-    """Events of the timeline: of this kind, and of this subject if one is named."""
+    """A pattern of timeline events: their kind, and their subject if one is named."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -58,12 +61,12 @@ class EventPattern(BaseModel):
     subject: str | None = None
 
     def matches(self, event: EventRecord) -> bool:
-        """Whether ``event`` is one of them."""
+        """Whether ``event`` matches."""
         return event.kind == self.kind and self.subject in (None, event.subject)
 
 
 class RecorderSettings(Settings):
-    """How much memory and disk recording may take, and when a ring saves itself."""
+    """Limits of memory and disk, and the events that save a ring."""
 
     queue_mb: float = Field(64, gt=0, description="memory for what waits for the disk")
     queue_messages: int = Field(20_000, ge=100, description="... and so many messages at most")
@@ -75,11 +78,42 @@ class RecorderSettings(Settings):
     save_after_s: float = Field(5, ge=0, description="... this long after them, so that what followed is kept too")
 
 
+class RecordParameters(BaseModel):
+    """Parameters of a desire of class Record."""
+
+    model_config = ConfigDict(extra="forbid", title="Record")
+
+    name: Annotated[str, AfterValidator(name_or_nothing)] = Field(
+        "",
+        json_schema_extra={"pattern": NAME_PATTERN, "maxLength": LONGEST_NAME},
+        title="Name",
+        description="What the recording is called; empty: the date and time at which it begins.",
+    )
+    keep_minutes: float = Field(
+        0,
+        ge=0,
+        le=120,
+        title="Keep the last minutes",
+        description="0 records everything into one file; otherwise only the last so many minutes are kept on disk, "
+        "until they are saved.",
+    )
+
+
+#: What can be desired of it.
+RECORD = DesireClass(
+    name="Record",
+    title="Record",
+    description="Write what the robot senses, decides and does into a log that can be replayed.",
+    parameters=RecordParameters,
+)
+
+
 class Recorder(Module):
     """Writes every message it is given into a log."""
 
     title = "Recorder"
-    #: How files are made; tests put a disk that fails in its place.
+    desire_classes = (RECORD,)
+    #: Opens files; tests replace it by a disk that fails.
     open_file: ClassVar[OpenFile] = staticmethod(create)
     Settings = RecorderSettings
     settings: RecorderSettings
@@ -95,11 +129,11 @@ class Recorder(Module):
         self.every(1.0, self._beat)
         self._writer: RecordingWriter | None = None
         self._ending: list[RecordingWriter] = []
-        self._told: list[RecordingWriter] = []
-        #: Whether what is written now is a ring.
+        self._reported: list[RecordingWriter] = []
+        #: Whether the present recording is a ring.
         self._turns = False
         self._wanted: dict[str, Any] = {}
-        #: Newest message of each standing state, by what it is the state of.
+        #: Newest message of each state, by the state's key.
         self._standing: dict[str, tuple[str, Message]] = {}
         self._tasks: set[asyncio.Task[None]] = set()
         self._saving_on_event = False
@@ -107,17 +141,17 @@ class Recorder(Module):
 
     @classmethod
     def default_inputs(cls, channels: Mapping[str, ChannelSpec]) -> Mapping[str, str]:
-        """Everything that may be recorded, on ports named as the channels."""
+        """All recordable channels, on ports of their names."""
         return {name: name for name, spec in channels.items() if spec.log != "never"}
 
     def accept(self, name: str, message_type: type[Message]) -> None:
-        """Take any channel, losing nothing while the loop comes round every second or two."""
+        """Take any channel, without loss while the event loop stalls for at most a second or two."""
         capacity = LARGE_INBOX if message_type in LARGE else INBOX
         port = self.input(name, message_type, capacity=capacity, lossless=True)
         self.on(port, self._taker(port))
 
     async def start(self) -> None:
-        """Be there for who wants the ring saved, and look for what a killed program left of its ring."""
+        """Attach the service that saves the ring, and look for the ring of a killed program."""
         self._loop = asyncio.get_running_loop()
         self._library = self.service(RecordingLibrary)
         self._manifest = self.service(Manifest)
@@ -133,12 +167,12 @@ class Recorder(Module):
         for task in self._tasks:
             task.cancel()
         self._end(discard=False)
-        # Closing goes on in its own thread whether it is waited for or not.
+        # The thread finishes closing whether or not it is awaited.
         await self.compute(_join, self._ending, CLOSING_S)
         self._publish()
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
-        """Record as ``parameters`` say; without any, do not."""
+        """Record as ``parameters`` say; stop without any."""
         if dict(parameters) == self._wanted:
             return
         before, self._wanted = self._wanted, dict(parameters)
@@ -148,7 +182,7 @@ class Recorder(Module):
             ring.call(lambda sink: _keep_for(sink, keep_s))
         else:
             ended = self._writer
-            # Only who wants no recording any more wants the ring thrown away; another recording takes nothing from it.
+            # The ring is discarded only if nothing is to be recorded any more; another recording does not affect it.
             self._end(discard=not self._wanted)
             if self._wanted:
                 self._begin()
@@ -156,11 +190,11 @@ class Recorder(Module):
         self._publish()
 
     def overflowed(self, port: str, loss: InboxOverflow) -> None:
-        """Say it, and go on: what was lost is counted in the status."""
+        """Log it, and go on: the status counts lost messages."""
         self.log.warning("%s", loss)
 
     async def save_ring(self, minutes: float | None, name: str | None) -> str:
-        """See ``RecorderControl.save_ring``; also raises ValueError for a name that may not be."""
+        """See ``RecorderControl.save_ring``; also raises ValueError for an invalid name."""
         writer = self._ring_writer()
         if writer is None or writer.reason:
             raise RecorderUnavailable(NO_RING)
@@ -170,12 +204,12 @@ class Recorder(Module):
 
     @property
     def queued_bytes(self) -> int:
-        """About how many bytes of memory wait for the disk, of recordings that end too."""
+        """About how many bytes wait for the disk, including recordings that are closing."""
         return sum(writer.queued_bytes for writer in (*self._ending, self._writer) if writer is not None)
 
     @property
     def writing(self) -> bool:
-        """Whether a recording is not on disk to its end yet."""
+        """Whether a recording is not completely on disk yet."""
         return self._writer is not None or any(not writer.over for writer in self._ending)
 
     @property
@@ -210,7 +244,7 @@ class Recorder(Module):
             self._writer.put(at, channel, message)
 
     def _open(self, at: float, keep_s: float, name: str, open_file: OpenFile) -> Sink:
-        # Before anything is made: a disk that is nearly full is not to gather files of nothing, one for each try.
+        # Checked before a file is made: a nearly full disk must not collect empty files, one for each try.
         least_free = int(self.settings.least_free_mb * MEGABYTE)
         check_room(self._library.folder, self._library.free_bytes(), least_free)
         if keep_s:
@@ -227,7 +261,7 @@ class Recorder(Module):
         if self._writer is not None:
             self._writer.finish(discard)
             self._ending = [*(w for w in self._ending if not w.over), self._writer]
-            self._told = [w for w in self._told if w in self._ending]
+            self._reported = [w for w in self._reported if w in self._ending]
             self._writer = None
 
     def _taker(self, port: Input[Any]) -> Callable[[Any], Awaitable[None]]:
@@ -241,7 +275,7 @@ class Recorder(Module):
         writer = self._writer
         if writer is not None:
             writer.put(self.clock.now(), channel, message)
-            if writer.reason and writer not in self._told:
+            if writer.reason and writer not in self._reported:
                 self._publish()
         if isinstance(message, EventRecord):
             self._save_on(message)
@@ -254,7 +288,7 @@ class Recorder(Module):
         return f"{channel}/{message.module}" if isinstance(message, ModuleRecord) else channel
 
     def _states(self) -> dict[str, tuple[str, Message]]:
-        """What stands now, whether it came by here or before this instance: a log begins with the whole state."""
+        """The newest state of each channel, also from before this instance: a log begins with the whole state."""
         states = dict(self._standing)
         for port in self._inputs.values():
             if port.channel is not None and (latest := port.channel.latest) is not None:
@@ -263,19 +297,19 @@ class Recorder(Module):
                     states[key] = (port.channel.name, latest)
         return states
 
-    # --- telling ---
+    # --- status ---
 
     async def _beat(self) -> None:
         self._publish()
 
     def _changed_in_thread(self) -> None:
-        with suppress(RuntimeError):  # the loop is closed: nobody is told any more
+        with suppress(RuntimeError):  # the loop is closed: the status has no subscriber any more
             self._loop.call_soon_threadsafe(self._publish)
 
     def _publish(self) -> None:
         for writer in (*self._ending, self._writer):
-            if writer is not None and writer.reason and writer not in self._told:
-                self._told.append(writer)
+            if writer is not None and writer.reason and writer not in self._reported:
+                self._reported.append(writer)
                 self.log.error("recording stopped: %s", writer.reason)
         self.status.publish(self._describe())
 
@@ -283,9 +317,20 @@ class Recorder(Module):
         now = self.clock.now()
         writer = self._writer or next((w for w in reversed(self._ending) if not w.over), None)
         if writer is None:
-            return RecorderStatus(now, "idle", "", 0.0, 0.0, 0, 0, 0, 0, "")
+            return RecorderStatus(
+                now,
+                "idle",
+                name="",
+                began=0.0,
+                duration_s=0.0,
+                bytes=0,
+                messages=0,
+                dropped=0,
+                queued_bytes=0,
+                reason="",
+            )
         sink = writer.sink
-        state = "stopped" if writer.reason else "ring" if self._turns else "recording"
+        state: RecorderState = "stopped" if writer.reason else "ring" if self._turns else "recording"
         return RecorderStatus(
             stamp=now,
             state=state,
@@ -300,7 +345,7 @@ class Recorder(Module):
         )
 
     def _lost(self) -> int:
-        """Messages that found no room in an inbox, ever."""
+        """Number of messages dropped by full inboxes, since the start."""
         return sum(port.subscription.statistics().dropped for port in self._inputs.values() if port.connected)
 
     # --- saving ---
@@ -313,7 +358,7 @@ class Recorder(Module):
             self._keep(self._save_after(event), "save the ring")
 
     async def _rescue_after(self, ended: RecordingWriter | None) -> None:
-        """Save what ended rings hold, that of ``ended`` too, once its thread is done with it."""
+        """Save ended rings, including ``ended`` once its thread has finished."""
         if ended is not None:
             await asyncio.to_thread(ended.join)
         await self._saver.rescue()
@@ -336,7 +381,7 @@ class Recorder(Module):
     def _kept(self, task: asyncio.Task[None]) -> None:
         self._tasks.discard(task)
         if not task.cancelled() and (error := task.exception()) is not None:
-            # A mistake of ours, beside what is being recorded, which goes on.
+            # A bug beside the recording, which goes on.
             self.log.error("%s failed", task.get_name(), exc_info=error)
 
 

@@ -1,4 +1,4 @@
-"""Making recordings of rings: of one that turns, and of one that an earlier run left behind. Copies in threads."""
+"""Saving of rings as recordings: the running ring, and rings of earlier runs. Copies in threads."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import Any
 from app.logs.control import RecorderUnavailable
 from app.logs.library import RecordingLibrary, default_name
 from app.logs.log import LogError
-from app.logs.mcap.ring import Hold, Ring
+from app.logs.mcap.ring import HeldSegments, Ring
 from app.logs.mcap.ring_folder import begin_of, leftovers, rescue, size_of
 from app.logs.mcap.writer import MEGABYTE, RecordingWriter, Sink, in_words
 
@@ -29,7 +29,7 @@ class RingSaver:
         log: logging.Logger,
         charge: Callable[..., Any],
     ) -> None:
-        """Never leaves less than ``least_free_bytes`` of the disk free; ``charge(function, *args)`` calls it."""
+        """Keeps at least ``least_free_bytes`` of the disk free; ``charge(function, *args)`` runs the work."""
         self._library = library
         self._least_free_bytes = least_free_bytes
         self._log = log
@@ -39,10 +39,10 @@ class RingSaver:
         self._none_saving.set()
 
     async def save(self, writer: RecordingWriter, now: float, minutes: float | None, name: str | None) -> str:
-        """Keep the last ``minutes`` (None: all) of the ring that ``writer`` writes; returns the recording's name.
+        """Save the last ``minutes`` (None: all) of the ring that ``writer`` writes; returns the recording's name.
 
-        Raises ValueError for a name that may not be, RecorderUnavailable where it writes no ring, LogError where it
-        cannot be written.
+        Raises ValueError for an invalid name, RecorderUnavailable if it writes no ring, LogError if it cannot be
+        written.
         """
         self._library.path(name or default_name(now))
         seconds = None if minutes is None else 60 * minutes
@@ -64,12 +64,12 @@ class RingSaver:
         return path.stem
 
     async def rescue(self) -> None:
-        """Make a recording of each ring that has ended but was not thrown away, here or in a program that is gone.
+        """Make a recording of each ring that ended and was not discarded, in this program or by one that is gone.
 
-        What cannot be made one is told and left.
+        A ring that cannot become a recording is logged and left.
         """
         for home in await self._in_thread(leftovers, self._library.ring_folder):
-            # One that has just ended may still be read by who asked for it before.
+            # A ring that has just ended may still be read by an earlier call.
             await self._none_saving.wait()
             try:
                 saved = await self._in_thread(self._rescue, home)
@@ -95,30 +95,31 @@ class RingSaver:
             )
 
     def _progress(self, what: str) -> Callable[[int, int], None]:
-        told = 0
+        reported = 0
 
         def progress(done: int, total: int) -> None:
-            nonlocal told
+            nonlocal reported
             quarters = 4 * done // max(total, 1)
-            if quarters > told:
-                told = quarters
+            if quarters > reported:
+                reported = quarters
                 self._log.info("%s: %d %% of %.0f MB", what, 25 * quarters, total / MEGABYTE)
 
         return progress
 
     async def _in_thread(self, function: Callable[..., Any], *args: Any) -> Any:
-        """As ``Module.compute``, but beside it: what takes long here holds up nothing else of the module."""
+        """As ``Module.compute``, in another thread: long work here delays no other work of the module."""
         return await asyncio.to_thread(self._charge, function, *args)
 
 
-def _hold(sink: Sink, at: float, seconds: float | None) -> Hold:
+def _hold(sink: Sink, at: float, seconds: float | None) -> HeldSegments:
     if not isinstance(sink, Ring):
         raise RecorderUnavailable(NO_RING)
     return sink.hold(at, seconds)
 
 
-async def _held(held: Future[Hold]) -> Hold:
-    """Wait for it; a hold that nobody waits for any more when it comes is released, or its segments stayed for ever."""
+async def _held(held: Future[HeldSegments]) -> HeldSegments:
+    """Wait for it; held segments that arrive after the caller was cancelled are released, else they would stay for
+    ever."""
     try:
         return await asyncio.shield(asyncio.wrap_future(held))
     except asyncio.CancelledError:
@@ -126,6 +127,6 @@ async def _held(held: Future[Hold]) -> Hold:
         raise
 
 
-def _let_go(held: Future[Hold]) -> None:
+def _let_go(held: Future[HeldSegments]) -> None:
     if held.exception() is None:
         held.result().release()

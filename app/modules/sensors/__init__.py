@@ -1,1 +1,1 @@
-"""What the body senses, put on channels: nothing is computed here."""
+"""Sensor modules: publish the body's streams on channels, without computation."""

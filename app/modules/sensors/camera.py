@@ -4,7 +4,7 @@
     │ Camera    out  images  Image, as the camera gives it, in camera_optical_frame, no depth  │
     └─────────────────────────────────────────────────────────────────────────────────────────┘
 
-Computes nothing: what the body's stream ``camera`` gives is published as it comes, and only while somebody wants it.
+Computes nothing: the body's stream ``camera`` is published unchanged, and only while a subscription is open.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from __future__ import annotations
 from types import MappingProxyType
 
 from app.messages import Image
-from app.modules.body import StreamModule
+from app.modules.stream_module import StreamModule
 from app.runtime.module import ModuleContext
 
 
@@ -27,5 +27,5 @@ class Camera(StreamModule):
         self.images = self.output("images", Image)
 
     async def start(self) -> None:
-        """Listen to the body. Raises ModuleFailed for a body without one."""
+        """Attach to the body's stream. Raises ModuleFailed for a body without a camera."""
         self.relay("camera", self.images, lazy=True)

@@ -4,7 +4,7 @@
     │ Hokuyo    out  scans  LaserScan, 40 Hz, 720 rays over 180 deg, 30 m, in hokuyo_link      │
     └─────────────────────────────────────────────────────────────────────────────────────────┘
 
-Computes nothing: what the body's stream ``hokuyo`` gives is published as it comes, and only while somebody wants it.
+Computes nothing: the body's stream ``hokuyo`` is published unchanged, and only while a subscription is open.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from __future__ import annotations
 from types import MappingProxyType
 
 from app.messages import LaserScan
-from app.modules.body import StreamModule
+from app.modules.stream_module import StreamModule
 from app.runtime.module import ModuleContext
 
 
@@ -27,5 +27,5 @@ class Hokuyo(StreamModule):
         self.scans = self.output("scans", LaserScan)
 
     async def start(self) -> None:
-        """Listen to the body. Raises ModuleFailed for a body without a laser."""
+        """Attach to the body's stream. Raises ModuleFailed for a body without a laser."""
         self.relay("hokuyo", self.scans, lazy=True)

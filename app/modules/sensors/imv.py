@@ -1,10 +1,10 @@
-"""Imv: the panoramic camera, a full hemisphere in front (thesis 4.2).
+"""Imv: the panoramic camera (immersive video), a full hemisphere in front (thesis 4.2).
 
     ┌─────────────────────────────────────────────────────────────────────────────────────────┐
     │ Imv    out  images  Image, 10 Hz, 1024 x 768, fisheye, in imv_optical_frame, no depth    │
     └─────────────────────────────────────────────────────────────────────────────────────────┘
 
-Computes nothing: what the body's stream ``imv`` gives is published as it comes, and only while somebody wants it.
+Computes nothing: the body's stream ``imv`` is published unchanged, and only while a subscription is open.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from __future__ import annotations
 from types import MappingProxyType
 
 from app.messages import Image
-from app.modules.body import StreamModule
+from app.modules.stream_module import StreamModule
 from app.runtime.module import ModuleContext
 
 
@@ -27,5 +27,5 @@ class Imv(StreamModule):
         self.images = self.output("images", Image)
 
     async def start(self) -> None:
-        """Listen to the body. Raises ModuleFailed for a body without a panoramic camera."""
+        """Attach to the body's stream. Raises ModuleFailed for a body without a panoramic camera."""
         self.relay("imv", self.images, lazy=True)

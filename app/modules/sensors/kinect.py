@@ -4,8 +4,8 @@
     │ Kinect    out  images  Image, 15 Hz, 640 x 480, in kinect_optical_frame, depth 0.4-5 m   │
     └─────────────────────────────────────────────────────────────────────────────────────────┘
 
-Computes nothing: what the body's stream ``kinect`` gives is published as it comes, and only while somebody wants it.
-A closed eye costs no rendering, no transport and no memory traffic: that is where attention saves most.
+Computes nothing: the body's stream ``kinect`` is published unchanged, and only while a subscription is open. A closed
+stream costs no rendering, transport or memory traffic: attention saves most here.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from __future__ import annotations
 from types import MappingProxyType
 
 from app.messages import Image
-from app.modules.body import StreamModule
+from app.modules.stream_module import StreamModule
 from app.runtime.module import ModuleContext
 
 
@@ -28,5 +28,5 @@ class Kinect(StreamModule):
         self.images = self.output("images", Image)
 
     async def start(self) -> None:
-        """Listen to the body. Raises ModuleFailed for a body without a Kinect."""
+        """Attach to the body's stream. Raises ModuleFailed for a body without a Kinect."""
         self.relay("kinect", self.images, lazy=True)

@@ -4,8 +4,8 @@
     │ Microphones    out  audio  Audio, 8 channels, 48 kHz, 16 bit, frames of 512, in base_link│
     └─────────────────────────────────────────────────────────────────────────────────────────┘
 
-Computes nothing: what the body's stream ``microphones`` gives is published as it comes, and only while somebody wants
-it. Sound may not be decimated: an input for it is open or closed (thesis 4.2.4).
+Computes nothing: the body's stream ``microphones`` is published unchanged, and only while a subscription is open. Sound
+may not be decimated: an input for it is open or closed (thesis 4.2.4).
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from __future__ import annotations
 from types import MappingProxyType
 
 from app.messages import Audio
-from app.modules.body import StreamModule
+from app.modules.stream_module import StreamModule
 from app.runtime.module import ModuleContext
 
 
@@ -28,5 +28,5 @@ class Microphones(StreamModule):
         self.audio = self.output("audio", Audio)
 
     async def start(self) -> None:
-        """Listen to the body. Raises ModuleFailed for a body without microphones."""
+        """Attach to the body's stream. Raises ModuleFailed for a body without microphones."""
         self.relay("microphones", self.audio, lazy=True)

@@ -1,11 +1,11 @@
-"""WheelOdometry: where the wheels say the base went, and how the joints stand (thesis 4.2).
+"""WheelOdometry: pose of the base by its wheels, and joint positions (thesis 4.2).
 
     ┌─────────────────────────────────────────────────────────────────────────────────────────┐
     │ WheelOdometry    out  odometry  Odometry, 100 Hz, X_OB in odom (m, rad), twist in base   │
     │                  out  joints    JointState, 30 Hz or as the body gives them (rad, m)     │
     └─────────────────────────────────────────────────────────────────────────────────────────┘
 
-Computes nothing; both streams always run, since self-motion and safety may have no gap.
+Computes nothing; both streams always run, since ego-motion and safety need them without a gap.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from __future__ import annotations
 from types import MappingProxyType
 
 from app.messages import JointState, Odometry
-from app.modules.body import StreamModule
+from app.modules.stream_module import StreamModule
 from app.runtime.module import ModuleContext
 
 
@@ -29,6 +29,6 @@ class WheelOdometry(StreamModule):
         self.joints = self.output("joints", JointState)
 
     async def start(self) -> None:
-        """Listen to the body. Raises ModuleFailed for a body that gives no odometry or joints."""
+        """Attach to the body's streams. Raises ModuleFailed for a body without odometry or joints."""
         self.relay("odometry", self.odometry)
         self.relay("joints", self.joints)

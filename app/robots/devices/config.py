@@ -7,12 +7,11 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
-from app.base.yaml_source import load_yaml
-from app.robots.config import LimitsConfig
+from app.robots.config import BodyConfig, LimitsConfig, load_body_config
 
 Positive = Annotated[float, Field(gt=0)]
 
-#: Bodies without wheels stand still, and say so this often.
+#: Rate (Hz) of the odometry of bodies without wheels.
 ODOMETRY_HZ, JOINTS_HZ, STATUS_HZ = 20.0, 5.0, 20.0
 
 
@@ -21,7 +20,7 @@ class _Model(BaseModel):
 
 
 def _number(source: Any, whose: str) -> Any:
-    """``source`` as a device's number where it is one. Raises ValueError for one that none can have."""
+    """``source`` as a device number where it is one. Raises ValueError for an impossible number."""
     text = str(source)
     if text.startswith("-") and text[1:].isdecimal():
         raise ValueError(f"{whose} number is from 0")
@@ -31,10 +30,10 @@ def _number(source: Any, whose: str) -> Any:
 class CameraConfig(_Model):
     """Stream ``camera``: colour without depth.
 
-    ``source`` is a camera's number (0 is the first) or device, a video file, a picture, or a folder of pictures. A
-    file's pictures come at ``rate_hz`` (none: a video's own, 15 Hz for pictures), over again when they are through
-    unless ``loop`` is off; each picture is shown for ``seconds_each``, so that whoever is given few of them sees all.
-    ``width`` and ``height`` are asked of a camera; what it gives is what it gives.
+    ``source``: a camera's number (0 is the first) or device, a video file, an image, or a folder of images. Files are
+    read at ``rate_hz`` (none: a video's own rate, 15 Hz for images), repeatedly unless ``loop`` is off; each image is
+    shown for ``seconds_each``, so that a decimated subscriber gets all of them. ``width`` and ``height`` are requested
+    of a camera, which may use others.
     """
 
     source: int | str = 0
@@ -52,7 +51,7 @@ class CameraConfig(_Model):
         return _number(source, "a camera's")
 
 
-class SoundConfig(_Model):
+class SoundInputConfig(_Model):
     """Stream ``microphones``: frames of samples of all channels, 16 bit.
 
     ``source`` is ``default``, the name or number of an input of this computer, or a sound file (1 to 8 channels; at its
@@ -80,37 +79,31 @@ class SpeakerConfig(_Model):
     source: int | str = "default"
 
 
-class DevicesConfig(_Model):
+class DevicesConfig(BodyConfig):
     """One body of devices. :func:`load_devices_config` takes ``model``, ``program`` and files relative to its file."""
 
     kind: Literal["devices"]
     name: str = "This computer"
-    model: Path
-    program: Path | None = Field(default=None, description="what `hbba run --robot` runs on it")
     camera: CameraConfig | None = None
-    microphones: SoundConfig | None = None
+    microphones: SoundInputConfig | None = None
     loudspeaker: SpeakerConfig | None = None
+    #: Nothing moves; limits are positive by contract.
+    limits: LimitsConfig = LimitsConfig(linear_mps=1e-3, angular_radps=1e-3, linear_mps2=1e-3, angular_radps2=1e-3)
 
     @property
-    def limits(self) -> LimitsConfig:
-        """Nothing moves; limits are positive by contract, and nobody will reach them."""
-        return LimitsConfig(linear_mps=1e-3, angular_radps=1e-3, linear_mps2=1e-3, angular_radps2=1e-3)
+    def standing_rates_hz(self) -> tuple[float, float, float]:
+        """Rates (Hz) of the streams that every body has: odometry, joints, status."""
+        return ODOMETRY_HZ, JOINTS_HZ, STATUS_HZ
 
 
 def load_devices_config(path: Path | str) -> DevicesConfig:
     """Read the file; raises ConfigError (file, line, key), also for a model or a program that is missing.
 
-    Sources that are files are taken relative to the file; whether they are there is found out when they are opened.
+    Source files are relative to the configuration file; missing ones are reported on opening.
     """
-    document = load_yaml(path)
-    config = document.validate(DevicesConfig)
+    config = load_body_config(path, DevicesConfig)
     here = Path(path).resolve().parent
-    update: dict[str, Any] = {"model": (here / config.model).resolve()}
-    if config.program is not None:
-        update["program"] = (here / config.program).resolve()
-    for key, file in update.items():
-        if not file.is_file():
-            raise document.error(f"{key}: there is no file {file}", (key,))
+    update: dict[str, Any] = {}
     for key in ("camera", "microphones"):
         device = getattr(config, key)
         if device is not None and isinstance(device.source, str) and (here / device.source).exists():

@@ -1,4 +1,4 @@
-"""A body of this computer's devices: what they give on streams; nothing that moves, so nothing to be guarded."""
+"""A body of this computer's devices: their data as streams, without motion and so without a guard."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from app.link import LinkFailed, RobotDescription, StreamDescription
 from app.messages import Audio, Image, JointState, LinkStatus, Odometry, Twist
 from app.robots.devices.config import JOINTS_HZ, ODOMETRY_HZ, STATUS_HZ, DevicesConfig
 from app.robots.devices.player import Player
-from app.robots.devices.reader import Reader
+from app.robots.devices.reader import InputReader
 from app.robots.devices.sound import no_sound_card
-from app.robots.devices.streams import Ear, Eye
-from app.robots.model import RobotModel
+from app.robots.devices.streams import AudioFrames, ImageFrames
+from app.robots.model import KinematicModel
 from app.robots.receivers import Receivers
 
 log = logging.getLogger("hbba.devices")
@@ -28,10 +28,10 @@ _MOST_PICTURES, _MOST_FRAMES = 2, 94
 class DevicesLink:
     """Implements ``app.link.RobotLink``; ``clock_offset`` (s) makes the robot's clock of ``time.monotonic()``."""
 
-    def __init__(self, config: DevicesConfig, model: RobotModel, clock_offset: float) -> None:
+    def __init__(self, config: DevicesConfig, model: KinematicModel, clock_offset: float) -> None:
         self._config = config
         self._offset = clock_offset
-        self._readers: dict[str, Reader[Any]] = {}
+        self._readers: dict[str, InputReader[Any]] = {}
         self._tasks: list[asyncio.Task[None]] = []
         self._failure: asyncio.Future[LinkFailed] | None = None
         self._player = None
@@ -45,15 +45,15 @@ class DevicesLink:
             "status": StreamDescription("status", LinkStatus, STATUS_HZ),
         }
         if config.camera is not None:
-            eye = Eye(config.camera, model.pose(config.camera.link), self._now)
-            self._readers["camera"] = Reader(
+            eye = ImageFrames(config.camera, model.pose(config.camera.link), self._now)
+            self._readers["camera"] = InputReader(
                 "camera", eye.open, lambda image: self._receivers.deliver("camera", image),
                 pause_s=eye.pause_s, most_waiting=_MOST_PICTURES,
             )  # fmt: skip
             streams["camera"] = StreamDescription("camera", Image, config.camera.rate_hz or 15.0)
         if config.microphones is not None:
-            ear = Ear(config.microphones, model.pose(config.microphones.link), self._now)
-            self._readers["microphones"] = Reader(
+            ear = AudioFrames(config.microphones, model.pose(config.microphones.link), self._now)
+            self._readers["microphones"] = InputReader(
                 "microphones", ear.open, lambda audio: self._receivers.deliver("microphones", audio),
                 pause_s=ear.pause_s, most_waiting=_MOST_FRAMES,
             )  # fmt: skip
@@ -71,11 +71,11 @@ class DevicesLink:
 
     @property
     def description(self) -> RobotDescription:
-        """What this body is; known before :meth:`start`."""
+        """Description of this body; known before :meth:`start`."""
         return self._description
 
     async def start(self) -> None:
-        """Open the devices. One that cannot be opened is said and tried again; LinkFailed if none can."""
+        """Open the devices. A device that cannot be opened is logged and tried again; LinkFailed if none can."""
         if self._mute:
             log.warning("%s is mute: %s", self._config.name, self._mute)
         self._failure = asyncio.get_running_loop().create_future()
@@ -85,21 +85,21 @@ class DevicesLink:
             raise LinkFailed(f"{self._config.name} can neither see nor hear: {'; '.join(problems)}.")
         for name, reader in self._readers.items():
             reader.want(name in self._receivers.wanted)
-        for period_s, tell in (
+        for period_s, publish in (
             (1 / ODOMETRY_HZ, self._stand),
             (1 / JOINTS_HZ, self._pose),
             (1 / STATUS_HZ, self._report),
         ):
-            self._tasks.append(asyncio.create_task(_repeat(period_s, tell), name=f"devices {tell.__name__}"))
+            self._tasks.append(asyncio.create_task(_repeat(period_s, publish), name=f"devices {publish.__name__}"))
         if self._player is not None:
             self._player.start()
 
     async def stop(self) -> None:
-        """Let go of all devices; idempotent."""
+        """Release all devices; idempotent."""
         await self._release()
 
     async def wait_failed(self) -> LinkFailed:
-        """Devices that vanish are waited for: it never fails as a whole."""
+        """Never returns: lost devices are opened again."""
         if self._failure is None:
             return LinkFailed("The devices were not started.")
         return await asyncio.shield(self._failure)
@@ -109,12 +109,12 @@ class DevicesLink:
         return self._receivers.attach(stream, receive)
 
     def demand(self, stream: str, wanted: bool) -> None:
-        """Tell whether anybody listens to ``stream``: a device nobody wants is not read, and soon let go of."""
+        """Set whether ``stream`` has subscribers: a device without any is not read, and is released after a time."""
         if self._receivers.demand(stream, wanted) and stream in self._readers:
             self._readers[stream].want(wanted)
 
     def command(self, twist: Twist) -> None:
-        """There are no wheels."""
+        """No effect: there are no wheels."""
 
     def play(self, audio: Audio) -> None:
         """Play one frame through the loudspeaker, if there is one."""
@@ -122,7 +122,7 @@ class DevicesLink:
             self._player.play(audio)
 
     def e_stop(self, reason: str) -> None:
-        """Latch the emergency stop, that people see what they pressed."""
+        """Latch the emergency stop, for its display."""
         self._e_stop = self._e_stop or reason
 
     def clear_e_stop(self) -> None:
@@ -163,7 +163,7 @@ class DevicesLink:
         self._receivers.deliver("status", status)
 
 
-async def _repeat(period_s: float, tell: Callable[[], None]) -> None:
+async def _repeat(period_s: float, publish: Callable[[], None]) -> None:
     while True:
-        tell()
+        publish()
         await asyncio.sleep(period_s)

@@ -1,4 +1,4 @@
-"""Where pictures come from: a camera, a video, pictures on disk. Blocking; each lives in a thread of its own."""
+"""Image inputs: a camera, a video, images on disk. Blocking; each is used in a thread of its own."""
 
 from __future__ import annotations
 
@@ -19,39 +19,39 @@ from app.robots.devices.config import CameraConfig
 
 Picture = NDArray[np.uint8]
 PICTURE_SUFFIXES = {".bmp", ".jpeg", ".jpg", ".png", ".tif", ".tiff", ".webp"}
-#: What can be read, in words.
+#: Supported files, in words.
 PICTURES, VIDEOS = "BMP, JPEG, PNG, TIFF, WebP", "MP4, AVI, MKV, WebM"
 DEFAULT_RATE_HZ = 15.0
-#: No driver keeps more pictures for who does not come.
+#: Greatest number of images that a driver buffers.
 _KEPT_BY_DRIVERS = 10
 
 
-class Unavailable(Exception):
-    """A device or file cannot be opened or gives nothing any more; the message says which, and what to do."""
+class InputUnavailable(Exception):
+    """A device or file cannot be opened or has failed; the message names it and a remedy."""
 
 
-class Pictures(Protocol):
-    """A source of pictures."""
+class ImageInput(Protocol):
+    """A source of images."""
 
-    #: Whether it comes at its own pace (a camera); else whoever reads it waits ``1 / rate_hz`` between two.
+    #: Whether it has its own rate (a camera); else the reader waits ``1 / rate_hz`` between two.
     live: bool
     rate_hz: float
 
     def read(self) -> Picture | None:
-        """The next picture (H, W, 3) uint8 RGB; None at the end. Raises Unavailable."""
+        """The next image (H, W, 3) uint8 RGB; None at the end. Raises InputUnavailable."""
         ...
 
     def skip(self) -> None:
-        """Of a live one: throw away the pictures that have piled up unread."""
+        """Discard the buffered images of a live input."""
         ...
 
     def close(self) -> None:
-        """Let go of the device or file."""
+        """Release the device or file."""
         ...
 
 
-def open_pictures(config: CameraConfig) -> Pictures:
-    """What ``config.source`` names, opened. Raises Unavailable."""
+def open_pictures(config: CameraConfig) -> ImageInput:
+    """The opened input of ``config.source``. Raises InputUnavailable."""
     source = config.source
     if isinstance(source, str):
         path = Path(source)
@@ -59,27 +59,27 @@ def open_pictures(config: CameraConfig) -> Pictures:
             try:
                 files = sorted(file for file in path.iterdir() if file.suffix.lower() in PICTURE_SUFFIXES)
             except OSError as failure:
-                raise Unavailable(f"the folder {source} cannot be read: {failure.strerror}") from None
+                raise InputUnavailable(f"the folder {source} cannot be read: {failure.strerror}") from None
             if not files:
-                raise Unavailable(f"there are no pictures ({', '.join(sorted(PICTURE_SUFFIXES))}) in {source}")
+                raise InputUnavailable(f"there are no pictures ({', '.join(sorted(PICTURE_SUFFIXES))}) in {source}")
             return _Stills(files, config)
         if path.suffix.lower() in PICTURE_SUFFIXES:
             return _Stills([path], config)
         if path.is_file():
             return _Video(path, config)
         if not source.startswith("/dev/"):
-            raise Unavailable(f"there is no file {source}")
-    return _Camera(source, config)
+            raise InputUnavailable(f"there is no file {source}")
+    return _CaptureDevice(source, config)
 
 
-class _Camera:
+class _CaptureDevice:
     live = True
 
     def __init__(self, source: int | str, config: CameraConfig) -> None:
         self._name = f"camera {source}"
         self._capture = _capture(source)
         if self._capture is None:
-            raise Unavailable(
+            raise InputUnavailable(
                 f"{self._name} cannot be opened: is it there, free, and may you use it? `hbba doctor` lists cameras; "
                 "--camera FILE takes a video or a picture instead"
             )
@@ -93,14 +93,14 @@ class _Camera:
         assert self._capture is not None
         there, picture = self._capture.read()
         if not there:
-            raise Unavailable(f"{self._name} gives no more pictures")
+            raise InputUnavailable(f"{self._name} gives no more pictures")
         return _rgb(picture)
 
     def skip(self) -> None:
         assert self._capture is not None
         for _ in range(_KEPT_BY_DRIVERS):
             began = time.monotonic()
-            # One that had to be waited for is new.
+            # An image after a wait is current.
             if not self._capture.grab() or time.monotonic() - began > 0.3 / self.rate_hz:
                 return
 
@@ -117,14 +117,14 @@ class _Video:
         self._loop = config.loop
         capture = _capture(str(path))
         if capture is None:
-            raise Unavailable(
+            raise InputUnavailable(
                 f"{path} cannot be read as a video ({VIDEOS}) or a picture ({PICTURES}): it is damaged, breaks off, or "
                 "is of another kind"
             )
         self._capture = capture
         width, height = (int(capture.get(side)) for side in (cv2.CAP_PROP_FRAME_WIDTH, cv2.CAP_PROP_FRAME_HEIGHT))
         if width * height > MOST_PIXELS:
-            raise Unavailable(
+            raise InputUnavailable(
                 f"{path} has {width} x {height} pixels; at most {MOST_PIXELS / 1e6:g} million are decoded"
             )
         self.rate_hz = config.rate_hz or _rate(capture) or DEFAULT_RATE_HZ
@@ -135,7 +135,7 @@ class _Video:
             self._capture.release()
             again = _capture(str(self._path))
             if again is None:
-                raise Unavailable(f"{self._path} cannot be read any more")
+                raise InputUnavailable(f"{self._path} cannot be read any more")
             self._capture = again
             there, picture = again.read()
         return _rgb(picture) if there else None
@@ -153,7 +153,7 @@ class _Stills:
         self.rate_hz = config.rate_hz or DEFAULT_RATE_HZ
         times = max(1, round(config.seconds_each * self.rate_hz))
         self._pictures = self._each(files, config.loop, times)
-        # A folder with a broken picture is told at once, not in the middle.
+        # A broken image in a folder is reported at once, not later.
         self._kept = {file: _picture(file) for file in files[:1]}
 
     def _each(self, files: list[Path], loop: bool, times: int) -> Iterator[Picture]:
@@ -169,7 +169,7 @@ class _Stills:
 
     def read(self) -> Picture | None:
         picture = next(self._pictures, None)
-        # A still picture is the same array every time, but nobody may write into what others may still look at.
+        # An image file gives the same array every time: read-only, since subscribers share it.
         return None if picture is None else picture.copy()
 
     def skip(self) -> None: ...
@@ -178,21 +178,21 @@ class _Stills:
         self._kept.clear()
 
 
-class Pace:
-    """Waits so that what it paces comes ``rate_hz`` times a second, without hurrying after a stall."""
+class PlaybackTimer:
+    """Times playback at ``rate_hz`` per second, without catching up after a stall."""
 
     def __init__(self, rate_hz: float) -> None:
         self._period_s = 1.0 / rate_hz
         self._due = time.monotonic()
 
     def wait_s(self, now: float) -> float:
-        """Seconds (>= 0) from ``now`` (monotonic) to the next; the one after that is due a period later."""
+        """Seconds (>= 0) from ``now`` (monotonic) to the next item; the one after it is due a period later."""
         self._due = max(self._due + self._period_s, now)
         return self._due - now
 
 
 def _capture(source: int | str) -> cv2.VideoCapture | None:
-    # FFmpeg's own words about a file say nothing to people; ours follow.
+    # FFmpeg's messages are suppressed: ours follow.
     os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
     capture = cv2.VideoCapture(source)
     if not capture.isOpened():
@@ -202,7 +202,7 @@ def _capture(source: int | str) -> cv2.VideoCapture | None:
 
 
 def _rate(capture: cv2.VideoCapture) -> float | None:
-    """Its own rate (Hz), where what it says can be one."""
+    """The input's own rate (Hz), if it is plausible."""
     rate_hz = float(capture.get(cv2.CAP_PROP_FPS))
     return rate_hz if 0.1 <= rate_hz <= 240 else None
 
@@ -211,11 +211,11 @@ def _picture(file: Path) -> Picture:
     try:
         picture = decoded(read_plain(file, MOST_BYTES), cv2.IMREAD_COLOR)
     except OSError as failure:
-        raise Unavailable(f"{file} cannot be read: {failure.strerror}") from None
+        raise InputUnavailable(f"{file} cannot be read: {failure.strerror}") from None
     except TooLarge as failure:
-        raise Unavailable(f"{file} {failure}") from None
+        raise InputUnavailable(f"{file} {failure}") from None
     if picture is None:
-        raise Unavailable(f"{file} is no picture that can be read ({PICTURES})")
+        raise InputUnavailable(f"{file} is no picture that can be read ({PICTURES})")
     return _rgb(picture)
 
 

@@ -1,4 +1,4 @@
-"""The loudspeaker's thread: plays frames one after the other."""
+"""Playback thread of the loudspeaker."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from collections import deque
 
 from app.messages import Audio
 from app.robots.devices.config import SpeakerConfig
-from app.robots.devices.pictures import Unavailable
+from app.robots.devices.pictures import InputUnavailable
 from app.robots.devices.reader import RETRY_S
 from app.robots.devices.sound import Speaker
 
-#: At most so much waits to be played: of more, the oldest is dropped.
+#: Greatest waiting time (s) of frames; beyond it the oldest is dropped.
 QUEUED_S = 0.5
 
 log = logging.getLogger("hbba.devices")
 
 
 class Player:
-    """Opens the loudspeaker with the first frame; says once why it cannot, and tries again while there is sound."""
+    """Opens the loudspeaker with the first frame; logs a failure once, and retries while there are frames."""
 
     def __init__(self, config: SpeakerConfig) -> None:
         self._config = config
@@ -28,11 +28,11 @@ class Player:
         self._ending = False
 
     def start(self) -> None:
-        """Begin to wait for frames."""
+        """Start the thread."""
         threading.Thread(target=self._run, name="loudspeaker", daemon=True).start()
 
     def stop(self) -> None:
-        """End, silent at once."""
+        """End the thread, silent at once."""
         with self._condition:
             self._ending = True
             self._condition.notify()
@@ -57,7 +57,7 @@ class Player:
                     speaker = Speaker(self._config, audio.rate)
                 speaker.write(audio.samples[:, 0])
                 told = ""
-            except Unavailable as failure:
+            except InputUnavailable as failure:
                 if speaker is not None:
                     speaker.close()
                     speaker = None
@@ -69,7 +69,7 @@ class Player:
             speaker.close()
 
     def _be_silent(self, seconds: float) -> None:
-        """So long, unless it ends; what came meanwhile is not played."""
+        """Discard frames for this time, unless the thread ends."""
         with self._condition:
             self._condition.wait_for(lambda: self._ending, seconds)
             self._frames.clear()

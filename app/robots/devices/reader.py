@@ -1,4 +1,4 @@
-"""A thread that reads one device while somebody wants what it gives, and hands it to the event loop."""
+"""Reader thread of one device: reads while there is demand, and passes items to the event loop."""
 
 from __future__ import annotations
 
@@ -10,45 +10,45 @@ from collections.abc import Callable
 from functools import partial
 from typing import Generic, Protocol, TypeVar
 
-from app.robots.devices.pictures import Unavailable
+from app.robots.devices.pictures import InputUnavailable
 
 T = TypeVar("T")
 Item = TypeVar("Item", covariant=True)
 
-#: A live device is let go of when nobody has wanted it for so long: then a camera's light goes out.
+#: Time (s) without demand after which a live device is released: a camera's light goes out.
 LINGER_S = 5.0
 RETRY_S = 3.0
 
 log = logging.getLogger("hbba.devices")
 
 
-class Source(Protocol[Item]):
+class DeviceInput(Protocol[Item]):
     """An open device or file."""
 
     live: bool
 
     def read(self) -> Item | None:
-        """Wait for the next of what it gives; None at the end. Raises Unavailable."""
+        """Wait for the next item; None at the end. Raises InputUnavailable."""
         ...
 
     def skip(self) -> None:
-        """Of a live one: throw away what has piled up unread."""
+        """Discard the buffered items of a live device."""
         ...
 
     def close(self) -> None: ...
 
 
-class Reader(Generic[T]):
-    """Opens, reads, hands on, closes, and tries again when a device is lost.
+class InputReader(Generic[T]):
+    """Opens, reads, delivers, closes, and opens again after a loss.
 
     ``take(item)`` is called on the loop with each item, unless ``most_waiting`` of them wait there already: then the
-    item is dropped and counted. ``pause_s()`` says how long to wait after reading one of a file, whose pace is ours.
+    item is dropped and counted. ``pause_s()``: time to wait after an item of a file.
     """
 
     def __init__(
         self,
         name: str,
-        open_source: Callable[[], Source[T]],
+        open_source: Callable[[], DeviceInput[T]],
         take: Callable[[T], None],
         *,
         pause_s: Callable[[], float],
@@ -64,13 +64,14 @@ class Reader(Generic[T]):
         self._condition = threading.Condition()
         self._wanted = False
         self._ending = False
-        self._told = ""
+        self._last_problem = ""
         self._thread: threading.Thread | None = None
 
     async def start(self) -> str:
-        """Begin; returns "" once the device is open, or why it cannot be (it is tried again while it is wanted).
+        """Start the thread; returns "" once the device is open, or why it cannot be (it is tried again while there is
+        demand).
 
-        Raises whatever else goes wrong with opening it.
+        Raises any other error of opening it.
         """
         loop = asyncio.get_running_loop()
         opened: asyncio.Future[str] = loop.create_future()
@@ -79,13 +80,13 @@ class Reader(Generic[T]):
         return await opened
 
     def want(self, wanted: bool) -> None:
-        """Whether what it gives is to be read."""
+        """Set whether there is demand."""
         with self._condition:
             self._wanted = wanted
             self._condition.notify()
 
     async def stop(self) -> None:
-        """End, letting go of the device. A device that blocks is left to die with the program."""
+        """End and release the device. A thread blocked in a device ends with the program."""
         with self._condition:
             self._ending = True
             self._condition.notify()
@@ -95,10 +96,10 @@ class Reader(Generic[T]):
     def _run(self, loop: asyncio.AbstractEventLoop, opened: asyncio.Future[str]) -> None:
         try:
             source, problem = self._try_open()
-        except BaseException as failure:  # noqa: BLE001  # handed to whoever waits for the start
-            _tell(loop, partial(_settle, opened, failure))
+        except BaseException as failure:  # noqa: BLE001  # raised in start()
+            _call_in_loop(loop, partial(_settle, opened, failure))
             return
-        _tell(loop, partial(_settle, opened, problem))
+        _call_in_loop(loop, partial(_settle, opened, problem))
         rested = True
         while not self._ending:
             wanted = self._wanted
@@ -124,15 +125,15 @@ class Reader(Generic[T]):
     def _asked(self) -> bool:
         return self._wanted and not self._ending
 
-    def _read(self, loop: asyncio.AbstractEventLoop, source: Source[T]) -> Source[T] | None:
+    def _read(self, loop: asyncio.AbstractEventLoop, source: DeviceInput[T]) -> DeviceInput[T] | None:
         try:
             item = source.read()
-        except Unavailable as failure:
-            self._say(str(failure))
+        except InputUnavailable as failure:
+            self._log_problem(str(failure))
             source.close()
             return None
         if item is None:
-            self._say(f"{self.name}: that was all of it")
+            self._log_problem(f"{self.name}: that was all of it")
             with self._condition:
                 while not self._ending:
                     self._condition.wait()
@@ -143,40 +144,40 @@ class Reader(Generic[T]):
         if full:
             self.dropped += 1
         else:
-            _tell(loop, partial(self._hand, item))
+            _call_in_loop(loop, partial(self._deliver, item))
         if not source.live:
             self._wait_out(self._pause_s())
         return source
 
-    def _hand(self, item: T) -> None:
+    def _deliver(self, item: T) -> None:
         with self._condition:
             self._waiting -= 1
         self._take(item)
 
-    def _try_open(self) -> tuple[Source[T] | None, str]:
+    def _try_open(self) -> tuple[DeviceInput[T] | None, str]:
         try:
             source = self._open_source()
-        except Unavailable as failure:
-            self._say(str(failure))
+        except InputUnavailable as failure:
+            self._log_problem(str(failure))
             return None, str(failure)
-        if self._told:
+        if self._last_problem:
             log.info("%s is there again", self.name)
-        self._told = ""
+        self._last_problem = ""
         return source, ""
 
-    def _say(self, problem: str) -> None:
-        """A bad state is said once, on entering."""
-        if problem != self._told:
-            self._told = problem
+    def _log_problem(self, problem: str) -> None:
+        """Log a problem once, when it begins."""
+        if problem != self._last_problem:
+            self._last_problem = problem
             log.warning("%s", problem)
 
     def _wait_while(self, wanted: bool, timeout_s: float | None) -> None:
-        """As long as it is ``wanted`` or not, or until ``timeout_s`` has passed."""
+        """Wait while the demand equals ``wanted``, at most ``timeout_s``."""
         with self._condition:
             self._condition.wait_for(lambda: self._ending or self._wanted != wanted, timeout_s)
 
     def _wait_out(self, seconds: float) -> None:
-        """So long, unless it ends."""
+        """Wait for this time, unless the thread ends."""
         until = time.monotonic() + seconds
         with self._condition:
             while not self._ending and (left := until - time.monotonic()) > 0:
@@ -184,7 +185,7 @@ class Reader(Generic[T]):
 
 
 def _settle(opened: asyncio.Future[str], outcome: str | BaseException) -> None:
-    if opened.done():  # whoever waited was cancelled
+    if opened.done():  # the waiting task was cancelled
         return
     if isinstance(outcome, str):
         opened.set_result(outcome)
@@ -192,8 +193,8 @@ def _settle(opened: asyncio.Future[str], outcome: str | BaseException) -> None:
         opened.set_exception(outcome)
 
 
-def _tell(loop: asyncio.AbstractEventLoop, call: Callable[[], object]) -> None:
+def _call_in_loop(loop: asyncio.AbstractEventLoop, call: Callable[[], object]) -> None:
     try:
         loop.call_soon_threadsafe(call)
-    except RuntimeError:  # the loop is closed: nobody listens any more
+    except RuntimeError:  # the loop is closed
         log.debug("the event loop is gone")

@@ -1,4 +1,4 @@
-"""Where sound comes from and goes to: microphones and loudspeakers of this computer, or a file. Blocking."""
+"""Sound inputs and outputs: microphones and loudspeakers of this computer, or a file. Blocking."""
 
 from __future__ import annotations
 
@@ -12,71 +12,71 @@ import soundfile
 from numpy.typing import NDArray
 
 from app.base.plain_file import check_plain
-from app.robots.devices.config import SoundConfig, SpeakerConfig
-from app.robots.devices.pictures import Unavailable
+from app.robots.devices.config import SoundInputConfig, SpeakerConfig
+from app.robots.devices.pictures import InputUnavailable
 
 Samples = NDArray[np.int16]
-#: What can be read, in words.
+#: Supported files, in words.
 SOUNDS = "WAV, FLAC, Ogg, MP3"
-#: No sound card gives more.
+#: Greatest number of channels of a sound card.
 _MOST_RATE, _MOST_CHANNELS = 384_000, 64
 _OR_A_FILE = "--microphones FILE takes a sound file instead"
 
 
-class Sound(Protocol):
+class SoundInput(Protocol):
     """A source of sound of ``channels`` channels."""
 
-    #: Whether it comes at its own pace (microphones); else whoever reads it waits as long as a frame lasts.
+    #: Whether it has its own rate (microphones); else the reader waits for the length of a frame.
     live: bool
     rate: int
     channels: int
-    #: Whether samples were lost just before those read last.
+    #: Whether samples were lost just before the last read.
     gap: bool
 
     def read(self, count: int) -> Samples | None:
-        """The next ``count`` samples (count, C) int16; None at the end. Raises Unavailable."""
+        """The next ``count`` samples (count, C) int16; None at the end. Raises InputUnavailable."""
         ...
 
     def skip(self) -> None:
-        """Of a live one: throw away what has piled up unread."""
+        """Discard the buffered samples of a live input."""
         ...
 
     def close(self) -> None:
-        """Let go of the device or file."""
+        """Release the device or file."""
         ...
 
 
-def open_sound(config: SoundConfig) -> Sound:
-    """What ``config.source`` names, opened. Raises Unavailable."""
+def open_sound(config: SoundInputConfig) -> SoundInput:
+    """The opened input of ``config.source``. Raises InputUnavailable."""
     if isinstance(config.source, str) and Path(config.source).is_file():
-        return _File(Path(config.source), config)
+        return _SoundFile(Path(config.source), config)
     if isinstance(config.source, str) and Path(config.source).suffix:
-        raise Unavailable(f"there is no file {config.source}")
+        raise InputUnavailable(f"there is no file {config.source}")
     return _Microphones(config)
 
 
-class _File:
+class _SoundFile:
     live = False
     gap = False
 
-    def __init__(self, path: Path, config: SoundConfig) -> None:
+    def __init__(self, path: Path, config: SoundInputConfig) -> None:
         self._path = path
         try:
             check_plain(path)
             self._file = soundfile.SoundFile(str(path))
         except (soundfile.LibsndfileError, OSError) as failure:
             reason = getattr(failure, "error_string", None) or getattr(failure, "strerror", None) or str(failure)
-            raise Unavailable(f"{path} cannot be read as sound ({SOUNDS}): {reason.rstrip('.')}") from None
-        except TypeError:  # what soundfile raises for .raw: nothing in it says how it is to be read
-            raise Unavailable(f"{path} cannot be read as sound: samples without a header; make it a WAV") from None
+            raise InputUnavailable(f"{path} cannot be read as sound ({SOUNDS}): {reason.rstrip('.')}") from None
+        except TypeError:  # soundfile raises this for .raw, whose format is unknown
+            raise InputUnavailable(f"{path} cannot be read as sound: samples without a header; make it a WAV") from None
         self.rate, self.channels = self._file.samplerate, self._file.channels
         if self.rate > _MOST_RATE or self.channels > _MOST_CHANNELS:
-            raise Unavailable(
+            raise InputUnavailable(
                 f"{path} says it has {self.channels} channels of {self.rate} samples a second; at most "
                 f"{_MOST_CHANNELS} of {_MOST_RATE} are read"
             )
         if not self._file.frames:
-            raise Unavailable(f"{path} holds no sound")
+            raise InputUnavailable(f"{path} holds no sound")
         self._loop = config.loop
 
     def read(self, count: int) -> Samples | None:
@@ -90,10 +90,10 @@ class _File:
                 self._file.seek(0)
                 more = self._next(count - len(samples))
                 if not len(more):
-                    raise Unavailable(f"{self._path} holds no sound any more")
+                    raise InputUnavailable(f"{self._path} holds no sound any more")
                 samples = np.concatenate([samples, more])
         except soundfile.LibsndfileError as failure:
-            raise Unavailable(f"{self._path} is damaged, and cannot be read to its end: {failure}") from None
+            raise InputUnavailable(f"{self._path} is damaged, and cannot be read to its end: {failure}") from None
         return samples
 
     def _next(self, count: int) -> Samples:
@@ -106,21 +106,21 @@ class _File:
 
 
 def sounddevice() -> ModuleType:
-    """The library that reaches sound cards. Raises Unavailable where it, or PortAudio below it, is missing."""
+    """The library for sound cards. Raises InputUnavailable where it, or PortAudio below it, is missing."""
     try:
         import sounddevice as found
     except ImportError:
-        raise Unavailable("sound cards need the package sounddevice (`pip install 'hbba[devices]'`)") from None
+        raise InputUnavailable("sound cards need the package sounddevice (`pip install 'hbba[devices]'`)") from None
     except OSError:
-        raise Unavailable("sound cards need the library PortAudio (Debian: `apt install libportaudio2`)") from None
+        raise InputUnavailable("sound cards need the library PortAudio (Debian: `apt install libportaudio2`)") from None
     return found  # type: ignore[no-any-return]
 
 
 def no_sound_card() -> str:
-    """Why no sound card can be reached on this computer, whatever is plugged in; "" where one may be."""
+    """Why no sound card can be used on this computer; "" if one can."""
     try:
         sounddevice()
-    except Unavailable as missing:
+    except InputUnavailable as missing:
         return str(missing)
     return ""
 
@@ -128,9 +128,9 @@ def no_sound_card() -> str:
 class _Microphones:
     live = True
 
-    def __init__(self, config: SoundConfig) -> None:
+    def __init__(self, config: SoundInputConfig) -> None:
         if missing := no_sound_card():
-            raise Unavailable(f"{missing}; {_OR_A_FILE}")
+            raise InputUnavailable(f"{missing}; {_OR_A_FILE}")
         library = sounddevice()
         self.rate, self.channels = config.rate, config.channels
         self.gap = False
@@ -143,17 +143,19 @@ class _Microphones:
             )  # fmt: skip
             self._stream.start()
         except (self._error, ValueError) as failure:
-            raise Unavailable(f"the microphone ({config.source}) cannot be opened: {failure}; {_OR_A_FILE}") from None
+            raise InputUnavailable(
+                f"the microphone ({config.source}) cannot be opened: {failure}; {_OR_A_FILE}"
+            ) from None
 
     def read(self, count: int) -> Samples | None:
         try:
             data, self.gap = self._stream.read(count)
         except self._error as failure:
-            raise Unavailable(f"the microphone gives no more sound: {failure}") from None
+            raise InputUnavailable(f"the microphone gives no more sound: {failure}") from None
         return np.frombuffer(bytes(data), np.int16).reshape(-1, self.channels).copy()
 
     def skip(self) -> None:
-        with contextlib.suppress(self._error):  # the next read says so
+        with contextlib.suppress(self._error):  # the next read reports it
             self._stream.read(self._stream.read_available)
 
     def close(self) -> None:
@@ -162,10 +164,10 @@ class _Microphones:
 
 
 class Speaker:
-    """A loudspeaker for one channel at ``rate``; :meth:`write` blocks until it is taken."""
+    """A loudspeaker for one channel at ``rate``; :meth:`write` blocks until the device takes the samples."""
 
     def __init__(self, config: SpeakerConfig, rate: int) -> None:
-        """Raises Unavailable."""
+        """Raises InputUnavailable."""
         library = sounddevice()
         self.rate = rate
         self._error = library.PortAudioError
@@ -176,16 +178,16 @@ class Speaker:
             )
             self._stream.start()
         except (self._error, ValueError) as failure:
-            raise Unavailable(f"the loudspeaker ({config.source}) cannot be opened: {failure}") from None
+            raise InputUnavailable(f"the loudspeaker ({config.source}) cannot be opened: {failure}") from None
 
     def write(self, samples: Samples) -> None:
-        """Play ``samples`` (N,) int16. Raises Unavailable."""
+        """Play ``samples`` (N,) int16. Raises InputUnavailable."""
         try:
             self._stream.write(np.ascontiguousarray(samples).tobytes())
         except self._error as failure:
-            raise Unavailable(f"the loudspeaker takes no more sound: {failure}") from None
+            raise InputUnavailable(f"the loudspeaker takes no more sound: {failure}") from None
 
     def close(self) -> None:
-        """Let go of it."""
+        """Release the device."""
         self._stream.abort()
         self._stream.close()

@@ -1,4 +1,4 @@
-"""What devices give, as messages of the body's streams."""
+"""Data of devices as messages of the body's streams."""
 
 from __future__ import annotations
 
@@ -11,25 +11,25 @@ from numpy.typing import NDArray
 
 from app.base.geometry import CameraModel, Pose3
 from app.messages import Audio, Image, read_only
-from app.robots.devices.config import CameraConfig, SoundConfig
-from app.robots.devices.pictures import Pace, Picture, Pictures, Unavailable, open_pictures
-from app.robots.devices.sound import Samples, Sound, open_sound
+from app.robots.devices.config import CameraConfig, SoundInputConfig
+from app.robots.devices.pictures import ImageInput, InputUnavailable, Picture, PlaybackTimer, open_pictures
+from app.robots.devices.sound import Samples, SoundInput, open_sound
 
 
-class Eye:
-    """Pictures as Images."""
+class ImageFrames:
+    """Images of an image input, as Image messages."""
 
     def __init__(self, config: CameraConfig, X_BC: Pose3, now: Callable[[], float]) -> None:
         self._config = config
         self._X_BC = X_BC
         self._now = now
-        self._pictures: Pictures | None = None
-        self._pace = Pace(1.0)
+        self._pictures: ImageInput | None = None
+        self._pace = PlaybackTimer(1.0)
         self.live = False
 
-    def open(self) -> Eye:
+    def open(self) -> ImageFrames:
         self._pictures = open_pictures(self._config)
-        self._pace = Pace(self._pictures.rate_hz)
+        self._pace = PlaybackTimer(self._pictures.rate_hz)
         self.live = self._pictures.live
         return self
 
@@ -53,37 +53,39 @@ class Eye:
         height, width = picture.shape[:2]
         # Square pixels: the vertical field of view follows.
         f = 0.5 * width / math.tan(0.5 * math.radians(self._config.horizontal_fov_deg))
-        camera = CameraModel(width, height, f, f, 0.5 * (width - 1), 0.5 * (height - 1))
-        return Image(self._now(), self._config.link, read_only(picture), None, camera, self._X_BC)
+        camera = CameraModel(width, height, fx=f, fy=f, cx=0.5 * (width - 1), cy=0.5 * (height - 1))
+        return Image(
+            self._now(), self._config.link, color=read_only(picture), depth=None, camera=camera, X_BC=self._X_BC
+        )
 
 
-class Ear:
-    """Sound as frames of Audio."""
+class AudioFrames:
+    """Sound of a sound input, as Audio messages."""
 
-    def __init__(self, config: SoundConfig, X_BL: Pose3, now: Callable[[], float]) -> None:
+    def __init__(self, config: SoundInputConfig, X_BL: Pose3, now: Callable[[], float]) -> None:
         self._config = config
         self._X_BL = X_BL
         self._now = now
-        self._sound: Sound | None = None
-        self._pace = Pace(1.0)
+        self._sound: SoundInput | None = None
+        self._pace = PlaybackTimer(1.0)
         self._first = 0
         self._ended: float | None = None
         self._skipped = False
         self._p_BM: NDArray[np.float64] = np.zeros((0, 3))
         self.live = False
 
-    def open(self) -> Ear:
+    def open(self) -> AudioFrames:
         sound = open_sound(self._config)
         positions = self._config.positions
         if positions is not None and len(positions) != sound.channels:
             sound.close()
-            raise Unavailable(
+            raise InputUnavailable(
                 f"{self._config.source} has {sound.channels} channels, but {len(positions)} positions of microphones "
                 "are configured: one for each channel, or none"
             )
         places = np.array(positions if positions is not None else [(0.0, 0.0, 0.0)] * sound.channels, np.float64)
         self._p_BM = read_only(np.asarray(self._X_BL.transform(places), np.float64))
-        self._pace = Pace(sound.rate / self._config.frame_samples)
+        self._pace = PlaybackTimer(sound.rate / self._config.frame_samples)
         self._sound, self.live = sound, sound.live
         return self
 
@@ -109,7 +111,7 @@ class Ear:
         assert self._sound is not None
         rate, end = self._sound.rate, self._now()
         lasts_s = len(samples) / rate
-        # What was not read while nobody listened, or was read too late, is missing: the numbers say so.
+        # Samples not read for lack of demand, or read too late, are missing: the sample numbers show it.
         if self._ended is not None:
             missing = round((end - self._ended - lasts_s) * rate)
             if self._skipped or self._sound.gap:
@@ -117,6 +119,13 @@ class Ear:
             elif missing > rate:
                 self._first += missing
         self._ended, self._skipped = end, False
-        frame = Audio(end - lasts_s, self._config.link, read_only(samples), rate, self._first, self._p_BM)
+        frame = Audio(
+            end - lasts_s,
+            self._config.link,
+            samples=read_only(samples),
+            rate=rate,
+            first_sample=self._first,
+            p_BM=self._p_BM,
+        )
         self._first += len(samples)
         return frame

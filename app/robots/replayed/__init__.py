@@ -1,1 +1,1 @@
-"""A body that lives a log again instead of a world."""
+"""A body that replays a log."""

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from app.base.errors import ConfigError
 from app.base.geometry import Pose2
 from app.robots.config import RobotConfig
-from app.robots.guard import Velocity
+from app.robots.guard import BaseVelocity
 from app.robots.model import load_model
-from app.robots.simulated.kinect import camera_model
+from app.robots.simulated.kinect_noise import camera_model
 from app.robots.simulated.odometry import TrueBase
 from app.robots.simulated.scenery.actor import Actor
 from app.robots.simulated.scenery.people import add_people
@@ -34,7 +34,7 @@ _SERVO_ARMATURE = 0.05
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Simulation:
+class RobotSimulation:
     """A compiled world with the robot in it; ``joint_addresses`` (n,) are the places of ``joints`` in qpos."""
 
     model: mujoco.MjModel
@@ -48,8 +48,8 @@ class Simulation:
     base_body: int
     config: RobotConfig
 
-    def drive(self, velocity: Velocity) -> None:
-        """Give the wheels' drives the speeds that ``velocity`` asks of the nominal base."""
+    def drive(self, velocity: BaseVelocity) -> None:
+        """Set the wheels' drives to the speeds of ``velocity`` on the nominal base."""
         base = self.config.base
         turn = velocity.angular_radps * base.track_m / 2
         self.data.ctrl[self.left_wheel] = (velocity.linear_mps - turn) / base.wheel_radius_m
@@ -73,19 +73,21 @@ class Simulation:
         x, y, _, w, qx, qy, qz = (float(v) for v in self.data.qpos[self.base_address : self.base_address + 7])
         return Pose2(x, y, math.atan2(2 * (w * qz + qx * qy), 1 - 2 * (qy * qy + qz * qz)))
 
-    def true_velocity(self) -> Velocity:
+    def true_velocity(self) -> BaseVelocity:
         """Forward and turning speed of the base in its own frame."""
         vx, vy = (float(v) for v in self.data.qvel[self.base_velocity : self.base_velocity + 2])
         heading = self.true_pose().theta
-        return Velocity(vx * math.cos(heading) + vy * math.sin(heading), float(self.data.qvel[self.base_velocity + 5]))
+        return BaseVelocity(
+            vx * math.cos(heading) + vy * math.sin(heading), float(self.data.qvel[self.base_velocity + 5])
+        )
 
 
 def build_simulation(
     robot: RobotConfig, world: WorldConfig, base: TrueBase, people: Sequence[Actor] = ()
-) -> Simulation:
-    """Build and compile the world with ``people`` and the robot at its start. ``base`` is what its wheels really are.
+) -> RobotSimulation:
+    """Build and compile the world with ``people`` and the robot at its start. ``base``: true geometry of its wheels.
 
-    Raises ConfigError for a model that is no URDF or that the physics refuses.
+    Raises ConfigError for a model that is no valid URDF or that the physics refuses.
     """
     spec = build_world(world)
     add_people(spec, people, world.seed)
@@ -113,7 +115,7 @@ def build_simulation(
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     free = model.joint("base")
-    return Simulation(
+    return RobotSimulation(
         model=model,
         data=data,
         joints=kinematics.joint_names,
@@ -128,7 +130,7 @@ def build_simulation(
 
 
 def _tune(body: mujoco.MjSpec, robot: RobotConfig, base: TrueBase) -> None:
-    """Contacts, groups, drives and servos; wheels as they really are."""
+    """Contacts, groups, drives and servos; true wheels."""
     for geom in body.geoms:
         if geom.contype == 0:
             geom.group = VISUAL_GROUP
@@ -189,4 +191,4 @@ def _limit_drives(model: mujoco.MjModel, wheels: tuple[str, str], robot: RobotCo
         model.actuator_forcerange[actuator] = (-torque, torque)
 
 
-__all__ = ["TIMESTEP_S", "Simulation", "build_simulation"]
+__all__ = ["TIMESTEP_S", "RobotSimulation", "build_simulation"]

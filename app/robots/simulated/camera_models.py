@@ -1,4 +1,4 @@
-"""The cameras of a configured body: their lenses and pictures, by stream. Both processes read it, without OpenGL."""
+"""Camera models of a configured body: lens and image format, by stream. Used by both processes, without OpenGL."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import math
 from app.base.geometry import CameraModel, FisheyeModel
 from app.robots.config import ImvConfig, RobotConfig
 from app.robots.simulated.image_ring import PictureFormat
-from app.robots.simulated.kinect import camera_model
+from app.robots.simulated.kinect_noise import camera_model
 
 
 def fisheye_model(config: ImvConfig) -> FisheyeModel:
@@ -28,7 +28,7 @@ def lenses(robot: RobotConfig) -> dict[str, tuple[str, CameraModel | FisheyeMode
 
 
 def picture_formats(robot: RobotConfig) -> dict[str, PictureFormat]:
-    """What each camera's pictures are."""
+    """Image format of each camera."""
     return {
         stream: PictureFormat(lens.width, lens.height, has_depth=isinstance(lens, CameraModel))
         for stream, (_, lens) in lenses(robot).items()

@@ -1,7 +1,7 @@
-"""The cameras of the body: how each one's picture is drawn, and what its sensor makes of that.
+"""Rendering of the body's cameras, and their sensor models.
 
-An eye draws in parts, so that a thread that serves several can turn to another in between. It gives the last picture
-again, with fresh noise, where nothing that it may see has moved since.
+A renderer draws in parts, so that a thread with several cameras can switch in between. Without a visible change it
+returns the last image with fresh noise.
 """
 
 from __future__ import annotations
@@ -19,67 +19,67 @@ from app.robots.simulated.body import PREFIX
 from app.robots.simulated.camera_models import fisheye_model
 from app.robots.simulated.color_noise import ColorNoise
 from app.robots.simulated.fisheye import Tiling, tile
-from app.robots.simulated.kinect import KinectNoise
-from app.robots.simulated.renderer import Painter, Place, Snapshot, View
+from app.robots.simulated.kinect_noise import KinectNoise
+from app.robots.simulated.renderer import FrameRect, PerspectiveView, Renderer, WorldSnapshot
 
 
-class Eye(Protocol):
-    """One camera."""
+class CameraRenderer(Protocol):
+    """Renders one camera."""
 
-    def draw(self, snapshot: Snapshot) -> Iterator[None]:
-        """Draw what is to be seen in ``snapshot``; each step is a part of the work, of a few milliseconds."""
+    def draw(self, snapshot: WorldSnapshot) -> Iterator[None]:
+        """Draw ``snapshot``; each step is a part of the work, of a few milliseconds."""
         ...
 
     def measure(self, color: NDArray[np.uint8], depth: NDArray[np.uint16] | None) -> None:
-        """Write what the sensor gives for the picture drawn last."""
+        """Write the sensor's output for the last image."""
         ...
 
 
-class Watch:
-    """Tells whether what a camera sees has changed since it last had."""
+class ChangeDetector:
+    """Detects visible changes of a camera's view."""
 
-    def __init__(self, painter: Painter, camera: int) -> None:
-        self._painter = painter
+    def __init__(self, renderer: Renderer, camera: int) -> None:
+        self._renderer = renderer
         self._camera = camera
-        self._last: tuple[Snapshot, NDArray[np.bool_]] | None = None
+        self._last: tuple[WorldSnapshot, NDArray[np.bool_]] | None = None
 
-    def changed(self, snapshot: Snapshot, views: tuple[View, ...]) -> bool:
-        """Whether ``snapshot`` looks otherwise in ``views`` than the last one that did."""
-        seen = self._painter.seen(snapshot, self._camera, views)
+    def changed(self, snapshot: WorldSnapshot, views: tuple[PerspectiveView, ...]) -> bool:
+        """Whether ``snapshot`` differs visibly in ``views`` from the last different one."""
+        seen = self._renderer.seen(snapshot, self._camera, views)
         if self._last is not None:
             last, seen_before = self._last
-            if not self._painter.differ(last, snapshot, seen_before | seen):
+            if not self._renderer.differ(last, snapshot, seen_before | seen):
                 self._last = last, seen_before | seen
                 return False
         self._last = snapshot, seen
         return True
 
 
-class KinectEye:
-    """Colour and depth in one perspective picture, drawn at the lower left of the frame buffer."""
+class KinectRenderer:
+    """Colour and depth in one perspective image, drawn at the lower left of the frame buffer."""
 
-    def __init__(self, painter: Painter, model: mujoco.MjModel, config: KinectConfig, rng: Generator) -> None:
-        self._painter = painter
+    def __init__(self, renderer: Renderer, model: mujoco.MjModel, config: KinectConfig, rng: Generator) -> None:
+        self._renderer = renderer
         self._camera = model.camera(PREFIX + "kinect").id
         self._noise = KinectNoise(config, rng)
         width, height = config.width, config.height
         x, y = (float(s) for s in model.cam_sensorsize[self._camera] / (2 * model.cam_intrinsic[self._camera][:2]))
-        self.place = Place(0, 0, width, height)
-        self._view = View(np.eye(3), -x, x, -y, y, self.place)
+        self.place = FrameRect(0, 0, width, height)
+        self._view = PerspectiveView(np.eye(3), -x, right=x, bottom=-y, top=y, place=self.place)
         self._color = np.zeros((height, width, 3), dtype=np.uint8)
         self._depth = np.zeros((height, width), dtype=np.float32)
         # The depth buffer is affine in 1/z, with 0 at the far plane and 1 at the near one
-        self._scale = np.float32((painter.far - painter.near) / (painter.far * painter.near))
-        self._offset = np.float32(1.0 / painter.far)
-        self._watch = Watch(painter, self._camera)
+        self._scale = np.float32((renderer.far - renderer.near) / (renderer.far * renderer.near))
+        self._offset = np.float32(1.0 / renderer.far)
+        self._watch = ChangeDetector(renderer, self._camera)
         self.drawn = 0
-        painter.reserve(width, height)
+        renderer.reserve(width, height)
 
-    def draw(self, snapshot: Snapshot) -> Iterator[None]:
-        """Draw what is to be seen in ``snapshot``, in one part."""
+    def draw(self, snapshot: WorldSnapshot) -> Iterator[None]:
+        """Draw ``snapshot``, in one part."""
         if self._watch.changed(snapshot, (self._view,)):
-            self._painter.draw(snapshot, self._camera, self._view)
-            self._painter.read(self.place, self._color, self._depth)
+            self._renderer.draw(snapshot, self._camera, self._view)
+            self._renderer.read(self.place, self._color, self._depth)
             self.drawn += 1
         yield
 
@@ -96,43 +96,42 @@ class KinectEye:
         self._noise.depth(inverse_depth, depth)
 
 
-class FisheyeEye:
-    """The panoramic camera: five perspective pictures, drawn above ``base`` (px) in the frame buffer.
-
-    It is set up when its first picture is drawn: who never looks through it does not wait for it.
+class FisheyeRenderer:
+    """The panoramic camera: five perspective images, drawn above ``base`` (px) in the frame buffer. It is set up with
+    its first image: without demand it costs no start time.
     """
 
     def __init__(
-        self, painter: Painter, model: mujoco.MjModel, config: ImvConfig, rng: Generator, base: int = 0
+        self, renderer: Renderer, model: mujoco.MjModel, config: ImvConfig, rng: Generator, base: int = 0
     ) -> None:
-        self._painter = painter
+        self._renderer = renderer
         self._camera = model.camera(PREFIX + "imv").id
         self._config = config
         self._rng = rng
         self._base = base
-        self._watch = Watch(painter, self._camera)
+        self._watch = ChangeDetector(renderer, self._camera)
         self._tiling: Tiling | None = None
         self.picture = np.zeros((config.height, config.width, 3), dtype=np.uint8)
         self.drawn = 0
         self._drawn: NDArray[np.uint8]
         self._noise: ColorNoise
 
-    def draw(self, snapshot: Snapshot) -> Iterator[None]:
-        """Draw what is to be seen in ``snapshot``, a view in each step."""
+    def draw(self, snapshot: WorldSnapshot) -> Iterator[None]:
+        """Draw ``snapshot``, one view in each step."""
         if self._tiling is None:
             self._tiling = self._set_up()
             yield
         if self._watch.changed(snapshot, self._tiling.views):
             for view in self._tiling.views:
-                self._painter.draw(snapshot, self._camera, view)
+                self._renderer.draw(snapshot, self._camera, view)
                 yield
-            self._painter.read(Place(0, self._base, self._tiling.width, self._tiling.height), self._drawn)
+            self._renderer.read(FrameRect(0, self._base, self._tiling.width, self._tiling.height), self._drawn)
             self._tiling.picture(self._drawn, self.picture)
             self.drawn += 1
         yield
 
     def measure(self, color: NDArray[np.uint8], depth: NDArray[np.uint16] | None) -> None:
-        """Colour with noise; black where the lens has no picture."""
+        """Colour with noise; black outside the lens's image."""
         assert self._tiling is not None
         self._noise.add(self.picture, color, self._tiling.seen)
 
@@ -141,21 +140,21 @@ class FisheyeEye:
         tiling = tile(fisheye_model(c), base=self._base)
         self._drawn = np.zeros((tiling.height, tiling.width, 3), dtype=np.uint8)
         self._noise = ColorNoise(c.height, c.width, c.color_noise, self._rng)
-        self._painter.reserve(tiling.width, self._base + tiling.height)
+        self._renderer.reserve(tiling.width, self._base + tiling.height)
         return tiling
 
 
-def open_eyes(
-    painter: Painter, model: mujoco.MjModel, streams: StreamsConfig, rngs: Mapping[str, Generator]
-) -> dict[str, Eye]:
+def open_renderers(
+    renderer: Renderer, model: mujoco.MjModel, streams: StreamsConfig, rngs: Mapping[str, Generator]
+) -> dict[str, CameraRenderer]:
     """The cameras of ``streams``, by stream, each with its own random numbers; OpenGL is ready when it returns."""
-    eyes: dict[str, Eye] = {}
+    renderers: dict[str, CameraRenderer] = {}
     kinect, imv = streams.kinect, streams.imv
     if kinect is not None:
-        eye = eyes["kinect"] = KinectEye(painter, model, kinect, rngs["kinect"])
-        for _ in eye.draw(Snapshot.initial(model)):  # OpenGL makes itself ready with the first picture
+        kinect_renderer = renderers["kinect"] = KinectRenderer(renderer, model, kinect, rngs["kinect"])
+        for _ in kinect_renderer.draw(WorldSnapshot.initial(model)):  # OpenGL makes itself ready with the first picture
             pass
     if imv is not None:
         base = kinect.height if kinect is not None else 0
-        eyes["imv"] = FisheyeEye(painter, model, imv, rngs["imv"], base)
-    return eyes
+        renderers["imv"] = FisheyeRenderer(renderer, model, imv, rngs["imv"], base)
+    return renderers

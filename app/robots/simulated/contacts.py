@@ -1,4 +1,4 @@
-"""What the body touches besides the floor: the truth, for whoever measures."""
+"""Contacts of the body with anything but the floor: ground truth."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ import numpy as np
 from app.base.geometry import Pose2
 
 if TYPE_CHECKING:  # MuJoCo looks for its OpenGL library when it is imported
-    from app.robots.simulated.body import Simulation
+    from app.robots.simulated.body import RobotSimulation
 
 APART_S = 0.5
-"""Touched again after so long, a thing is touched anew."""
+"""Time (s) without contact after which a touch of the same object is a new contact."""
 FLOOR = "floor"
 
 
@@ -31,10 +31,10 @@ class Contact:
     X_WB: Pose2
 
 
-class ContactWatch:
-    """Notes contacts of a simulation; :meth:`look` every few steps: the softest touch lasts longer."""
+class ContactMonitor:
+    """Records contacts of a simulation; call :meth:`look` every few steps: the shortest contact lasts longer."""
 
-    def __init__(self, simulation: Simulation) -> None:
+    def __init__(self, simulation: RobotSimulation) -> None:
         self._simulation = simulation
         model = simulation.model
         of_robot = model.body_rootid[model.geom_bodyid] == model.body_rootid[simulation.base_body]
@@ -45,11 +45,11 @@ class ContactWatch:
 
     @property
     def found(self) -> tuple[Contact, ...]:
-        """So far, in the order they began."""
+        """Contacts so far, in order."""
         return tuple(self._found)
 
     def look(self, stamp: float) -> None:
-        """Note what is touched now."""
+        """Record current contacts."""
         contacts = self._simulation.data.contact
         pairs = contacts.geom
         touching = self._obstacle[pairs]

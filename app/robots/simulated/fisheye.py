@@ -1,8 +1,8 @@
-"""A fisheye's picture out of perspective ones: the hemisphere tiled by views, and where each pixel is found in them.
+"""Fisheye images from perspective ones: the hemisphere tiled by views, and the pixel maps into them.
 
 The views are the faces of a cube about the camera: the whole one in front and the halves beside, above and below it.
 That takes the fewest pixels of all tilings by five views; OpenGL cannot draw a hemisphere in one. Towards their edges
-perspective views are up to twice as fine as the fisheye, hence the outer ones can be coarser than its middle.
+perspective views are up to twice as fine as the fisheye, so the outer ones can be coarser than its middle.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.base.geometry import FisheyeModel
-from app.robots.simulated.renderer import Place, View
+from app.robots.simulated.renderer import FrameRect, PerspectiveView
 
 _MARGIN_PX = 2.0
 """Drawn beyond what is shown, so that interpolation at a view's edge finds the same on both sides."""
@@ -48,7 +48,7 @@ class Tiling:
     that rectangle, read with row 0 at the bottom. ``seen`` (H, W) uint8 is 255 where the lens has a picture.
     """
 
-    views: tuple[View, ...]
+    views: tuple[PerspectiveView, ...]
     width: int
     height: int
     first: NDArray[np.int16]
@@ -61,7 +61,7 @@ class Tiling:
 
 
 def tile(lens: FisheyeModel, base: int = 0, detail: float = 1.0) -> Tiling:
-    """The views that show what ``lens`` sees, drawn above row ``base`` of the frame buffer.
+    """The views that cover ``lens``, drawn above row ``base`` of the frame buffer.
 
     ``detail`` scales their resolution; 1 is the fisheye's own in its middle.
     """
@@ -84,7 +84,7 @@ def tile(lens: FisheyeModel, base: int = 0, detail: float = 1.0) -> Tiling:
         left, right = _extent(x, per_x)
         bottom, top = _extent(y, per_y)
         place = packer.place(math.ceil((right - left) * per_x), math.ceil((top - bottom) * per_y))
-        views.append(View(rotation, left, right, bottom, top, place))
+        views.append(PerspectiveView(rotation, left, right=right, bottom=bottom, top=top, place=place))
         maps[0][own] = place.x + (x - left) / (right - left) * place.width - 0.5
         maps[1][own] = place.y - base + (y - bottom) / (top - bottom) * place.height - 0.5
     first, second = cv2.convertMaps(maps[0], maps[1], cv2.CV_16SC2)
@@ -109,11 +109,11 @@ class _Packer:
         self.width = self._used = 0
         self.top = self._shelf = base
 
-    def place(self, width: int, height: int) -> Place:
+    def place(self, width: int, height: int) -> FrameRect:
         if not self.width or self._used + width > self.width:
             self._shelf = self.top
             self._used = 0
-        place = Place(self._used, self._shelf, width, height)
+        place = FrameRect(self._used, self._shelf, width, height)
         self._used += width
         self.width = max(self.width, self._used)
         self.top = max(self.top, self._shelf + height)

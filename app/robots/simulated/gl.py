@@ -1,4 +1,4 @@
-"""What the simulated camera needs of the computer: an EGL library to draw with, no screen and no graphics card."""
+"""OpenGL for the simulated camera: an EGL library, without screen or graphics card."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""The guard's own record, for tests and for finding out afterwards: one row per decision.
+"""Log of the guard for tests and diagnosis: one row per decision.
 
-Writing to a disk can block for a second when the disk is busy, so a thread does it: the guard only leaves rows.
+Writing to a busy disk can block for a second, so a thread writes: the guard only queues rows.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ _ROW = struct.Struct("<ddd")
 
 @dataclass(frozen=True, slots=True)
 class GuardRow:
-    """At ``monotonic_s`` the wheels were given this velocity."""
+    """Velocity of the wheels from ``monotonic_s`` on."""
 
     monotonic_s: float
     linear_mps: float
@@ -37,7 +37,7 @@ class GuardLog:
         self._rows.put(_ROW.pack(monotonic_s, linear_mps, angular_radps))
 
     def close(self, timeout_s: float = 0.3) -> None:
-        """Write what is left, waiting no longer than ``timeout_s``."""
+        """Write the queued rows, for at most ``timeout_s``."""
         self._rows.put(None)
         self._thread.join(timeout_s)
 
@@ -48,7 +48,7 @@ class GuardLog:
 
 
 def read_guard_log(path: Path) -> list[GuardRow]:
-    """Every whole row of the file, in order: the one place beside the writer that knows what a row is."""
+    """Every whole row of the file, in order."""
     data = path.read_bytes()
     whole = len(data) - len(data) % _ROW.size
     return [GuardRow(*row) for row in _ROW.iter_unpack(data[:whole])]

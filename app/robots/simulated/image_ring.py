@@ -1,8 +1,8 @@
-"""Pictures through memory that two processes share: a small ring of slots, each guarded by its sequence number.
+"""Images in memory shared by two processes: a ring of slots with sequence numbers (seqlock).
 
 The memory has no name, only a file descriptor that the link's process inherits: it vanishes with its last user,
 however that ends. Each camera has a ring of its own in it. The writer marks a slot with an odd number while it writes
-and an even one when done; a reader copies and then checks that the number is still the one it was told.
+and an even one when done; a reader copies and then checks that the number is still that of the notice.
 """
 
 from __future__ import annotations
@@ -72,9 +72,9 @@ class ImageRings:
         return self.rings[stream].read(slot, sequence)
 
     def close(self) -> None:
-        """Let go of the memory."""
+        """Release the memory."""
         for ring in self.rings.values():
-            ring.forget()
+            ring.release()
         self._map.close()
 
 
@@ -117,8 +117,8 @@ class ImageRing:
             return None
         return read_only(color), depth
 
-    def forget(self) -> None:
-        """Let go of the memory, so that it can be closed."""
+    def release(self) -> None:
+        """Release the arrays, so that the memory can be closed."""
         self._sequences.clear()
         self.colors.clear()
         self.depths.clear()

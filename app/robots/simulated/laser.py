@@ -1,4 +1,4 @@
-"""The laser: rays cast from where the robot is when each ray leaves, with the Hokuyo's noise.
+"""The laser: ray casting from the robot's pose at each ray's time, with the Hokuyo's noise.
 
 A sweep takes time. Its rays are cast in a few fans, each in the middle of the time in which its rays really leave, so
 a scan taken while turning is as skewed as the real one's. Intensities are 1000 at 1 m face-on, falling with distance
@@ -19,22 +19,22 @@ from numpy.typing import NDArray
 from app.base.geometry import Pose3
 from app.messages import LaserScan
 from app.robots.config import HokuyoConfig
-from app.robots.simulated.body import PREFIX, Simulation
+from app.robots.simulated.body import PREFIX, RobotSimulation
 from app.robots.simulated.scenery.people import LASER_GROUP
 from app.robots.simulated.world import OUT_OF_REACH_GROUP, WORLD_GROUP
 
 FAN_S = 0.0035
-"""The longest time one fan of rays stands for: at 1 rad/s the base turns less than one ray's step in it."""
+"""Longest duration of one fan of rays: at 1 rad/s the base turns less than one ray's step in it."""
 _MARGIN_RAD = math.radians(1.0)
-"""The base nods and sways a little, and the fan with it."""
+"""Pitch and roll of the base, which tilt the fan."""
 REACH_M = 0.25
-"""How far above and below its plane the laser may look, for all the base's nodding: what is beyond is left out."""
+"""Greatest deviation of rays from the laser's plane by tilt; shapes beyond are omitted."""
 
 
 class Laser:
     """Makes scans of a simulation; :meth:`begin` one, then :meth:`advance` until it is whole."""
 
-    def __init__(self, simulation: Simulation, config: HokuyoConfig, X_BL: Pose3, rng: Generator) -> None:
+    def __init__(self, simulation: RobotSimulation, config: HokuyoConfig, X_BL: Pose3, rng: Generator) -> None:
         self._simulation = simulation
         self._config = config
         self._X_BL = X_BL
@@ -47,7 +47,7 @@ class Laser:
         self._directions_L = np.stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)], axis=-1)
         self._groups = np.array([group in (WORLD_GROUP, LASER_GROUP) for group in range(6)], dtype=np.uint8)
         _leave_out_of_reach(simulation, float(X_BL.translation[2]))
-        self._sight = _Sight(simulation)
+        self._sight = _RayTargets(simulation)
         fans = max(1, math.ceil(config.sweep_s / FAN_S))
         self._fans = np.linspace(0, config.rays, fans + 1).astype(int)
         self._distances = np.zeros(config.rays)
@@ -59,7 +59,7 @@ class Laser:
 
     @property
     def sweeping(self) -> bool:
-        """Whether a scan is begun and not yet whole."""
+        """Whether a scan is in progress."""
         return self._cast_fans < len(self._fans) - 1
 
     def begin(self, stamp: float) -> None:
@@ -109,13 +109,13 @@ class Laser:
         )
 
 
-class _Sight:
-    """Keeps shapes that a fan of rays cannot meet out of its casting, which asks every shape for every ray.
+class _RayTargets:
+    """Excludes shapes outside a fan of rays, since ray casting tests every shape for every ray.
 
-    Of the shapes that stand in the world for good; what moves is always asked.
+    Only static shapes are excluded.
     """
 
-    def __init__(self, simulation: Simulation) -> None:
+    def __init__(self, simulation: RobotSimulation) -> None:
         model, data = simulation.model, simulation.data
         self._groups = model.geom_group
         standing = (model.geom_group == WORLD_GROUP) & (model.geom_bodyid == 0) & (model.geom_rbound > 0)
@@ -132,7 +132,7 @@ class _Sight:
     def limited(
         self, origin: NDArray[np.float64], first: NDArray[np.float64], last: NDArray[np.float64], range_m: float
     ) -> Iterator[None]:
-        """Leave out meanwhile what lies outside the fan from ``origin`` that turns left from ``first`` to ``last``."""
+        """Exclude static shapes outside the fan from ``origin`` that turns left from ``first`` to ``last``."""
         left, right = math.atan2(last[1], last[0]), math.atan2(first[1], first[0])
         half = 0.5 * (left - right) % math.pi + _MARGIN_RAD
         middle = right + half - _MARGIN_RAD
@@ -142,7 +142,7 @@ class _Sight:
         x, y = self._middles[:, 0] - origin[0], self._middles[:, 1] - origin[1]
         c, s = math.cos(middle), math.sin(middle)
         ahead, aside = c * x + s * y, c * y - s * x
-        # Outside is what lies, as a disc, on the far side of the nearer one of the fan's edges, or too far ahead
+        # Outside: bounding discs beyond the nearer edge of the fan, or too far ahead
         outside = math.cos(half) * np.abs(aside) - math.sin(half) * ahead > self._radii
         outside |= ahead > range_m + self._radii
         hidden = self._geoms[outside]
@@ -153,8 +153,8 @@ class _Sight:
             self._groups[hidden] = WORLD_GROUP
 
 
-def _leave_out_of_reach(simulation: Simulation, height_m: float) -> None:
-    """Move the world's shapes that the laser's plane cannot meet to another group: casting asks every shape in turn."""
+def _leave_out_of_reach(simulation: RobotSimulation, height_m: float) -> None:
+    """Move static shapes that the laser's plane cannot meet to another group, since casting tests every shape."""
     model, data = simulation.model, simulation.data
     for geom in range(model.ngeom):
         if model.geom_group[geom] != WORLD_GROUP or model.geom_rbound[geom] == 0:

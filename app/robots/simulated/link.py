@@ -1,4 +1,5 @@
-"""The simulated body's end in the program: starts the link's process, passes messages, learns at once of its death."""
+"""Link of the simulated body in the program: starts the link's process, passes messages, and detects its end at
+once."""
 
 from __future__ import annotations
 
@@ -72,7 +73,7 @@ class SimulatedLink:
 
     @property
     def start_pose(self) -> Pose2:
-        """``X_WO``: where in the world odometry begins, as configured."""
+        """``X_WO``: pose of odometry's origin in the world, as configured."""
         start = self._robot.start
         return Pose2(start.x, start.y, math.radians(start.heading_deg))
 
@@ -92,7 +93,16 @@ class SimulatedLink:
         session = await _Session.open(self._robot, self._receive)
         self._session = session
         wanted = frozenset(self._receivers.wanted)
-        session.send(wire.Start(self._robot, self._world, self._clock_offset, wanted, self._e_stop, self._scenario))
+        session.send(
+            wire.Start(
+                self._robot,
+                self._world,
+                clock_offset=self._clock_offset,
+                demanded=wanted,
+                e_stop=self._e_stop,
+                scenario=self._scenario,
+            )
+        )
         try:
             async with asyncio.timeout(START_TIMEOUT_S):
                 await session.wait_running()
@@ -111,7 +121,7 @@ class SimulatedLink:
             await self._release()
 
     async def wait_failed(self) -> LinkFailed:
-        """Wait until the process ends without having been told to; return why."""
+        """Wait until the process ends unexpectedly; return why."""
         if self._session is None:
             return LinkFailed("The simulated robot was not started.")
         return await self._session.wait_failed()
@@ -121,16 +131,16 @@ class SimulatedLink:
         return self._receivers.attach(stream, receive)
 
     def demand(self, stream: str, wanted: bool) -> None:
-        """Tell whether anybody listens to ``stream``; may be told before :meth:`start`."""
+        """Set whether ``stream`` has subscribers; also before :meth:`start`."""
         if self._receivers.demand(stream, wanted) and self._session is not None:
             self._session.send(wire.Demand(stream, wanted))
 
     def command(self, twist: Twist) -> None:
-        """Give the base a velocity; dropped while a frozen link does not read, for it would come too late."""
+        """Give the base a velocity; dropped while a frozen link does not read: it would arrive too late."""
         if self._session is None or self._session.unsent_bytes > _UNSENT_BYTES:
             self.commands_dropped += 1
             return
-        self._session.send(wire.Drive(twist.stamp, twist.linear_mps, twist.angular_radps))
+        self._session.send(wire.DriveRequest(twist.stamp, twist.linear_mps, twist.angular_radps))
 
     def play(self, audio: Audio) -> None:
         """Play one frame through the loudspeaker."""
@@ -179,7 +189,7 @@ class SimulatedLink:
         color, depth = pictures
         read_only(notice.X_BC.rotation)
         read_only(notice.X_BC.translation)
-        image = Image(notice.stamp, frame, color, depth, lens, notice.X_BC)
+        image = Image(notice.stamp, frame, color=color, depth=depth, camera=lens, X_BC=notice.X_BC)
         self._receivers.deliver(notice.stream, image)
 
 
@@ -218,7 +228,7 @@ def describe(robot: RobotConfig) -> RobotDescription:
 
 
 class _Session(asyncio.Protocol):
-    """One life of the link's process: its socket, its shared memory, its last words."""
+    """One run of the link's process: its socket, shared memory and error output."""
 
     def __init__(self, rings: ImageRings, receive: Callable[[Any], None]) -> None:
         self.rings = rings
@@ -229,7 +239,7 @@ class _Session(asyncio.Protocol):
         self._ended = asyncio.get_running_loop().create_future()
         self._expected = False
         self._last_lines: deque[str] = deque(maxlen=_LAST_LINES)
-        #: What the process said before it ran: if it never does, whoever waits for it is told.
+        #: Result of the start: an error before the process runs is raised in the waiting start().
         self._held_lines: list[str] = []
         self.process: asyncio.subprocess.Process
         self._watch: asyncio.Task[None]
@@ -273,7 +283,7 @@ class _Session(asyncio.Protocol):
             self._transport.write(wire.encode(frame))
 
     def expect_end(self) -> None:
-        """From now on the process's end is no failure."""
+        """The end of the process is no failure from now on."""
         self._expected = True
 
     async def wait_running(self) -> None:
@@ -287,7 +297,7 @@ class _Session(asyncio.Protocol):
             running.cancel()
 
     async def wait_failed(self) -> LinkFailed:
-        """Wait for the end of the process; return what to say about it."""
+        """Wait for the end of the process; return its reason."""
         failure: LinkFailed = await asyncio.shield(self._ended)
         return failure
 
@@ -318,7 +328,7 @@ class _Session(asyncio.Protocol):
         for frame in self._reader.feed(data):
             if isinstance(frame, wire.Sample) and not self._running.is_set():
                 self._running.set()
-                self._tell_held()
+                self._notify_held()
             self._receive(frame)
 
     async def _watch_process(self) -> None:
@@ -329,17 +339,17 @@ class _Session(asyncio.Protocol):
             self._last_lines.append(line)
             self._held_lines.append(line)
             if self._running.is_set():
-                self._tell_held()
+                self._notify_held()
         status = await self.process.wait()
         sentence = self._sentence(status)
         if sentence is None:
-            self._tell_held()
-        failure = LinkFailed(sentence or self._epitaph(status))
+            self._notify_held()
+        failure = LinkFailed(sentence or self._exit_reason(status))
         if not self._expected and self._running.is_set():
             log.error("%s", failure)
         self._ended.set_result(failure)
 
-    def _tell_held(self) -> None:
+    def _notify_held(self) -> None:
         for line in self._held_lines:
             log.warning("simulated robot: %s", line)
         self._held_lines.clear()
@@ -348,11 +358,11 @@ class _Session(asyncio.Protocol):
         return [line.strip() for line in self._last_lines if line.strip(" ^~")]
 
     def _sentence(self, status: int) -> str | None:
-        """What it said for people, if that is why it ended."""
+        """The process's error message for people, if it ended with one."""
         words = self._words()
         return words[0] if status == 1 and len(words) == 1 else None
 
-    def _epitaph(self, status: int) -> str:
+    def _exit_reason(self, status: int) -> str:
         how = f"was killed by signal {-status}" if status < 0 else f"ended with status {status}"
         words = self._words()
         said = "; its last words: " + " | ".join(words[-3:]) if words else ""

@@ -1,9 +1,8 @@
-"""A simulated body that lives in the program's own process and steps its world on the program's clock.
-
-On a ``VirtualClock`` a whole program so runs faster than real time, and the same each time: time stands while anything
-computes, and the world takes its turns (250 a second, as in the link's process) between what the program does. Guard,
-physics, odometry, laser, people and joints are those of the link's process (``living_world.py``). For tests and
-experiments; ``hbba run`` keeps the real process, for a guard in the program's own process protects nobody.
+"""A simulated body in the program's own process, whose world steps on the program's clock. On a ``VirtualClock`` a
+whole program runs faster than real time and deterministically: time stops during computations, and the world steps (250
+Hz, as in the link's process) between the program's callbacks. Guard, physics, odometry, laser, people and joints are
+those of the link's process (``simulation.py``). For tests and experiments; ``hbba run`` uses the separate process, for
+a guard in the program's own process protects from little.
 
     configuration = load_configuration(paths.config_dir() / "lab.yaml")
     body = load_body(configuration.path(configuration.program.robot))
@@ -11,12 +10,12 @@ experiments; ``hbba run`` keeps the real process, for a guard in the program's o
     async def script(run: WorldRun) -> Pose2:
         run.link.command(Twist(run.system.clock.now(), 0.3, 0.0))     # or desires: run.system.workspace.add(...)
         await run.system.clock.sleep(0.2)                             # 50 turns of the world
-        return run.link.true_pose()                                   # the truth is the experimenter's to ask
+        return run.link.true_pose()                                   # ground truth, for experiments only
 
-    pose = run_in_world(configuration, body, script)                  # app.experiments.lockstep
+    pose = run_in_world(configuration, body, script)                  # app.experiments.world_run
 
-``kinect`` and ``imv`` are there only with ``cameras``, and ``microphones`` only with that: pictures are then drawn and
-sound is made while time stands, and come with the step they belong to. There is no loudspeaker.
+``kinect`` and ``imv`` exist only with ``cameras``, and ``microphones`` only with ``microphones``: images and sound are
+then rendered while time is stopped, and arrive with their step. There is no loudspeaker.
 """
 
 from __future__ import annotations
@@ -47,7 +46,7 @@ if TYPE_CHECKING:  # MuJoCo looks for its OpenGL library when it is imported
 
 
 class LockstepLink:
-    """Implements ``app.link.RobotLink`` for a robot in a world that turns on ``clock``."""
+    """Implements ``app.link.RobotLink`` for a robot in a world that steps on ``clock``."""
 
     def __init__(
         self,
@@ -66,7 +65,7 @@ class LockstepLink:
         self._description = describe(self._robot)
         self._receivers = Receivers(self._description)
         self._e_stop: str | None = None
-        self._living: LockstepWorld | None = None
+        self._simulation: LockstepWorld | None = None
         self._turning: asyncio.Task[None] | None = None
 
     @property
@@ -76,30 +75,30 @@ class LockstepLink:
 
     @property
     def start_pose(self) -> Pose2:
-        """``X_WO``: where in the world odometry begins, as configured."""
+        """``X_WO``: pose of odometry's origin in the world, as configured."""
         start = self._robot.start
         return Pose2(start.x, start.y, math.radians(start.heading_deg))
 
-    # The truth, for tests and experiments; modules do not know this class.
+    # Ground truth for tests and experiments; modules do not know this class.
 
     def true_pose(self) -> Pose2:
         """``X_WB`` now; the start before :meth:`start`."""
-        return self._living.simulation.true_pose() if self._living is not None else self.start_pose
+        return self._simulation.physics.true_pose() if self._simulation is not None else self.start_pose
 
     @property
     def people(self) -> tuple[PersonTruth, ...]:
-        """Everybody in the world, as of now."""
-        return self._living.stage.people if self._living is not None else ()
+        """All people in the world now."""
+        return self._simulation.scenario_state.people if self._simulation is not None else ()
 
     @property
     def contacts(self) -> tuple[Contact, ...]:
-        """Every time that the body touched something other than the floor, since :meth:`start`."""
-        return self._living.contacts.found if self._living is not None else ()
+        """All contacts of the body with anything but the floor since :meth:`start`."""
+        return self._simulation.contacts.found if self._simulation is not None else ()
 
     # app.link.RobotLink
 
     async def start(self) -> None:
-        """Build the world and let it turn. Raises LinkFailed, having released everything."""
+        """Build the world and start it. Raises LinkFailed, having released everything."""
         if self._turning is not None:
             if not self._turning.done():
                 raise LinkFailed("The simulated robot runs already.")
@@ -108,35 +107,35 @@ class LockstepLink:
             raise LinkFailed(problem)
         for name, value in gl_environment().items():
             os.environ.setdefault(name, value)
-        # A world takes a second to build, and time need not know
+        # Building a world takes a second of real time, but no simulated time
         try:
-            living = await asyncio.to_thread(self._build)
+            simulation = await asyncio.to_thread(self._build)
         except (ConfigError, GlUnavailable) as failure:
             raise LinkFailed(str(failure)) from None
-        living.wanted |= self._receivers.wanted
+        simulation.wanted |= self._receivers.wanted
         if self._e_stop is not None:
-            living.accept(wire.EStop(self._e_stop))
-        self._living = living
-        self._turning = asyncio.create_task(self._turn(self._living), name="world in lockstep")
+            simulation.accept(wire.EStop(self._e_stop))
+        self._simulation = simulation
+        self._turning = asyncio.create_task(self._turn(self._simulation), name="world in lockstep")
 
     async def stop(self) -> None:
         """Stop the wheels, release everything; idempotent."""
         turning, self._turning = self._turning, None
-        living, self._living = self._living, None
+        simulation, self._simulation = self._simulation, None
         if turning is not None:
             turning.cancel()
             await asyncio.wait({turning})
-        if living is not None:
-            living.close()
+        if simulation is not None:
+            simulation.close()
 
     async def wait_failed(self) -> LinkFailed:
-        """Wait until the world cannot turn on; return why."""
+        """Wait until the world fails; return why."""
         if self._turning is None:
             return LinkFailed("The simulated robot was not started.")
         turning = self._turning
         await asyncio.wait({turning})
         error = None if turning.cancelled() else turning.exception()
-        failure = LinkFailed(f"The simulated world stopped: {error or 'it was told to'}.")
+        failure = LinkFailed(f"The simulated world stopped: {error or 'it was ended'}.")
         failure.__cause__ = error
         return failure
 
@@ -145,16 +144,16 @@ class LockstepLink:
         return self._receivers.attach(stream, receive)
 
     def demand(self, stream: str, wanted: bool) -> None:
-        """Tell whether anybody listens to ``stream``; may be told before :meth:`start`."""
+        """Set whether ``stream`` has subscribers; also before :meth:`start`."""
         if self._receivers.demand(stream, wanted):
             self._accept(wire.Demand(stream, wanted))
 
     def command(self, twist: Twist) -> None:
         """Give the base a velocity."""
-        self._accept(wire.Drive(twist.stamp, twist.linear_mps, twist.angular_radps))
+        self._accept(wire.DriveRequest(twist.stamp, twist.linear_mps, twist.angular_radps))
 
     def play(self, audio: Audio) -> None:
-        """Swallow it: this body has no loudspeaker."""
+        """No effect: this body has no loudspeaker."""
 
     def e_stop(self, reason: str) -> None:
         """Latch the emergency stop, also beyond a restart of the link."""
@@ -168,8 +167,8 @@ class LockstepLink:
         self._accept(wire.ClearEStop())
 
     def _accept(self, frame: object) -> None:
-        if self._living is not None:
-            self._living.accept(frame)
+        if self._simulation is not None:
+            self._simulation.accept(frame)
 
     def _receive(self, stream: str, message: object) -> None:
         if isinstance(message, LaserScan):
@@ -189,16 +188,16 @@ class LockstepLink:
 
         return LockstepWorld(self._robot, self._world, self._scenario, self._receive)
 
-    async def _turn(self, living: LockstepWorld) -> None:
+    async def _turn(self, simulation: LockstepWorld) -> None:
         began, turns = self._clock.now(), 0
         while True:
             turns += 1
-            await self._clock.sleep_until(began + turns * living.turn_s)
-            living.lockstep(self._clock.now(), began)
+            await self._clock.sleep_until(began + turns * simulation.turn_s)
+            simulation.lockstep(self._clock.now(), began)
 
 
 def without_threads(robot: RobotConfig, *, cameras: bool, microphones: bool = False) -> RobotConfig:
-    """``robot`` without a voice, without eyes unless ``cameras``, without ears unless ``microphones``."""
+    """``robot`` without loudspeaker, without cameras unless ``cameras``, without microphones unless ``microphones``."""
     removed: dict[str, None] = {}
     if not microphones:
         removed |= {"microphones": None}

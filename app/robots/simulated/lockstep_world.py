@@ -1,4 +1,4 @@
-"""The world of a body in lockstep: turned by its caller, pictures drawn and sound made while the caller waits."""
+"""World of a body in lockstep: stepped by its caller, with images and sound rendered while the caller waits."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ import numpy as np
 
 from app.messages import Image
 from app.robots.config import RobotConfig
-from app.robots.simulated.acoustics.microphone_array import Ear
+from app.robots.simulated.acoustics.microphone_simulator import MicrophoneSimulator
 from app.robots.simulated.acoustics.soundscape import SCENES_HZ, Soundscape
 from app.robots.simulated.body import TIMESTEP_S
 from app.robots.simulated.camera_models import lenses, picture_formats
-from app.robots.simulated.camera_rendering import Eye, open_eyes
-from app.robots.simulated.contacts import ContactWatch
-from app.robots.simulated.renderer import Painter
+from app.robots.simulated.camera_rendering import CameraRenderer, open_renderers
+from app.robots.simulated.contacts import ContactMonitor
+from app.robots.simulated.renderer import Renderer
 from app.robots.simulated.scenery.scenario_config import ScenarioConfig
-from app.robots.simulated.simulation import STEPS_PER_TURN, LivingWorld, Schedule
+from app.robots.simulated.simulation import STEPS_PER_TURN, Schedule, WorldSimulation
 from app.robots.simulated.world_config import WorldConfig
 
 
-class LockstepWorld(LivingWorld):
-    """A living world whose steps are due when ``now`` says so; see :class:`LivingWorld` for what it raises."""
+class LockstepWorld(WorldSimulation):
+    """A simulated world whose steps are due by ``now``; see :class:`WorldSimulation` for errors."""
 
     turn_s = STEPS_PER_TURN * TIMESTEP_S
 
@@ -33,13 +33,13 @@ class LockstepWorld(LivingWorld):
         send: Callable[[str, object], None],
     ) -> None:
         super().__init__(robot, world, scenario, send)
-        self.contacts = ContactWatch(self.simulation)
+        self.contacts = ContactMonitor(self.physics)
         self._steps = 0
         self._lenses = lenses(robot)
         self._formats = picture_formats(robot)
-        self._painter: Painter | None = None
-        self._open: dict[str, Eye] = {}
-        self._ear: Ear | None = None
+        self._renderer: Renderer | None = None
+        self._open: dict[str, CameraRenderer] = {}
+        self._microphone_simulator: MicrophoneSimulator | None = None
         self._scenes = Schedule(SCENES_HZ)
 
     def lockstep(self, now: float, began: float) -> None:
@@ -49,11 +49,11 @@ class LockstepWorld(LivingWorld):
         self.report(now, action, lambda: 1.0)
 
     def close(self) -> None:
-        """Stop the wheels and let go of the drawing."""
+        """Stop the wheels and release OpenGL."""
         self.end()
-        if self._painter is not None:
-            self._painter.close()
-            self._painter = None
+        if self._renderer is not None:
+            self._renderer.close()
+            self._renderer = None
 
     def _stamps(self, now: float, began: float) -> Iterator[float]:
         while (stamp := began + (self._steps + 1) * TIMESTEP_S) <= now + 0.5 * TIMESTEP_S:
@@ -66,32 +66,32 @@ class LockstepWorld(LivingWorld):
             self._hear(stamp, self.soundscape)
 
     def _hear(self, stamp: float, soundscape: Soundscape) -> None:
-        time_s = self.simulation.time_s
+        time_s = self.physics.time_s
         if not self._scenes.due(time_s):
             return
-        if self._ear is None:  # rooms take a second to be made
-            self._ear = Ear(soundscape.setup)
-        scene = soundscape.scene(time_s, stamp, self.simulation.true_pose(), self.rims(), self.stage)
-        for heard in self._ear.listen([scene]):
+        if self._microphone_simulator is None:  # building rooms takes a second
+            self._microphone_simulator = MicrophoneSimulator(soundscape.setup)
+        scene = soundscape.scene(time_s, stamp, self.physics.true_pose(), self.rims(), self.scenario_state)
+        for heard in self._microphone_simulator.listen([scene]):
             self.send("microphones", heard.audio, stamp)
 
     def _see(self, stamp: float) -> None:
-        for stream in self.eyes:
+        for stream in self.cameras:
             if (snapshot := self.look(stream, stamp)) is None:
                 continue
-            eye = self._eye(stream)
-            for _ in eye.draw(snapshot):
+            renderer = self._renderer_of(stream)
+            for _ in renderer.draw(snapshot):
                 pass
             size = (self._formats[stream].height, self._formats[stream].width)
             color = np.zeros((*size, 3), dtype=np.uint8)
             depth = np.zeros(size, dtype=np.uint16) if self._formats[stream].has_depth else None
-            eye.measure(color, depth)
+            renderer.measure(color, depth)
             frame, lens = self._lenses[stream]
-            self.send(stream, Image(stamp, frame, color, depth, lens, snapshot.X_BC), stamp)
+            self.send(stream, Image(stamp, frame, color=color, depth=depth, camera=lens, X_BC=snapshot.X_BC), stamp)
 
-    def _eye(self, stream: str) -> Eye:
-        """The camera of ``stream``; OpenGL is made ready for the first picture anybody wants."""
-        if self._painter is None:
-            self._painter = Painter(self.simulation.model)
-            self._open = open_eyes(self._painter, self.simulation.model, self.robot.streams, self.eye_rngs)
+    def _renderer_of(self, stream: str) -> CameraRenderer:
+        """The renderer of ``stream``; OpenGL is initialized for the first image."""
+        if self._renderer is None:
+            self._renderer = Renderer(self.physics.model)
+            self._open = open_renderers(self._renderer, self.physics.model, self.robot.streams, self.camera_rngs)
         return self._open[stream]

@@ -1,9 +1,9 @@
-"""What the walls hide from a camera: a depth buffer over the compass, since walls reach from floor to ceiling.
+"""Occlusion by walls: a depth buffer over the azimuth, since walls reach from floor to ceiling.
 
-Where a building has a ceiling, a wall from the floor up to it hides all that lies behind, whatever its height: whether
-a shape is hidden is a question of the plan alone. The compass around the camera is cut into sectors, each knowing how
-far away the nearest wall ends that fills it; a shape is hidden if each sector it touches has such a wall before it.
-Everything is rounded so that what may be seen is never called hidden.
+In a building with a ceiling, a full-height wall hides everything behind it: occlusion is a question of the floor plan
+alone. The azimuth around the camera is divided into sectors, each with the distance of the nearest wall that fills it;
+a shape is hidden if every sector it touches has such a wall in front of it. Rounding is conservative: no visible shape
+is called hidden.
 """
 
 from __future__ import annotations
@@ -49,7 +49,8 @@ class Occlusion:
         return np.asarray((distance - self._radius > wall) & ~around & ~self._endless)
 
     def _sectors(self, eye: NDArray[np.float64]) -> NDArray[np.float64]:
-        """For each sector (from ray i to ray i + 1) how far off the nearest wall that fills it ends; inf for none."""
+        """For each sector (from ray i to ray i + 1) the far distance of the nearest wall that fills it; inf for
+        none."""
         a, b = self._starts - eye, self._ends - eye
         along = b - a
         # Ray t d meets a + s (b - a): cross products with d give s, with b - a give t
@@ -93,7 +94,7 @@ def _walls(model: mujoco.MjModel, data: mujoco.MjData) -> tuple[NDArray[np.float
 
 
 def _range_maxima(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Row k holds the maxima over the 2**k values from each place on, going round."""
+    """Row k holds the cyclic maxima over the 2**k values from each index on."""
     rows = [values]
     while 1 << len(rows) <= 2 * len(values):
         rows.append(np.maximum(rows[-1], np.roll(rows[-1], -(1 << (len(rows) - 1)))))

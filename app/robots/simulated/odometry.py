@@ -1,4 +1,4 @@
-"""Odometry as a real base has it: from wheel encoders, with wheels that are not quite what they are believed to be.
+"""Wheel odometry with realistic errors: from encoders, with wheels that differ from their nominal geometry.
 
 For a differential drive with travels d_l and d_r of the wheels and track b: distance d = (d_l + d_r) / 2, turn
 a = (d_r - d_l) / b, pose advanced along the arc's chord (Siegwart and Nourbakhsh, *Autonomous Mobile Robots*, 5.2.4).
@@ -16,14 +16,14 @@ from app.base.geometry import Pose2
 from app.robots.config import BaseConfig
 
 SLIP_LENGTH_M = 0.5
-"""The distance over which a wheel's slip stays alike."""
+"""Correlation length of a wheel's slip (m)."""
 TWIST_STEPS = 4
-"""Readings that the measured twist is averaged over: one tick of an encoder in one period would be 8 mm/s."""
+"""Number of readings averaged for the measured twist: one encoder tick in one period would be 8 mm/s."""
 
 
 @dataclass(frozen=True, slots=True)
 class TrueBase:
-    """What the wheels really are: radii and track (m)."""
+    """True geometry of the wheels: radii and track (m)."""
 
     left_radius_m: float
     right_radius_m: float
@@ -31,7 +31,7 @@ class TrueBase:
 
 
 def draw_true_base(config: BaseConfig, rng: Generator) -> TrueBase:
-    """A base that differs from its nominal values as the configuration's errors say."""
+    """A base that differs from its nominal values by random errors as configured."""
     left, right, track = (float(x) for x in rng.standard_normal(3).clip(-2, 2))
     return TrueBase(
         config.wheel_radius_m * (1 + config.radius_error * left),
@@ -40,7 +40,7 @@ def draw_true_base(config: BaseConfig, rng: Generator) -> TrueBase:
     )
 
 
-class WheelOdometry:
+class EncoderOdometry:
     """Integrates encoder readings with the *nominal* geometry; starts at (0, 0, 0) in ``odom``."""
 
     def __init__(self, config: BaseConfig, rng: Generator) -> None:
@@ -78,7 +78,7 @@ class WheelOdometry:
         return math.floor(angle / self._tick_rad) * self._tick_rad
 
     def _slipped(self, wheel: int, travel: float) -> float:
-        """``travel`` as the floor let the wheel report it: the slip ratio wanders with the distance rolled."""
+        """``travel`` with slip: the slip ratio is a random process over the distance rolled."""
         share = min(abs(travel) / SLIP_LENGTH_M, 1.0)
         kick = self._config.slip * math.sqrt(2 * share) * float(self._rng.standard_normal())
         self._slip[wheel] += kick - share * self._slip[wheel]

@@ -1,4 +1,4 @@
-"""Keeps simulated time on real time: how many steps are due, and how fast the world has run."""
+"""Pacing of simulated time by real time: number of due steps, and rate of the world."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections import deque
 
 RATE_WINDOW_S = 1.0
 LONGEST_WAIT_S = 0.15
-"""Half of what makes a scan too old to drive by, so that scans are not."""
+"""Half of the greatest age of a scan to drive by, so that scans stay below it."""
 GO_ON_S = 0.05
 """Time for a new scan."""
 
@@ -14,9 +14,9 @@ GO_ON_S = 0.05
 class Pacer:
     """Pure bookkeeping on the monotonic clock (s), stepped by its caller.
 
-    Up to ``backlog_s`` of lost time is made up for, ``waited_s`` of what was lost in waiting for pictures; what is lost
-    beyond is given up, so an overloaded computer slows the world down instead of making it jump. ``stamp`` names the
-    real instant that simulated time stands for.
+    Up to ``backlog_s`` of lost time is caught up, and up to ``waited_s`` of time lost in waiting for images; more is
+    dropped, so an overloaded computer slows the world down instead of making it jump. ``stamp``: the real instant of
+    the current simulated time.
     """
 
     def __init__(
@@ -35,17 +35,17 @@ class Pacer:
 
     @property
     def stamp(self) -> float:
-        """The monotonic time that the last step stands for."""
+        """Monotonic time of the last step."""
         return self._anchor + self._since_anchor * self._step_s
 
     def due(self, now: float) -> int:
-        """How many steps to take now (0 to ``burst``)."""
+        """Number of steps to take now (0 to ``burst``)."""
         self._give_up_beyond(self._backlog_s, now)
         return max(0, min(self._burst, int((now - self.stamp) / self._step_s)))
 
     def waits(self, now: float, missing: bool) -> bool:
-        """Whether time stands, instead of the next step, because something of the world's present is ``missing``: for
-        ``LONGEST_WAIT_S``, then it goes on for ``GO_ON_S`` before it stands again."""
+        """Whether simulated time pauses because sensor data are ``missing``: for at most ``LONGEST_WAIT_S``, then not
+        again for ``GO_ON_S``."""
         if not missing:
             self._waits_since, self._goes_on = None, 0
             return False
@@ -66,7 +66,7 @@ class Pacer:
         self._since_anchor += 1
 
     def wait_s(self, now: float, steps: int) -> float:
-        """Seconds until ``steps`` more steps are due, or while time stands until it is to be looked at again."""
+        """Seconds until ``steps`` more steps are due, or during a pause until the next check."""
         if self._waits_since is not None:
             return steps * self._step_s
         return max(0.0, self.stamp + steps * self._step_s - now)

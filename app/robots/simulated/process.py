@@ -1,6 +1,6 @@
 """The link's process: ``python -m app.robots.simulated.process SOCKET MEMORY`` (two inherited file descriptors).
 
-It ends when it is told to, when the other end of the socket closes, or when the program dies in any other way.
+It ends by a Stop message, when the other end of the socket closes, or when the program dies.
 """
 
 from __future__ import annotations
@@ -13,14 +13,14 @@ from app.base.child_processes import end_with_parent
 
 
 def main(arguments: list[str]) -> int:
-    """Run the link; 0 when told to stop or left alone, 1 when something failed (said on standard error)."""
+    """Run the link; 0 after a stop or the program's end, 1 after a failure (message on standard error)."""
     parent = os.getppid()
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches every process of a terminal; the program tells us
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches every process of a terminal; the program sends Stop
     end_with_parent()
     if parent != os.getppid():
         return 0
 
-    from app.robots.simulated.serve import serve  # only now, so that the lines above hold from the first moment
+    from app.robots.simulated.serve import serve  # imported late, so that the lines above hold from the first moment
     from app.runtime.allocator import share_arenas
 
     share_arenas()
@@ -30,4 +30,4 @@ def main(arguments: list[str]) -> int:
 if __name__ == "__main__":
     status = main(sys.argv[1:])
     sys.stderr.flush()
-    os._exit(status)  # nothing here is worth waiting for, and OpenGL's exit handlers have been seen to hang
+    os._exit(status)  # no cleanup is needed, and OpenGL's exit handlers have been seen to hang

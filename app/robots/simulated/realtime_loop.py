@@ -1,7 +1,7 @@
-"""The control loop of the link's process: turns the world in real time, at 250 Hz.
+"""The control loop of the link's process: steps the world in real time, at 250 Hz.
 
-Everything but drawing and sound happens in this one thread, and nothing in it waits but the ``select`` that paces it.
-The guard's decision comes first in every turn, from the real clock, so it holds whatever the program does.
+Everything except drawing and sound runs in this thread, which waits only in the ``select`` that paces it. The guard's
+decision comes first in every cycle, by the real clock, so it is independent of the program.
 """
 
 from __future__ import annotations
@@ -14,28 +14,28 @@ import time
 from collections.abc import Iterator
 
 from app.robots.simulated import wire
-from app.robots.simulated.acoustics.client import Acoustics
+from app.robots.simulated.acoustics.client import AcousticsClient
 from app.robots.simulated.acoustics.soundscape import SCENES_HZ
 from app.robots.simulated.body import TIMESTEP_S
-from app.robots.simulated.camera import CameraThread
 from app.robots.simulated.camera_models import picture_formats
+from app.robots.simulated.camera_thread import CameraThread
 from app.robots.simulated.guard_log import GuardLog
 from app.robots.simulated.image_ring import ImageRings
 from app.robots.simulated.pacer import Pacer
-from app.robots.simulated.simulation import STEPS_PER_TURN, LivingWorld, Schedule
+from app.robots.simulated.simulation import STEPS_PER_TURN, Schedule, WorldSimulation
 
 _CAMERA_SETUP_S = 20.0
 _NICENESS = -5
 
 
-class WorldLoop:
-    """Builds the world of a ``Start`` and runs it until told to end."""
+class RealtimeLoop:
+    """Builds the world of a ``Start`` and runs it until the end."""
 
     def __init__(self, start: wire.Start, sock: wire.Socket, memory: int) -> None:
         robot, streams = start.robot, start.robot.streams
         self._socket = sock
         self._offset = start.clock_offset
-        self._living = LivingWorld(
+        self._simulation = WorldSimulation(
             robot, start.world, start.scenario, self._send, wanted=start.demanded, e_stop=start.e_stop
         )
         self._log = GuardLog(robot.guard_log) if robot.guard_log is not None else None
@@ -43,15 +43,15 @@ class WorldLoop:
         self._wake_read, self._wake_write = os.pipe()
         os.set_blocking(self._wake_read, False)
         os.set_blocking(self._wake_write, False)
-        if self._living.eyes:
+        if self._simulation.cameras:
             rings = ImageRings(memory, picture_formats(robot)).rings
-            model = self._living.simulation.model
-            self._camera = CameraThread(model, streams, rings, self._living.eye_rngs, self._wake)
+            model = self._simulation.physics.model
+            self._camera = CameraThread(model, streams, rings, self._simulation.camera_rngs, self._wake)
             self._camera.wait_ready(_CAMERA_SETUP_S)
-        self._acoustics: Acoustics | None = None
+        self._acoustics: AcousticsClient | None = None
         self._scenes = Schedule(SCENES_HZ)
-        if self._living.soundscape is not None:
-            self._acoustics = Acoustics(self._living.soundscape)
+        if self._simulation.soundscape is not None:
+            self._acoustics = AcousticsClient(self._simulation.soundscape)
         self._ending = False
         self._pacer = Pacer(time.monotonic(), TIMESTEP_S)
 
@@ -61,11 +61,11 @@ class WorldLoop:
         self._wake()
 
     def run(self) -> None:
-        """Turn until the end. Raises what the camera's thread raised."""
-        with contextlib.suppress(OSError):  # where we may: on a busy computer the guard goes first
+        """Run until the end. Raises errors of the camera's thread."""
+        with contextlib.suppress(OSError):  # if permitted: on a busy computer the guard has priority
             os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _NICENESS)
         self._pacer = Pacer(time.monotonic(), TIMESTEP_S)
-        living = self._living
+        simulation = self._simulation
         while not self._ending:
             self._receive()
             if self._socket.closed:
@@ -78,29 +78,29 @@ class WorldLoop:
                 while self._camera.finished:
                     notice = self._camera.finished.popleft()
                     if (
-                        notice.stream in living.wanted
+                        notice.stream in simulation.wanted
                     ):  # else its age would grow for ever, and the guard refuse to drive
-                        living.saw(notice.stream, now + self._offset)
+                        simulation.note_sensor(notice.stream, now + self._offset)
                     self._socket.send(notice)
             if self._acoustics is not None:
-                for audio in self._acoustics.receive(living.simulation.time_s):
-                    if "microphones" in living.wanted:
-                        living.send("microphones", audio, now + self._offset)
+                for audio in self._acoustics.receive(simulation.physics.time_s):
+                    if "microphones" in simulation.wanted:
+                        simulation.send("microphones", audio, now + self._offset)
             self._socket.flush()
             self._sleep()
         self._shut_down()
 
     def _turn(self, now: float) -> None:
-        living = self._living
-        action = living.turn(now + self._offset, self._stamps(now), self._also)
-        living.report(now + self._offset, action, lambda: self._pacer.rate(now))
+        simulation = self._simulation
+        action = simulation.turn(now + self._offset, self._stamps(now), self._also)
+        simulation.report(now + self._offset, action, lambda: self._pacer.rate(now))
         if self._log is not None:
-            applied = living.state.applied
+            applied = simulation.state.applied
             self._log.write(time.monotonic(), applied.linear_mps, applied.angular_radps)
 
     def _stamps(self, now: float) -> Iterator[float]:
-        """The instants that the steps due now stand for. Where a picture is due while the one before is still being
-        drawn, or sound is late, time stands: a computer too slow for the sensors slows everything alike."""
+        """Real instants of the due steps. Where an image is due while the one before is still being drawn, or sound is
+        late, simulated time pauses: a computer too slow for the sensors slows everything alike."""
         for _ in range(self._pacer.due(now)):
             if self._pacer.waits(now, self._sensed_late()):
                 return
@@ -108,21 +108,23 @@ class WorldLoop:
             yield self._pacer.stamp + self._offset
 
     def _sensed_late(self) -> bool:
-        camera, living = self._camera, self._living
-        if self._acoustics is not None and self._acoustics.late and "microphones" in living.wanted:
+        camera, simulation = self._camera, self._simulation
+        if self._acoustics is not None and self._acoustics.late and "microphones" in simulation.wanted:
             return True
-        return camera is not None and any(camera.busy(stream) and living.looks(stream) for stream in living.eyes)
+        return camera is not None and any(
+            camera.busy(stream) and simulation.image_due(stream) for stream in simulation.cameras
+        )
 
     def _also(self, stamp: float) -> None:
-        """Have pictures drawn and sound made of the world as it is after a step."""
-        living, time_s = self._living, self._living.simulation.time_s
+        """Request images and sound of the world after a step."""
+        simulation, time_s = self._simulation, self._simulation.physics.time_s
         if self._camera is not None:
-            for stream in living.eyes:
-                if not self._camera.busy(stream) and (snapshot := living.look(stream, stamp)) is not None:
+            for stream in simulation.cameras:
+                if not self._camera.busy(stream) and (snapshot := simulation.look(stream, stamp)) is not None:
                     self._camera.request(stream, snapshot)
-        if self._acoustics is not None and "microphones" in living.wanted and self._scenes.due(time_s):
-            pose = living.simulation.true_pose()
-            self._acoustics.tell(time_s, stamp, pose, living.rims(), living.stage)
+        if self._acoustics is not None and "microphones" in simulation.wanted and self._scenes.due(time_s):
+            pose = simulation.physics.true_pose()
+            self._acoustics.update(time_s, stamp, pose, simulation.rims(), simulation.scenario_state)
 
     def _receive(self) -> None:
         for frame in self._socket.receive():
@@ -133,13 +135,13 @@ class WorldLoop:
                 case wire.Stop():
                     self._ending = True
                 case _:
-                    self._living.accept(frame)
+                    self._simulation.accept(frame)
 
     def _send(self, stream: str, message: object) -> None:
         self._socket.send(wire.Sample(stream, message))
 
     def _wake(self) -> None:
-        with contextlib.suppress(BlockingIOError):  # full: the loop is being woken already
+        with contextlib.suppress(BlockingIOError):  # full: the loop is already being woken
             os.write(self._wake_write, b"\0")
 
     def _sleep(self) -> None:
@@ -153,7 +155,7 @@ class WorldLoop:
             os.read(self._wake_read, 4096)
 
     def _shut_down(self) -> None:
-        self._living.end()
+        self._simulation.end()
         if self._log is not None:
             self._log.write(time.monotonic(), 0.0, 0.0)
             self._log.close()

@@ -1,8 +1,7 @@
 """Drawing with OpenGL: one context and one frame buffer for every camera of the body, on the processor or a card.
 
-A camera's picture is drawn as one or several perspective views into places of the frame buffer, and read back at once.
-What walls hide and what lies outside a view is not sent to OpenGL: without a graphics card each shape sent costs as
-much as a thousand pixels.
+A camera's image is one or several perspective views in rectangles of the frame buffer, read back at once. Shapes hidden
+by walls or outside a view are culled: without a graphics card each drawn shape costs as much as a thousand pixels.
 """
 
 from __future__ import annotations
@@ -28,13 +27,13 @@ _CULLED_GROUP = 5
 _SURFACE_PX = 16
 """Of the context's own surface, which nothing is drawn on."""
 _STILL = 1e-6
-"""What counts as not having moved, in metres and radians: a hundredth of a millimetre at the end of the corridor."""
+"""Motion (m, rad) that counts as none: a hundredth of a millimetre at the end of the corridor."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Snapshot:
+class WorldSnapshot:
     """The world at one instant: ``qpos`` of the whole model, ``mocap`` (n, 7) the poses (position, quaternion w first)
-    of the bodies that move by script, and the camera's pose as measured then.
+    of the scripted bodies, and the camera's measured pose.
     """
 
     stamp: float
@@ -43,14 +42,14 @@ class Snapshot:
     X_BC: Pose3
 
     @staticmethod
-    def initial(model: mujoco.MjModel) -> Snapshot:
-        """The world as it begins."""
+    def initial(model: mujoco.MjModel) -> WorldSnapshot:
+        """The initial state of the world."""
         mocap = mocap_poses(mujoco.MjData(model))
-        return Snapshot(0.0, model.qpos0.copy(), mocap, Pose3.identity())
+        return WorldSnapshot(0.0, model.qpos0.copy(), mocap, Pose3.identity())
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class FrameRect:
     """A rectangle of the frame buffer (px), counted from its lower left."""
 
     x: int
@@ -60,8 +59,8 @@ class Place:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class View:
-    """A perspective picture from where a camera is, drawn at ``place``.
+class PerspectiveView:
+    """A perspective image from the camera's position, drawn at ``place``.
 
     ``rotation`` (3, 3): its axes (right, up, backwards) in the camera's (right, up, backwards). ``left``, ``right``,
     ``bottom``, ``top``: tangents of the angles from its forward axis to its edges.
@@ -72,7 +71,7 @@ class View:
     right: float
     bottom: float
     top: float
-    place: Place
+    place: FrameRect
 
 
 def mocap_poses(data: mujoco.MjData) -> NDArray[np.float64]:
@@ -80,14 +79,14 @@ def mocap_poses(data: mujoco.MjData) -> NDArray[np.float64]:
     return np.hstack((data.mocap_pos, data.mocap_quat))
 
 
-class Painter:
+class Renderer:
     """Draws ``model`` into a frame buffer that grows with what is reserved. Make, use and close it in one thread.
 
     Raises GlUnavailable where there is no OpenGL to draw with.
     """
 
     def __init__(self, model: mujoco.MjModel) -> None:
-        self._model = copy.copy(model)  # its own: culling moves shapes between groups
+        self._model = copy.copy(model)  # a copy: culling moves shapes between groups
         self._data = mujoco.MjData(self._model)
         try:
             self._gl = mujoco.GLContext(_SURFACE_PX, _SURFACE_PX)
@@ -107,21 +106,21 @@ class Painter:
         self._groups = self._model.geom_group.copy()
         mujoco.mj_kinematics(self._model, self._data)
         self._occlusion = Occlusion(self._model, self._data)
-        # Which scripted body each shape belongs to, -1 for none: they all stand in the world itself
+        # Scripted body of each shape, -1 for none: they are all direct children of the world
         self._scripted = self._model.body_mocapid[self._model.body_rootid[self._model.geom_bodyid]]
-        self._placed: Snapshot | None = None
+        self._placed: WorldSnapshot | None = None
         self._unhidden: dict[int, NDArray[np.bool_]] = {}
         self.near = self._model.vis.map.znear * self._model.stat.extent
         self.far = self._model.vis.map.zfar * self._model.stat.extent
 
     def reserve(self, width: int, height: int) -> None:
-        """Make the frame buffer (px) large enough for that; what was drawn before is lost."""
+        """Enlarge the frame buffer (px) if necessary; its content is lost."""
         width, height = max(width, self._context.offWidth), max(height, self._context.offHeight)
         if (width, height) != (self._context.offWidth, self._context.offHeight):
             self._gl.make_current()
             mujoco.mjr_resizeOffscreen(width, height, self._context)
 
-    def draw(self, snapshot: Snapshot, camera: int, view: View) -> None:
+    def draw(self, snapshot: WorldSnapshot, camera: int, view: PerspectiveView) -> None:
         """Draw ``view`` of the world in ``snapshot`` from the model's camera number ``camera``."""
         self._set(snapshot)
         eye, axes = self._data.cam_xpos[camera], self._data.cam_xmat[camera].reshape(3, 3)
@@ -135,20 +134,20 @@ class Painter:
         self._gl.make_current()
         mujoco.mjr_render(mujoco.MjrRect(place.x, place.y, place.width, place.height), self._scene, self._context)
 
-    def seen(self, snapshot: Snapshot, camera: int, views: Iterable[View]) -> NDArray[np.bool_]:
+    def seen(self, snapshot: WorldSnapshot, camera: int, views: Iterable[PerspectiveView]) -> NDArray[np.bool_]:
         """Which shapes (ngeom,) may be in any of ``views`` from that camera."""
         self._set(snapshot)
         return np.asarray(np.any([self._in_view(camera, view) for view in views], axis=0))
 
-    def differ(self, a: Snapshot, b: Snapshot, seen: NDArray[np.bool_]) -> bool:
-        """Whether the robot stands otherwise in ``a`` and ``b``, or any of the shapes ``seen`` (ngeom,) does."""
+    def differ(self, a: WorldSnapshot, b: WorldSnapshot, seen: NDArray[np.bool_]) -> bool:
+        """Whether the robot, or any of the shapes ``seen`` (ngeom,), has another pose in ``a`` than in ``b``."""
         if np.abs(a.qpos - b.qpos).max(initial=0.0) > _STILL:
             return True
         moved = np.append(np.abs(a.mocap - b.mocap).max(axis=1, initial=0.0) > _STILL, False)
         return bool((moved[self._scripted] & seen).any())
 
-    def read(self, place: Place, color: NDArray[np.uint8], depth: NDArray[np.float32] | None = None) -> None:
-        """What was drawn at ``place``, row 0 at the *bottom*: ``color`` (H, W, 3), ``depth`` (H, W) from 0 far to 1."""
+    def read(self, place: FrameRect, color: NDArray[np.uint8], depth: NDArray[np.float32] | None = None) -> None:
+        """The image at ``place``, row 0 at the *bottom*: ``color`` (H, W, 3), ``depth`` (H, W) from 0 far to 1."""
         rectangle = mujoco.MjrRect(place.x, place.y, place.width, place.height)
         mujoco.mjr_readPixels(color, depth, rectangle, self._context)
 
@@ -157,7 +156,7 @@ class Painter:
         self._context.free()
         self._gl.free()
 
-    def _set(self, snapshot: Snapshot) -> None:
+    def _set(self, snapshot: WorldSnapshot) -> None:
         if snapshot is self._placed:
             return
         self._data.qpos[:] = snapshot.qpos
@@ -168,7 +167,7 @@ class Painter:
         self._placed = snapshot
         self._unhidden.clear()
 
-    def _aim(self, eye: NDArray[np.float64], axes: NDArray[np.float64], view: View) -> None:
+    def _aim(self, eye: NDArray[np.float64], axes: NDArray[np.float64], view: PerspectiveView) -> None:
         rotation = axes @ view.rotation
         for camera in self._scene.camera:
             camera.pos[:] = eye
@@ -182,7 +181,7 @@ class Painter:
             if light.headlight:  # shines where the camera looks, in each of its views alike: else there were seams
                 light.dir[:] = -axes[:, 2]
 
-    def _in_view(self, camera: int, view: View) -> NDArray[np.bool_]:
+    def _in_view(self, camera: int, view: PerspectiveView) -> NDArray[np.bool_]:
         """Which shapes (ngeom,) may touch the view: their bounding spheres against its five planes, and the walls."""
         eye = self._data.cam_xpos[camera]
         rotation = self._data.cam_xmat[camera].reshape(3, 3) @ view.rotation

@@ -1,4 +1,4 @@
-"""The life of the link's process: wait for its orders, build the world, run it to the end."""
+"""Main function of the link's process: read the Start message, build the world, run it to the end."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from app.base.errors import ConfigError
 from app.robots.simulated.camera_models import picture_formats
 from app.robots.simulated.gl import GlUnavailable, check_gl
 from app.robots.simulated.wire import Ready, Socket, Start
-from app.runtime.realtime import be_punctual
+from app.runtime.realtime import tune_for_latency
 
 
 def serve(link_descriptor: int, memory_descriptor: int) -> int:
     """Serve one program over the inherited descriptors; returns the process's exit status.
 
-    What a person can mend is said in one sentence on standard error; anything else leaves a traceback there.
+    An error that a person can fix is one sentence on standard error; any other leaves a traceback there.
     """
     sock = Socket(socket.socket(fileno=link_descriptor))
     start = _wait_start(sock)
@@ -28,14 +28,16 @@ def serve(link_descriptor: int, memory_descriptor: int) -> int:
     if picture_formats(start.robot) and (problem := check_gl()):
         return _refuse(problem)
 
-    from app.robots.simulated.realtime_loop import WorldLoop  # MuJoCo looks for its OpenGL library when it is imported
+    from app.robots.simulated.realtime_loop import (
+        RealtimeLoop,  # MuJoCo looks for its OpenGL library when it is imported
+    )
 
     try:
-        loop = WorldLoop(start, sock, memory_descriptor)
+        loop = RealtimeLoop(start, sock, memory_descriptor)
     except (ConfigError, GlUnavailable) as failure:
         return _refuse(str(failure))
     signal.signal(signal.SIGTERM, lambda *_: loop.end())
-    be_punctual()
+    tune_for_latency()
     sock.send(Ready(setup_s=time.monotonic() - began))
     loop.run()
     return 0

@@ -1,8 +1,7 @@
-"""The world with the robot in it, as it lives: commands in, guard, physics, people, what is sensed out.
-
-One turn of the world is the same whoever keeps its time: the link's process in real time (``world_loop.py``), or the
-program's own clock (``lockstep.py``). Nothing here waits, draws or reads a clock; pictures and sound, which need
-threads and processes of their own, are the keeper's, who is called back at every step.
+"""The simulated world with the robot: commands in; guard, physics and people; sensor data out. Its steps are
+independent of the time source: the link's process in real time (``realtime_loop.py``), or the program's own clock
+(``lockstep.py``). Nothing here waits, draws or reads a clock; images and sound, which need threads and processes of
+their own, are made by the caller, in a callback at every step.
 """
 
 from __future__ import annotations
@@ -21,19 +20,19 @@ from app.robots.simulated.acoustics.soundscape import Soundscape
 from app.robots.simulated.body import TIMESTEP_S, build_simulation
 from app.robots.simulated.camera_models import lenses
 from app.robots.simulated.laser import Laser
-from app.robots.simulated.odometry import WheelOdometry, draw_true_base
-from app.robots.simulated.renderer import Snapshot, mocap_poses
-from app.robots.simulated.scenery.people import People
+from app.robots.simulated.odometry import EncoderOdometry, draw_true_base
+from app.robots.simulated.renderer import WorldSnapshot, mocap_poses
+from app.robots.simulated.scenery.people import PersonBodies
 from app.robots.simulated.scenery.scenario_config import ScenarioConfig
-from app.robots.simulated.scenery.scenario_state import Stage
+from app.robots.simulated.scenery.scenario_state import ScenarioState
 from app.robots.simulated.world_config import WorldConfig
 
 STEPS_PER_TURN = 2
-"""So many physical steps between two decisions of the guard: 250 a second."""
+"""Physics steps per decision of the guard, which runs at 250 Hz."""
 
 
 class Schedule:
-    """When a stream of ``rate_hz`` is next due, in simulated seconds."""
+    """Due times of a stream of ``rate_hz``, in simulated seconds."""
 
     def __init__(self, rate_hz: float) -> None:
         self.period_s = 1.0 / rate_hz
@@ -44,19 +43,19 @@ class Schedule:
         return time_s + 1e-9 >= self._next_s
 
     def due(self, time_s: float) -> bool:
-        """Whether it is due now; then the next time is a period on (a stream that fell behind skips, not hurries)."""
+        """Whether it is due now; then the next time is a period later (a stream that fell behind skips periods)."""
         if not self.ready(time_s):
             return False
         self._next_s = max(self._next_s + self.period_s, time_s + 0.5 * self.period_s)
         return True
 
 
-class LivingWorld:
+class WorldSimulation:
     """Builds the world with ``robot`` and the people of ``scenario`` in it. Stamps are the robot's clock (s).
 
-    ``send(stream, message)`` is given what is sensed, of the streams in ``wanted`` and those that always run.
-    ``soundscape`` is what a body with microphones is among; the keeper has it heard. Raises ConfigError for a body that
-    cannot be simulated, and for a sound there is not.
+    ``send(stream, message)`` gets the sensor data of the streams in ``wanted`` and of those that always run.
+    ``soundscape``: sounds around a body with microphones, rendered by the caller. Raises ConfigError for a body that
+    cannot be simulated, and for an unknown sound.
     """
 
     def __init__(
@@ -71,28 +70,34 @@ class LivingWorld:
     ) -> None:
         streams = robot.streams
         seeds = np.random.SeedSequence(robot.seed).spawn(8)
-        rngs = [np.random.default_rng(s) for s in seeds]  # one each, in an order that stays: new ones at the end
+        rngs = [np.random.default_rng(s) for s in seeds]  # one each, in a fixed order: append new ones at the end
         base_rng, odometry_rng, laser_rng, kinect_rng, self._joint_rng, imv_rng = rngs[:6]
         self.robot = robot
-        self.eye_rngs = {"kinect": kinect_rng, "imv": imv_rng}
-        self.stage = Stage(scenario or ScenarioConfig(name="nobody"))
+        self.camera_rngs = {"kinect": kinect_rng, "imv": imv_rng}
+        self.scenario_state = ScenarioState(scenario or ScenarioConfig(name="empty"))
         self._inhabited = scenario is not None
         self.wanted = set(wanted)
         self._send_out = send
         base = draw_true_base(robot.base, base_rng)
-        self.simulation = build_simulation(robot, world, base, self.stage.actors)
-        self._people = People(self.simulation.model, self.stage.actors)
+        self.physics = build_simulation(robot, world, base, self.scenario_state.actors)
+        self._people = PersonBodies(self.physics.model, self.scenario_state.actors)
         self.kinematics = load_model(robot.model)
         self.soundscape: Soundscape | None = None
         if streams.microphones is not None:
             wheels = (robot.base.left_wheel_joint, robot.base.right_wheel_joint)
             self.soundscape = Soundscape(
-                streams.microphones, robot.loudspeaker, world, self.kinematics, scenario, wheels, robot.seed
+                streams.microphones,
+                robot.loudspeaker,
+                world=world,
+                model=self.kinematics,
+                scenario=scenario,
+                wheels=wheels,
+                seed=robot.seed,
             )
         self._limits = robot.limits.guard()
         self.state = guard.GuardState(e_stop=e_stop)
-        self._odometry = WheelOdometry(robot.base, odometry_rng)
-        names = self.simulation.joints
+        self._odometry = EncoderOdometry(robot.base, odometry_rng)
+        names = self.physics.joints
         self._wheel_joints = (names.index(robot.base.left_wheel_joint), names.index(robot.base.right_wheel_joint))
         rates = {
             "odometry": streams.odometry.rate_hz,
@@ -104,26 +109,26 @@ class LivingWorld:
         self._laser: Laser | None = None
         if streams.hokuyo is not None:
             X_BL = self.kinematics.pose(streams.hokuyo.link)
-            self._laser = Laser(self.simulation, streams.hokuyo, X_BL, laser_rng)
+            self._laser = Laser(self.physics, streams.hokuyo, X_BL, laser_rng)
             rates["hokuyo"] = streams.hokuyo.rate_hz
         for stream, camera in (("kinect", streams.kinect), ("imv", streams.imv)):
             if camera is not None:
                 rates[stream] = camera.rate_hz
-        self._eyes = {stream: frame for stream, (frame, _) in lenses(robot).items()}
+        self._camera_frames = {stream: frame for stream, (frame, _) in lenses(robot).items()}
         self._schedules = {name: Schedule(rate) for name, rate in rates.items()}
         self._last_odometry_s = 0.0
         self._last_seen: dict[str, float] = {}
 
     @property
-    def eyes(self) -> tuple[str, ...]:
+    def cameras(self) -> tuple[str, ...]:
         """The streams of the body's cameras."""
-        return tuple(self._eyes)
+        return tuple(self._camera_frames)
 
     def accept(self, frame: object) -> None:
-        """Take one of ``wire``'s commands to the guard or demands of streams; anything else is passed over."""
+        """Take one of ``wire``'s commands to the guard or demands of streams; others are ignored."""
         match frame:
-            case wire.Drive(stamp, linear, angular):
-                self.state = guard.accept(self.state, guard.Command(stamp, guard.Velocity(linear, angular)))
+            case wire.DriveRequest(stamp, linear, angular):
+                self.state = guard.accept(self.state, guard.VelocityCommand(stamp, guard.BaseVelocity(linear, angular)))
             case wire.EStop(reason):
                 self.state = guard.e_stop(self.state, reason)
             case wire.ClearEStop():
@@ -133,30 +138,28 @@ class LivingWorld:
                 self._last_seen.pop(stream, None)
 
     def turn(self, now: float, stamps: Iterable[float], also: Callable[[float], None]) -> guard.GuardAction:
-        """Decide at ``now`` what the wheels may be given, then step once for each of ``stamps``, sensing after each.
-
-        ``also(stamp)`` is called after each step, for what the keeper senses itself. Without a step a stop is given to
-        the wheels at once.
+        """Run the guard at ``now``, then step once for each of ``stamps``, with sensors after each. ``also(stamp)`` is
+        called after each step, for the caller's sensors. Without a step a stop is applied at once.
         """
         action = guard.decide(now, self.state, self._sensor_ages(now), self._limits)
-        simulation, steps = self.simulation, 0
+        simulation, steps = self.physics, 0
         for stamp in stamps:
             steps += 1
             self.state = guard.step(self.state, action, self._limits, TIMESTEP_S)
             simulation.drive(self.state.applied)
             simulation.step()
-            if self._inhabited and self.stage.advance(simulation.time_s, simulation.true_pose()):
+            if self._inhabited and self.scenario_state.advance(simulation.time_s, simulation.true_pose()):
                 self._people.pose(simulation.data)
             self._sense(stamp)
             also(stamp)
-        if steps == 0 and action.immediate:  # do not let a stop wait for the next step
+        if steps == 0 and action.immediate:  # a stop must not wait for the next step
             self.state = guard.step(self.state, action, self._limits, 0.0)
             simulation.drive(self.state.applied)
         return action
 
     def report(self, now: float, action: guard.GuardAction, world_rate: Callable[[], float]) -> None:
         """Send the status if it is due."""
-        if not self._schedules["status"].due(self.simulation.time_s):
+        if not self._schedules["status"].due(self.physics.time_s):
             return
         applied = self.state.applied
         status = LinkStatus(
@@ -172,57 +175,57 @@ class LivingWorld:
 
     def end(self) -> None:
         """Stop the wheels."""
-        self.simulation.drive(guard.ZERO)
-        self.simulation.step()
+        self.physics.drive(guard.ZERO)
+        self.physics.step()
 
     def send(self, stream: str, message: object, seen: float) -> None:
-        """Give out ``message``, its stream last having spoken at ``seen``."""
-        self.saw(stream, seen)
+        """Send ``message``, with ``seen`` as the last time of its stream."""
+        self.note_sensor(stream, seen)
         self._send_out(stream, message)
 
-    def saw(self, stream: str, seen: float) -> None:
-        """Note that ``stream`` has spoken at ``seen``: the guard watches the age of sensors."""
+    def note_sensor(self, stream: str, seen: float) -> None:
+        """Note ``seen`` as the last time of ``stream``: the guard checks the age of sensors."""
         self._last_seen[stream] = seen
 
-    def looks(self, stream: str) -> bool:
-        """Whether a picture of ``stream`` is wanted and due."""
-        return stream in self.wanted and self._schedules[stream].ready(self.simulation.time_s)
+    def image_due(self, stream: str) -> bool:
+        """Whether an image of ``stream`` is wanted and due."""
+        return stream in self.wanted and self._schedules[stream].ready(self.physics.time_s)
 
-    def look(self, stream: str, stamp: float) -> Snapshot | None:
-        """What the camera of ``stream`` is to draw now, None where no picture is wanted or due."""
-        if stream not in self.wanted or not self._schedules[stream].due(self.simulation.time_s):
+    def look(self, stream: str, stamp: float) -> WorldSnapshot | None:
+        """Snapshot to render for the camera ``stream`` now; None where no image is wanted or due."""
+        if stream not in self.wanted or not self._schedules[stream].due(self.physics.time_s):
             return None
-        measured = dict(zip(self.simulation.joints, self._measured_joints(), strict=True))
-        X_BC = self.kinematics.pose(self._eyes[stream], measured)
-        data = self.simulation.data
-        return Snapshot(stamp, data.qpos.copy(), mocap_poses(data), X_BC)
+        measured = dict(zip(self.physics.joints, self._measured_joints(), strict=True))
+        X_BC = self.kinematics.pose(self._camera_frames[stream], measured)
+        data = self.physics.data
+        return WorldSnapshot(stamp, data.qpos.copy(), mocap_poses(data), X_BC)
 
     def rims(self) -> tuple[float, float]:
         """Speeds (m/s) of the left and the right wheel's rim."""
-        base, velocity = self.robot.base, self.simulation.true_velocity()
+        base, velocity = self.robot.base, self.physics.true_velocity()
         turn = velocity.angular_radps * base.track_m / 2
         return velocity.linear_mps - turn, velocity.linear_mps + turn
 
     def _sensor_ages(self, now: float) -> dict[str, float]:
-        """Ages (s) of the sensors the base must not drive without, of those that are wanted and have spoken once."""
+        """Ages (s) of the sensors required for driving, of those that are wanted and have sent data once."""
         return {
             name: now - self._last_seen[name] for name in self.robot.limits.required_sensors if name in self._last_seen
         }
 
     def _sense(self, stamp: float) -> None:
-        time_s, schedules, wanted = self.simulation.time_s, self._schedules, self.wanted
+        time_s, schedules, wanted = self.physics.time_s, self._schedules, self.wanted
         if schedules["odometry"].due(time_s):
             self._send_odometry(stamp, time_s)
         if schedules["joints"].due(time_s):
             positions = tuple(float(p) for p in self._measured_joints())
-            self.send("joints", JointState(stamp, self.simulation.joints, positions), stamp)
+            self.send("joints", JointState(stamp, self.physics.joints, positions), stamp)
         if "ground_truth" in wanted and schedules["ground_truth"].due(time_s):
-            speed = self.simulation.true_velocity()
-            truth = GroundTruth(stamp, self.simulation.true_pose(), speed.linear_mps, speed.angular_radps)
+            speed = self.physics.true_velocity()
+            truth = GroundTruth(stamp, self.physics.true_pose(), speed.linear_mps, speed.angular_radps)
             self.send("ground_truth", truth, stamp)
         if "scene_truth" in wanted and schedules["scene_truth"].due(time_s):
-            sounds = () if self.soundscape is None else self.soundscape.truth(time_s, stamp, self.stage)
-            self.send("scene_truth", SceneTruth(stamp, self.stage.people, sounds), stamp)
+            sounds = () if self.soundscape is None else self.soundscape.truth(time_s, stamp, self.scenario_state)
+            self.send("scene_truth", SceneTruth(stamp, self.scenario_state.people, sounds), stamp)
         if self._laser is not None and "hokuyo" in wanted:
             if not self._laser.sweeping and schedules["hokuyo"].due(time_s):
                 self._laser.begin(stamp)
@@ -230,14 +233,14 @@ class LivingWorld:
                 self.send("hokuyo", scan, stamp)
 
     def _measured_joints(self) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-        true = self.simulation.joint_positions()
+        true = self.physics.joint_positions()
         return true + self.robot.streams.joints.noise_rad * self._joint_rng.standard_normal(true.size)
 
     def _send_odometry(self, stamp: float, time_s: float) -> None:
-        positions = self.simulation.joint_positions()
+        positions = self.physics.joint_positions()
         left, right = (float(positions[index]) for index in self._wheel_joints)
         if not (math.isfinite(left) and math.isfinite(right)):
-            return  # broken encoders: the guard sees the stream age
+            return  # failed encoders: the guard sees the stream age
         self._odometry.update(left, right, time_s - self._last_odometry_s)
         self._last_odometry_s = time_s
         odometry = Odometry(stamp, self._odometry.X_OB, self._odometry.linear_mps, self._odometry.angular_radps)

@@ -1,7 +1,7 @@
-"""What goes between the program and the link's process: framed messages over a socket pair, neither side ever waiting.
+"""Protocol between the program and the link's process: framed messages over a socket pair, never blocking either side.
 
-A frame is its length (4 bytes, little endian) and a pickle; both ends are this program, and nobody else can reach the
-socket. A full socket means the reader is frozen: the writer drops its oldest unsent frames and counts them.
+A frame is its length (4 bytes, little endian) and a pickle; both ends are this program, and the socket is private. A
+full socket means a frozen reader: the writer drops its oldest unsent frames and counts them.
 """
 
 from __future__ import annotations
@@ -40,15 +40,15 @@ class Start:
 
 @dataclass(frozen=True, slots=True)
 class Demand:
-    """Program to link: whether anybody listens to ``stream``."""
+    """Program to link: whether ``stream`` has subscribers."""
 
     stream: str
     wanted: bool
 
 
 @dataclass(frozen=True, slots=True)
-class Drive:
-    """Program to link: a velocity asked for at ``stamp`` (s, robot's clock)."""
+class DriveRequest:
+    """Program to link: a commanded velocity, at ``stamp`` (s, robot's clock)."""
 
     stamp: float
     linear_mps: float
@@ -96,7 +96,7 @@ class Sample:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ImageNotice:
-    """Link to program: a picture of ``stream`` lies in ``slot`` of the shared ring, written as number ``sequence``."""
+    """Link to program: an image of ``stream`` is in ``slot`` of the shared ring, written as number ``sequence``."""
 
     stream: str
     slot: int

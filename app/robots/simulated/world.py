@@ -47,7 +47,7 @@ def build_world(config: WorldConfig) -> mujoco.MjSpec:
     spec = mujoco.MjSpec()
     spec.modelname = config.name
     spec.option.timestep = TIMESTEP_S
-    # Not an implicit integrator: it damps the drives after the contacts are solved, so that the wheels would slip
+    # Not an implicit integrator: it damps the drives after solving the contacts, so that the wheels would slip
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_EULER
     spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     spec.visual.quality.offsamples = 0
@@ -80,7 +80,7 @@ class _Builder:
 
     def build(self) -> None:
         self._materials()
-        # What hides comes before what it hides, for shapes are drawn in this order: a hidden pixel costs a third
+        # Front shapes first, since shapes are drawn in this order: a hidden pixel costs a third
         for number, item in enumerate(self._config.objects):
             self._object(number, item)
         for number, cylinders in enumerate(self._config.cylinders):
@@ -203,7 +203,9 @@ class _Builder:
         materials = frozenset(self._config.materials)
         for index, part in enumerate(furnish(item.kind, item.size, item.material, rng, materials)):
             if isinstance(part.material, str) and part.material not in materials:
-                part = Part(part.shape, part.at, part.size, (0.5, 0.5, 0.5), part.rpy, part.solid)
+                part = Part(
+                    part.shape, part.at, size=part.size, material=(0.5, 0.5, 0.5), rpy=part.rpy, solid=part.solid
+                )
             self._geom(part, X_WP, name=f"{item.kind}{number}.{index}")
 
     def _cylinders(self, number: int, cylinders: CylindersConfig) -> None:
@@ -221,7 +223,7 @@ class _Builder:
 
 
 _UPRIGHT: Vector = (math.pi / 2, 0.0, 0.0)
-"""Turns a box so that its y points up and its z along -y of the frame it stands in."""
+"""Turns a box so that its y points up and its z along -y of its parent frame."""
 
 
 def X_WP_of_page(poster: PosterConfig) -> Pose3:

@@ -18,7 +18,7 @@ LETTER_WIDTH_M, LETTER_HEIGHT_M = 0.2159, 0.2794
 CODE_SIDE_M = 0.190
 """Side of a poster's code without its quiet zone."""
 CODE_RISE_M = 0.030
-"""How far the code's centre lies above the page's centre; the title stands below."""
+"""Height of the code's centre above the page's centre; the title is below."""
 
 Positive = Annotated[float, Field(gt=0)]
 Point = tuple[float, float]
@@ -99,8 +99,7 @@ class AreaConfig(_Model):
 
 class ObjectConfig(_Model):
     """A piece of furniture on the floor (or ``z`` above it), turned by ``yaw_deg``; kinds are in ``furniture.py``.
-
-    ``size`` is its length, width and height (m) where the kind's usual size does not do.
+    ``size``: its length, width and height (m), in place of the kind's usual size.
     """
 
     kind: str
@@ -119,7 +118,7 @@ class ObjectConfig(_Model):
 
 
 class CylindersConfig(_Model):
-    """Upright cylinders that are alike, on the floor at the points ``at``: a field of obstacles in few lines."""
+    """Upright cylinders of one size, on the floor at the points ``at``: a field of obstacles in few lines."""
 
     at: Annotated[tuple[Point, ...], Field(min_length=1, max_length=5000)]
     radius: Positive = 0.075
@@ -142,7 +141,7 @@ class PosterConfig(_Model):
 
     @property
     def p_WQ(self) -> tuple[float, float, float]:
-        """The true centre of the code in the world (m): what finding it is measured by."""
+        """The true centre of the code in the world (m)."""
         return (self.at[0], self.at[1], self.height)
 
 
@@ -154,10 +153,10 @@ class LightConfig(_Model):
 
 
 class RoomConfig(_Model):
-    """A room as sound finds it: a rectangle of floor, ``height`` m high (the walls' height if not given).
+    """A room for acoustics: a rectangle of floor, ``height`` m high (default: the walls' height).
 
     ``rt60_s``: reverberation time, of the low and of the high band (about 700 Hz and 4 kHz), or one for the low band
-    (the high is then 0.8 of it); without it, what size and materials make of it.
+    (the high is then 0.8 of it); default: by size and materials.
     """
 
     name: str
@@ -174,14 +173,15 @@ class RoomConfig(_Model):
 
 
 class GapConfig(_Model):
-    """A line on the floor where two rooms meet without a wall."""
+    """A line on the floor between two rooms without a wall."""
 
     start: Point = Field(alias="from")
     end: Point = Field(alias="to")
 
 
 class WorldConfig(_Model):
-    """A building of one storey. ``rooms`` and ``gaps`` are for sound alone; doors are openings by themselves."""
+    """A building of one storey. ``rooms`` and ``gaps`` are for acoustics alone; doors are openings without an entry
+    there."""
 
     name: str
     size: tuple[Positive, Positive]

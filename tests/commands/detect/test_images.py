@@ -45,7 +45,7 @@ def test_a_pipe_in_a_files_place_is_not_waited_for(
     assert "a.jpg: cannot be read: is a pipe, no regular file" in capsys.readouterr().err
 
 
-def test_a_gif_is_read_and_told_of(tmp_path: Path) -> None:
+def test_a_gif_is_read_and_reported(tmp_path: Path) -> None:
     file = tmp_path / "a.gif"
     file.write_bytes(cv2.imencode(".gif", np.full((60, 80, 3), 127, np.uint8))[1].tobytes())
     assert read_image(file).shape == (60, 80, 3)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from app.cli import main
-from benchmarks.posters import KINECT, PANORAMA, TEXT, facing_camera, picture
+from tests.scenery.posters import KINECT, PANORAMA, TEXT, facing_camera, picture
 
 
 def write(path: Path, image: np.ndarray) -> str:
@@ -17,7 +17,7 @@ def write(path: Path, image: np.ndarray) -> str:
     return str(path)
 
 
-def test_codes_are_told_with_their_corners_and_drawn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_codes_are_reported_with_their_corners_and_drawn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     with_code = write(tmp_path / "door.png", picture(KINECT, {TEXT: facing_camera(1.0)}))
     without = write(tmp_path / "wall.png", picture(KINECT, {}))
     assert main(["detect", "qr", "--json", "--draw", str(tmp_path / "drawn"), with_code, without]) == 0

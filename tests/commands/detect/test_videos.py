@@ -12,8 +12,8 @@ import pytest
 from app.base.geometry import Pose2
 from app.cli import main
 from app.commands.detect.videos import NoVideo, VideoFile, is_video
-from benchmarks.face_scenes import facing, kinect_image
-from benchmarks.posters import KINECT, TEXT, facing_camera, picture
+from tests.scenery.face_scenes import facing, kinect_image
+from tests.scenery.posters import KINECT, TEXT, facing_camera, picture
 
 RATE_HZ = 10.0
 KINDS = {".mp4": "mp4v", ".avi": "MJPG", ".webm": "VP80", ".mkv": "mp4v"}
@@ -36,7 +36,7 @@ def grey(count: int, level: int = 127) -> list[np.ndarray]:
     return [rng.integers(level - 20, level + 20, (240, 320, 3), np.uint8) for _ in range(count)]
 
 
-def nothing(*_: object) -> None: ...
+def nothing(done: float, total: float, text: str = "") -> None: ...
 
 
 @pytest.fixture(scope="module")
@@ -76,7 +76,7 @@ def test_a_video_is_known_by_its_beginning_and_by_its_name(tmp_path: Path) -> No
     assert not is_video(image)
 
 
-def test_a_video_that_breaks_off_is_said_to_and_what_came_before_is_told(
+def test_a_video_that_breaks_off_is_reported_with_its_detections_before(
     tmp_path: Path, people: list[np.ndarray], capsys: pytest.CaptureFixture[str]
 ) -> None:
     whole = write(tmp_path / "whole.avi", people * 4).read_bytes()
@@ -144,7 +144,7 @@ def test_a_table_of_photographs_and_videos_of_a_folder(
     assert np.abs(drawn[0][1].astype(int) - people[0]).max() > 60
 
 
-def test_codes_in_a_video_are_told_from_when_to_when(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_codes_in_a_video_are_reported_with_begin_and_end(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     shown, hidden = picture(KINECT, {TEXT: facing_camera(1.0)}), picture(KINECT, {})
     file = write(tmp_path / "door.mp4", [hidden] * 2 + [shown] * 3 + [hidden])
     assert main(["detect", "qr", str(file)]) == 0

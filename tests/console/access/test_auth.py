@@ -6,6 +6,7 @@ import asyncio
 import socket
 from collections.abc import AsyncIterator
 from pathlib import Path
+from typing import Any
 
 import httpx
 import pytest
@@ -29,7 +30,7 @@ async def guarded(system: System, page: Path) -> AsyncIterator[str]:
         yield url
 
 
-async def status_of_live(url: str, **options: object) -> int:
+async def status_of_live(url: str, **options: Any) -> int:
     """101 where the live stream opens, else the status of the refusal."""
     try:
         async with websockets.connect(
@@ -253,8 +254,8 @@ async def test_a_bearer_token_opens(guarded: str) -> None:
     async with httpx.AsyncClient(base_url=f"{guarded}/api/v1") as client:
         right = {"Authorization": f"Bearer {TOKEN}"}
         assert (await client.get("/desires", headers=right)).status_code == 200
-        for wrong in (f"Bearer {TOKEN}x", f"Basic {TOKEN}", "Bearer", "Bearer é".encode("latin-1")):
-            assert (await client.get("/desires", headers={"Authorization": wrong})).status_code == 401
+        for wrong in (f"Bearer {TOKEN}x".encode(), f"Basic {TOKEN}".encode(), b"Bearer", "Bearer é".encode("latin-1")):
+            assert (await client.get("/desires", headers={b"Authorization": wrong})).status_code == 401
     assert await status_of_live(guarded, additional_headers=right) == 101
 
 

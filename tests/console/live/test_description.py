@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import struct
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,8 @@ from app.console.app import create_app
 from app.console.live import protocol
 from app.console.live.description import description
 from app.program.system import System
+from app.robots.config import circle
+from app.runtime.module import Caution
 from tests.console.live.whole_stream import heard, say_everything
 from tests.console.live_client import page as connected
 from tests.console.live_client import voice
@@ -34,8 +37,11 @@ RECORDED = {"playback", "jump"}
 
 @pytest.fixture
 def built(tmp_path: Path) -> tuple[System, Body]:
-    """A program with everything that the stream reports."""
-    return build(tmp_path, recorder=True)
+    """A program with everything that the stream reports, on a body with an outline."""
+    system, body = build(tmp_path, recorder=True)
+    body.description = replace(body.description, footprint=circle(0.28))
+    system.cautions = (Caution("A title", "a sentence", "lab.yaml:1"),)
+    return system, body
 
 
 @pytest.fixture
@@ -59,7 +65,7 @@ COMPONENTS = strict(DOCUMENT["components"])
 
 def check(kind: str, frame: dict[str, Any]) -> None:
     """Raises ValidationError unless ``frame`` is as the message ``kind`` is described, member by member."""
-    payload = DOCUMENT["components"]["messages"][kind]["payload"]
+    payload = COMPONENTS["messages"][kind]["payload"]
     jsonschema.Draft7Validator({**payload, "components": COMPONENTS}).validate(frame)
 
 
@@ -101,6 +107,9 @@ async def test_what_the_robot_sends_is_as_described(url: str, system: System, bo
     assert seen["desires"]["desires"]
     assert seen["intention"]["intention"]
     assert seen["load"]["modules"]
+    robot = seen["hello"]["robot"]
+    assert robot["footprint"] == [[round(x, 4), round(y, 4)] for x, y in circle(0.28)]
+    assert robot["cautions"] == [{"title": "A title", "text": "a sentence", "where": "lab.yaml:1"}]
 
 
 async def test_what_a_recording_sends_is_as_described(replay_url: str) -> None:
@@ -110,7 +119,7 @@ async def test_what_a_recording_sends_is_as_described(replay_url: str) -> None:
     ):
         check("hello", await ann.until("hello"))
         assert (await rest.patch("/playback", json={"position": BEGIN + 1.0})).status_code == 200
-        seen = set()
+        seen: set[str] = set()
         while not {*RECORDED, "lanes_history", "perceived", "status", "lanes"} <= seen:
             frame = await ann.receive()
             if isinstance(frame, dict):

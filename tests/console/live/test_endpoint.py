@@ -34,7 +34,7 @@ async def test_a_newcomer_is_greeted_first_and_told_all_there_is(url: str, syste
         assert hello["drive"] is True
         assert hello["audio"] == {"listen": True, "speak": True}
         kinds = {"desires", "intention", "landmarks", "lanes", "lanes_history", "load", "perceived", "status"}
-        came = []
+        came: list[str] = []
         while kinds - set(came):
             frame = await ann.receive()
             came += [frame["type"]] if isinstance(frame, dict) else []
@@ -52,7 +52,7 @@ async def test_a_reloaded_page_is_told_what_the_lanes_were(url: str, system: Sys
         return spells
 
     async with asyncio.timeout(PATIENCE_S):
-        desire = system.workspace.add("FindQRCodes", intensity=8, utility=2, source=Source("test", "Ann"))
+        desire = system.workspace.add("FindQRCodes", intensity=8, utility=2, source=Source("rest", "Ann"))
         while (await reloaded())[-1]["intensity"] != 8:
             pass
         system.workspace.remove(desire.id)

@@ -14,7 +14,6 @@ import pytest
 
 from tests.browser.running import Robot, running_robot
 from tests.console.live.driving_robot import (
-    PATIENCE_S,
     all_arrived,
     drive_off,
     guard_goes_on,
@@ -25,6 +24,7 @@ from tests.console.live.driving_robot import (
 )
 from tests.console.live_client import page
 from tests.console.slow_link import slow_link
+from tests.patience import PATIENCE_S
 from tests.robots.conftest import needs_gl
 
 pytestmark = [pytest.mark.slow, needs_gl]

@@ -12,8 +12,9 @@ import psutil
 import pytest
 
 from tests.browser.running import Robot, running_robot
-from tests.console.live.driving_robot import PATIENCE_S, drive_off, guard_goes_on, held, moving, still, until
+from tests.console.live.driving_robot import drive_off, guard_goes_on, held, moving, still, until
 from tests.console.live_client import page
+from tests.patience import PATIENCE_S
 from tests.robots.conftest import needs_gl
 
 pytestmark = [pytest.mark.slow, needs_gl]

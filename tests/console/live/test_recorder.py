@@ -8,7 +8,7 @@ from pathlib import Path
 import httpx
 import pytest
 
-from app.console.recordings import RecorderReport
+from app.console.recordings import RecorderWatch
 from app.program.system import System
 from tests.console.live_client import page
 from tests.console.program import Body, build
@@ -63,7 +63,7 @@ async def test_numbers_alone_are_told_once_a_second(
     system: System, recorder: ScriptedRecorder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     await heard(system, "idle")
-    report = RecorderReport(system)
+    report = RecorderWatch(system)
     now = system.clock.now()
     monkeypatch.setattr(system.clock, "now", lambda: now)
     assert report.news()
@@ -78,8 +78,8 @@ async def test_numbers_alone_are_told_once_a_second(
 
 async def test_without_a_recorder_nothing_is_told(tmp_path: Path) -> None:
     system, _ = await asyncio.to_thread(build, tmp_path)
-    report = RecorderReport(system)
+    report = RecorderWatch(system)
     assert report.channel is None
-    assert report.json() is None
+    assert report.report() is None
     assert not report.news()
     assert not report.available

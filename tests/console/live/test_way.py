@@ -36,15 +36,16 @@ async def pictured(ann: Page, kind: str) -> tuple[dict[str, Any], NDArray[np.uin
     assert number == {"map_info": 3, "costmap_info": 4}[kind]
     assert (seq, stamp, width, height) == (info["seq"], info["stamp"], info["width"], info["height"])
     pixels = cv2.imdecode(np.frombuffer(frame, np.uint8, offset=24), cv2.IMREAD_UNCHANGED)
+    assert pixels is not None
     assert pixels.dtype == np.uint8
     assert pixels.shape == (height, width)
-    return info, pixels
+    return info, pixels.astype(np.uint8)
 
 
 async def answered(ann: Page) -> list[dict[str, Any] | bytes]:
     """What comes until everything sent so far has been dealt with."""
     await ann.send("ping", t=1)
-    frames = []
+    frames: list[dict[str, Any] | bytes] = []
     while True:
         frame = await ann.receive()
         if isinstance(frame, dict) and frame["type"] == "pong":
@@ -201,7 +202,7 @@ async def test_place_zones_and_way_are_told_as_they_change(url: str, system: Sys
         graph.channel("navigation").publish(status(now(), "arrived"))
         assert (await ann.until("navigation", lambda m: m["state"] == "arrived"))["path"] == []
     async with page(url, "Bob") as bob:
-        kinds = set()
+        kinds: set[str] = set()
         while not {"localization", "navigation", "zones"} <= kinds:
             frame = await bob.receive()
             kinds |= {frame["type"]} if isinstance(frame, dict) else set()

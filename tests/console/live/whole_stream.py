@@ -25,6 +25,7 @@ def say_everything(system: System, body: Body) -> None:
     system.graph.channel("qr_codes").publish(codes(soon))
     system.graph.channel("sound_sources").publish(sound_sources(soon))
     system.graph.channel("loud_noises").publish(LoudNoise(soon, 30.0, -12.0))
+    messages: dict[str, Callable[[float], Any]]
     messages = {"localization": localization, "zones": zones, "path": path, "navigation": status, "map": grid}
     for channel, message in {**messages, "local_costmap": grid}.items():
         system.graph.channel(channel).publish(message(now))

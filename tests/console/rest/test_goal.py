@@ -8,13 +8,15 @@ from collections.abc import Sequence
 from typing import Any
 
 import httpx
+import msgspec
 import pytest
 
-from app.attention.desires import Source
+from app.attention.desires import Desire, Source
 from app.console.live.hub import Hub
-from app.console.rest import map_models, models
+from app.console.records.navigation import GivenUpModel, NavigationModel, PlaceModel
 from app.maps.control import Files, MapUnavailable
 from app.program.system import System
+from tests.console.answers import answered
 from tests.console.places import Keeper, path, status
 from tests.console.program import Body
 from tests.console.rest.test_routes import is_problem
@@ -28,10 +30,17 @@ def goals(system: System) -> list[tuple[str, float]]:
     return [(d.source.name, d.params["x"]) for d in system.workspace.desires() if d.cls == "GoTo"]
 
 
+async def goal_now(client: httpx.AsyncClient) -> tuple[Desire | None, NavigationModel]:
+    """What is desired, and what became of it."""
+    answer = (await client.get("/goal")).json()
+    desire = None if answer["desire"] is None else msgspec.convert(answer["desire"], Desire)
+    return desire, NavigationModel.model_validate(answer["navigation"], extra="forbid")
+
+
 async def test_a_goal_is_a_desire_and_a_second_one_replaces_it(client: httpx.AsyncClient, system: System) -> None:
     answer = await client.put("/goal", json={"x": 2, "y": 1.5, "heading": 4.0, "speed": 0.5}, headers=ANN)
     assert answer.status_code == 200, answer.text
-    desire = models.DesireModel.model_validate(answer.json())
+    desire = answered(answer, Desire)
     assert (desire.cls, desire.intensity, desire.utility) == ("GoTo", 8, 4)
     assert (desire.source.kind, desire.source.name) == ("operator", "Ann")
     assert desire.params["heading"] == pytest.approx(4.0 - math.tau)
@@ -83,20 +92,18 @@ async def reported(system: System, state: str) -> None:
 
 async def test_what_became_of_it_is_told(client: httpx.AsyncClient, system: System) -> None:
     await reported(system, "idle")
-    told = map_models.GoalModel.model_validate((await client.get("/goal")).json())
-    assert told.desire is None
-    assert told.navigation is not None
-    assert told.navigation.state == "idle"
+    desired, going = await goal_now(client)
+    assert desired is None
+    assert going.state == "idle"
     desire = (await client.put("/goal", json={"x": 3, "y": 1})).json()
     system.graph.channel("path").publish(path(system.clock.now()))
     system.graph.channel("navigation").publish(status(system.clock.now()))
     await reported(system, "following")
-    told = map_models.GoalModel.model_validate((await client.get("/goal")).json())
-    assert told.desire is not None
-    assert told.navigation is not None
-    assert told.desire.id == told.navigation.desire == desire["id"]
-    assert told.navigation.goal == map_models.PlaceModel(x=3.0, y=1.0, theta=None)
-    assert told.navigation.path == [(0.0, 0.0), (0.2, 0.0)]
+    desired, going = await goal_now(client)
+    assert desired is not None
+    assert desired.id == going.desire == desire["id"]
+    assert going.goal == PlaceModel(x=3.0, y=1.0, theta=None)
+    assert going.path == [(0.0, 0.0), (0.2, 0.0)]
 
 
 BAD_GOALS = [
@@ -184,7 +191,7 @@ async def test_goals_end_before_anything_that_is_kept_with_another_map_is_read(
             self.goals = goals(system)
             raise MapUnavailable("its things cannot be read")
 
-        async def forget(self) -> None:
+        async def clear(self) -> None:
             pass
 
     system.map.attach(Keeper(system.maps))
@@ -211,10 +218,9 @@ async def test_a_goal_that_was_given_up_is_told_until_it_was_read(
     goal = {"x": 3.0, "y": 1.0, "heading": None}
     about = {"desire": "d", "arrived": False, "why": "walls all around", "goal": goal}
     system.timeline.add("goal", "GoTo", "Gave up going there", about)
-    told = map_models.GoalModel.model_validate((await client.get("/goal")).json())
-    assert told.navigation is not None
-    assert told.navigation.given_up is not None
-    assert (told.navigation.given_up.goal.x, told.navigation.given_up.reason) == (3.0, "walls all around")
+    _, going = await goal_now(client)
+    assert isinstance(going.given_up, GivenUpModel)
+    assert (going.given_up.goal.x, going.given_up.reason) == (3.0, "walls all around")
     assert (await client.delete("/goal")).status_code == 204
     assert (await client.get("/goal")).json()["navigation"]["given_up"] is None
     classes = (await client.get("/desire-classes")).json()["classes"]

@@ -11,10 +11,11 @@ import numpy as np
 import pytest
 
 from app.base.geometry import Pose2
-from app.console.rest import map_models
+from app.console.records.maps import KeptMap, MapList
 from app.maps.control import Files
 from app.maps.library import MapLibrary
 from app.program.system import System
+from tests.console.answers import answered
 from tests.console.places import Keeper, localization, zone, zones
 from tests.console.rest.test_routes import is_problem
 
@@ -33,12 +34,12 @@ async def test_a_map_lives_its_life(client: httpx.AsyncClient, system: System, k
     system.graph.channel("localization").publish(localization(system.clock.now()))
     saved = await client.put("/maps/lab")
     assert saved.status_code == 200, saved.text
-    facts = map_models.MapModel.model_validate(saved.json())
+    facts = answered(saved, KeptMap)
     assert facts.in_use
     assert facts.known_m2 == pytest.approx(20 * 30 * 0.05**2)
     assert facts.problem is None
-    listed = map_models.MapList.model_validate((await client.get("/maps")).json())
-    assert listed.maps == [facts]
+    listed = answered(await client.get("/maps"), MapList)
+    assert listed.maps == (facts,)
     assert (listed.current.name, listed.current.state) == ("lab", "mapping")
 
     is_problem(await client.delete("/maps/lab"), 409, "map-in-use")
@@ -117,6 +118,7 @@ async def test_a_map_is_shown_as_people_draw_maps(client: httpx.AsyncClient, kee
     picture = await client.get("/maps/lab/picture")
     assert picture.headers["content-type"] == "image/png"
     pixels = cv2.imdecode(np.frombuffer(picture.content, np.uint8), cv2.IMREAD_UNCHANGED)
+    assert pixels is not None
     assert pixels.shape == (40, 40)
     assert (pixels[39 - 10, 5], pixels[39 - 11, 6], pixels[0, 0]) == (0, 254, 205)
 

@@ -11,9 +11,10 @@ import psutil
 import pytest
 from fastapi import FastAPI
 
-from app.attention.desires import Source
-from app.console.rest import models, recording_models
+from app.attention.desires import Desire, Source
+from app.console.records.recordings import RecordingList
 from app.program.system import System
+from tests.console.answers import answered
 from tests.console.program import Body, build
 from tests.console.rest.test_routes import is_problem
 from tests.console.scripted_recorder import LENGTH_S, ScriptedRecorder, heard, write_log
@@ -40,7 +41,7 @@ async def listed(client: httpx.AsyncClient) -> dict[str, Any]:
     """The list, in its declared shape."""
     response = await client.get("/recordings")
     assert response.status_code == 200
-    recording_models.RecordingList.model_validate_json(response.content, strict=False, extra="forbid")
+    answered(response, RecordingList)
     found: dict[str, Any] = response.json()
     return found
 
@@ -83,7 +84,7 @@ async def test_before_the_first_recording_the_list_is_empty(client: httpx.AsyncC
 async def test_a_recording_lives_its_life(client: httpx.AsyncClient, system: System) -> None:
     created = await client.post("/recordings", json={"name": "tour"}, headers={"X-HBBA-Operator": "Ann"})
     assert created.status_code == 201
-    desire = models.DesireModel.model_validate(created.json())
+    desire = answered(created, Desire)
     assert created.headers["location"] == f"/api/v1/desires/{desire.id}"
     assert (desire.cls, desire.intensity, desire.utility) == ("Record", 8, 1)
     assert desire.params == {"name": "tour", "keep_minutes": 0}

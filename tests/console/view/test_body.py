@@ -39,8 +39,8 @@ def test_every_joint_is_placed_at_first_and_those_that_move_again() -> None:
     moving = MODEL.joint_names[0]
     nodes.move({moving: 0.5, "no such joint": 1.0})
     expected: Pose3 = MODEL.joints[moving].pose(0.5)
-    np.testing.assert_allclose(dict(frames[moving].sets)["wxyz"], expected.quaternion_wxyz())
-    np.testing.assert_allclose(dict(frames[moving].sets)["position"], expected.translation)
+    np.testing.assert_allclose(np.asarray(dict(frames[moving].sets)["wxyz"]), expected.quaternion_wxyz())
+    np.testing.assert_allclose(np.asarray(dict(frames[moving].sets)["position"]), expected.translation)
     assert [len(frame.sets) for name, frame in frames.items() if name != moving] == [2] * (len(frames) - 1)
 
 

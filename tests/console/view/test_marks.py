@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -87,7 +88,7 @@ def test_an_arrow_points_from_the_microphones_towards_its_sound(v: tuple[float, 
 
 
 def test_louder_is_longer_and_colour_tells_a_voice() -> None:
-    def arrow(**changes: float | None) -> object:
+    def arrow(**changes: Any) -> object:
         return arrow_marks(PlacedPercepts(NOW, sounds=(replace(heard(), **changes),)))[1]
 
     lengths = [arrow(level_db=level).length for level in (-90.0, -60.0, -40.0, -20.0, 0.0)]  # type: ignore[attr-defined]

@@ -30,7 +30,7 @@ async def told(viewer: Viewer, kind: str, node: str, field: str, holds: Callable
             said = [m[field] for m in viewer.seen if m["type"] == kind and m["name"] == node]
             if said and holds(said[-1]):
                 return
-            viewer.seen.extend(unpack(await viewer.connection.recv()))
+            viewer.seen.extend(unpack(await viewer.connection.recv(decode=False)))
 
 
 async def visible(viewer: Viewer, node: str, expected: bool) -> None:

@@ -71,7 +71,7 @@ class Viewer:
         left = set(wanted)
         async with asyncio.timeout(PATIENCE_S):
             while left:
-                for message in unpack(await self.connection.recv()):
+                for message in unpack(await self.connection.recv(decode=False)):
                     self.seen.append(message)
                     left -= {(message["type"], message.get("name")), (message["type"], None)}
 
@@ -177,7 +177,7 @@ async def test_the_pulse_measures_the_lag(url: str, view: View) -> None:
     address = f"{url.replace('http', 'ws')}/viser/pulse?viewer=abc"
     async with websockets.connect(address, proxy=None, close_timeout=1) as pulse:
         for _ in range(3):
-            await pulse.send(f"{await pulse.recv()} 33.4")
+            await pulse.send(f"{await pulse.recv(decode=True)} 33.4")
         await pulse.recv()
         (look,) = view.looks
         assert look.budget.lag_s is not None
@@ -232,9 +232,11 @@ async def test_what_a_stranger_sends_with_its_handshake_is_not_handled(url: str,
     assert view._painter.host is not None
     sockets = view._painter.host.server._websock_server
     handled, loop = asyncio.Queue[float](), asyncio.get_running_loop()
-    sockets.register_handler(
-        _messages.ViewerCameraMessage, lambda _, message: loop.call_soon_threadsafe(handled.put_nowait, message.fov)
-    )
+
+    def note(_: object, message: _messages.ViewerCameraMessage) -> None:
+        loop.call_soon_threadsafe(handled.put_nowait, message.fov)
+
+    sockets.register_handler(_messages.ViewerCameraMessage, note)
     client = websockets.ClientProtocol(
         websockets.uri.parse_uri(f"ws://127.0.0.1:{port}"), subprotocols=[websockets.Subprotocol(PROTOCOL)]
     )
@@ -341,4 +343,4 @@ async def shown(viewer: Viewer, node: str, visible: bool) -> None:
             ]
             if said and said[-1] is visible:
                 return
-            viewer.seen.extend(unpack(await viewer.connection.recv()))
+            viewer.seen.extend(unpack(await viewer.connection.recv(decode=False)))

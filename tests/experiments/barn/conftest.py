@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from app.base.geometry import Pose2, wrap_angle
-from app.experiments.lockstep import WorldRun
+from app.experiments.world_run import WorldRun
 from app.messages import Twist
 
 
@@ -51,7 +51,7 @@ def three(tmp_path: Path) -> Path:
 
 
 async def straight_on(run: WorldRun, goal: Pose2) -> None:
-    """Drive straight to the goal on the map at 1 m/s, whatever stands there."""
+    """Drive straight to the goal on the map at 1 m/s, whatever the obstacles."""
     X_WG = run.link.start_pose @ goal
     while True:
         at = run.link.true_pose()

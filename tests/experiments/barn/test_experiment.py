@@ -1,4 +1,4 @@
-"""The whole experiment: what is done is not done again, and it is told as a table, JSON and pictures."""
+"""The whole experiment: finished trials are not repeated, and results are a table, JSON and pictures."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from app.experiments.barn.experiment import done, plan, run
 from app.experiments.barn.report import failures, plot, table
 from app.experiments.barn.result import WorldResult
 from app.experiments.barn.trial import Drive
-from app.experiments.results_store import KeptResults
+from app.experiments.results_store import ResultsStore
 from tests.experiments.barn.conftest import straight_on
 
 
@@ -24,23 +24,23 @@ def crossed(world: str, outcome: str = "success", time_s: float = 3.0, reason: s
 @pytest.mark.slow
 def test_worlds_are_crossed_in_child_processes_and_kept(three: Path, tmp_path: Path) -> None:
     what = plan(three, "1-2", jobs=2)
-    kept = KeptResults(tmp_path / "out", what.of())
-    told: list[tuple[str, int, int]] = []
+    kept = ResultsStore(tmp_path / "out", what.of())
+    events: list[tuple[str, int, int]] = []
     drive: Drive = straight_on
-    results = run(what, kept, lambda result, number, total: told.append((result.world, number, total)), drive)
+    results = run(what, kept, lambda result, number, total: events.append((result.world, number, total)), drive)
     assert [(result.world, result.outcome) for result in results] == [("1", "success"), ("2", "collision")]
-    assert sorted(number for _, number, _ in told) == [1, 2]
-    again = KeptResults(tmp_path / "out", what.of())
+    assert sorted(number for _, number, _ in events) == [1, 2]
+    again = ResultsStore(tmp_path / "out", what.of())
     assert sorted(done(what, again), key=lambda result: result.world) == list(results)
 
 
 def test_what_is_done_is_not_done_again(three: Path, tmp_path: Path) -> None:
     what = plan(three, "1,3")
-    kept = KeptResults(tmp_path, what.of())
+    kept = ResultsStore(tmp_path, what.of())
     kept.add(crossed("1").document())
     kept.add(crossed("3", "timeout").document())
     kept.add(crossed("2").document())  # of another choice: kept, not counted
-    results = run(what, KeptResults(tmp_path, what.of()), lambda *_: pytest.fail("nothing is left to do"))
+    results = run(what, ResultsStore(tmp_path, what.of()), lambda *_: pytest.fail("nothing is left to do"))
     assert [result.world for result in results] == ["1", "3"]
 
 
@@ -58,13 +58,13 @@ def test_results_of_another_program_or_other_worlds_are_not_put_beside(three: Pa
 
 def test_a_line_that_is_no_result_is_said(three: Path, tmp_path: Path) -> None:
     what = plan(three)
-    kept = KeptResults(tmp_path, what.of())
+    kept = ResultsStore(tmp_path, what.of())
     kept.add({"world": "1"})
-    with pytest.raises(ConfigError, match="--fresh begins anew"):
-        done(what, KeptResults(tmp_path, what.of()))
+    with pytest.raises(ConfigError, match="--fresh starts again"):
+        done(what, ResultsStore(tmp_path, what.of()))
 
 
-def test_the_table_tells_shares_and_failures_their_reasons(three: Path, tmp_path: Path) -> None:
+def test_the_table_reports_shares_and_failures_their_reasons(three: Path, tmp_path: Path) -> None:
     results = [crossed("1"), crossed("2", "collision", 4.2, "touched cylinder0.7"), crossed("3"), crossed("4")]
     lines = table(results).splitlines()
     assert "| successes, % | 75.0 |" in lines

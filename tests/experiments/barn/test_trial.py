@@ -9,7 +9,7 @@ import pytest
 
 from app.base import paths
 from app.base.errors import ConfigError
-from app.experiments.barn.result import Summary, WorldResult
+from app.experiments.barn.result import BarnSummary, WorldResult
 from app.experiments.barn.trial import Trial, cross
 from app.experiments.barn.worlds import load_worlds
 from tests.experiments.barn.conftest import straight_on
@@ -67,10 +67,10 @@ def test_the_score_is_the_challenges(time_s: float, score: float) -> None:
 
 
 def test_a_summary_counts_all_and_times_successes() -> None:
-    summary = Summary.of(
+    summary = BarnSummary.of(
         [result("success", 10.0), result("success", 20.0), result("collision", 3.0), result("timeout", 99.0)]
     )
     assert summary.shares == {"success": 0.5, "collision": 0.25, "timeout": 0.25, "failed": 0.0}
     assert summary.mean_time_s == 15.0
     assert summary.score == pytest.approx((0.5 + 0.25) / 4)
-    assert Summary.of([result("timeout", 1.0)]).document()["mean_time_s"] is None
+    assert BarnSummary.of([result("timeout", 1.0)]).document()["mean_time_s"] is None

@@ -10,7 +10,7 @@ import pytest
 
 from app.experiments.goals import experiment
 from app.experiments.goals.goal_run import MAP
-from app.experiments.results_store import KeptResults
+from app.experiments.results_store import ResultsStore
 
 
 class Kept:
@@ -38,7 +38,7 @@ def test_a_tour_that_is_broken_off_leaves_no_map_of_another_program(
     (tmp_path / "maps" / MAP).mkdir(parents=True)
     (tmp_path / "maps" / MAP / "map.yaml").write_text("another program's")
     for start, moved in enumerate((True, False)):
-        kept = cast(KeptResults, Kept(tmp_path, moved=moved))
+        kept = cast(ResultsStore, Kept(tmp_path, moved=moved))
         with pytest.raises(BrokenOff):
             experiment.run(experiment.plan(1), kept, lambda *_: None, lambda _: None)
         assert len(toured) == start + 1

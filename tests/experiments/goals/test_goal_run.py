@@ -8,7 +8,7 @@ import pytest
 
 from app.base import paths
 from app.base.geometry import Pose2
-from app.experiments.goals.goal_run import MAP, Shift, work
+from app.experiments.goals.goal_run import MAP, GoalRun, work
 from app.experiments.goals.result import GoalResult
 from app.experiments.goals.tour import make_map
 
@@ -25,7 +25,7 @@ people:
 
 
 @pytest.mark.slow
-def test_goals_are_given_on_a_map_made_before_and_the_truth_is_told(tmp_path: Path) -> None:
+def test_goals_are_given_on_a_map_made_before_and_the_truth_is_reported(tmp_path: Path) -> None:
     jackal = paths.config_dir() / "jackal.yaml"
     (tmp_path / "tour.yaml").write_text(TOUR)
     (tmp_path / "person.yaml").write_text(PERSON)
@@ -38,7 +38,7 @@ def test_goals_are_given_on_a_map_made_before_and_the_truth_is_told(tmp_path: Pa
     assert (origin.x, origin.y) == pytest.approx((3.0, 2.0), abs=0.01)
 
     near, inside = Pose2(3.6, 3.0, 0.0), Pose2(0.7, 2.0, 0.0)
-    shift = Shift(
+    run_spec = GoalRun(
         config=jackal,
         scenario=tmp_path / "person.yaml",
         maps=maps,
@@ -53,7 +53,7 @@ def test_goals_are_given_on_a_map_made_before_and_the_truth_is_told(tmp_path: Pa
         patience_s=12.0,
     )
     results: list[GoalResult] = []
-    work(shift, results.append)
+    work(run_spec, results.append)
     reached, not_reached = results
     assert (reached.number, reached.outcome, reached.touched) == (1, "reached", ())
     assert reached.error_m <= 0.3

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.experiments.goals.report import failures, table
-from app.experiments.goals.result import GoalResult, Summary, clearance
+from app.experiments.goals.result import GoalResult, GoalsSummary, clearance
 
 SQUARE = ((0.3, -0.2), (0.3, 0.2), (-0.3, 0.2), (-0.3, -0.2))
 
@@ -52,14 +52,14 @@ def test_clearance_turns_with_the_outline(x: float, y: float, angle: float) -> N
     assert clearance(turned, c * x - s * y, s * x + c * y, 0.1) == pytest.approx(clearance(SQUARE, x, y, 0.1), abs=1e-9)
 
 
-def test_a_summary_counts_what_matters_and_a_table_tells_it() -> None:
+def test_a_summary_counts_what_matters_and_a_table_reports_it() -> None:
     results = [
         went(1),
         went(2, time_s=30.0, driven_m=8.0, error_m=0.2, people_m=0.3, recoveries=2),
         went(3, outcome="given up", touched=("person0/trunk", "crate3.0"), reason="unreachable: no way"),
         went(4, outcome="missed", people_m=None),
     ]
-    summary = Summary.of(results)
+    summary = GoalsSummary.of(results)
     assert (summary.goals, summary.reached, summary.with_contact, summary.people_touched) == (4, 2, 1, 1)
     assert summary.least_people_m == 0.3
     assert summary.mean_time_s == 20.0
@@ -68,11 +68,11 @@ def test_a_summary_counts_what_matters_and_a_table_tells_it() -> None:
     lines = table(results).splitlines()
     assert "| reached | 2 (50 %) |" in lines
     assert "| not reached: missed | 1 |" in lines
-    told = failures(results)
-    assert told[0] == "goal 3 at (1.00, 2.00): given up after 10 s, 0.10 m off (unreachable: no way)"
-    assert told[1] == "goal 3 at (1.00, 2.00): touched person0/trunk, crate3.0"
-    assert len(told) == 3
-    assert Summary.of([went(1, outcome="timeout", people_m=None)]).mean_time_s is None
+    events = failures(results)
+    assert events[0] == "goal 3 at (1.00, 2.00): given up after 10 s, 0.10 m off (unreachable: no way)"
+    assert events[1] == "goal 3 at (1.00, 2.00): touched person0/trunk, crate3.0"
+    assert len(events) == 3
+    assert GoalsSummary.of([went(1, outcome="timeout", people_m=None)]).mean_time_s is None
 
 
 def test_results_go_to_json_and_back() -> None:

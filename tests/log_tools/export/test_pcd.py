@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.base.geometry import CameraModel, Pose2, Pose3
-from app.log_tools.export.run import Wish, export
+from app.log_tools.export.exporter import Wish, export
 from app.logs.log import Logged
 from app.messages import Image, LaserScan, PointCloud
 from tests.log_tools.export.fakes import MemoryLog

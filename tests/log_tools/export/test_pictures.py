@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from app.base.geometry import CameraModel, Pose3
 from app.log_tools.export import mp4
-from app.log_tools.export.run import Wish, export
+from app.log_tools.export.exporter import Wish, export
 from app.logs.log import LogError, Logged
 from app.messages import EncodedImage, Image, read_only
 from tests.log_tools.export.fakes import MemoryLog
@@ -94,7 +94,7 @@ def writer(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> s
 def frames(path: Path) -> list[tuple[float, NDArray[np.uint8]]]:
     """Every frame of a video with its time, s."""
     video = cv2.VideoCapture(str(path))
-    found = []
+    found: list[tuple[float, NDArray[np.uint8]]] = []
     while True:
         done, frame = video.read()
         if not done:

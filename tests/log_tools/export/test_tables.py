@@ -16,7 +16,7 @@ import pytest
 from numpy.typing import NDArray
 
 from app.base.geometry import Pose2, Pose3
-from app.log_tools.export.run import Wish, export
+from app.log_tools.export.exporter import Wish, export
 from app.logs.log import LogError, Logged
 from app.messages import (
     Audio,

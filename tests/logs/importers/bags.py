@@ -145,7 +145,7 @@ def _value(store: Typestore, name: str, node: Any, fields: Fields) -> Any:
     if kind is Nodetype.NAME:
         return made(store, detail, given or {})
     (inner, inner_detail), length = detail
-    values = given if given is not None else [0] * length if inner is Nodetype.BASE else []
+    values: Any = given if given is not None else [0] * length if inner is Nodetype.BASE else []
     if inner is Nodetype.BASE and inner_detail[0] != "string":
         return np.asarray(values, dtype=inner_detail[0].replace("octet", "uint8"))
     return list(values) if inner is Nodetype.BASE else [made(store, inner_detail, value) for value in values]

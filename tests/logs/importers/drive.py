@@ -1,7 +1,7 @@
-"""A robot of somebody else that drives a curve: what its sensors say, and where everything truly was.
+"""A drive of another robot along a curve: the data of its sensors, and the true poses.
 
-The base drives an arc; a laser stands on it, turned; a camera on a neck that pans. Colour comes at 10 Hz, depth 4 ms
-after it and later to arrive, the neck's and the base's transforms at 25 Hz between the pictures.
+The base drives an arc; a laser is on it, turned; a camera on a neck that pans. Colour comes at 10 Hz, depth 4 ms after
+it and later to arrive, the neck's and the base's transforms at 25 Hz between the pictures.
 """
 
 from __future__ import annotations

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 
 from app.base.geometry import Pose2
 from app.logs.importers import carmen
-from app.logs.importers.carmen_lines import KINDS, Beams, Odom, Param, parse
+from app.logs.importers.carmen_lines import KINDS, CarmenOdometry, CarmenScan, Param, parse
 from app.logs.log import Log, LogError
 from app.logs.open import open_log
 from app.messages import LaserScan, Odometry
@@ -206,12 +206,12 @@ def test_a_bad_line_says_what_is_wrong(line: str, complaint: str) -> None:
         parse(line)
 
 
-def test_lines_are_told_by_their_names() -> None:
+def test_lines_are_recognised_by_their_names() -> None:
     assert parse("NEFF 12.5") is None
     assert parse("") is None
     assert parse("PARAM a b host 0") == Param("a", "b")
-    assert isinstance(parse("ODOM 1 2 3 0 0 0 1 host 1"), Odom)
-    assert isinstance(parse("FLASER 1 2 0 0 0 0 0 0 1 host 1"), Beams)
+    assert isinstance(parse("ODOM 1 2 3 0 0 0 1 host 1"), CarmenOdometry)
+    assert isinstance(parse("FLASER 1 2 0 0 0 0 0 0 1 host 1"), CarmenScan)
 
 
 def flaser(at: float, x: float = 0.0, readings: str = "1 2 3") -> str:

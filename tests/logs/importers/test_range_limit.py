@@ -42,7 +42,7 @@ def test_nothing_is_found_where_nothing_piles_up() -> None:
     assert limit_of(np.full((3, 180), 81.83)) is None
 
 
-def test_a_far_wall_that_a_standing_robot_sees_is_no_limit() -> None:
+def test_a_far_wall_seen_by_a_robot_at_rest_is_no_limit() -> None:
     ranges = np.minimum(readings(), 18.0)
     ranges[:, 80:100] = 30.0 + np.random.default_rng(2).normal(0.0, 0.02, (len(ranges), 20))
     assert limit_of(ranges) is None

@@ -81,7 +81,7 @@ def test_two_cameras_are_a_question_but_two_transports_of_one_are_not(tmp_path: 
 def test_of_two_cameras_the_one_with_a_depth_of_its_own_is_the_first_guess(tmp_path: Path) -> None:
     sent = short()
     panorama = renamed([m for m in sent if m.topic == "/camera/rgb/image_raw"], lambda _: "/a_panorama/image_raw")
-    panorama = [replace(m, fields=m.fields | {"header": header(m.at, "panorama")}) for m in panorama]
+    panorama = [replace(m, fields={**m.fields, "header": header(m.at, "panorama")}) for m in panorama]
     with pytest.raises(LogError, match=r"'kinect': /camera/rgb/image_raw, /a_panorama/image_raw") as question:
         opened(tmp_path, panorama + sent)
     proposal = re.search(r"channels:\n(?:  .*\n)+", str(question.value))
@@ -167,7 +167,7 @@ def test_without_tf_sensors_are_where_the_remap_file_says_or_else_a_note(tmp_pat
     assert look_into(tmp_path / "run.mcap").notes == log.info.notes
     image: Image = next(log.messages(channels={"kinect"})).message
     np.testing.assert_allclose(image.X_BC.rotation @ [0, 0, 1], [1, 0, 0], atol=1e-9)  # it looks ahead
-    np.testing.assert_allclose(image.X_BC.rotation @ [0, -1, 0], [0, 0, 1], atol=1e-9)  # and stands upright
+    np.testing.assert_allclose(image.X_BC.rotation @ [0, -1, 0], [0, 0, 1], atol=1e-9)  # and is upright
     log.close()
     log = opened(
         tmp_path,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -27,12 +28,13 @@ WRITERS: dict[str, Write] = {
 }
 
 
-@pytest.fixture(scope="module", params=WRITERS.values(), ids=WRITERS.keys())
+@pytest.fixture(scope="module", params=list(WRITERS.values()), ids=list(WRITERS))
 def bag(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Bag:
-    """Each kind of bag in turn: called with what the drive shall be, it gives the bag's path. Nobody changes it."""
+    """Each kind of bag in turn: called with the parameters of the drive, it gives the bag's path. Tests must not change
+    it."""
     made: dict[str, Path] = {}
 
-    def of(**options: bool) -> Path:
+    def of(**options: Any) -> Path:
         key = repr(options)
         if key not in made:
             made[key] = request.param(tmp_path_factory.mktemp("bag"), drive.drive(**options))
@@ -165,7 +167,7 @@ def test_packed_by_bzip2(tmp_path: Path) -> None:
     assert len(on("scan", messages)) == 80
 
 
-def test_types_that_nobody_understands_do_no_harm(tmp_path: Path) -> None:
+def test_unknown_types_do_no_harm(tmp_path: Path) -> None:
     path = tmp_path / "run.bag"
     kind = "sensor_msgs/msg/JointState"
     (first,) = [m for m in drive.drive() if m.topic == "/joint_states"][:1]

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
-from app.logs.importers.ros_camera import Calibration, PinholeCamera, fitted
+from app.logs.importers.ros_camera import CameraInfo, PinholeCamera, fitted
 from tests.logs.importers.bags import ROS1, ROS2, made
 
 K = np.array([[300.0, 0.0, 160.0], [0.0, 300.0, 120.0], [0.0, 0.0, 1.0]])
@@ -17,20 +17,20 @@ LENS = [-0.3, 0.1, 0.001, -0.001, 0.0]
 FISHEYE = [0.05, -0.01, 0.002, 0.0]
 
 
-def calibration(d: list[float], model: str = "plumb_bob") -> Calibration:
-    return Calibration(320, 240, model, K, np.array(d), P)
+def calibration(d: list[float], model: str = "plumb_bob") -> CameraInfo:
+    return CameraInfo(320, 240, model, K, np.array(d), P)
 
 
 @pytest.mark.parametrize("store", [ROS1, ROS2], ids=["ROS 1", "ROS 2"])
 def test_camera_info_is_read_in_both_spellings(store: Any) -> None:
     fields = {"width": 320, "height": 240, "distortion_model": "plumb_bob", "d": LENS, "k": K.ravel(), "p": P.ravel()}
-    found = Calibration.of(made(store, "sensor_msgs/msg/CameraInfo", fields))
+    found = CameraInfo.of(made(store, "sensor_msgs/msg/CameraInfo", fields))
     assert found is not None
     assert (found.width, found.height, found.model) == (320, 240, "plumb_bob")
     np.testing.assert_array_equal(found.K, K)
     np.testing.assert_array_equal(found.D, LENS)
     np.testing.assert_array_equal(found.P, P)
-    assert Calibration.of(made(store, "sensor_msgs/msg/CameraInfo", {})) is None
+    assert CameraInfo.of(made(store, "sensor_msgs/msg/CameraInfo", {})) is None
 
 
 @pytest.mark.parametrize(

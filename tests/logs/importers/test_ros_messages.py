@@ -106,7 +106,7 @@ def png(pixels: NDArray[Any]) -> bytes:
     return cv2.imencode(".png", pixels)[1].tobytes()
 
 
-def test_packed_pictures_are_told_by_their_content() -> None:
+def test_packed_pictures_are_recognised_by_their_content() -> None:
     message = packed("rgb8; png compressed bgr8", png(colors()[..., ::-1]))
     np.testing.assert_array_equal(ros.color_image(message), colors())
     assert ros.encoding_of(message) == "color"

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.base.geometry import Pose3
-from app.logs.importers.transforms import Placed, Transforms, rotation, slerp
+from app.logs.importers.transforms import StampedTransform, Transforms, rotation, slerp
 
 ANGLES = st.floats(-3.0, 3.0)
 POSES = st.builds(
@@ -20,10 +20,10 @@ POSES = st.builds(
 )
 
 
-def placed(stamp: float, pose: Pose3) -> Placed:
+def placed(stamp: float, pose: Pose3) -> StampedTransform:
     w, x, y, z = pose.quaternion_wxyz()
     a, b, c = (float(value) for value in pose.translation)
-    return Placed(stamp, (a, b, c), (x, y, z, w))
+    return StampedTransform(stamp, (a, b, c), (x, y, z, w))
 
 
 def same(one: Pose3 | None, other: Pose3, tolerance: float = 1e-9) -> None:
@@ -95,7 +95,7 @@ def test_late_transforms_take_their_place_and_old_ones_are_forgotten() -> None:
     assert tree.lookup("a", "b", 95.0) is not None
 
 
-def test_what_stands_still_can_be_kept_alone() -> None:
+def test_static_transforms_can_be_kept_alone() -> None:
     tree = Transforms()
     tree.add("base", "laser", placed(0.0, Pose3.identity()), static=True)
     tree.add("odom", "base", placed(0.0, Pose3.identity()), static=False)

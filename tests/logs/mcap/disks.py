@@ -83,7 +83,7 @@ class FaultyFile:
 
 
 class Disk:
-    """Opens files that fail as told; ``blocked`` writes wait until ``unblock`` is set."""
+    """Opens files that fail as set; ``blocked`` writes wait until ``unblock`` is set."""
 
     def __init__(self, room: int = 1 << 40) -> None:
         self.room = room

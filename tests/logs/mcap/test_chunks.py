@@ -12,13 +12,15 @@ from mcap.reader import make_reader
 from app.logs.log import LogError
 from app.logs.manifest import Manifest
 from app.logs.mcap.chunks import ChunkSpan, complete, join, scan
-from app.logs.mcap.open_file import McapFile, Topic
+from app.logs.mcap.open_file import FileTopic, McapFile
 from tests.logs.mcap.disks import BEGIN, MANIFEST, encoder, image, landmarks, odometry
 
 Read = list[tuple[str, int, bytes]]
 
 
-def write(path: Path, begin: int, count: int, topics: dict[str, Topic] | None = None, *, manifest: Manifest) -> Path:
+def write(
+    path: Path, begin: int, count: int, topics: dict[str, FileTopic] | None = None, *, manifest: Manifest
+) -> Path:
     """Odometry, and now and then something else, in chunks of three."""
     file = McapFile(path, encoder(), manifest, BEGIN, {} if topics is None else topics)
     for i in range(begin, begin + count):
@@ -83,7 +85,7 @@ def test_completing_twice_changes_nothing(whole: tuple[bytes, Read, list[ChunkSp
 
 
 def test_joined_files_hold_what_each_held_in_their_order(tmp_path: Path) -> None:
-    topics: dict[str, Topic] = {}
+    topics: dict[str, FileTopic] = {}
     parts = [
         write(tmp_path / "1.mcap", 0, 4, topics, manifest=MANIFEST),  # knows only odometry
         write(tmp_path / "2.mcap", 4, 20, topics, manifest=Manifest()),
@@ -101,7 +103,7 @@ def test_joined_files_hold_what_each_held_in_their_order(tmp_path: Path) -> None
 
 
 def test_a_part_without_its_end_is_joined_too(tmp_path: Path) -> None:
-    topics: dict[str, Topic] = {}
+    topics: dict[str, FileTopic] = {}
     parts = [
         write(tmp_path / "1.mcap", 0, 10, topics, manifest=MANIFEST),
         write(tmp_path / "2.mcap", 10, 10, topics, manifest=Manifest()),

@@ -6,6 +6,7 @@ import logging
 import math
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,12 +15,12 @@ from mcap.writer import Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from app.base.geometry import FisheyeModel
-from app.log_tools.export.run import Wish, export
+from app.log_tools.export.exporter import Wish, export
 from app.logs import layout as mcap_layout
 from app.logs.log import Log, LogError, Logged
 from app.logs.manifest import YAML, AttachedFile, Manifest
-from app.logs.mcap import reader as mcap_log
 from app.logs.mcap.reader import McapLog
+from app.logs.stamps import to_ns
 from app.messages import Image, OperatorDrive
 from tests.logs.mcap.mcap_files import BEGIN, CHANNELS, drive, spec, write_log
 from tests.logs.ros.messages import same
@@ -73,7 +74,7 @@ def test_a_fisheyes_images_come_back_beside_a_pinholes(tmp_path: Path) -> None:
     log.close()
 
 
-def test_info_and_manifest_tell_what_the_file_holds_without_reading_its_messages(
+def test_info_and_manifest_are_read_without_its_messages(
     recorded: tuple[Path, list[Logged]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path, written = recorded
@@ -81,7 +82,7 @@ def test_info_and_manifest_tell_what_the_file_holds_without_reading_its_messages
     def refuse(*_: object, **__: object) -> None:
         raise AssertionError("messages were read")
 
-    monkeypatch.setattr(mcap_log.SeekingReader, "iter_messages", refuse)
+    monkeypatch.setattr("app.logs.mcap.reader.SeekingReader.iter_messages", refuse)
     log = McapLog(path)
     info = log.info
     assert (info.format, info.path, info.bytes) == ("HBBA MCAP", path, path.stat().st_size)
@@ -125,7 +126,7 @@ def test_seeking_leaves_out_what_lies_before(
     read = 0
     real = breakup_chunk
 
-    def counted(*args: object, **keywords: object) -> object:
+    def counted(*args: Any, **keywords: Any) -> object:
         nonlocal read
         read += 1
         return real(*args, **keywords)
@@ -152,7 +153,7 @@ def test_an_image_whose_depth_was_lost_is_left_out_and_said(tmp_path: Path, capl
     path = write_log(
         tmp_path / "lost.mcap",
         lost,
-        keep=lambda record: not (record.topic == "/kinect/depth" and record.stamp_ns == mcap_log.to_ns(third.stamp)),
+        keep=lambda record: not (record.topic == "/kinect/depth" and record.stamp_ns == to_ns(third.stamp)),
     )
     log = McapLog(path)
     with caplog.at_level(logging.WARNING):
@@ -170,7 +171,7 @@ def test_an_image_whose_last_record_is_missing_does_not_spoil_the_next(tmp_path:
     path = write_log(
         tmp_path / "lost.mcap",
         messages,
-        keep=lambda record: not (record.topic == "/kinect/info" and record.stamp_ns == mcap_log.to_ns(stamps[4])),
+        keep=lambda record: not (record.topic == "/kinect/info" and record.stamp_ns == to_ns(stamps[4])),
     )
     log = McapLog(path)
     assert [i.message.stamp for i in log.messages(channels=["kinect"])] == stamps[:4] + stamps[5:]
@@ -180,14 +181,14 @@ def test_an_image_whose_last_record_is_missing_does_not_spoil_the_next(tmp_path:
 def _foreign(writer: Writer) -> None:
     schema = writer.register_schema("std_msgs/msg/String", "ros2msg", b"string data")
     channel = writer.register_channel("/chatter", "cdr", schema)
-    writer.add_message(channel, mcap_log.to_ns(BEGIN), b"\0\1\0\0\2\0\0\0a\0", 0)
+    writer.add_message(channel, to_ns(BEGIN), b"\0\1\0\0\2\0\0\0a\0", 0)
 
 
 def _unknown_class(writer: Writer) -> None:
     schema = writer.register_schema("hbba_msgs/msg/Smell", "ros2msg", b"builtin_interfaces/Time stamp\nfloat64 ppm")
     metadata = {mcap_layout.CHANNEL: "nose", mcap_layout.MESSAGE: "Smell"}
     channel = writer.register_channel("/nose", "cdr", schema, metadata)
-    writer.add_message(channel, mcap_log.to_ns(BEGIN), b"\0\1\0\0" + bytes(16), 0)
+    writer.add_message(channel, to_ns(BEGIN), b"\0\1\0\0" + bytes(16), 0)
 
 
 def _changed_fields(writer: Writer) -> None:
@@ -196,7 +197,7 @@ def _changed_fields(writer: Writer) -> None:
     schema = writer.register_schema("hbba_msgs/msg/GroundTruth", "ros2msg", text)
     metadata = {mcap_layout.CHANNEL: "truth", mcap_layout.MESSAGE: "GroundTruth"}
     channel = writer.register_channel("/truth", "cdr", schema, metadata)
-    writer.add_message(channel, mcap_log.to_ns(BEGIN), b"\0\1\0\0" + bytes(48), 0)
+    writer.add_message(channel, to_ns(BEGIN), b"\0\1\0\0" + bytes(48), 0)
 
 
 def _damaged_definition(writer: Writer) -> None:
@@ -238,7 +239,7 @@ def test_what_this_program_cannot_read_is_ignored_and_said(
     log.close()
 
 
-def _older(writer: Writer, fields: str, values: tuple[object, ...]) -> None:
+def _older(writer: Writer, fields: str, values: tuple[Any, ...]) -> None:
     """An OperatorDrive as a program wrote it whose class had these fields after its stamp."""
     kind, text = "hbba_msgs/msg/OperatorDrive", f"builtin_interfaces/Time stamp\n{fields}"
     store = get_typestore(Stores.ROS2_HUMBLE)
@@ -248,7 +249,7 @@ def _older(writer: Writer, fields: str, values: tuple[object, ...]) -> None:
     schema = writer.register_schema(kind, "ros2msg", store.generate_msgdef(kind, ros_version=2)[0].encode())
     metadata = {mcap_layout.CHANNEL: "hands", mcap_layout.MESSAGE: "OperatorDrive"}
     channel = writer.register_channel("/hands", "cdr", schema, metadata)
-    writer.add_message(channel, mcap_log.to_ns(int(BEGIN)), data, 0)
+    writer.add_message(channel, to_ns(int(BEGIN)), data, 0)
 
 
 def test_fields_that_came_later_have_their_defaults(tmp_path: Path) -> None:
@@ -342,7 +343,7 @@ def test_a_channel_that_the_log_does_not_have_is_a_mistake(recorded: tuple[Path,
     log.close()
 
 
-def test_rates_are_told_where_the_table_had_them(tmp_path: Path) -> None:
+def test_rates_are_known_where_the_table_had_them(tmp_path: Path) -> None:
     messages = [m for m in drive(0.1) if m.channel == "odometry"]
     log = McapLog(write_log(tmp_path / "log.mcap", messages, {"odometry": spec("Odometry")}))
     assert log.info.channels["odometry"].rate_hz is None

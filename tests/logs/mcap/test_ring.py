@@ -201,7 +201,7 @@ def test_a_ring_that_turns_is_nobodys_leftover_and_a_stopped_one_is(tmp_path: Pa
     assert leftovers(tmp_path / ".ring") == []
 
 
-def test_what_was_left_becomes_one_recording_whoever_finds_it(tmp_path: Path) -> None:
+def test_leftovers_become_one_recording_in_any_program(tmp_path: Path) -> None:
     turning = ring(tmp_path)
     turn(turning, 0, 33)
     turning.close(discard=False)
@@ -244,7 +244,7 @@ def test_without_locks_only_what_a_dead_program_left_is_left_over(
 
 
 class Guarded(deque[Segment]):
-    """Segments that may be changed only by whoever holds the guard: another thread may be looking through them."""
+    """Segments that may be changed only while the guard is held: another thread may be reading them."""
 
     guard: Lock
 
@@ -286,7 +286,7 @@ def test_a_full_disk_ends_a_ring_whose_segments_stay(tmp_path: Path) -> None:
     assert times(read(saved))[: 10 * 33 - 5] == tenths(0, 32.5)
 
 
-def test_a_damaged_segment_is_told_and_nothing_of_its_ring_is_deleted(tmp_path: Path) -> None:
+def test_a_damaged_segment_is_reported_and_nothing_of_its_ring_is_deleted(tmp_path: Path) -> None:
     turning = ring(tmp_path)
     turn(turning, 0, 33)
     turning.close(discard=False)
@@ -329,7 +329,7 @@ def test_the_ring_of_a_killed_program_loses_at_most_what_was_not_flushed(tmp_pat
     with child:
         assert child.stdout is not None
         assert child.stdout.readline() == "written\n"
-        assert leftovers(tmp_path / ".ring") == []  # while it lives, it is nobody else's
+        assert leftovers(tmp_path / ".ring") == []  # while it runs, no other program takes it
         os.kill(child.pid, signal.SIGKILL)
     (home,) = leftovers(tmp_path / ".ring")
     saved = rescue(home, names(tmp_path))

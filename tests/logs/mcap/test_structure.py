@@ -1,4 +1,4 @@
-"""Whatever a damaged MCAP file makes the library raise, people are told that it is damaged."""
+"""Every exception of the library for a damaged MCAP file becomes a message that it is damaged."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The writer: everything it is given is in the file, and no fault of a disk reaches whoever feeds it."""
+"""The writer: every message is in the file, and no fault of a disk reaches its caller."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from mcap.records import Statistics
 from app.logs.mcap.disk_time import DiskTime
 from app.logs.mcap.file_sink import FileSink
 from app.logs.mcap.open_file import is_being_written
-from app.logs.mcap.ring import Hold, Ring
+from app.logs.mcap.ring import HeldSegments, Ring
 from app.logs.mcap.ring_folder import leftovers, rescue
 from app.logs.mcap.writer import Limits, RecordingWriter, Sink, weight
 from app.logs.ros.encoder import Encoder
@@ -168,7 +168,7 @@ def test_a_disk_that_stays_too_slow_ends_the_recording_with_a_reason_and_the_fil
     assert re.match(r"the disk is too slow: \d+ messages found no room within 2\.0 s; record to a", writer.reason)
     dropped = writer.dropped
     writer.put(BEGIN + 5, "odometry", odometry(BEGIN + 5))
-    assert writer.dropped == dropped  # it is over: what comes now is nobody's loss
+    assert writer.dropped == dropped  # it is over: later messages are not lost ones
     disk.unblock.set()
     ended(writer)
     assert counts(tmp_path / "log.mcap")["/odometry"] == 100
@@ -357,7 +357,7 @@ def test_a_call_that_the_disk_fails_ends_the_recording_with_its_reason(tmp_path:
     writer = RecordingWriter(ring, Limits(), lambda: BEGIN, free_bytes=lambda _: 1 << 40)
     writer.put(BEGIN, "odometry", odometry(BEGIN))
 
-    def hold(sink: Sink) -> Hold:
+    def hold(sink: Sink) -> HeldSegments:
         assert isinstance(sink, Ring)
         sink.flush()
         disk.error = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))

@@ -99,7 +99,7 @@ def numbered(count: int, period_s: float = 0.1, channel: str = "odometry") -> li
 def lab_manifest() -> Manifest:
     """What a recording of the shipped lab carries."""
     system = System(load_configuration(paths.config_dir() / "lab.yaml"))
-    return system.graph.modules["Kinect"].context.services[Manifest]  # type: ignore[no-any-return]
+    return system.graph.modules["Kinect"].context.services[Manifest]
 
 
 def poster(text: str = "https://example.org/lab") -> np.ndarray[Any, np.dtype[np.uint8]]:

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 from app.attention.strategies import CLOSED
 from app.base import paths
-from app.logs.replay.batch_replay import MOST, TakingTurns, batches, side_by_side
-from app.logs.replay.calibration import Measurement, Run
+from app.logs.replay.batch_replay import MOST, ExclusiveCpuMeter, batch_program, batches
+from app.logs.replay.calibration_runs import Measurement, Run
 from app.logs.replay.measure import WARM_UP_S, Bench
 from app.program.config import load_configuration
 from app.runtime.graph import Pin
@@ -49,7 +49,7 @@ def test_each_instance_has_its_outputs_its_filters_and_its_parameters() -> None:
     configuration = load_configuration(paths.config_dir() / "lab.yaml")
     near = Run("FaceDetector", "images", 4, 3, parameters='{"fine": false}')
     fine = Run("FaceDetector", "panorama", 1)
-    program = side_by_side(
+    program = batch_program(
         configuration, [near, fine], {"FaceDetector.images", "FaceDetector.panorama", "Teleop.twist"}
     )
     assert program.names == ("FaceDetector~0", "FaceDetector~1")
@@ -93,7 +93,7 @@ def test_offsets_that_share_the_messages_stay_together() -> None:
 
 def test_meters_that_take_turns_never_compute_at_once_and_do_not_charge_the_wait() -> None:
     lock, inside, most = threading.RLock(), 0, 0
-    meters = [TakingTurns(lock) for _ in range(4)]
+    meters = [ExclusiveCpuMeter(lock) for _ in range(4)]
 
     def work() -> None:
         nonlocal inside, most

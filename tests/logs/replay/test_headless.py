@@ -23,11 +23,11 @@ from app.link import LinkFailed
 from app.logs.library import RecordingLibrary
 from app.logs.mcap.reader import McapLog
 from app.logs.open import open_log
-from app.logs.replay.headless import Watch, run_headless
+from app.logs.replay.headless import ReplayWatch, run_headless
 from app.logs.replay.options import ReplayOptions
 from app.logs.replay.report import ReplayReport
 from app.messages import Exploitation, QRCodes, Twist
-from app.robots.replayed.source import LogSource
+from app.robots.replayed.log_source import LogSource
 from app.runtime.load import CpuMeter
 from tests.logs.replay.logs import BEGIN, MemoryLog, lab_log, lab_manifest, lab_messages, numbered, write_log
 from tests.patience import PATIENCE_S
@@ -43,7 +43,7 @@ def report() -> ReplayReport:
     return run_headless(lab_log())
 
 
-def test_every_module_lives_the_log(report: ReplayReport) -> None:
+def test_every_module_runs_on_the_log(report: ReplayReport) -> None:
     assert (report.begin, report.log_s) == (BEGIN, pytest.approx(4.0, abs=0.1))
     channels = report.channels
     assert channels["odometry"].messages == 200
@@ -59,7 +59,7 @@ def test_every_module_lives_the_log(report: ReplayReport) -> None:
     assert all(module.restarts == 0 for module in report.modules.values())
 
 
-def test_the_operators_hands_drive_again() -> None:
+def test_the_operators_commands_drive_again() -> None:
     driven: list[str | None] = []
     twists: list[Twist] = []
 
@@ -69,7 +69,7 @@ def test_the_operators_hands_drive_again() -> None:
         if channel == "teleop_twist":
             twists.append(said)
 
-    run_headless(lab_log(), watch=Watch(message=message))
+    run_headless(lab_log(), watch=ReplayWatch(message=message))
     assert driven[0] is None
     assert driven[-1] is None
     assert "Teleop" in driven
@@ -110,7 +110,7 @@ def standing(report: ReplayReport, options: ReplayOptions) -> set[str]:
         if channel == "workspace":
             seen.update(record.id for record in said.desires)
 
-    run_headless(lab_log(), options, watch=Watch(message=message))
+    run_headless(lab_log(), options, watch=ReplayWatch(message=message))
     return seen
 
 
@@ -124,7 +124,7 @@ def pictures_taken(phi: float, offset: int) -> list[float]:
     # The detector alone: what the others take is their own affair.
     only = ("Kinect", "Hokuyo", "QRCodeDetector")
     options = ReplayOptions(only=only, phi={"QRCodeDetector.images": phi}, offset=offset, desires=False)
-    run_headless(lab_log(), options, watch=Watch(message=message), digests=False)
+    run_headless(lab_log(), options, watch=ReplayWatch(message=message), digests=False)
     return stamps
 
 
@@ -143,7 +143,7 @@ def test_an_offset_counts_from_the_first_opening_of_an_attended_filter() -> None
         if isinstance(said, QRCodes):
             stamps.append(said.stamp)
 
-    run_headless(lab_log(), ReplayOptions(offset=3, desires=False), watch=Watch(message=message))
+    run_headless(lab_log(), ReplayOptions(offset=3, desires=False), watch=ReplayWatch(message=message))
     images = [logged.message.stamp for logged in lab_log().messages(channels={"kinect"})]
     assert stamps == images[3:]
 
@@ -156,7 +156,7 @@ def test_only_one_module_on_what_was_recorded() -> None:
     assert log.decoded.keys() == {"kinect", "scan", "odometry", "workspace", "link_status"}
 
 
-def test_what_is_wanted_by_nobody_is_never_decoded() -> None:
+def test_a_channel_without_subscription_is_never_decoded() -> None:
     log = lab_log()
     # Who drives or maps, and who watches over it, wants scans whatever is desired.
     looking = ("Kinect", "Hokuyo", "WheelOdometry", "QRCodeDetector", "FaceDetector", "CameraStream")

@@ -6,7 +6,7 @@ import pytest
 
 from app.base import paths
 from app.base.geometry import Pose3
-from app.logs.replay.calibration import Run
+from app.logs.replay.calibration_runs import Run
 from app.logs.replay.measure import WARM_UP_S, Bench, percepts
 from app.messages import Landmarks, QRCode, QRCodes, SoundSources, Twist
 from app.program.config import Configuration, load_configuration

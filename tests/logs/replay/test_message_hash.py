@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.base.geometry import Pose2
-from app.logs.replay.message_hash import Digest, fingerprint
+from app.logs.replay.message_hash import MessageHash, fingerprint
 from app.messages import Exploitation, Odometry, Twist
 
 VALUES: st.SearchStrategy[Any] = st.recursive(
@@ -50,7 +50,7 @@ def test_messages_and_arrays() -> None:
 
 
 def test_the_order_of_messages_counts() -> None:
-    digests = [Digest(), Digest()]
+    digests = [MessageHash(), MessageHash()]
     for digest, order in zip(digests, ((1, 2), (2, 1)), strict=True):
         for number in order:
             digest.add(number)

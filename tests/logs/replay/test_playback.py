@@ -1,4 +1,4 @@
-"""A recording of the lab, played on a real loop: what stands, what goes on, what is shown where it is put down."""
+"""A recording of the lab, played on a real loop: play, pause, and the state shown after a seek."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def stamps(play: Any, channel: str) -> list[float]:
     return found
 
 
-async def test_it_plays_in_real_time_stands_and_goes_on(lab: Prepared) -> None:
+async def test_it_plays_in_real_time_pauses_and_goes_on(lab: Prepared) -> None:
     async with played(lab, playing=True) as play:
         odometry = stamps(play, "odometry")
         began, from_ = time.monotonic(), play.playback.state.position
@@ -56,7 +56,7 @@ async def test_it_plays_in_real_time_stands_and_goes_on(lab: Prepared) -> None:
         state = play.playback.state
         assert (state.phase, state.playing) == ("paused", False)
         count = len(odometry)
-        await play.playback._places.quiet()
+        await play.playback._seeker.quiet()
         assert play.playback.state.position == state.position
         assert len(odometry) - count <= 1
         play.playback.play()
@@ -76,14 +76,14 @@ async def test_at_another_speed(lab: Prepared) -> None:
         assert play.playback.state.position == BEGIN + 5.98
 
 
-async def test_whoever_asks_for_more_after_a_failure_is_told_and_not_kept_waiting(
+async def test_a_command_after_a_failure_raises_at_once(
     lab: Prepared, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     async def fail() -> float:
         raise RuntimeError("a mistake of ours")
 
     async with played(lab) as play, asyncio.timeout(PATIENCE_S):
-        monkeypatch.setattr(play.playback._places, "next_step", fail)
+        monkeypatch.setattr(play.playback._seeker, "next_step", fail)
         for asked in (play.playback.step, play.playback.step, partial(play.playback.seek, BEGIN + 1.0)):
             with pytest.raises(LogError, match="playback failed: a mistake of ours"):
                 await asked()
@@ -110,7 +110,7 @@ async def test_as_fast_as_possible_nothing_is_dropped(lab: Prepared) -> None:
         assert codes[-1] >= images[-8]
 
 
-async def test_a_seek_shows_what_was_there_while_time_stands(lab: Prepared) -> None:
+async def test_a_seek_shows_the_state_there_while_paused(lab: Prepared) -> None:
     async with played(lab) as play:
         graph = play.replay.system.graph
         for position in (BEGIN + 4.0, BEGIN + 1.5):
@@ -244,7 +244,7 @@ def test_steps_where_there_are_no_images(without: tuple[str, ...], to: float) ->
     asyncio.run(main())
 
 
-async def test_at_the_end_it_stands_and_play_begins_again(lab: Prepared) -> None:
+async def test_at_the_end_it_pauses_and_play_begins_again(lab: Prepared) -> None:
     async with played(lab, playing=True, speed=20.0) as play:
         state = await play.phase("ended")
         assert (state.position, state.playing) == (state.end, False)
@@ -259,11 +259,11 @@ async def test_at_the_end_it_stands_and_play_begins_again(lab: Prepared) -> None
 
 @pytest.fixture
 def blind() -> Prepared:
-    """The same with nobody who would look."""
+    """The same without viewers."""
     return prepare(lab_log(6.0), ReplayOptions(only=("Hokuyo", "WheelOdometry")))
 
 
-async def test_who_comes_while_time_stands_is_shown_what_stands_there(blind: Prepared) -> None:
+async def test_a_subscription_made_while_paused_gets_the_state_there(blind: Prepared) -> None:
     async with played(blind) as play:
         await play.playback.seek(BEGIN + 4.0)
         channel = play.replay.system.graph.channels["scan"]
@@ -312,12 +312,12 @@ async def test_time_waits_for_a_file_that_is_slow(slow: Prepared) -> None:
         await asyncio.wait_for(waits.wait(), PATIENCE_S)
         stood = play.playback.state.position
         assert stood < BEGIN + 2.5, "later only by what a busy computer makes of it"
-        await play.playback._places._system.graph.activity.quiet()
+        await play.playback._seeker._system.graph.pending_work.quiet()
         assert play.playback.state.position == stood
         assert play.playback.state.phase == "playing"
         slow[0].gate.set()
         await play.phase("ended")
-        # It was late for nobody: everything came, each message in its time.
+        # No subscription was late: every message came, each in its time.
         assert odometry[-1] == pytest.approx(BEGIN + 2.98, abs=0.001)
         assert odometry == sorted(odometry)
 
@@ -355,7 +355,7 @@ async def test_what_cannot_be_read_is_said_and_all_stays(torn: Prepared) -> None
         assert play.playback.state.position == BEGIN + 2.0
 
 
-async def test_it_begins_where_the_clock_stands(lab: Prepared) -> None:
+async def test_it_begins_at_the_time_of_the_clock(lab: Prepared) -> None:
     log, clock, replay = lab
     clock.jump(BEGIN + 2.0)
     async with played((log, clock, replay)) as play:
@@ -376,7 +376,7 @@ def hurt(tmp_path: Path) -> Iterator[tuple[Prepared, Log, float, float]]:
     past.close()
 
 
-async def test_playback_stands_before_what_is_damaged_and_goes_on_behind_it(hurt: Any) -> None:
+async def test_playback_pauses_before_damage_and_goes_on_behind_it(hurt: Any) -> None:
     prepared, past, begin, end = hurt
     async with played(prepared, playing=True, speed=4.0, past=past) as play, asyncio.timeout(PATIENCE_S):
         odometry = stamps(play, "odometry")
@@ -394,7 +394,7 @@ async def test_playback_stands_before_what_is_damaged_and_goes_on_behind_it(hurt
         assert play.replay.notes()[-1].startswith("the log is damaged: ")
 
 
-async def test_in_a_damaged_part_stands_what_was_before_it_and_elsewhere_all_is_well(hurt: Any) -> None:
+async def test_a_damaged_part_shows_the_state_before_it_and_elsewhere_all_is_well(hurt: Any) -> None:
     prepared, past, begin, end = hurt
     async with played(prepared, past=past) as play, asyncio.timeout(PATIENCE_S):
         await play.playback.seek((begin + end) / 2)
@@ -410,7 +410,7 @@ async def test_in_a_damaged_part_stands_what_was_before_it_and_elsewhere_all_is_
         await play.phase("ended")
 
 
-async def test_without_a_speed_it_stands_there_too(hurt: Any) -> None:
+async def test_without_a_speed_it_pauses_there_too(hurt: Any) -> None:
     prepared, past, begin, end = hurt
     async with played(prepared, playing=True, speed=None, past=past) as play, asyncio.timeout(PATIENCE_S):
         state = await play.phase("paused")
@@ -420,11 +420,11 @@ async def test_without_a_speed_it_stands_there_too(hurt: Any) -> None:
         assert play.playback.state.position > state.position
 
 
-async def test_where_nothing_can_be_read_on_it_stands_and_lives(torn: Prepared) -> None:
+async def test_where_reading_cannot_go_on_it_pauses_and_stays_usable(torn: Prepared) -> None:
     log = torn[0]
     async with played(torn, playing=True, speed=10.0) as play, asyncio.timeout(PATIENCE_S):
         log.torn = True
-        play.replay.body._read_anew()
+        play.replay.body._restart_reading()
         state = await play.phase("paused")
         assert re.fullmatch(r"nothing from 0:0\d\.\d on can be read", state.problem)
         log.torn = False

@@ -9,19 +9,23 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.attention.desires import DesireClasses, Source
+from app.attention.desires import Source
 from app.attention.workspace import IntentionWorkspace, WorkspaceChange
+from app.base import paths
 from app.logs.replay.recorded_desires import CountedIds, RecordedDesires
 from app.messages import DesireRecord, DesiresRecord
-from app.modules.desire_classes import desire_classes
+from app.program.config import load_configuration
+from app.program.desire_classes import desire_classes
 from tests.logs.replay.logs import BEGIN, desire
+
+CLASSES = desire_classes(load_configuration(paths.config_dir() / "lab.yaml"))
 
 
 class Setting:
     def __init__(self) -> None:
         self.now = BEGIN
         self.ids = CountedIds()
-        self.workspace = IntentionWorkspace(DesireClasses(desire_classes()), lambda: self.now, new_id=self.ids)
+        self.workspace = IntentionWorkspace(CLASSES, lambda: self.now, new_id=self.ids)
         self.desires = RecordedDesires(
             self.workspace, self.ids, {"ScenarioCoordinator"}, lambda: self.now, ignored={"Record"}
         )

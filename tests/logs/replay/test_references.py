@@ -34,7 +34,7 @@ def test_the_references_hold_every_kind_of_output() -> None:
 
 @pytest.mark.slow
 def test_a_detector_that_is_off_by_some_centimetres_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    right: Callable[..., tuple[QRCode, ...]] = qr_code_detector.detect
+    right: Callable[..., tuple[QRCode, ...]] = vars(qr_code_detector)["detect"]
 
     def wrong(image: Image, upscale: bool) -> tuple[QRCode, ...]:
         return tuple(

@@ -1,4 +1,4 @@
-"""Messages out of nothing: a hypothesis strategy for any message class, and what tells whether two are the same."""
+"""Generated messages: a hypothesis strategy for any message class, and a comparison of two."""
 
 from __future__ import annotations
 
@@ -82,15 +82,17 @@ def _values(name: str, hint: Any) -> st.SearchStrategy[Any]:
     if origin is np.ndarray:
         dtype = np.dtype(typing.get_args(arguments[1])[0])
         return arrays.arrays(dtype, arrays.array_shapes(max_dims=2, min_side=0, max_side=5))
+    if origin is typing.Literal:
+        return st.sampled_from(arguments)
     if hint is float:
         return STAMPS if name == "stamp" else _FLOATS
     simple = {int: st.integers(-(2**63), 2**63 - 1), bool: st.booleans(), bytes: st.binary(max_size=30)}
     if hint is str:
-        return st.text(st.characters(exclude_categories=("Cs",)), max_size=20)
+        return st.text(st.characters(exclude_categories=["Cs"]), max_size=20)
     return simple[hint] if hint in simple else instances(hint)
 
 
-_TEXT = st.text(st.characters(exclude_categories=("Cs",)), max_size=20)
+_TEXT = st.text(st.characters(exclude_categories=["Cs"]), max_size=20)
 _FRAMES = st.from_regex(r"[a-z][a-z_]{0,20}", fullmatch=True)
 _POSES = st.builds(
     Pose3.from_translation_rpy, st.tuples(_LENGTHS, _LENGTHS, _LENGTHS), st.tuples(*[st.floats(-3.2, 3.2)] * 3)

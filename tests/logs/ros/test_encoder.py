@@ -37,7 +37,7 @@ def test_a_channel_of_events_has_no_rate() -> None:
     }  # fmt: skip
 
 
-def test_each_encoder_tells_everything_that_a_file_needs() -> None:
+def test_each_encoder_writes_everything_that_a_file_needs() -> None:
     messages = [logged for logged in drive(0.1) if logged.channel == "scan"]
     for _ in range(2):
         encoder = Encoder(CHANNELS)

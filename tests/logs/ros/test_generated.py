@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 import pytest
@@ -13,6 +13,7 @@ from app.base.geometry import Pose2, Pose3
 from app.logs.ros import typestore
 from app.logs.ros.generated import UnrecordableType, generated
 from app.messages import read_only
+from app.messages.base import Stamp, doc
 from tests.logs.ros.messages import same
 
 
@@ -26,17 +27,17 @@ class Smell:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NoseReport:
-    """One of everything that a field may be."""
+    """One of everything that a field may be, with descriptions and without."""
 
-    stamp: float
-    sniffs: int
+    stamp: Stamp
+    sniffs: Annotated[int, doc("Since the start.")]
     blocked: bool
     state: Literal["clean", "dirty"]
     raw: bytes
     p_BN: tuple[float, float, float] | None
     strongest: Smell | None
     smells: tuple[Smell, ...]
-    words: tuple[str, ...]
+    words: tuple[Annotated[str, doc("What it smells like.")], ...]
     flags: tuple[bool, bool]
     counts: tuple[int, ...]
     spectrum: NDArray[np.float32]
@@ -69,15 +70,15 @@ def test_the_definition_says_what_is_in_it() -> None:
     first, *rest = typestore.definition(generated(NoseReport).type).split("=" * 80 + "\n")
     assert first.splitlines() == [
         "builtin_interfaces/Time stamp", "int64 sniffs", "bool blocked", "string state", "uint8[] raw",
-        "bool has_p_bn", "float64[3] p_bn", "bool has_strongest", "hbba_msgs/Smell strongest",
-        "hbba_msgs/Smell[] smells", "string[] words", "bool[2] flags", "int64[] counts",
+        "bool has_p_bn", "float64[3] p_bn", "bool has_strongest", "tests_msgs/Smell strongest",
+        "tests_msgs/Smell[] smells", "string[] words", "bool[2] flags", "int64[] counts",
         "float32[] spectrum", "uint32[] spectrum_shape", "bool has_mask", "bool[] mask", "uint32[] mask_shape",
         "hbba_msgs/Pose3 x_bn", "hbba_msgs/Pose2 x_ob", "bool has_note", "string note", "bool has_seen",
         "float64 seen",
     ]  # fmt: skip
-    assert "MSG: hbba_msgs/Smell\nstring name\nfloat64 ppm\n" in rest
+    assert "MSG: tests_msgs/Smell\nstring name\nfloat64 ppm\n" in rest
     assert {part.splitlines()[0] for part in rest} == {
-        "MSG: builtin_interfaces/Time", "MSG: hbba_msgs/Smell", "MSG: hbba_msgs/Pose3", "MSG: hbba_msgs/Pose2",
+        "MSG: builtin_interfaces/Time", "MSG: tests_msgs/Smell", "MSG: hbba_msgs/Pose3", "MSG: hbba_msgs/Pose2",
     }  # fmt: skip
 
 
@@ -134,5 +135,5 @@ def test_damaged_bytes_are_a_value_error() -> None:
     made = generated(NoseReport)
     data = made.encode(FULL)
     for length in (0, 3, 10, len(data) // 2):
-        with pytest.raises(ValueError, match="no hbba_msgs/msg/NoseReport: "):
+        with pytest.raises(ValueError, match="no tests_msgs/msg/NoseReport: "):
             made.decode(data[:length])

@@ -32,7 +32,7 @@ def test_a_viewer_finds_the_model_once_and_our_reader_does_not_take_it_for_a_cha
     path = write(tmp_path / "drive.mcap", manifest)
     with AnyReader([path]) as reader:
         told = [
-            (stamp, reader.deserialize(data, connection.msgtype).data)
+            (stamp, vars(reader.deserialize(data, connection.msgtype))["data"])
             for connection, stamp, data in reader.messages()
             if connection.topic == "/robot_description"
         ]

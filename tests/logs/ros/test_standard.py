@@ -1,4 +1,4 @@
-"""What stands in the records that ROS has types for, as another program would understand it."""
+"""The content of records in ROS's own types, as another program would read it."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def test_an_image_is_jpeg_in_its_true_colours_with_raw_depth_and_its_camera() ->
     records = records_of(image(color))
     jpeg = records["/channel/color/compressed"]
     assert (jpeg.format, jpeg.header.frame_id) == ("jpeg", "eye")
-    blue, green, red = cv2.imdecode(jpeg.data, cv2.IMREAD_COLOR)[24, 32]
+    blue, green, red = np.asarray(cv2.imdecode(jpeg.data, cv2.IMREAD_COLOR))[24, 32]
     assert red > 250
     assert max(blue, green) < 5
     depth = records["/channel/depth"]
@@ -192,7 +192,7 @@ def test_small_messages_are_what_ros_calls_them() -> None:
     assert (line.level, line.name, line.msg) == (line.WARN, "hbba.guard", "no command")
 
 
-def test_landmarks_are_drawn_anew_when_one_is_new_or_elsewhere_but_not_at_every_sighting() -> None:
+def test_landmarks_are_drawn_again_when_one_is_new_or_elsewhere_but_not_at_every_sighting() -> None:
     codec = converter("channel", Landmarks)
     lamp = Landmark("lamp", (1.0, 2.0, 0.5), 0.01, 3, STAMP, STAMP)
     told = [

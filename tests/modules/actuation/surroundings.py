@@ -1,4 +1,4 @@
-"""Scans of simple surroundings, for whoever judges commands by them."""
+"""Scans of simple surroundings, for tests of the collision monitor."""
 
 from __future__ import annotations
 

@@ -13,13 +13,13 @@ from hypothesis import strategies as st
 from app.base.geometry import Pose2, Pose3
 from app.link import BaseLimits
 from app.messages import LaserScan
-from app.modules.actuation.collision_monitor import STANDING_MPS, CollisionMonitor, Rules, Verdict
+from app.modules.actuation.collision_monitor import STANDING_MPS, CollisionMonitor, MonitorRules, Verdict
 from app.modules.actuation.swept_footprint import Polygon, contact_times
 from app.robots.config import circle
 from tests.modules.actuation.surroundings import passage, scan, wall
 
 LIMITS = BaseLimits(0.4, 1.0, 0.4, 4.0)
-RULES = Rules()
+RULES = MonitorRules()
 ROUND = circle(0.28)
 BOX = ((0.254, -0.215), (0.254, 0.215), (-0.254, 0.215), (-0.254, -0.215))
 STILL = Pose2()
@@ -27,7 +27,7 @@ STILL = Pose2()
 
 def judged(
     seen: LaserScan, linear: float, angular: float = 0.0, *, corners: tuple[tuple[float, float], ...] = ROUND,
-    moved: Pose2 = STILL, rules: Rules = RULES, stands: bool = False,
+    moved: Pose2 = STILL, rules: MonitorRules = RULES, stands: bool = False,
 ) -> Verdict:  # fmt: skip
     monitor = CollisionMonitor(corners, LIMITS, rules)
     return monitor.judge(monitor.see(seen), moved, linear, angular, stands=stands)

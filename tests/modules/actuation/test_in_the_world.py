@@ -104,7 +104,7 @@ def at(body: RobotConfig, x: float, y: float, heading_deg: float = 0.0) -> Robot
 
 @pytest.mark.slow
 def test_a_person_who_steps_in_front_is_not_touched(robot: RobotConfig, hall: WorldConfig) -> None:
-    """At 0.4 m/s; the person walks in from aside and stands where the base is about to be."""
+    """At 0.4 m/s; the person walks in from aside and stops where the base is about to be."""
     line_m, walk_m, ahead_m, speed_mps = 0.6, 0.9, 0.75, 1.5
     reached_s = 1.0 + (line_m - 0.2) / 0.4  # it speeds up for one second
     there = (10 + line_m + 0.28 + ahead_m, 10.0)

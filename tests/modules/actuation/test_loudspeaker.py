@@ -56,7 +56,5 @@ def test_more_than_half_a_second_at_once_is_no_failure() -> None:
 def test_a_body_without_a_loudspeaker_says_so_once(caplog: pytest.LogCaptureFixture) -> None:
     caplog.set_level(logging.WARNING, "hbba.Tested")
     bench = run_virtual(speak(SpeakingLink(loudspeaker=False), 3))
-    assert [record.message for record in caplog.records] == [
-        "a test body has no loudspeaker: nobody hears what is said"
-    ]
+    assert [record.message for record in caplog.records] == ["a test body has no loudspeaker: the voice is not played"]
     assert bench.problem == ""

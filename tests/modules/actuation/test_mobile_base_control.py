@@ -84,7 +84,7 @@ def test_silence_stops_the_base_and_then_leaves_the_link_alone() -> None:
     run_virtual(main())
 
 
-def test_exploitation_tells_who_drives_at_10_hz_and_on_change() -> None:
+def test_exploitation_reports_who_drives_at_10_hz_and_on_change() -> None:
     async def main() -> None:
         async with Bench(
             MODULE,

@@ -41,7 +41,7 @@ def open_floor(stamp: float) -> LaserScan:
 
 
 class Drive:
-    """The module with a laser at 40 Hz that sees ``surroundings``, and hands that hold a command."""
+    """The module with a laser at 40 Hz that sees ``surroundings``, and an operator who holds a command."""
 
     def __init__(self, *, laser: bool = True, footprint: bool = True, monitor: str = "on", wired: bool = True) -> None:
         link = FakeLink(without=() if laser else ("hokuyo",))
@@ -215,7 +215,7 @@ def test_the_override_crawls_only_while_it_is_held_and_only_by_hand() -> None:
             d.override = False
             await d.go(0.05, 0.4)
             assert d.sent.linear_mps == 0.0
-            # Hands hold the override, but it is another behavior that drives: its twists, the operator's hold.
+            # The operator holds the override, but another behavior drives: its twists, the operator's hold.
             d.bench.feed("operator", OperatorDrive(d.bench.clock.now(), "ada", d.sequence + 1, True, 1.0, 0.0, True))
             await d.bench.clock.sleep(0.3)
             for _ in range(10):

@@ -83,9 +83,9 @@ class DrivenWorld:
         """What a laser in the body's middle sees."""
         angles = np.linspace(-fov / 2, fov / 2, rays)
         ranges = ray_ranges(self.segments, self.pose.x, self.pose.y, angles + self.pose.theta)
-        ranges = np.where(ranges < 10.0, ranges, np.inf).astype(np.float32)
+        seen = np.where(ranges < 10.0, ranges, np.inf).astype(np.float32)
         return LaserScan(
-            stamp, "laser", read_only(ranges), read_only(np.ones_like(ranges)), float(angles[0]),
+            stamp, "laser", read_only(seen), read_only(np.ones_like(seen)), float(angles[0]),
             float(angles[1] - angles[0]), 0.05, 10.0, 0.0, Pose3.identity(),
         )  # fmt: skip
 
@@ -150,7 +150,7 @@ async def until(bench: Bench, condition: Callable[[], bool], limit_s: float) -> 
 
 
 class Living:
-    """``async with Living(world, bench):`` the world lives as long as the block."""
+    """``async with Living(world, bench):`` the world runs for the block."""
 
     def __init__(self, world: DrivenWorld, bench: Bench, **what: bool) -> None:
         self._coroutine = world.live(bench, **what)

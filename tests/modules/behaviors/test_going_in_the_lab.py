@@ -10,7 +10,7 @@ from app.attention.desires import Source
 from app.base import paths
 from app.base.geometry import Pose2, wrap_angle
 from app.base.yaml_source import parse
-from app.experiments.lockstep import WorldRun, run_in_world
+from app.experiments.world_run import WorldRun, run_in_world
 from app.messages import NavigationStatus
 from app.program.config import load_configuration
 from app.robots.config import RobotConfig

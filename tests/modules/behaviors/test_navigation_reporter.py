@@ -9,8 +9,8 @@ from app.attention.timeline import Timeline
 from app.attention.workspace import IntentionWorkspace
 from app.base.geometry import Pose2
 from app.messages import Localization, NavigationReport, NavigationStatus, PlannedPath
+from app.modules.behaviors.go_to import GO_TO
 from app.modules.behaviors.navigation_reporter import ARRIVED_S, at_work
-from app.modules.desire_classes import desire_classes
 from app.runtime.clock import VirtualClock, run_virtual
 from tests.console.places import localization, path, status
 from tests.modules.fakes import Bench
@@ -29,7 +29,7 @@ class Going:
 
     def __init__(self) -> None:
         clock = VirtualClock()
-        self.workspace = IntentionWorkspace(DesireClasses(desire_classes()), clock.now)
+        self.workspace = IntentionWorkspace(DesireClasses([GO_TO]), clock.now)
         self.timeline = Timeline(100, clock.now)
         services = {IntentionWorkspace: self.workspace, Timeline: self.timeline}
         self.bench = Bench(MODULE, inputs=INPUTS, outputs={"report": NavigationReport}, services=services)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -176,9 +178,13 @@ async def test_it_does_not_drive_without_a_pose_a_scan_or_a_map_and_says_so() ->
         world = DrivenWorld(HOUSE, Pose2(1.0, 1.0, 0.0))
         drive = Drive(world, x=3.0, y=1.0)
         if missing == "map":
-            drive.bench.feed = lambda port, message, feed=drive.bench.feed: (
-                None if port == "map" else feed(port, message)
-            )
+            feed = drive.bench.feed
+
+            def without_maps(port: str, message: Any, feed: Callable[[str, Any], None] = feed) -> None:
+                if port != "map":
+                    feed(port, message)
+
+            drive.bench.feed = without_maps
         async with drive, Living(world, drive.bench, **({missing: False} if missing != "map" else {})):
             await drive.bench.clock.sleep(1.5)
             assert drive.status.state == "waiting"
@@ -307,14 +313,16 @@ async def test_a_dead_depth_camera_stops_it_by_name() -> None:
     async with Drive(world, camera=True, x=3.5, y=1.0) as drive:
         scan = world.scan
 
-        def scan_and_picture(stamp: float, depth: np.ndarray | None = None) -> LaserScan:
+        depth: np.ndarray | None = None
+
+        def scan_and_picture(stamp: float, fov: float = math.pi, rays: int = 181) -> LaserScan:
             drive.bench.feed("images", picture(stamp, depth))
-            return scan(stamp)
+            return scan(stamp, fov, rays)
 
         world.scan = scan_and_picture
         await drive.until("never", 2.0)
         assert world.linear > 0.1
-        world.scan = lambda stamp: scan_and_picture(stamp, np.zeros((48, 64), dtype=np.uint16))
+        depth = np.zeros((48, 64), dtype=np.uint16)
         assert await drive.until("waiting", 1.5)
         assert "all zero" in drive.status.reason
 
@@ -364,7 +372,7 @@ async def test_boxed_in_it_tries_what_it_can_then_asks_for_help_and_goes_on_when
 
 
 @in_virtual_time
-async def test_the_costmap_is_told_to_those_who_listen_at_most_five_times_a_second() -> None:
+async def test_the_costmap_is_reported_to_those_who_listen_at_most_five_times_a_second() -> None:
     world = DrivenWorld(HOUSE, Pose2(1.0, 1.0, 0.0))
     async with Drive(world, x=3.5, y=1.0) as drive:
         heard = drive.bench.listen("costmap")

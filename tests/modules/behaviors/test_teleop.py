@@ -54,7 +54,8 @@ def test_silence_while_held_stops_once() -> None:
 def test_what_no_stick_can_say_is_refused_and_stops(bad: float, axis: str) -> None:
     gate = DriveGate(LIMITS)
     gate.take(drive(10.0, 0, 1.0))
-    decision = gate.take(drive(10.05, 1, **{axis: bad}))
+    stick = {"linear": 0.0, "angular": 0.0, axis: bad}
+    decision = gate.take(drive(10.05, 1, stick["linear"], stick["angular"]))
     assert decision.twist == Twist(10.05, 0.0, 0.0)
     assert "from -1 to 1" in decision.problem
 

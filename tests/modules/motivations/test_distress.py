@@ -12,11 +12,11 @@ from app.base.geometry import Pose2
 from app.messages import NavigationStatus
 from app.modules.motivations.distress import (
     Act,
-    Distress,
-    Errand,
+    DistressState,
+    DistressTimes,
     GiveUp,
+    GoalProgress,
     Level,
-    Patience,
     Raise,
     Restore,
     decide,
@@ -26,7 +26,7 @@ from app.modules.motivations.distress import (
 
 GOAL = Pose2(3.0, 4.0, math.nan)
 GIVEN = 100.0
-PATIENCE = Patience(insist_s=20, inhibit_s=40, give_up_s=90, unreachable_s=5, relief_s=20, unserved_s=5)
+PATIENCE = DistressTimes(insist_s=20, inhibit_s=40, give_up_s=90, unreachable_s=5, relief_s=20, unserved_s=5)
 
 
 def status(
@@ -46,11 +46,11 @@ def status(
 class Story:
     """Decisions on an errand, every 0.25 s: ``acts`` are (s since it was given, what was done)."""
 
-    patience: Patience = PATIENCE
+    times: DistressTimes = PATIENCE
 
     def __post_init__(self) -> None:
         self.now = GIVEN
-        self.state = Distress()
+        self.state = DistressState()
         self.acts: list[tuple[float, Act]] = []
 
     def until(
@@ -65,8 +65,8 @@ class Story:
     ) -> None:
         while self.now < GIVEN + seconds:
             self.now += 0.25
-            errand = None if goal is None else Errand(goal, given, says(self.now), blocked)
-            self.state, acts = decide(self.now, errand, self.state, self.patience, by_hand=by_hand)
+            goal_progress = None if goal is None else GoalProgress(goal, given, says(self.now), blocked)
+            self.state, acts = decide(self.now, goal_progress, self.state, self.times, by_hand=by_hand)
             self.acts += [(round(self.now - GIVEN, 2), act) for act in acts]
 
     def said(self) -> Iterator[tuple[float, str]]:
@@ -93,7 +93,7 @@ def test_without_progress_it_insists_then_inhibits_then_gives_up() -> None:
     assert list(story.said()) == [(20, "INSISTING"), (40, "INHIBITING"), (90, "Restore"), (90, "GiveUp")]
     assert story.acts[0][1] == Raise(Level.INSISTING, 20.0)
     assert story.acts[-1][1] == GiveUp("no progress for 90 s (backing off; stopped: something ahead)")
-    assert story.state == Distress()
+    assert story.state == DistressState()
 
 
 def test_a_status_without_progress_counts_from_when_the_goal_was_given() -> None:
@@ -146,7 +146,7 @@ def test_whatever_ends_the_errand_restores_everything(after: str) -> None:
         assert story.acts[3][1] == GiveUp("walled in")
 
 
-def test_the_same_goal_given_anew_is_another_errand() -> None:
+def test_the_same_goal_given_again_is_another_errand() -> None:
     story = Story()
     story.until(50)
     story.until(69, lambda now: status(now, progress=None), given=GIVEN + 50)

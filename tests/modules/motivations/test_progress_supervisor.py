@@ -1,4 +1,4 @@
-"""ProgressSupervisor on virtual time: what it does to desires and what it tells people."""
+"""ProgressSupervisor on virtual time: its changes of desires and its messages to people."""
 
 from __future__ import annotations
 
@@ -54,8 +54,8 @@ class Life:
 
     def go(self, x: float = 3.0, y: float = 4.0, heading: float | None = None, **options: Any) -> Desire:
         params = {"x": x, "y": y, "heading": heading}
-        options = {"intensity": 6.0, "utility": 1.0, "source": ADA} | options
-        return self.workspace.add("GoTo", params=params, **options)
+        wanted: dict[str, Any] = {"intensity": 6.0, "utility": 1.0, "source": ADA} | options
+        return self.workspace.add("GoTo", params=params, **wanted)
 
     def say(self, state: str, desire: Desire | None, *, port: str = "navigation", reason: str = "") -> None:
         """What the behavior that goes for ``desire`` says."""

@@ -10,7 +10,7 @@ from pydantic import BaseModel
 from app.attention.desires import DesireClass, DesireClasses, Source
 from app.attention.workspace import IntentionWorkspace, WorkspaceChange
 from app.messages import Landmark, Landmarks, LoudNoise, SoundSource, SoundSources
-from app.modules.desire_classes import desire_classes
+from app.modules.perception.telepresence import TELEPRESENCE
 from app.runtime.clock import run_virtual
 from tests.modules.fakes import Bench
 
@@ -22,10 +22,10 @@ class Nothing(BaseModel):
 
 
 USUAL = {"FindQRCodes", "LocateFaces", "DetectNoises", "SLAM", "Teleoperation"}
-CLASSES = {c.name: c for c in desire_classes()} | {
+CLASSES = {
     name: DesireClass(name=name, title=name, description=f"{name}.", parameters=Nothing)
-    for name in ("LocateFaces", "DetectNoises", "LocateVoices")
-}
+    for name in (*USUAL, "LocateVoices")
+} | {"Telepresence": TELEPRESENCE}
 PORTS = {"landmarks": Landmarks, "noises": LoudNoise, "sources": SoundSources}
 NOISE = LoudNoise(1.0, 40.0, -20.0)
 
@@ -189,7 +189,7 @@ def test_it_listens_on_without_a_gap_while_a_voice_is_located() -> None:
             for _ in range(60):
                 life.speak(0.9)
                 await life.pass_time(0.25)
-                assert life.workspace.get(desire.id)
+                assert life.workspace.get(desire.id).id == desire.id
             renewals = [c for c in life.changes if c.changed]
             assert len(renewals) == 3, "15 s of speech: every 5 s or a little sooner"
             await life.pass_time(10.3)

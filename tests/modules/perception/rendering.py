@@ -48,8 +48,8 @@ def kinect_image(
     X_OC = X_OB.to_pose3() @ X_BC
     for text, X_OQ in posters.items():
         _draw(color, depth, text, X_OC.inverse() @ X_OQ)
-    color = cv2.GaussianBlur(color, (0, 0), blur_px)
-    noisy = np.clip(color[..., None] + rng.normal(0, noise, (*color.shape, 3)), 0, 255).astype(np.uint8)
+    soft = cv2.GaussianBlur(color, (0, 0), blur_px)
+    noisy = np.clip(soft[..., None] + rng.normal(0, noise, (*soft.shape, 3)), 0, 255).astype(np.uint8)
     if depth_noise:
         depth = depth + rng.normal(0, 1, depth.shape) * (0.0012 + 0.0019 * (depth - 0.4) ** 2)
     return Image(stamp, "kinect_optical_frame", noisy, np.round(depth * 1000).astype(np.uint16), KINECT, X_BC)

@@ -8,8 +8,8 @@ import pytest
 from app.base.geometry import Pose2
 from app.messages import Face, Faces, Image, Odometry
 from app.runtime.clock import run_virtual
-from benchmarks.face_scenes import FaceCard, facing, imv_image, kinect_image
 from tests.modules.fakes import Bench, drain
+from tests.scenery.face_scenes import FaceCard, facing, imv_image, kinect_image
 
 PILOT, VISITOR = facing("pilot", (2.0, 0.4, 1.6)), facing("visitor", (1.8, -0.5, 1.5))
 CAMERAS = ("images", "panorama")
@@ -74,7 +74,7 @@ def test_faces_are_placed_by_depth_and_by_height_and_keep_their_numbers_over_bot
                         assert error_m(face, card, X_OB) < 0.04
                         assert face.range_sigma_m < 0.05
                     elif shot > 2:
-                        # The Kinect has told how tall they are, so the panorama's distances are good too.
+                        # The Kinect has measured their heights, so the panorama's distances are good too.
                         assert error_m(face, card, X_OB) < 0.12
             assert [len(n) for n in numbers.values()] == [1, 1]
             assert numbers["pilot"] | numbers["visitor"] == {1, 2}
@@ -121,7 +121,7 @@ def test_a_closed_camera_is_not_looked_at() -> None:
     run_virtual(main())
 
 
-def test_no_face_is_told_too() -> None:
+def test_no_face_is_reported_too() -> None:
     async def main() -> None:
         async with bench() as b:
             seen = b.listen("faces")
@@ -180,7 +180,7 @@ def test_after_a_restart_numbers_go_on() -> None:
             await b.clock.sleep(2.0)
             assert b.supervisor.states["Tested"].restarts == 1
             assert await look(PILOT, VISITOR) == [3, 4]
-            b.graph.forget()
+            b.graph.reset()
             b.feed("images", None)
             await b.clock.sleep(4.0)
             assert b.supervisor.states["Tested"].restarts == 2

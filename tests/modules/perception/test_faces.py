@@ -12,20 +12,20 @@ from hypothesis import strategies as st
 
 from app.base.geometry import Pose2, Pose3
 from app.modules.perception.faces import yunet
-from app.modules.perception.faces.face_position import FaceLooker, face_depth, in_image, ray_covariance
+from app.modules.perception.faces.face_position import FaceLocator, face_depth, in_image, ray_covariance
 from app.modules.perception.faces.panorama import Strip, StripView
-from app.modules.perception.faces.yunet import MODEL, Detection, FaceFinder, merged, overlap
+from app.modules.perception.faces.yunet import MODEL, Detection, YuNetDetector, merged, overlap
 from app.modules.perception.height_prior import SHARES, STANDING
 from app.robots.simulated.scenery import gait, scenario_state
-from benchmarks.face_scenes import IMV, NAMES, X_BIMV, X_BKINECT, facing, imv_image, kinect_image
-from benchmarks.faces import boxed_photographs, read_rgb, score_against
+from tests.scenery.face_scenes import IMV, NAMES, X_BIMV, X_BKINECT, facing, imv_image, kinect_image
+from tests.scenery.photographs import boxed_photographs, read_rgb, score_against
 
 VIEW = StripView(326)
 
 
 @pytest.fixture(scope="module")
-def looker() -> FaceLooker:
-    return FaceLooker(yunet.THRESHOLD)
+def looker() -> FaceLocator:
+    return FaceLocator(yunet.THRESHOLD)
 
 
 # --- YuNet -------------------------------------------------------------------------------------------------------
@@ -35,7 +35,7 @@ def test_all_boxed_faces_are_found_and_nothing_else() -> None:
     photographs = boxed_photographs()
     if not photographs:
         pytest.skip("the boxed photographs are not here (HBBA_REFERENCE_DATA, or shared/data beside the checkout)")
-    finder = FaceFinder()
+    finder = YuNetDetector()
     scores = [
         score_against([f.box for f in finder.find_all_sizes(read_rgb(photograph.path))], photograph.boxes)
         for photograph in photographs
@@ -52,14 +52,14 @@ def test_the_model_goes_with_its_licence() -> None:
     assert hashlib.sha256(MODEL.read_bytes()).hexdigest() in text
 
 
-def test_a_reduced_image_gives_the_same_places(looker: FaceLooker) -> None:
+def test_a_reduced_image_gives_the_same_places(looker: FaceLocator) -> None:
     image = kinect_image(0, Pose2(), [facing("pilot", (1.5, 0, 1.5))]).color
     (whole,), (reduced,) = looker.finder.find(image), looker.finder.find(image, 320)
     assert overlap(whole.box, reduced.box) > 0.8
     assert np.abs(whole.landmarks - reduced.landmarks).max() < 4
 
 
-def test_large_and_small_faces_of_a_large_photograph_are_found(looker: FaceLooker) -> None:
+def test_large_and_small_faces_of_a_large_photograph_are_found(looker: FaceLocator) -> None:
     near, far = facing("pilot", (0.6, 0.0, 1.3)), facing("visitor", (2.2, 0.75, 1.5))
     image = np.repeat(np.repeat(kinect_image(0, Pose2(), [near, far]).color, 4, axis=0), 4, axis=1)
     found = looker.finder.find_all_sizes(image)
@@ -117,14 +117,14 @@ def test_a_strip_of_people_holds_their_faces(camera: float, face: float, distanc
     assert view.lowest < math.atan2(face - camera, distance) < view.highest
 
 
-def test_a_strip_is_made_anew_when_the_camera_tilts_and_not_when_it_trembles() -> None:
+def test_a_strip_is_made_again_when_the_camera_tilts_and_not_when_it_trembles() -> None:
     strip = Strip(IMV, X_BIMV.rotation[2], StripView(60))
     for degrees, fits in ((0.3, True), (3.0, False)):
         tilted = Pose3.from_translation_rpy((0, 0, 0), (0, math.radians(degrees), 0)) @ X_BIMV
         assert strip.fits(IMV, tilted.rotation[2]) == fits
 
 
-def test_a_box_at_the_rim_is_told_in_pixels_of_the_image() -> None:
+def test_a_box_at_the_rim_is_reported_in_pixels_of_the_image() -> None:
     strip = Strip(IMV, X_BIMV.rotation[2], VIEW)
     face = Detection(0.9, (60.0, 60.0, 50.0, 60.0), np.full((5, 2), 85, np.float32))
     seen = in_image(face, strip)
@@ -142,7 +142,7 @@ def test_a_box_at_the_rim_is_told_in_pixels_of_the_image() -> None:
 
 
 @pytest.mark.parametrize("distance", [0.8, 1.5, 2.5, 4.0])
-def test_faces_with_depth_are_placed_within_centimetres(looker: FaceLooker, distance: float) -> None:
+def test_faces_with_depth_are_placed_within_centimetres(looker: FaceLocator, distance: float) -> None:
     cards = [
         facing(n, (distance * math.cos(a), distance * math.sin(a), 1.55))
         for n, a in zip(NAMES, (-0.3, -0.1, 0.1, 0.3), strict=True)
@@ -159,7 +159,7 @@ def test_faces_with_depth_are_placed_within_centimetres(looker: FaceLooker, dist
 @pytest.mark.parametrize("azimuth", [0.0, 80.0, -80.0])
 @pytest.mark.parametrize("distance", [0.8, 1.5, 2.0])
 def test_faces_all_around_have_their_direction_and_a_distance_with_its_deviation(
-    looker: FaceLooker, azimuth: float, distance: float
+    looker: FaceLocator, azimuth: float, distance: float
 ) -> None:
     a = math.radians(azimuth)
     card = facing("lecturer", (0.1 + distance * math.cos(a), distance * math.sin(a), 1.5))
@@ -173,7 +173,7 @@ def test_faces_all_around_have_their_direction_and_a_distance_with_its_deviation
     assert along > 50 * np.linalg.eigvalsh(sighting.covariance)[0], "long along the ray, short across it"
 
 
-def test_beyond_the_depths_reach_height_takes_its_place(looker: FaceLooker) -> None:
+def test_beyond_the_depths_reach_height_takes_its_place(looker: FaceLocator) -> None:
     image = kinect_image(0, Pose2(), [facing("visitor", (2.0, 0.0, 1.6))])
     blind = type(image)(image.stamp, image.frame, image.color, np.zeros_like(image.depth), image.camera, X_BKINECT)
     (sighting,) = looker.look(blind, 640, 326)
@@ -211,4 +211,4 @@ def test_an_image_with_hardly_a_side_has_no_faces(size: tuple[int, int]) -> None
     width, height = size
     noise = np.random.default_rng(1).integers(0, 255, (height, width, 3), np.uint8)
     # More than once, since the memory that was looked at differs.
-    assert [FaceFinder().find(noise) for _ in range(3)] == [[], [], []]
+    assert [YuNetDetector().find(noise) for _ in range(3)] == [[], [], []]

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from app.base.geometry import Pose2, Pose3
-from app.modules.perception.faces.face_position import Sighting
-from app.modules.perception.faces.face_tracks import FaceTracks, Placed, TrackModel
+from app.modules.perception.faces.face_position import FaceSighting
+from app.modules.perception.faces.face_tracks import FaceTracks, PlacedFace, TrackModel
 from app.modules.perception.faces.yunet import Detection
 from app.modules.perception.height_prior import range_from_height
 
@@ -21,7 +21,7 @@ MARKS = np.zeros((5, 2), np.float32)
 
 def sight(
     place: tuple[float, float, float], X_OB: Pose3 = HERE, *, depth: bool = True, rng: np.random.Generator | None = None
-) -> Sighting:
+) -> FaceSighting:
     """A face at ``place`` in odom, as a camera with depth or without sees it, with the errors it says it has."""
     towards = X_OB.inverse().transform(np.array(place)) - ORIGIN
     distance = float(np.linalg.norm(towards))
@@ -37,10 +37,10 @@ def sight(
     # Boxes go with the azimuth: 300 px per rad about the middle of an image.
     left = 500 - 300 * math.atan2(ray[1], ray[0])
     face = Detection(0.9, (left, 200.0, 40.0, 50.0), MARKS)
-    return Sighting(face, ORIGIN, ray, sigma, range_m, range_sigma_m, depth)
+    return FaceSighting(face, ORIGIN, ray, sigma, range_m, range_sigma_m, depth)
 
 
-def numbers(placed: Iterable[Placed]) -> list[int]:
+def numbers(placed: Iterable[PlacedFace]) -> list[int]:
     return [p.track for p in placed]
 
 
@@ -174,5 +174,5 @@ def test_memory_is_bounded() -> None:
         assert len(tracks.numbers) <= 10
 
 
-def test_numbers_begin_where_they_are_told_to() -> None:
+def test_numbers_begin_where_they_are_reported_to() -> None:
     assert numbers(FaceTracks(first=7).see(0.0, "kinect", [sight((2, 0, 1.6))], HERE)) == [7]

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from app.base.geometry import FisheyeModel
 from app.modules.perception.fisheye_patches import HALF_FOV, STEP, FisheyePatches
-from benchmarks.posters import PANORAMA, TEXT, facing_camera, picture
+from tests.scenery.posters import PANORAMA, TEXT, facing_camera, picture
 
 PATCHES = FisheyePatches(PANORAMA)
 
@@ -62,16 +62,16 @@ def test_the_likeliest_patch_holds_the_poster(azimuth: float, elevation: float) 
 
 def test_where_nothing_is_printed_nothing_is_promising_however_noisy() -> None:
     bare = cv2.cvtColor(picture(PANORAMA, {}, noise=8.0), cv2.COLOR_RGB2GRAY)
-    assert PATCHES.promising(bare, 8) == []
+    assert PATCHES.promising(bare.astype(np.uint8), 8) == []
     stripes = np.zeros_like(bare)
     stripes[:, ::4] = stripes[:, 1::4] = 255
-    assert PATCHES.promising(stripes, 8) == [], "print is dense in both directions"
+    assert PATCHES.promising(stripes.astype(np.uint8), 8) == [], "print is dense in both directions"
 
 
 def test_never_more_patches_than_allowed_and_none_twice() -> None:
     clutter = np.random.default_rng(0).integers(0, 2, (PANORAMA.height // 3, PANORAMA.width // 3)).astype(np.uint8)
     grey = cv2.resize(255 * clutter, (PANORAMA.width, PANORAMA.height), interpolation=cv2.INTER_NEAREST)
-    cells = PATCHES.promising(grey, 6)
+    cells = PATCHES.promising(grey.astype(np.uint8), 6)
     assert len(cells) == len(set(cells)) == 6
 
 

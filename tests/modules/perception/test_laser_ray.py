@@ -27,7 +27,7 @@ def scan_of(
     """What a laser that moves from ``begin`` to ``end`` (X_OB) during its sweep sees of upright ``walls`` in odom."""
     angles = -math.pi / 2 + SPACING * np.arange(720)
     ranges = np.full(720, np.inf)
-    poses = [begin.interpolate(end or begin, i / 719) for i in range(720)] if end else [begin] * 720
+    poses = [begin] * 720 if end is None else [begin.interpolate(end, i / 719) for i in range(720)]
     theta = np.array([pose.theta for pose in poses])
     offset = X_BL.translation[0]
     x = np.array([pose.x for pose in poses]) + offset * np.cos(theta)
@@ -50,7 +50,7 @@ def meet(scan: LaserScan, direction: tuple[float, float, float], X_OB: Pose2 = H
     points = scan_points(scan, X_OB, X_OB)
     x, y, _ = (X_OB.to_pose3() @ X_BL).translation
     ray = np.array(direction) / np.linalg.norm(direction)
-    return wall_on_ray(points, (x, y), SPACING, X_OB.to_pose3().transform(CAMERA), ray, 0.005)
+    return wall_on_ray(points, (x, y), SPACING, X_OB.to_pose3().transform(CAMERA).astype(np.float64), ray, 0.005)
 
 
 @example(3.0, 23.0, -43.0, 0.0, 0.0, 0.0, 0.0)
@@ -92,7 +92,7 @@ def test_a_long_wall_at_a_known_pose_is_met_where_the_ray_meets_its_plane(
     assert hit.sigma_m >= 0.005 * range_m
 
 
-def test_noise_is_averaged_and_the_sigma_tells_it() -> None:
+def test_noise_is_averaged_and_the_sigma_reports_it() -> None:
     errors, sigmas = [], []
     for seed in range(40):
         hit = meet(scan_of([((1.5, -3), (1.5, 3))], noise_m=0.01, seed=seed), (1.0, 0.3, 0.0))

@@ -53,7 +53,7 @@ async def play(
     return begin
 
 
-def test_each_clap_is_told_once_with_the_frame_it_came_in() -> None:
+def test_each_clap_is_reported_once_with_the_frame_it_came_in() -> None:
     claps = [1.5, 2.3, 4.0]
 
     async def main() -> None:
@@ -85,7 +85,7 @@ def test_frames_of_another_size_make_no_difference(size: int) -> None:
     run_virtual(main())
 
 
-def test_it_listens_to_the_microphone_it_was_told_to() -> None:
+def test_it_listens_to_the_microphone_it_was_reported_to() -> None:
     async def main() -> None:
         for channel, told in ((1, 1), (2, 0)):
             async with bench(microphone=1) as b:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.signal import butter, lfilter, lfilter_zi
 
-from app.modules.perception.loud_noises import FRAME, BandEnergy, LoudNoiseJudge, Rule, decibels
+from app.modules.perception.loud_noises import FRAME, BandEnergy, LoudnessRule, OnsetDetector, decibels
 
 RATE = 48_000
 FAN = 10**-5.0
@@ -25,9 +25,9 @@ def clap(peak: float) -> NDArray[np.float64]:
     return peak * 10 ** (-6.0 * np.arange(48) / 47)
 
 
-def begins(energies: NDArray[np.float64], rule: Rule | None = None) -> list[int]:
-    judge = LoudNoiseJudge(rule)
-    return [number for number, energy in enumerate(energies.tolist()) if judge.judge(energy) is not None]
+def begins(energies: NDArray[np.float64], rule: LoudnessRule | None = None) -> list[int]:
+    detector = OnsetDetector(rule)
+    return [number for number, energy in enumerate(energies.tolist()) if detector.update(energy) is not None]
 
 
 def with_clap(energies: NDArray[np.float64], at: int, peak: float) -> NDArray[np.float64]:
@@ -37,17 +37,18 @@ def with_clap(energies: NDArray[np.float64], at: int, peak: float) -> NDArray[np
     return energies
 
 
-# --- The judge -------------------------------------------------------------------------------------------------------
+# --- The detector
+# -------------------------------------------------------------------------------------------------------
 
 
 def test_a_clap_is_one_noise_at_the_frame_it_begins_with_its_ratio() -> None:
-    judge = LoudNoiseJudge()
-    told = {n: r for n, e in enumerate(with_clap(hum(600), 400, 1e-2)) if (r := judge.judge(float(e))) is not None}
+    detector = OnsetDetector()
+    told = {n: r for n, e in enumerate(with_clap(hum(600), 400, 1e-2)) if (r := detector.update(float(e))) is not None}
     assert list(told) == [400]
     assert told[400] == pytest.approx(1e-2 / FAN, rel=0.05)
 
 
-def test_claps_that_follow_each_other_are_each_told_and_louder_or_softer_ones_too() -> None:
+def test_claps_that_follow_each_other_are_each_reported_and_louder_or_softer_ones_too() -> None:
     energies = hum(1500)
     at = [400, 480, 560, 700, 1200]
     for place, peak in zip(at, (1e-2, 8e-3, 1e-2, 3e-3, 6e-2), strict=True):
@@ -56,8 +57,8 @@ def test_claps_that_follow_each_other_are_each_told_and_louder_or_softer_ones_to
 
 
 @given(st.lists(st.floats(1e-10, 1.0), min_size=1, max_size=100), st.floats(2, 1000))
-def test_it_never_tells_anything_at_the_start(energies: list[float], ratio: float) -> None:
-    assert begins(np.array(energies), Rule(ratio=ratio)) == []
+def test_it_never_reports_anything_at_the_start(energies: list[float], ratio: float) -> None:
+    assert begins(np.array(energies), LoudnessRule(ratio=ratio)) == []
 
 
 @settings(max_examples=20)
@@ -68,10 +69,10 @@ def test_scaling_the_whole_sound_changes_nothing_above_the_floor(octaves: int, s
     energies = hum(700, 1e-4, seed=seed)
     for place in rng.integers(120, 640, 4):
         energies = with_clap(energies, int(place), 10 ** rng.uniform(-3.5, 0))
-    rule = Rule(floor_db=-75)
-    judge, scaled = LoudNoiseJudge(rule), LoudNoiseJudge(rule)
+    rule = LoudnessRule(floor_db=-75)
+    detector, scaled = OnsetDetector(rule), OnsetDetector(rule)
     gain = 4.0**octaves
-    assert [judge.judge(e) for e in energies.tolist()] == [scaled.judge(gain * e) for e in energies.tolist()]
+    assert [detector.update(e) for e in energies.tolist()] == [scaled.update(gain * e) for e in energies.tolist()]
 
 
 @pytest.mark.parametrize("db_per_minute", [-20, -5, 5, 20])
@@ -80,17 +81,17 @@ def test_a_level_that_drifts_is_followed(db_per_minute: float) -> None:
     level = 10 ** (db_per_minute * np.arange(frames) / frames / 10)
     energies = hum(frames) * level * (100 if db_per_minute < 0 else 1)
     assert begins(energies) == []
-    (at,) = begins(with_clap(energies, frames - 200, 200 * float(energies[frames - 200])), Rule(floor_db=-60))
+    (at,) = begins(with_clap(energies, frames - 200, 200 * float(energies[frames - 200])), LoudnessRule(floor_db=-60))
     assert at == frames - 200
 
 
 @pytest.mark.parametrize("step_db", [20, 40])
-def test_a_level_that_jumps_is_told_once_and_then_usual(step_db: float) -> None:
-    """A vacuum cleaner is switched on: after a few seconds, claps beside it are told again."""
+def test_a_level_that_jumps_is_reported_once_and_then_usual(step_db: float) -> None:
+    """A vacuum cleaner is switched on: after a few seconds, claps beside it are detected again."""
     energies = hum(1500)
     energies[400:] *= 10 ** (step_db / 10)
     energies = with_clap(energies, 1300, 60 * float(energies[1300]))
-    assert begins(energies, Rule(floor_db=-45)) == [400, 1300]
+    assert begins(energies, LoudnessRule(floor_db=-45)) == [400, 1300]
 
 
 def test_a_whisper_after_digital_silence_is_none_and_a_clap_is() -> None:
@@ -102,13 +103,13 @@ def test_a_whisper_after_digital_silence_is_none_and_a_clap_is() -> None:
 
 
 def test_one_clap_leaves_the_background_where_it_was() -> None:
-    judge = LoudNoiseJudge()
+    detector = OnsetDetector()
     for energy in hum(400).tolist():
-        judge.judge(energy)
-    before = judge.background
+        detector.update(energy)
+    before = detector.background
     for energy in clap(0.1).tolist():
-        judge.judge(energy)
-    assert judge.background < 3.0 * before
+        detector.update(energy)
+    assert detector.background < 3.0 * before
     plain_mean = (400 * before + clap(0.1).sum()) / 448
     assert plain_mean > 20 * before, "the thesis's own mean would be deaf now"
 
@@ -120,10 +121,10 @@ def test_people_who_talk_are_no_news_but_one_who_calls_is() -> None:
     for begin in range(500, 3900, 250):
         for syllable in range(begin, begin + 180, 15):
             energies[syllable : syllable + 8] += 10 ** (-3.6 + rng.uniform(-0.2, 0.2))
-    told = begins(energies, Rule(floor_db=-60))
+    told = begins(energies, LoudnessRule(floor_db=-60))
     assert told
     assert max(told) < 2000, "once ten seconds of it were heard, it is usual"
-    assert max(begins(with_clap(energies, 3700, 10**-2.3), Rule(floor_db=-60))) == 3700
+    assert max(begins(with_clap(energies, 3700, 10**-2.3), LoudnessRule(floor_db=-60))) == 3700
 
 
 def test_what_grows_out_of_talk_is_none_and_what_bursts_out_of_quiet_is() -> None:
@@ -134,7 +135,7 @@ def test_what_grows_out_of_talk_is_none_and_what_bursts_out_of_quiet_is() -> Non
     burst[400:406] = 1.2e-3
     assert begins(grown) == []
     assert begins(burst) == [400]
-    # As loud as nobody talks, it may rise as it likes.
+    # Louder than any speech, it may rise as it likes.
     grown[400:406] = 1e-2
     assert begins(grown) == [400]
 
@@ -148,30 +149,30 @@ def test_a_long_noise_is_one() -> None:
 @settings(max_examples=20)
 @given(st.lists(st.floats(1e-9, 0.1), min_size=300, max_size=500))
 def test_the_background_never_leaves_what_was_heard(energies: list[float]) -> None:
-    judge = LoudNoiseJudge()
+    detector = OnsetDetector()
     for energy in energies:
-        judge.judge(energy)
-        assert 0 < judge.background <= max(energies) * (1 + 1e-9)
+        detector.update(energy)
+        assert 0 < detector.background <= max(energies) * (1 + 1e-9)
 
 
 def test_the_rule_changes_in_the_midst() -> None:
-    judge = LoudNoiseJudge()
+    detector = OnsetDetector()
     energies = with_clap(hum(600), 500, 1e-2).tolist()
     for energy in energies[:450]:
-        judge.judge(energy)
-    judge.follow(Rule(ratio=1e5))
-    assert all(judge.judge(energy) is None for energy in energies[450:])
-    judge.follow(Rule(window=50, history=20))
-    assert judge.background == 0, "another window begins afresh"
-    assert [n for n, e in enumerate(with_clap(hum(120), 60, 1e-2).tolist()) if judge.judge(e) is not None] == [60]
+        detector.update(energy)
+    detector.follow(LoudnessRule(ratio=1e5))
+    assert all(detector.update(energy) is None for energy in energies[450:])
+    detector.follow(LoudnessRule(window=50, history=20))
+    assert detector.background == 0, "another window begins afresh"
+    assert [n for n, e in enumerate(with_clap(hum(120), 60, 1e-2).tolist()) if detector.update(e) is not None] == [60]
 
 
 def test_a_thud_is_none_however_loud() -> None:
-    judge = LoudNoiseJudge()
+    detector = OnsetDetector()
     for energy in hum(400).tolist():
-        assert judge.judge(energy, lambda: 0.0) is None
-    assert judge.judge(1e-2, lambda: 0.2) is None
-    assert judge.judge(1e-2, lambda: 0.02) is not None
+        assert detector.update(energy, lambda: 0.0) is None
+    assert detector.update(1e-2, lambda: 0.2) is None
+    assert detector.update(1e-2, lambda: 0.02) is not None
 
 
 # --- The band --------------------------------------------------------------------------------------------------------

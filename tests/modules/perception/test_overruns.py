@@ -21,7 +21,7 @@ def frame(number: int, stamp: float) -> Audio:
 
 
 @pytest.mark.parametrize("listener", LISTENERS)
-def test_a_backlog_is_thrown_away_and_told_once(listener: str, caplog: pytest.LogCaptureFixture) -> None:
+def test_a_backlog_is_thrown_away_and_reported_once(listener: str, caplog: pytest.LogCaptureFixture) -> None:
     caplog.set_level("INFO", "hbba")
 
     async def main() -> None:

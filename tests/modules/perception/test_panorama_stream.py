@@ -10,7 +10,7 @@ import pytest
 
 from app.base.geometry import FisheyeModel, Pose3
 from app.messages import EncodedImage, Image
-from app.modules.perception.panorama_stream import Unroller, directions
+from app.modules.perception.panorama_stream import PanoramaProjection, directions
 from app.runtime.clock import run_virtual
 from tests.modules.fakes import Bench
 
@@ -43,7 +43,7 @@ DIRECTIONS = [(0, 0), (45, 0), (-50, 0), (80, 0), (30, 40), (-20, -35), (0, 50)]
 def test_a_direction_is_found_where_its_angles_say(X_BC: Pose3, azimuth_deg: float, elevation_deg: float) -> None:
     azimuth, elevation = math.radians(azimuth_deg), math.radians(elevation_deg)
     width, height = 640, 384
-    picture = Unroller(width, height).unroll(with_dot(X_BC, azimuth, elevation), LENS, X_BC)
+    picture = PanoramaProjection(width, height).unroll(with_dot(X_BC, azimuth, elevation), LENS, X_BC)
     white = np.argwhere(picture.min(axis=2) > 180) + 0.5
     y, x = white.mean(axis=0)
     assert x == pytest.approx(width * (0.5 - azimuth / math.pi), abs=1.0)
@@ -59,13 +59,13 @@ def test_directions_are_unit_vectors_symmetric_about_straight_ahead() -> None:
 
 def test_what_the_lens_does_not_see_is_black() -> None:
     narrow = FisheyeModel.from_fov(400, 400, math.radians(100), math.radians(100))
-    picture = Unroller(320, 160).unroll(np.full((400, 400, 3), 200, np.uint8), narrow, AHEAD)
+    picture = PanoramaProjection(320, 160).unroll(np.full((400, 400, 3), 200, np.uint8), narrow, AHEAD)
     assert (picture[:, :60] == 0).all()
     assert (picture[80, 100:220] == 200).all()
 
 
 def test_the_map_follows_a_camera_that_turns() -> None:
-    unroller = Unroller(640, 384)
+    unroller = PanoramaProjection(640, 384)
     for X_BC in (AHEAD, ASIDE, AHEAD):
         picture = unroller.unroll(with_dot(X_BC, 0.3, 0.2), LENS, X_BC)
         _, x = (np.argwhere(picture.min(axis=2) > 180) + 0.5).mean(axis=0)
@@ -90,7 +90,7 @@ def test_the_module_makes_a_jpeg_of_each_image_with_the_desires_quality() -> Non
                 picture = await pictures.receive()
                 assert (picture.stamp, picture.frame) == (4.0, "imv_optical_frame")
                 assert (picture.width, picture.height) == (640, 384)
-                shape = cv2.imdecode(np.frombuffer(picture.jpeg, np.uint8), cv2.IMREAD_COLOR).shape
+                shape = np.asarray(cv2.imdecode(np.frombuffer(picture.jpeg, np.uint8), cv2.IMREAD_COLOR)).shape
                 assert shape == (384, 640, 3)
                 sizes.append(len(picture.jpeg))
             assert sizes == sorted(set(sizes)), "better quality, more bytes"

@@ -37,7 +37,7 @@ INPUTS = {
     "panorama": EncodedImage,
     "odometry": Odometry,
 }
-NOTHING = {"faces": [], "sounds": [], "noises": [], "codes": []}
+NOTHING: dict[str, list[Any]] = {"faces": [], "sounds": [], "noises": [], "codes": []}
 
 
 class Perception:

@@ -10,9 +10,9 @@ from app.messages import Image, Landmark, Landmarks, LaserScan, Odometry, QRCode
 from app.modules.perception.qr_code_detector import QRCodeDetector
 from app.modules.perception.qr_codes import detect
 from app.runtime.clock import run_virtual
-from benchmarks.posters import PANORAMA, picture
 from tests.modules.fakes import Bench, drain
 from tests.modules.perception.rendering import X_BC, facing, kinect_image
+from tests.scenery.posters import PANORAMA, picture
 
 STOP = facing(3.0, 0.4, 1.4)
 
@@ -36,14 +36,14 @@ def test_a_moving_robot_with_late_odometry_places_a_code_by_the_images_own_stamp
             codes, landmarks = b.listen("codes"), b.listen("landmarks")
             start = b.clock.now()
             late = 0.2  # s; the newest pose known when a code is found is wrong by 0.08 m
-            told = 0
+            published = 0
             for shot in range(20):
                 at = shot * 0.25
                 b.feed("images", kinect_image(start + at, pose(at), {"stop": STOP}, seed=shot))
                 while b.clock.now() < start + at + 0.25:
-                    stamp = 0.01 * told - late
+                    stamp = 0.01 * published - late
                     b.feed("odometry", Odometry(start + stamp, pose(stamp), 0.4, 0.05))
-                    told += 1
+                    published += 1
                     await b.clock.sleep_until(start + stamp + late + 0.01)
             seen = [m for m in drain(codes) if m.codes]
             assert len(seen) >= 10
@@ -87,7 +87,7 @@ def test_a_code_whose_pose_never_comes_is_seen_but_not_placed(caplog: pytest.Log
     assert len([r for r in caplog.records if "are not placed" in r.message]) == 1
 
 
-def test_landmarks_are_told_when_added_or_moved_and_outlive_a_restart() -> None:
+def test_landmarks_are_reported_when_added_or_moved_and_outlive_a_restart() -> None:
     still = {"stop": facing(1.5, 0, 1.3)}
 
     async def main() -> None:
@@ -174,7 +174,7 @@ def whole_bench() -> Bench:
 
 
 def known(b: Bench) -> tuple[Landmark, ...]:
-    """The landmarks that the module knows, told or not."""
+    """The landmarks that the module knows, published or not."""
     module = b.slot.context.instance
     assert isinstance(module, QRCodeDetector)
     return module._map.landmarks
@@ -250,8 +250,8 @@ def test_both_cameras_move_one_landmark_and_time_does_not_go_back() -> None:
             await b.clock.sleep(1.2)
             b.feed("panorama", panorama_image(now + 0.01, X_OB))
             await b.clock.sleep(0.2)
-            told = drain(landmarks)
-            stamps = [message.stamp for message in told]
+            published = drain(landmarks)
+            stamps = [message.stamp for message in published]
             assert stamps == sorted(stamps)
             (landmark,) = known(b)
             assert landmark.sightings == 3

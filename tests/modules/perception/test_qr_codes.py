@@ -4,6 +4,7 @@ import math
 import os
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -24,8 +25,8 @@ from app.modules.perception.qr_codes import (
     edge_angle,
     locate,
 )
-from benchmarks.posters import PANORAMA, facing_camera, picture
 from tests.modules.perception.rendering import CODE_M, KINECT, X_BC, facing, kinect_image
+from tests.scenery.posters import PANORAMA, facing_camera, picture
 
 HERE = Pose2()
 PATCHES = FisheyePatches(PANORAMA)
@@ -169,7 +170,7 @@ def test_real_photographs(name: str, least: int) -> None:
 # --- The panoramic camera ---------------------------------------------------------------------------------------------
 
 
-def panorama(posters: dict[str, Pose3], **kind: float) -> Image:
+def panorama(posters: dict[str, Pose3], **kind: Any) -> Image:
     return Image(0.0, "imv_optical_frame", picture(PANORAMA, posters, **kind), None, PANORAMA, X_BC)
 
 
@@ -207,6 +208,6 @@ def test_the_central_ray_points_at_the_centre_with_any_camera(
     X_CQ = facing_camera(distance, *(math.radians(a) for a in (azimuth, elevation, tilt, roll)))
     half = CODE_M / 2
     square = np.array([(-half, -half, 0), (half, -half, 0), (half, half, 0), (-half, half, 0)])
-    rays = X_CQ.transform(square)
+    rays = X_CQ.transform(square).astype(np.float64)
     rays /= np.linalg.norm(rays, axis=1, keepdims=True)
     np.testing.assert_allclose(central_ray(rays), X_CQ.translation / distance, atol=1e-9)

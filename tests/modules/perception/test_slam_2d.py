@@ -16,7 +16,7 @@ from app.base.geometry import Pose2, Pose3
 from app.maps.control import MapControl, MapUnavailable
 from app.maps.library import GRAPH, MapLibrary
 from app.messages import LaserScan, Localization, OccupancyGrid, Odometry, Zone, Zones, read_only
-from app.modules.perception.slam.session import kept_map
+from app.modules.perception.slam.session import stored_map
 from app.modules.perception.slam_2d import SLAM2D
 from app.runtime.clock import run_virtual
 from app.runtime.filter import CLOSED
@@ -47,9 +47,9 @@ class Body:
         self.X_WB = ROUND[0]
         self.X_OB = Pose2(4.0, -2.0, 1.0)
         self._scans = 0
-        self.told: list[Localization] = []
+        self.explained_each: list[Localization] = []
         self.maps: list[OccupancyGrid] = []
-        for port, kept in (("localization", self.told), ("map", self.maps)):
+        for port, kept in (("localization", self.explained_each), ("map", self.maps)):
             self.bench.graph.channel(port).observe(kept.append)
         self.zones = self.bench.listen("zones")
 
@@ -70,17 +70,17 @@ class Body:
         await self.go([self.X_WB] * round(seconds * 10))
 
     def is_within(self, metres: float, radians: float, start: Pose2 = ROUND[0]) -> bool:
-        """Whether the place told last is so near to the true one, the map's origin being at ``start``."""
-        off = (start @ self.told[-1].X_MB).inverse() @ self.X_WB
+        """Whether the last published pose is so near to the true one, the map's origin being at ``start``."""
+        off = (start @ self.explained_each[-1].X_MB).inverse() @ self.X_WB
         return math.hypot(off.x, off.y) < metres and abs(off.theta) < radians
 
     @property
     def state(self) -> str:
-        return self.told[-1].state
+        return self.explained_each[-1].state
 
     def states(self, since: int = 0) -> list[str]:
-        """The states told, each once as long as it lasted."""
-        found = [place.state for place in self.told[since:]]
+        """The published states, consecutive equal ones once."""
+        found = [place.state for place in self.explained_each[since:]]
         return [state for state, before in zip(found, ["", *found], strict=False) if state != before]
 
 
@@ -130,10 +130,10 @@ def test_it_maps_and_knows_where_it_is_though_wheels_slip(library: MapLibrary) -
         await body.stand(1.5)
 
     body = live(script, library)
-    assert len(body.told) == len(ROUND) + 15, "one for each scan"
+    assert len(body.explained_each) == len(ROUND) + 15, "one for each scan"
     assert body.states() == ["mapping"]
     assert body.is_within(0.05, 0.02)
-    last = body.told[-1]
+    last = body.explained_each[-1]
     assert last.map == ""
     assert last.overlap > 0.9
     assert 0 < math.sqrt(last.covariance[0, 0]) < 0.05
@@ -154,13 +154,13 @@ def test_it_maps_and_knows_where_it_is_though_wheels_slip(library: MapLibrary) -
     assert np.mean(around) > 0.97, "what is drawn stands within 0.1 m of a wall"
 
 
-def test_a_map_is_told_only_when_it_changed(library: MapLibrary) -> None:
+def test_a_map_is_reported_only_when_it_changed(library: MapLibrary) -> None:
     async def script(body: Body) -> None:
         await body.go(ROUND[:20])
         await body.stand(12.0)
-        told = len(body.maps)
+        explained_each = len(body.maps)
         await body.stand(10.0)
-        assert len(body.maps) == told
+        assert len(body.maps) == explained_each
 
     live(script, library)
 
@@ -196,11 +196,11 @@ def test_closed_scans_leave_it_to_odometry_and_then_it_goes_on(library: MapLibra
     async def script(body: Body) -> None:
         filters = body.bench.graph.filters
         await body.go(ROUND[:80])
-        told = len(body.told)
+        explained_each = len(body.explained_each)
         filters.apply({"Tested.scans": CLOSED})
         await body.go(ROUND[80:120])
-        assert len(body.told) == told
-        off = (ROUND[0] @ body.told[-1].X_MO @ body.X_OB).inverse() @ body.X_WB
+        assert len(body.explained_each) == explained_each
+        off = (ROUND[0] @ body.explained_each[-1].X_MO @ body.X_OB).inverse() @ body.X_WB
         assert math.hypot(off.x, off.y) < 0.2, "its place is known by odometry"
         filters.apply({"Tested.scans": 1})
         await body.go(ROUND[120:])
@@ -214,13 +214,13 @@ def test_whatever_begins_or_ends_mapping_the_way_since_the_last_scan_counts(libr
     async def script(body: Body) -> None:
         filters = body.bench.graph.filters
         await body.go(ROUND[:80])
-        told = len(body.told)
+        explained_each = len(body.explained_each)
         filters.apply({"Tested.scans": CLOSED})
         await body.go(ROUND[80:120])
         body.bench.slot.configure({"mapping": False})
         filters.apply({"Tested.scans": 1})
         await body.go(ROUND[118:121])
-        for place in body.told[told:]:
+        for place in body.explained_each[explained_each:]:
             assert place.state == "tracking"
         assert body.is_within(0.2, 0.05)
 
@@ -270,7 +270,7 @@ def test_a_robot_that_is_placed_where_it_is_not_adds_nothing_to_the_map(library:
     assert live(script, library).is_within(0.06, 0.02)
 
 
-def test_odometry_that_begins_anew_moves_no_robot(library: MapLibrary) -> None:
+def test_odometry_that_begins_again_moves_no_robot(library: MapLibrary) -> None:
     async def script(body: Body) -> None:
         await body.go(ROUND[:60])
         body.X_OB = Pose2(900.0, -3.0, 2.0)
@@ -312,9 +312,9 @@ def test_scans_whose_pose_never_comes_are_left_out(library: MapLibrary, caplog: 
         for _ in range(3):
             body.bench.feed("scans", scan(HALL, body.X_WB, body.bench.clock.now() + 1.0))
             await body.bench.clock.sleep(0.5)
-        assert body.told == []
+        assert body.explained_each == []
         await body.go(ROUND[:10])
-        assert body.told
+        assert body.explained_each
 
     live(script, library)
     assert len([r for r in caplog.records if "odometry does not reach their stamps" in r.message]) == 1
@@ -327,29 +327,29 @@ def test_a_kept_map_is_loaded_where_the_robot_is_said_to_be(kept: MapLibrary) ->
         about = ROUND[0].inverse() @ Pose2(7.4, 2.6, 0.0)
         await body.control.keeper.load("hall", about)
         assert [zone.name for zone in drain(body.zones)[-1].zones] == ["stairs"]
-        told = len(body.told)
+        explained_each = len(body.explained_each)
         await body.go([*[body.X_WB] * 3, *way((7.0, 3.0), (10.0, 3.0))])
-        assert body.states(told) == ["tracking"]
-        assert body.told[-1].map == body.control.keeper.name == "hall"
+        assert body.states(explained_each) == ["tracking"]
+        assert body.explained_each[-1].map == body.control.keeper.name == "hall"
 
     body = live(script, kept)
     assert body.is_within(0.05, 0.02)
     assert body.maps[-1].cells.shape < (1000, 1000), "the map stays as it was kept"
 
 
-def test_without_a_word_it_looks_for_itself_and_is_told_to_be_searching_till_then(kept: MapLibrary) -> None:
+def test_without_a_word_it_looks_for_itself_and_is_reported_to_be_searching_till_then(kept: MapLibrary) -> None:
     async def script(body: Body) -> None:
         body.X_WB = Pose2(9.0, 6.5, math.pi)
         await body.stand(0.5)
         await body.control.keeper.load("hall")
-        told = len(body.told)
+        explained_each = len(body.explained_each)
         assert body.state == "searching"
         await body.stand(3.0)
         assert body.state == "searching", "nothing is believed before it moves"
-        sigma = math.sqrt(body.told[-1].covariance[0, 0])
+        sigma = math.sqrt(body.explained_each[-1].covariance[0, 0])
         await body.go(way((9.0, 6.5), (8.0, 6.0), (8.0, 3.0)))
-        assert body.states(told) == ["searching", "tracking"]
-        assert sigma > 3 * math.sqrt(body.told[-1].covariance[0, 0])
+        assert body.states(explained_each) == ["searching", "tracking"]
+        assert sigma > 3 * math.sqrt(body.explained_each[-1].covariance[0, 0])
 
     assert live(script, kept).is_within(0.05, 0.02)
 
@@ -360,12 +360,12 @@ def test_a_robot_that_was_carried_away_notices_and_finds_itself(kept: MapLibrary
         await body.control.keeper.load("hall", Pose2())
         await body.go(ROUND[:30])
         assert body.state == "tracking"
-        told = len(body.told)
+        explained_each = len(body.explained_each)
         body.X_WB = Pose2(10.5, 6.0, -1.0)  # odometry knows nothing of it
         await body.go(way((10.5, 6.0), (10.5, 4.5), (8.0, 4.5), (5.0, 4.0), (2.0, 4.0)))
-        assert body.states(told) == ["tracking", "lost", "searching", "tracking"]
-        back = next(place for place in body.told[told + 40 :] if place.state == "tracking")
-        assert back.stamp - body.told[told].stamp < 10.0
+        assert body.states(explained_each) == ["tracking", "lost", "searching", "tracking"]
+        back = next(place for place in body.explained_each[explained_each + 40 :] if place.state == "tracking")
+        assert back.stamp - body.explained_each[explained_each].stamp < 10.0
 
     assert live(script, kept).is_within(0.05, 0.02)
 
@@ -376,9 +376,9 @@ def test_where_nothing_is_on_the_map_it_stays_lost(kept: MapLibrary) -> None:
         await body.stand(0.2)
         await body.control.keeper.load("hall", Pose2())
         body.walls = polygon((0, 0), (5, 0), (3, 4))
-        told = len(body.told)
+        explained_each = len(body.explained_each)
         await body.go(way((1.5, 1.0), (3.5, 1.0), (2.5, 2.0), (1.5, 0.7)))
-        assert "tracking" not in body.states(told + 15)
+        assert "tracking" not in body.states(explained_each + 15)
 
     live(script, kept)
 
@@ -411,16 +411,16 @@ def test_a_map_of_another_program_is_followed_on_but_does_not_grow(library: MapL
     library.keep("foreign", drawn(HALL, (12, 8)))
 
     async def script(body: Body) -> None:
-        keeper = body.control.keeper
+        map_server = body.control.keeper
         await body.stand(0.2)
         with pytest.raises(MapUnavailable, match="'foreign' was kept without its graph"):
-            await keeper.load("foreign", extend=True)
-        await keeper.load("foreign", ROUND[0])
-        told = len(body.told)
+            await map_server.load("foreign", extend=True)
+        await map_server.load("foreign", ROUND[0])
+        explained_each = len(body.explained_each)
         await body.go(ROUND)
-        assert body.states(told) == ["tracking"]
+        assert body.states(explained_each) == ["tracking"]
         assert body.is_within(0.06, 0.03, Pose2())
-        await keeper.save("copy")
+        await map_server.save("copy")
 
     live(script, library)
     assert not (library.folder / "copy" / GRAPH).exists()
@@ -428,29 +428,29 @@ def test_a_map_of_another_program_is_followed_on_but_does_not_grow(library: MapL
 
 def test_what_cannot_be_is_refused_in_words_and_changes_nothing(kept: MapLibrary) -> None:
     async def script(body: Body) -> None:
-        keeper = body.control.keeper
+        map_server = body.control.keeper
         with pytest.raises(MapUnavailable, match="nothing to keep yet"):
-            await keeper.save("empty")
+            await map_server.save("empty")
         with pytest.raises(MapUnavailable, match="no map yet"):
-            await keeper.search()
+            await map_server.search()
         with pytest.raises(MapUnavailable, match="no map yet"):
-            await keeper.place(Pose2())
+            await map_server.place(Pose2())
         await body.go(ROUND[:30])
         with pytest.raises(MapUnavailable, match="there is no map 'other'; there are: hall"):
-            await keeper.load("other")
-        for call in (keeper.save, keeper.load):
+            await map_server.load("other")
+        for call in (map_server.save, map_server.load):
             with pytest.raises(MapUnavailable, match="a map's name has"):
                 await call("../up")
         with pytest.raises(MapUnavailable, match="two zones are called"):
-            await keeper.mark((STAIRS, STAIRS))
+            await map_server.mark((STAIRS, STAIRS))
         await body.go(ROUND[30:40])
         assert body.states() == ["mapping"]
-        assert keeper.name == ""
+        assert map_server.name == ""
 
     assert live(script, kept).is_within(0.05, 0.02)
 
 
-def test_beginning_anew_forgets_the_map_and_its_zones(kept: MapLibrary) -> None:
+def test_beginning_again_forgets_the_map_and_its_zones(kept: MapLibrary) -> None:
     async def script(body: Body) -> None:
         await body.stand(0.2)
         await body.control.keeper.load("hall", Pose2())
@@ -483,18 +483,19 @@ def test_zones_are_kept_with_a_map_that_has_a_name(library: MapLibrary) -> None:
 def test_after_a_restart_it_goes_on_with_the_map_it_had(kept: MapLibrary) -> None:
     async def script(body: Body) -> None:
         await body.go(ROUND[:60])
-        broken = replace(scan(HALL, body.X_WB, body.bench.clock.now() - 0.15), X_BL=None)
+        nowhere: Any = None
+        broken = replace(scan(HALL, body.X_WB, body.bench.clock.now() - 0.15), X_BL=nowhere)
         body.bench.feed("scans", broken)
         await body.bench.clock.sleep(1.0)
         await body.bench.supervisor.started()
         assert body.bench.supervisor.states["Tested"].restarts == 1
-        told = len(body.told)
+        explained_each = len(body.explained_each)
         await body.go(ROUND[60:90])
-        assert body.states(told) == ["mapping"]
+        assert body.states(explained_each) == ["mapping"]
         await body.control.keeper.save("grown")
 
     assert live(script, kept, fails="AttributeError").is_within(0.1, 0.03)
-    grown = kept_map(kept, "grown").state
+    grown = stored_map(kept, "grown").state
     assert grown is not None
     assert len({round(keyframe.stamp) for keyframe in grown.keyframes}) > 6
     kept.delete("grown")
@@ -503,7 +504,7 @@ def test_after_a_restart_it_goes_on_with_the_map_it_had(kept: MapLibrary) -> Non
 def test_configured_to_it_begins_on_a_kept_map(kept: MapLibrary) -> None:
     async def script(body: Body) -> None:
         await body.go(ROUND[:40])
-        assert body.told[-1].map == "hall"
+        assert body.explained_each[-1].map == "hall"
         assert body.states() == ["searching", "tracking"]
 
     assert live(script, kept, map="hall").is_within(0.05, 0.02)
@@ -514,12 +515,12 @@ def test_mapping_may_be_left_to_others_and_fewer_rays_do(library: MapLibrary) ->
         slot = body.bench.slot
         slot.configure({"rays": 3})
         await body.go(ROUND[:100])
-        told = len(body.maps)
+        explained_each = len(body.maps)
         slot.configure({"mapping": False})
         back = ROUND[:100][::-1]
         await body.go(back)
         assert body.state == "tracking"
-        assert len(body.maps) <= told + 1
+        assert len(body.maps) <= explained_each + 1
         slot.configure({})
         await body.go(ROUND[:20])
         assert body.state == "mapping"

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from app.base import compiled, paths
 from app.base.geometry import Pose2
 from app.base.yaml_source import parse
-from app.experiments.lockstep import WorldRun, run_in_world, with_settings
 from app.experiments.script import Waypoint, drive_script
+from app.experiments.world_run import WorldRun, run_in_world, with_settings
 from app.maps.library import MapLibrary
 from app.messages import Localization
 from app.program.config import Configuration, load_configuration
@@ -99,15 +99,15 @@ def test_the_lab_is_mapped_kept_and_found_again(tmp_path: Path) -> None:
     other = body(9.6, 7.8, 180.0)
 
     async def find_itself(run: WorldRun) -> tuple[float, Sequence[str], float]:
-        told: list[Localization] = []
-        run.system.graph.channels["localization"].observe(told.append)
+        explained_each: list[Localization] = []
+        run.system.graph.channels["localization"].observe(explained_each.append)
         await run.system.supervisor.started()
         began = run.system.clock.now()
         driving = asyncio.create_task(drive_script(run.system, [Waypoint(go=(8.0, 8.0))]))
         await driving
-        found = next(place.stamp for place in told if place.state == "tracking") - began
-        off = (start @ told[-1].X_MB).inverse() @ run.link.true_pose()
-        return found, [place.state for place in told], math.hypot(off.x, off.y)
+        found = next(place.stamp for place in explained_each if place.state == "tracking") - began
+        off = (start @ explained_each[-1].X_MB).inverse() @ run.link.true_pose()
+        return found, [place.state for place in explained_each], math.hypot(off.x, off.y)
 
     begins = with_settings(lab(), {"SLAM2D": {"map": "lab"}})
     found_s, states, error = run_in_world(begins, other, find_itself, maps=library, pins=PINS)

@@ -95,8 +95,8 @@ def test_a_talker_is_located_within_a_quarter_of_a_second_and_heard_alone(talker
 
 def test_a_turning_robot_with_late_odometry_follows_by_the_sounds_own_time() -> None:
     voice = babble(0, 2.5) + 0.3 * babble(7, 2.5) + 0.3 * babble(8, 2.5)  # together without a pause
-    sound = heard_turning(voice, 60, 50)
-    sound = as_int16(sound + np.random.default_rng(1).normal(0, 1e-3, sound.shape))
+    turning = heard_turning(voice, 60, 50)
+    sound = as_int16(turning + np.random.default_rng(1).normal(0, 1e-3, turning.shape))
 
     async def main() -> None:
         async with bench(separation=False, speech=False) as b:
@@ -151,8 +151,8 @@ def test_a_gap_begins_afresh_and_parameters_make_another_pipeline_without_using_
             assert four.track > first.track
             assert off_deg(four.direction, 60) < 8
             assert drain(separated) == []
-            # A message that cannot be sound makes the module fail; its next life takes new numbers, whatever was told
-            # last.
+            # A message that cannot be sound makes the module fail; its next instance uses new numbers, whatever was
+            # published last.
             b.graph.channel("sources").publish(SoundSources(b.clock.now(), (0.0, 0.0, 0.0), ()))
             b.feed("audio", None)
             await b.clock.sleep(2.0)
@@ -164,7 +164,7 @@ def test_a_gap_begins_afresh_and_parameters_make_another_pipeline_without_using_
     run_virtual(main())
 
 
-def test_microphones_that_cannot_tell_directions_are_a_failure_in_words(talker: NDArray[np.int16]) -> None:
+def test_microphones_that_cannot_report_directions_are_a_failure_in_words(talker: NDArray[np.int16]) -> None:
     async def main() -> None:
         async with bench(speech=False) as b:
             await say(b, talker[: 8 * FRAME, :1], p_BM=P_BM[:1])

@@ -1,4 +1,4 @@
-"""A disk that fails as told, in place of the Recorder's."""
+"""A disk that fails on request, in place of the Recorder's."""
 
 from __future__ import annotations
 

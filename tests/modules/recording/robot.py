@@ -20,20 +20,16 @@ from app.runtime.supervisor import Supervisor
 from tests.logs.mcap.disks import BEGIN, MANIFEST, odometry
 from tests.patience import PATIENCE_S
 
-TABLE = ChannelTable(
-    {
-        name: ChannelSpec.model_validate({"external": True, **row})
-        for name, row in {
-            "kinect": {"type": "Image", "rate_hz": 15},
-            "odometry": {"type": "Odometry", "rate_hz": 100},
-            "landmarks": {"type": "Landmarks", "latched": True},
-            "module_states": {"type": "ModuleRecord", "latched": True},
-            "events": {"type": "EventRecord"},
-            "load": {"type": "LoadRecord", "log": "never"},
-            "recorder": {"type": "RecorderStatus", "log": "never", "external": False},
-        }.items()
-    }
-)
+_ROWS: dict[str, dict[str, Any]] = {
+    "kinect": {"type": "Image", "rate_hz": 15},
+    "odometry": {"type": "Odometry", "rate_hz": 100},
+    "landmarks": {"type": "Landmarks", "latched": True},
+    "module_states": {"type": "ModuleRecord", "latched": True},
+    "events": {"type": "EventRecord"},
+    "load": {"type": "LoadRecord", "log": "never"},
+    "recorder": {"type": "RecorderStatus", "log": "never", "external": False},
+}
+TABLE = ChannelTable({name: ChannelSpec.model_validate({"external": True, **row}) for name, row in _ROWS.items()})
 
 
 class Robot:

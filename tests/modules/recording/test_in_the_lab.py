@@ -25,10 +25,10 @@ async def test_the_kinect_runs_for_a_recording_only(tmp_path: Path) -> None:
     # Building it reads its files; nothing runs yet.
     system = await asyncio.to_thread(System, configuration, link=link, recordings=library)
     async with system, asyncio.timeout(PATIENCE_S):
-        told = system.graph.channel("recorder").subscribe("test", capacity=1000)
+        reported = system.graph.channel("recorder").subscribe("test", capacity=1000)
 
         async def until(state: str) -> RecorderStatus:
-            while (status := await told.receive()).state != state:
+            while (status := await reported.receive()).state != state:
                 pass
             return status
 
@@ -39,7 +39,7 @@ async def test_the_kinect_runs_for_a_recording_only(tmp_path: Path) -> None:
             for motive in system.workspace.desires():
                 system.workspace.remove(motive.id)
         while link.demands["kinect"][-1]:
-            await told.receive()
+            await reported.receive()
         source = Source("operator", "somebody")
         desire = system.workspace.add("Record", params={"name": "lab"}, source=source, intensity=1.0, utility=1.0)
         await until("recording")

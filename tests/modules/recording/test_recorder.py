@@ -14,7 +14,7 @@ from tests.logs.mcap.disks import BEGIN, Disk, image, landmarks, odometry
 from tests.modules.recording.robot import Robot, files, of, read
 
 
-async def test_nobody_wants_it_so_it_takes_and_forgets(tmp_path: Path) -> None:
+async def test_without_a_desire_it_discards_its_messages(tmp_path: Path) -> None:
     async with Robot(tmp_path) as robot:
         for i in range(1000):
             robot.feed("odometry", odometry(BEGIN + i / 100))
@@ -153,7 +153,7 @@ async def test_a_disk_that_fails_stops_recording_and_nothing_else(
     assert len(of(await read(tmp_path / "again.mcap"), Odometry)) == 100
 
 
-async def test_a_write_that_blocks_holds_up_nobody(tmp_path: Path, disk: Disk) -> None:
+async def test_a_write_that_blocks_delays_no_module(tmp_path: Path, disk: Disk) -> None:
     async with Robot(tmp_path, queue_messages=100, too_slow_after_s=0.2) as robot:
         other = robot.graph.channel("odometry").subscribe("another module", capacity=100_000)
         disk.unblock.clear()

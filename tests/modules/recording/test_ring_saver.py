@@ -14,7 +14,7 @@ import pytest
 from app.logs.control import RecorderUnavailable
 from app.logs.library import RecordingLibrary
 from app.logs.log import LogError
-from app.logs.mcap.ring import Hold, Ring
+from app.logs.mcap.ring import HeldSegments, Ring
 from app.logs.mcap.ring_folder import leftovers
 from app.messages import EventRecord, Odometry
 from app.modules.recording import ring_saver
@@ -44,7 +44,7 @@ async def test_a_ring_is_saved_on_request_and_turns_on(tmp_path: Path) -> None:
         await robot.until(lambda status: status.state == "idle")
     assert not robot.control.available
     assert len(of(await read(tmp_path / "seen.mcap"), Odometry)) == 100
-    assert await asyncio.to_thread(leftovers, robot.library.ring_folder) == []  # withdrawn: nobody wants the rest
+    assert await asyncio.to_thread(leftovers, robot.library.ring_folder) == []  # withdrawn: the rest is not needed
 
 
 async def test_a_ring_that_changes_its_length_turns_on(tmp_path: Path) -> None:
@@ -171,7 +171,7 @@ async def test_a_recording_that_takes_the_rings_place_throws_nothing_away(
         robot.feed("odometry", odometry(BEGIN + 1))
         await robot.taken("odometry", 101)
         async with asyncio.timeout(PATIENCE_S):
-            # The file is there a moment before it is told.
+            # The file is there a moment before its report.
             while len(found := await asyncio.to_thread(files, tmp_path)) < 2 or "is saved as" not in caplog.text:
                 await robot.statuses.receive()
         robot.desire(False)
@@ -186,7 +186,7 @@ async def test_a_recording_that_takes_the_rings_place_throws_nothing_away(
 async def test_a_saving_under_way_is_not_robbed_by_the_recording_that_follows(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    begun, go_on, found_ended, save = threading.Event(), threading.Event(), threading.Event(), Hold.save
+    begun, go_on, found_ended, save = threading.Event(), threading.Event(), threading.Event(), HeldSegments.save
 
     def slow(*args: Any) -> Path:
         begun.set()
@@ -199,7 +199,7 @@ async def test_a_saving_under_way_is_not_robbed_by_the_recording_that_follows(
             found_ended.set()
         return found
 
-    monkeypatch.setattr(Hold, "save", slow)
+    monkeypatch.setattr(HeldSegments, "save", slow)
     monkeypatch.setattr(ring_saver, "leftovers", looking)
     async with Robot(tmp_path) as robot:
         await turning(robot)

@@ -9,7 +9,7 @@ import numpy as np
 import soundfile
 from numpy.typing import NDArray
 
-from app.robots.devices.config import CameraConfig, DevicesConfig, SoundConfig
+from app.robots.devices.config import CameraConfig, DevicesConfig, SoundInputConfig
 from app.robots.devices.link import DevicesLink
 from app.robots.model import load_model
 
@@ -37,7 +37,7 @@ def video_file(folder: Path, levels: list[int], fps: float = 50.0) -> Path:
 
 
 def ramp(length: int, channels: int = 2) -> NDArray[np.int16]:
-    """Samples that tell their own number, in every channel but for its sign."""
+    """Samples that contain their own number, in every channel but for its sign."""
     up = np.arange(length, dtype=np.int16)
     return np.stack([up if channel % 2 == 0 else -up for channel in range(channels)], axis=1)
 
@@ -47,6 +47,6 @@ def sound_file(folder: Path, samples: NDArray[np.int16], name: str = "sound.wav"
     return folder / name
 
 
-def link(camera: CameraConfig | None = None, microphones: SoundConfig | None = None) -> DevicesLink:
+def link(camera: CameraConfig | None = None, microphones: SoundInputConfig | None = None) -> DevicesLink:
     config = DevicesConfig(kind="devices", name="A desk", model=MODEL, camera=camera, microphones=microphones)
     return DevicesLink(config, DESK, 0.0)

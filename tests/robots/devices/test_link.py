@@ -9,9 +9,9 @@ import pytest
 
 from app.link import LinkFailed
 from app.messages import Audio, Image, LinkStatus
-from app.robots.devices.config import CameraConfig, DevicesConfig, SoundConfig, SpeakerConfig
+from app.robots.devices.config import CameraConfig, DevicesConfig, SoundInputConfig, SpeakerConfig
 from app.robots.devices.link import DevicesLink
-from app.robots.devices.reader import Reader
+from app.robots.devices.reader import InputReader
 from tests.patience import PATIENCE_S
 from tests.robots.devices.files import DESK, MODEL, link, picture_file, ramp, sound_file, video_file
 
@@ -54,7 +54,7 @@ async def test_a_video_is_seen_from_the_camera_s_place(tmp_path: Path) -> None:
 
 async def test_sound_is_continuous_and_has_a_place(tmp_path: Path) -> None:
     path = sound_file(tmp_path, ramp(16000))
-    body = link(microphones=SoundConfig(source=str(path), positions=((0, 0.1, 0), (0, -0.1, 0))))
+    body = link(microphones=SoundInputConfig(source=str(path), positions=((0, 0.1, 0), (0, -0.1, 0))))
     frames = Collected(body, "microphones")
     body.demand("microphones", True)
     await body.start()
@@ -66,7 +66,7 @@ async def test_sound_is_continuous_and_has_a_place(tmp_path: Path) -> None:
 
 
 async def test_what_nobody_wants_is_not_read(tmp_path: Path) -> None:
-    body = link(microphones=SoundConfig(source=str(sound_file(tmp_path, ramp(16000)))))
+    body = link(microphones=SoundInputConfig(source=str(sound_file(tmp_path, ramp(16000)))))
     frames = Collected(body, "microphones")
     status = Collected(body, "status")
     await body.start()
@@ -94,7 +94,7 @@ async def test_it_stands_still_and_says_so(tmp_path: Path) -> None:
 
 async def test_one_sense_is_enough_but_none_is_a_failure(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
     picture = CameraConfig(source=str(picture_file(tmp_path, "a.png", 100)))
-    missing = SoundConfig(source="gone.wav")
+    missing = SoundInputConfig(source="gone.wav")
     half = link(picture, missing)
     await half.start()
     await half.stop()
@@ -105,7 +105,7 @@ async def test_one_sense_is_enough_but_none_is_a_failure(tmp_path: Path, caplog:
 
 async def test_positions_that_do_not_fit_the_file_are_refused(tmp_path: Path) -> None:
     path = sound_file(tmp_path, ramp(100, 2))
-    body = link(microphones=SoundConfig(source=str(path), positions=((0, 0, 0),)))
+    body = link(microphones=SoundInputConfig(source=str(path), positions=((0, 0, 0),)))
     with pytest.raises(LinkFailed, match="has 2 channels, but 1 positions"):
         await body.start()
 
@@ -137,7 +137,7 @@ async def test_a_busy_loop_loses_the_newest_instead_of_queueing_without_bound() 
     enough = threading.Event()
     taken: list[int] = []
     source = Endless()
-    reader = Reader("endless", lambda: source, taken.append, pause_s=lambda: 0.0, most_waiting=3)
+    reader = InputReader("endless", lambda: source, taken.append, pause_s=lambda: 0.0, most_waiting=3)
     assert await reader.start() == ""
     reader.want(True)
     assert enough.wait(PATIENCE_S), "blocks the loop on purpose"
@@ -151,7 +151,7 @@ async def test_a_busy_loop_loses_the_newest_instead_of_queueing_without_bound() 
 async def test_a_computer_without_sound_cards_makes_a_mute_body(
     missing: str, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    """Or the page would take in what is said, and nobody hear it."""
+    """Or the page would record a voice that is never played."""
     monkeypatch.setattr("app.robots.devices.link.no_sound_card", lambda: missing)
     config = DevicesConfig(kind="devices", name="A desk", model=MODEL, loudspeaker=SpeakerConfig())
     body = DevicesLink(config, DESK, 0.0)

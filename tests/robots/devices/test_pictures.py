@@ -8,7 +8,7 @@ import pytest
 from pydantic import ValidationError
 
 from app.robots.devices.config import CameraConfig
-from app.robots.devices.pictures import Pace, Unavailable, open_pictures
+from app.robots.devices.pictures import InputUnavailable, PlaybackTimer, open_pictures
 from tests.base.test_image_source import BOMBS
 from tests.robots.devices.files import picture_file, video_file
 
@@ -74,17 +74,17 @@ def test_what_cannot_be_opened_says_why(tmp_path: Path, name: str, content: byte
         path.write_bytes(content)
     elif content is not None:
         path.mkdir()
-    with pytest.raises(Unavailable, match=re.escape(said)):
+    with pytest.raises(InputUnavailable, match=re.escape(said)):
         open_pictures(CameraConfig(source=str(path)))
 
 
 def test_a_camera_that_is_not_there_says_what_else_to_do() -> None:
-    with pytest.raises(Unavailable, match=r"camera 97 cannot be opened.*--camera FILE"):
+    with pytest.raises(InputUnavailable, match=r"camera 97 cannot be opened.*--camera FILE"):
         open_pictures(CameraConfig(source="97"))
 
 
 def test_a_stall_is_not_made_up_for() -> None:
-    pace = Pace(10.0)
+    pace = PlaybackTimer(10.0)
     start = pace._due
     assert pace.wait_s(start) == pytest.approx(0.1)
     assert pace.wait_s(start + 0.1) == pytest.approx(0.1)

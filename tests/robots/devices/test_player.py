@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from app.messages import Audio
 from app.robots.devices import player
 from app.robots.devices.config import SpeakerConfig
-from app.robots.devices.pictures import Unavailable
+from app.robots.devices.pictures import InputUnavailable
 from app.robots.devices.player import Player
 
 WAIT_S = 5.0
@@ -31,7 +31,7 @@ class Speaker:
 
     def write(self, samples: NDArray[np.int16]) -> None:
         if len(self.known) == 1:
-            raise Unavailable("the loudspeaker takes no more sound")
+            raise InputUnavailable("the loudspeaker takes no more sound")
         self.played.set()
 
     def close(self) -> None:

@@ -15,8 +15,8 @@ import soundfile
 
 from app.base import paths
 from app.base.errors import ConfigError
-from app.commands.body import chosen
-from app.messages import Faces, LoudNoise, QRCodes
+from app.commands.body_options import chosen
+from app.messages import Faces, LoudNoise, PerceptEvent, QRCodes
 from app.program.system import System
 from app.robots.devices.config import DevicesConfig
 from app.robots.factory import create_link
@@ -24,7 +24,7 @@ from app.runtime.clock import RealClock
 from tests.patience import PATIENCE_S
 
 WEBCAM = paths.config_dir() / "robots" / "webcam.yaml"
-PORTRAIT = Path(__file__).parents[3] / "app" / "robots" / "simulated" / "faces" / "pilot.jpg"
+PORTRAIT = Path(__file__).parents[3] / "app" / "robots" / "simulated" / "scenery" / "faces" / "pilot.jpg"
 RATE = 48000
 
 
@@ -34,12 +34,12 @@ def arguments(**given: Any) -> argparse.Namespace:
 
 
 def desk(folder: Path) -> Path:
-    """A picture of somebody beside a QR code."""
+    """A picture of a person beside a QR code."""
     picture = np.full((480, 640, 3), 170, np.uint8)
-    portrait = cv2.resize(cv2.imread(str(PORTRAIT)), (240, 320), interpolation=cv2.INTER_AREA)
+    portrait = cv2.resize(np.asarray(cv2.imread(str(PORTRAIT))), (240, 320), interpolation=cv2.INTER_AREA)
     picture[80:400, 40:280] = portrait
     segno.make("hello").save(str(folder / "code.png"), scale=8)
-    code = cv2.imread(str(folder / "code.png"))
+    code = np.asarray(cv2.imread(str(folder / "code.png")))
     picture[100 : 100 + code.shape[0], 350 : 350 + code.shape[1]] = code
     cv2.imwrite(str(folder / "desk.png"), picture)
     return folder / "desk.png"
@@ -60,7 +60,8 @@ async def test_a_code_a_face_and_a_clap_are_noticed(tmp_path: Path) -> None:
     configuration, body = chosen(arguments(camera=str(desk(tmp_path)), microphones=str(clap(tmp_path))))
     clock = RealClock()
     system = System(configuration, link=create_link(body, clock.offset), clock=clock)
-    noticed: dict[type, asyncio.Event] = {kind: asyncio.Event() for kind in (QRCodes, Faces, LoudNoise)}
+    noticed: dict[type | str, asyncio.Event] = {kind: asyncio.Event() for kind in (QRCodes, Faces, LoudNoise)}
+    noticed |= {name: asyncio.Event() for name in ("code.appears", "face.appears", "noise.appears")}
 
     def look(message: Any) -> None:
         found = getattr(message, "codes", None) or getattr(message, "faces", None)
@@ -69,11 +70,19 @@ async def test_a_code_a_face_and_a_clap_are_noticed(tmp_path: Path) -> None:
 
     for name in ("qr_codes", "faces", "loud_noises"):
         system.graph.channels[name].observe(look)
+
+    def happen(event: PerceptEvent) -> None:
+        if event.name in noticed:
+            noticed[event.name].set()
+
+    system.graph.channels["percept_events"].observe(happen)
     async with asyncio.timeout(PATIENCE_S), system:
         await asyncio.gather(*(event.wait() for event in noticed.values()))
         assert not [state.problem for state in system.supervisor.states.values() if state.problem]
         assert system.translator.current is not None
         assert {s.cls for s in system.translator.current.strategies} >= {"FindQRCodes", "LocateFaces", "DetectNoises"}
+        named = {event.subject for event in system.timeline.query(kinds=["percept"])}
+        assert named >= {"code.appears", "face.appears", "noise.appears"}
         # Nothing is desired in vain, not even after the clap.
         assert {desire.cls for desire in system.workspace.desires()} <= set(system.table.classes)
 

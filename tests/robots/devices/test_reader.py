@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import pytest
 
-from app.robots.devices.reader import Reader
+from app.robots.devices.reader import InputReader
 from tests.patience import PATIENCE_S
 
 
@@ -35,8 +35,8 @@ class Clock:
     def close(self) -> None: ...
 
 
-def reader(source: Callable[[], Clock], take: Callable[[int], None]) -> Reader[int]:
-    return Reader("clock", source, take, pause_s=lambda: 0.0, most_waiting=1)
+def reader(source: Callable[[], Clock], take: Callable[[int], None]) -> InputReader[int]:
+    return InputReader("clock", source, take, pause_s=lambda: 0.0, most_waiting=1)
 
 
 async def test_what_nobody_foresaw_is_raised_where_it_is_started() -> None:

@@ -1,4 +1,4 @@
-"""What devices give, as messages: sound that was not read is told as missing."""
+"""Data of devices as messages: unread sound is reported as missing."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from app.base.geometry import Pose3
 from app.robots.devices import streams
-from app.robots.devices.config import SoundConfig
-from app.robots.devices.streams import Ear
+from app.robots.devices.config import SoundInputConfig
+from app.robots.devices.streams import AudioFrames
 
 
 class Microphone:
@@ -35,9 +35,9 @@ def microphone(monkeypatch: pytest.MonkeyPatch) -> Microphone:
 
 
 @pytest.mark.parametrize("how", ["on time", "overrun", "skipped"])
-def test_lost_samples_are_told_by_number(microphone: Microphone, how: str) -> None:
+def test_lost_samples_are_reported_by_number(microphone: Microphone, how: str) -> None:
     now = 10.0
-    ear = Ear(SoundConfig(rate=16000, frame_samples=160), Pose3.identity(), lambda: now).open()
+    ear = AudioFrames(SoundInputConfig(rate=16000, frame_samples=160), Pose3.identity(), lambda: now).open()
     first = ear.read()
     assert first is not None
     assert first.first_sample == 0

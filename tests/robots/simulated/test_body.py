@@ -1,4 +1,4 @@
-"""The body in the physics: what it weighs, how it stands, drives and brakes. No process, no camera."""
+"""The body in the physics: mass, rest, driving and braking. No process, no camera."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ import pytest
 from app.base.geometry import wrap_angle
 from app.robots import guard
 from app.robots.config import RobotConfig, StartPose
-from app.robots.guard import Command, GuardLimits, GuardState, Velocity
-from app.robots.simulated.body import TIMESTEP_S, Simulation, build_simulation
+from app.robots.guard import BaseVelocity, GuardLimits, GuardState, VelocityCommand
+from app.robots.simulated.body import TIMESTEP_S, RobotSimulation, build_simulation
 from app.robots.simulated.odometry import TrueBase
 from app.robots.simulated.world_config import WorldConfig
 
@@ -19,19 +19,19 @@ PERFECT = TrueBase(0.10, 0.10, 0.44)
 
 
 @pytest.fixture
-def simulation(robot: RobotConfig, hall: WorldConfig) -> Simulation:
+def simulation(robot: RobotConfig, hall: WorldConfig) -> RobotSimulation:
     start = StartPose(x=5, y=10, heading_deg=0)
     return build_simulation(robot.model_copy(update={"start": start}), hall, PERFECT)
 
 
 def run(
-    simulation: Simulation, velocity: Velocity, seconds: float, state: GuardState, limits: GuardLimits
+    simulation: RobotSimulation, velocity: BaseVelocity, seconds: float, state: GuardState, limits: GuardLimits
 ) -> tuple[GuardState, np.ndarray]:
     """Hold ``velocity`` through the guard; returns its state and true (linear, angular) speeds, one row a step."""
     speeds = []
     for _ in range(round(seconds / TIMESTEP_S)):
         now = simulation.time_s
-        state = guard.accept(state, Command(now, velocity))
+        state = guard.accept(state, VelocityCommand(now, velocity))
         state = guard.step(state, guard.decide(now, state, {}, limits), limits, TIMESTEP_S)
         simulation.drive(state.applied)
         simulation.step()
@@ -45,7 +45,7 @@ def smooth_acceleration(speeds: np.ndarray, window_s: float = 0.1) -> np.ndarray
     return (speeds[n:] - speeds[:-n]) / window_s
 
 
-def test_it_weighs_about_70_kg_and_is_1_4_m_tall(simulation: Simulation) -> None:
+def test_it_weighs_about_70_kg_and_is_1_4_m_tall(simulation: RobotSimulation) -> None:
     model = simulation.model
     assert model.body_subtreemass[simulation.base_body] == pytest.approx(70, abs=2)
     tops = [
@@ -56,7 +56,7 @@ def test_it_weighs_about_70_kg_and_is_1_4_m_tall(simulation: Simulation) -> None
     assert max(tops) == pytest.approx(1.4, abs=0.03)
 
 
-def test_it_stands_still_with_arms_hanging_and_head_ahead(simulation: Simulation, robot: RobotConfig) -> None:
+def test_it_stands_still_with_arms_hanging_and_head_ahead(simulation: RobotSimulation, robot: RobotConfig) -> None:
     before = simulation.true_pose()
     run(simulation, guard.ZERO, 4.0, GuardState(), robot.limits.guard())
     after = simulation.true_pose()
@@ -69,32 +69,32 @@ def test_it_stands_still_with_arms_hanging_and_head_ahead(simulation: Simulation
             assert abs(position) < 0.01, name
 
 
-def test_it_drives_a_metre_straight_and_turns_a_quarter(simulation: Simulation, robot: RobotConfig) -> None:
+def test_it_drives_a_metre_straight_and_turns_a_quarter(simulation: RobotSimulation, robot: RobotConfig) -> None:
     limits = robot.limits.guard()
     start = simulation.true_pose()
     # 0.4 m/s^2 up and down, 0.4 m/s between: 1 m takes 2.5 s of command and 1 s of braking
-    state, _ = run(simulation, Velocity(0.4, 0.0), 2.5, GuardState(), limits)
+    state, _ = run(simulation, BaseVelocity(0.4, 0.0), 2.5, GuardState(), limits)
     state, _ = run(simulation, guard.ZERO, 1.5, state, limits)
     there = simulation.true_pose()
     assert there.x - start.x == pytest.approx(1.0, abs=0.03)
     assert abs(there.y - start.y) < 0.01
     assert abs(there.theta) < 0.02
     # 4 rad/s^2 up and down, 1 rad/s between
-    state, _ = run(simulation, Velocity(0.0, 1.0), math.pi / 2, state, limits)
+    state, _ = run(simulation, BaseVelocity(0.0, 1.0), math.pi / 2, state, limits)
     run(simulation, guard.ZERO, 0.7, state, limits)
     turned = simulation.true_pose()
     assert wrap_angle(turned.theta - there.theta) == pytest.approx(math.pi / 2, abs=0.05)
     assert math.dist((turned.x, turned.y), (there.x, there.y)) < 0.02
 
 
-def test_the_true_motion_keeps_the_bases_limits(simulation: Simulation, robot: RobotConfig) -> None:
+def test_the_true_motion_keeps_the_bases_limits(simulation: RobotSimulation, robot: RobotConfig) -> None:
     limits = robot.limits.guard()
-    state, up = run(simulation, Velocity(9.0, 0.0), 1.6, GuardState(), limits)
+    state, up = run(simulation, BaseVelocity(9.0, 0.0), 1.6, GuardState(), limits)
     state, down = run(simulation, guard.ZERO, 1.4, state, limits)
     linear = np.concatenate([up, down])[:, 0]
     assert np.abs(linear).max() <= 0.40 * 1.02
     assert np.abs(smooth_acceleration(linear)).max() <= 0.40 * 1.08
-    state, left = run(simulation, Velocity(0.0, -9.0), 0.8, state, limits)
+    state, left = run(simulation, BaseVelocity(0.0, -9.0), 0.8, state, limits)
     _, still = run(simulation, guard.ZERO, 0.6, state, limits)
     angular = np.concatenate([left, still])[:, 1]
     assert np.abs(angular).max() <= 1.00 * 1.05
@@ -102,10 +102,10 @@ def test_the_true_motion_keeps_the_bases_limits(simulation: Simulation, robot: R
 
 
 def test_an_emergency_stop_brakes_as_hard_as_configured_and_does_not_topple(
-    simulation: Simulation, robot: RobotConfig
+    simulation: RobotSimulation, robot: RobotConfig
 ) -> None:
     limits = robot.limits.guard()
-    state, _ = run(simulation, Velocity(0.4, 0.0), 1.3, GuardState(), limits)
+    state, _ = run(simulation, BaseVelocity(0.4, 0.0), 1.3, GuardState(), limits)
     before = simulation.true_pose()
     _, speeds = run(simulation, guard.ZERO, 1.0, guard.e_stop(state, "test"), limits)
     after = simulation.true_pose()
@@ -120,7 +120,7 @@ def test_an_emergency_stop_brakes_as_hard_as_configured_and_does_not_topple(
 def test_it_cannot_drive_through_a_wall(robot: RobotConfig, hall: WorldConfig) -> None:
     start = StartPose(x=19.3, y=10, heading_deg=0)
     simulation = build_simulation(robot.model_copy(update={"start": start}), hall, PERFECT)
-    run(simulation, Velocity(0.4, 0.0), 3.0, GuardState(), robot.limits.guard())
+    run(simulation, BaseVelocity(0.4, 0.0), 3.0, GuardState(), robot.limits.guard())
     assert simulation.true_pose().x < 19.9 - 0.25
 
 
@@ -132,7 +132,7 @@ def test_wheels_of_another_size_carry_it_all_the_same(robot: RobotConfig, hall: 
     base = TrueBase(radius, radius, robot.base.track_m)
     simulation = build_simulation(robot.model_copy(update={"start": start}), hall, base)
     before = simulation.true_pose()
-    run(simulation, Velocity(0.4, 0.3), 3.0, GuardState(), robot.limits.guard())
+    run(simulation, BaseVelocity(0.4, 0.3), 3.0, GuardState(), robot.limits.guard())
     after = before.inverse() @ simulation.true_pose()
     angles = dict(zip(simulation.joints, simulation.joint_positions(), strict=True))
     rolled = angles[robot.base.right_wheel_joint] - angles[robot.base.left_wheel_joint]

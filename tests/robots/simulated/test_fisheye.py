@@ -16,10 +16,10 @@ from app.robots.config import ImvConfig, RobotConfig
 from app.robots.model import load_model
 from app.robots.simulated.body import build_simulation
 from app.robots.simulated.camera_models import fisheye_model
-from app.robots.simulated.camera_rendering import FisheyeEye
+from app.robots.simulated.camera_rendering import FisheyeRenderer
 from app.robots.simulated.fisheye import tile
 from app.robots.simulated.odometry import TrueBase
-from app.robots.simulated.renderer import Painter, Snapshot
+from app.robots.simulated.renderer import Renderer, WorldSnapshot
 from app.robots.simulated.world import X_WP_of_page
 from app.robots.simulated.world_config import (
     LETTER_HEIGHT_M,
@@ -38,10 +38,10 @@ class Eye:
 
     def __init__(self, robot: RobotConfig, world: WorldConfig) -> None:
         simulation = build_simulation(robot, world, TrueBase(0.10, 0.10, 0.44))
-        self.painter = Painter(simulation.model)
-        self.imv = FisheyeEye(self.painter, simulation.model, CONFIG, np.random.default_rng(2))
+        self.renderer = Renderer(simulation.model)
+        self.imv = FisheyeRenderer(self.renderer, simulation.model, CONFIG, np.random.default_rng(2))
         self.X_BC = load_model(robot.model).pose(CONFIG.link)
-        self._initial = Snapshot.initial(simulation.model)
+        self._initial = WorldSnapshot.initial(simulation.model)
         self._base = simulation.base_address
 
     def look(self, X_WB: Pose2) -> NDArray[np.uint8]:
@@ -49,7 +49,7 @@ class Eye:
         qpos = self._initial.qpos.copy()
         a = self._base
         qpos[a : a + 7] = [X_WB.x, X_WB.y, 0, math.cos(X_WB.theta / 2), 0, 0, math.sin(X_WB.theta / 2)]
-        for _ in self.imv.draw(Snapshot(0.0, qpos, self._initial.mocap, self.X_BC)):
+        for _ in self.imv.draw(WorldSnapshot(0.0, qpos, self._initial.mocap, self.X_BC)):
             pass
         color = np.zeros((CONFIG.height, CONFIG.width, 3), dtype=np.uint8)
         self.imv.measure(color, None)
@@ -70,14 +70,14 @@ def hall_with_poster(height: float) -> WorldConfig:
 def hall_eye(robot: RobotConfig) -> Iterator[Eye]:
     eye = Eye(robot, hall_with_poster(1.05))
     yield eye
-    eye.painter.close()
+    eye.renderer.close()
 
 
 @pytest.fixture(scope="module")
 def lab_eye(robot: RobotConfig, lab: WorldConfig) -> Iterator[Eye]:
     eye = Eye(robot, lab)
     yield eye
-    eye.painter.close()
+    eye.renderer.close()
 
 
 def at_azimuth(eye: Eye, poster: PosterConfig, azimuth: float, distance: float) -> Pose2:
@@ -106,9 +106,8 @@ def patch(color: NDArray[np.uint8], direction: NDArray[np.float64], focal: float
 def page_corners(poster: PosterConfig) -> NDArray[np.float64]:
     """Corners (4, 3) of the page in the world: upper left, upper right, lower right, lower left."""
     w, h = LETTER_WIDTH_M / 2, LETTER_HEIGHT_M / 2
-    return X_WP_of_page(poster).transform(
-        np.array([(-w, h, 0.0005), (w, h, 0.0005), (w, -h, 0.0005), (-w, -h, 0.0005)])
-    )
+    corners = np.array([(-w, h, 0.0005), (w, h, 0.0005), (w, -h, 0.0005), (-w, -h, 0.0005)])
+    return X_WP_of_page(poster).transform(corners).astype(np.float64)
 
 
 @needs_gl
@@ -142,7 +141,7 @@ def test_a_posters_corners_are_where_the_model_says(hall_eye: Eye, azimuth_deg: 
 def test_posters_are_read_at_about_a_metre(lab_eye: Eye, lab: WorldConfig, number: int, azimuth_deg: float) -> None:
     poster = lab.posters[number]
     base = at_azimuth(lab_eye, poster, math.radians(azimuth_deg), 1.0)
-    direction = lab_eye.X_WC(base).inverse().transform(np.array(poster.p_WQ))
+    direction = lab_eye.X_WC(base).inverse().transform(np.array(poster.p_WQ)).astype(np.float64)
     read: list[str] = []
     for _ in range(3):  # in one of three pictures at least: each has noise of its own
         found = zxingcpp.read_barcodes(patch(lab_eye.look(base), direction, 3 * LENS.fx, 480))

@@ -11,10 +11,10 @@ import pytest
 from app.base.geometry import Pose2, wrap_angle
 from app.messages import LaserScan
 from app.robots.config import HokuyoConfig, RobotConfig, StartPose
-from app.robots.guard import Velocity
+from app.robots.guard import BaseVelocity
 from app.robots.model import load_model
-from app.robots.simulated.body import TIMESTEP_S, Simulation, build_simulation
-from app.robots.simulated.laser import Laser, _Sight
+from app.robots.simulated.body import TIMESTEP_S, RobotSimulation, build_simulation
+from app.robots.simulated.laser import Laser, _RayTargets
 from app.robots.simulated.odometry import TrueBase
 from app.robots.simulated.world_config import WorldConfig
 from tests.robots.conftest import make_hall
@@ -22,15 +22,15 @@ from tests.robots.conftest import make_hall
 
 def setup(
     robot: RobotConfig, world: WorldConfig, seed: int = 3, **hokuyo: float
-) -> tuple[Simulation, Laser, HokuyoConfig]:
-    config = HokuyoConfig(**hokuyo)  # type: ignore[arg-type]
+) -> tuple[RobotSimulation, Laser, HokuyoConfig]:
+    config = HokuyoConfig(**hokuyo)
     robot = robot.model_copy(update={"start": StartPose(x=10, y=8, heading_deg=0)})
     simulation = build_simulation(robot, world, TrueBase(0.10, 0.10, 0.44))
     laser = Laser(simulation, config, load_model(robot.model).pose("hokuyo_link"), np.random.default_rng(seed))
     return simulation, laser, config
 
 
-def sweep(simulation: Simulation, laser: Laser, stamp: float = 100.0) -> LaserScan:
+def sweep(simulation: RobotSimulation, laser: Laser, stamp: float = 100.0) -> LaserScan:
     laser.begin(stamp)
     for i in range(100):
         if (scan := laser.advance(stamp + i * TIMESTEP_S)) is not None:
@@ -77,7 +77,7 @@ def test_low_things_are_under_its_plane_and_high_things_above(robot: RobotConfig
 
 def test_a_scan_taken_while_turning_is_skewed_by_its_own_duration(robot: RobotConfig, hall: WorldConfig) -> None:
     simulation, laser, config = setup(robot, hall, noise_m=0.0, sweep_s=0.1)
-    simulation.drive(Velocity(0.0, 1.0))
+    simulation.drive(BaseVelocity(0.0, 1.0))
     for _ in range(250):
         simulation.step()
     start = simulation.true_pose()
@@ -110,7 +110,7 @@ def test_shapes_left_out_of_a_fan_are_none_that_it_meets(
 
     simulation = build_simulation(robot.model_copy(update={"start": start}), lab, TrueBase(0.10, 0.10, 0.44))
     with monkeypatch.context() as context:
-        context.setattr(_Sight, "limited", lambda *_: contextlib.nullcontext())
+        context.setattr(_RayTargets, "limited", lambda *_: contextlib.nullcontext())
         everything = sweep(simulation, Laser(simulation, hokuyo, X_BL, np.random.default_rng(1)))
     np.testing.assert_array_equal(limited.ranges, everything.ranges)
     np.testing.assert_array_equal(limited.intensities, everything.intensities)

@@ -151,9 +151,9 @@ async def test_every_stream_runs_at_its_rate_in_real_time_and_unwanted_ones_not(
         for name in SENSORS:
             link.demand(name, False)
         # On a busy computer some are under way for long: the last one has come when none comes for a while.
-        marks: dict[str, int] = {}
-        while marks != (counts := {name: len(listener.messages[name]) for name in SENSORS}):
-            marks = counts
+        before: dict[str, int] = {}
+        while before != (counts := {name: len(listener.messages[name]) for name in SENSORS}):
+            before = counts
             await listener.next("status", 6)
         assert link.images_overwritten == 0
     finally:

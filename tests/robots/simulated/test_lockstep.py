@@ -108,7 +108,7 @@ def test_it_drives_as_the_guard_lets_it_and_stops_when_commands_end(robot: Robot
     async def script(body: Body) -> tuple[float, float, list[LinkStatus], Odometry]:
         await body.drive(9.0, 0.0, 3.0)
         moving = body.link.true_pose()
-        await body.clock.sleep(0.2)  # the last command is 0.05 s old: it stands for 0.15 s more
+        await body.clock.sleep(0.2)  # the last command is 0.05 s old: it is valid for 0.15 s more
         await body.clock.sleep(1.0)
         return moving.x, body.link.true_pose().x, body.heard["status"], body.heard["odometry"][-1]
 
@@ -153,7 +153,7 @@ def test_two_runs_are_the_same_and_another_seed_is_not(robot: RobotConfig, hall:
 
 
 @pytest.mark.slow
-def test_contacts_tell_what_was_touched_and_each_time_once(robot: RobotConfig) -> None:
+def test_contacts_report_what_was_touched_and_each_time_once(robot: RobotConfig) -> None:
     posts = {"at": [(6.0, 10.0)], "material": "wall"}
     world = make_hall(cylinders=[posts])
 

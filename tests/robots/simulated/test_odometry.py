@@ -10,14 +10,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.robots.config import BaseConfig
-from app.robots.simulated.odometry import TrueBase, WheelOdometry, draw_true_base
+from app.robots.simulated.odometry import EncoderOdometry, TrueBase, draw_true_base
 
 IDEAL = BaseConfig(radius_error=0, track_error=0, slip=0, encoder_ticks=10_000_000)
 
 
-def roll(config: BaseConfig, true: TrueBase, linear: float, angular: float, seconds: float, seed: int) -> WheelOdometry:
+def roll(
+    config: BaseConfig, true: TrueBase, linear: float, angular: float, seconds: float, seed: int
+) -> EncoderOdometry:
     """Odometry of a base that truly moves at this twist."""
-    odometry = WheelOdometry(config, np.random.default_rng(seed))
+    odometry = EncoderOdometry(config, np.random.default_rng(seed))
     dt = 0.01
     for i in range(round(seconds / dt) + 1):
         left = (linear - angular * true.track_m / 2) / true.left_radius_m * i * dt
@@ -41,7 +43,7 @@ def test_perfect_wheels_give_the_true_arc(linear: float, angular: float) -> None
 
 
 def test_it_starts_at_zero_whatever_the_wheels_read() -> None:
-    odometry = WheelOdometry(BaseConfig(), np.random.default_rng(1))
+    odometry = EncoderOdometry(BaseConfig(), np.random.default_rng(1))
     odometry.update(12.3, -4.5, 0.01)
     assert (odometry.X_OB.x, odometry.X_OB.y, odometry.X_OB.theta) == (0, 0, 0)
 

@@ -1,4 +1,4 @@
-"""What is drawn and what need not be: walls hide, bounding spheres tell, and nothing that may be seen is left out."""
+"""Culling in the renderer: by walls and bounding spheres, without loss of any visible shape."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from app.base.geometry import Pose3
-from app.robots.simulated.camera_rendering import Watch
+from app.robots.simulated.camera_rendering import ChangeDetector
 from app.robots.simulated.occlusion import Occlusion
-from app.robots.simulated.renderer import Painter, Place, Snapshot, View
+from app.robots.simulated.renderer import FrameRect, PerspectiveView, Renderer, WorldSnapshot
 from tests.robots.conftest import needs_gl
 
-PLACE = Place(0, 0, 64, 48)
-AHEAD = View(np.eye(3), -1.0, 1.0, -0.75, 0.75, PLACE)
+PLACE = FrameRect(0, 0, 64, 48)
+AHEAD = PerspectiveView(np.eye(3), -1.0, 1.0, -0.75, 0.75, PLACE)
 #: Two rooms of 6 x 6 m under one ceiling; in the wall between them, at x = 0, a gap of 1 m from y = 1 to 2.
 ROOMS = """
 <mujoco>
@@ -45,27 +45,27 @@ def model() -> mujoco.MjModel:
 
 
 @pytest.fixture
-def painter(model: mujoco.MjModel) -> Iterator[Painter]:
-    painter = Painter(model)
-    painter.reserve(PLACE.width, PLACE.height)
-    yield painter
-    painter.close()
+def renderer(model: mujoco.MjModel) -> Iterator[Renderer]:
+    renderer = Renderer(model)
+    renderer.reserve(PLACE.width, PLACE.height)
+    yield renderer
+    renderer.close()
 
 
-def after(snapshot: Snapshot, body: int, y: float, slide: float = 0.0) -> Snapshot:
+def after(snapshot: WorldSnapshot, body: int, y: float, slide: float = 0.0) -> WorldSnapshot:
     """``snapshot`` with a scripted body at ``y`` and the camera moved by ``slide``."""
     mocap = snapshot.mocap.copy()
     mocap[body, 1] = y
-    return Snapshot(1.0, snapshot.qpos + slide, mocap, Pose3.identity())
+    return WorldSnapshot(1.0, snapshot.qpos + slide, mocap, Pose3.identity())
 
 
 @needs_gl
-def test_a_picture_is_drawn_anew_only_where_something_that_may_be_seen_has_moved(
-    model: mujoco.MjModel, painter: Painter
+def test_a_picture_is_drawn_again_only_where_something_that_may_be_seen_has_moved(
+    model: mujoco.MjModel, renderer: Renderer
 ) -> None:
     near, far = 0, 1
-    start = Snapshot.initial(model)
-    watch = Watch(painter, 0)
+    start = WorldSnapshot.initial(model)
+    watch = ChangeDetector(renderer, 0)
     assert watch.changed(start, (AHEAD,))
     assert not watch.changed(after(start, far, -0.5), (AHEAD,))  # behind the wall
     assert watch.changed(after(start, near, 0.25), (AHEAD,))
@@ -83,26 +83,26 @@ def test_a_picture_is_drawn_anew_only_where_something_that_may_be_seen_has_moved
 
 
 @needs_gl
-def test_creeping_is_noticed_in_the_end(model: mujoco.MjModel, painter: Painter) -> None:
-    start = Snapshot.initial(model)
-    watch = Watch(painter, 0)
+def test_creeping_is_noticed_in_the_end(model: mujoco.MjModel, renderer: Renderer) -> None:
+    start = WorldSnapshot.initial(model)
+    watch = ChangeDetector(renderer, 0)
     watch.changed(start, (AHEAD,))
     assert any(watch.changed(after(start, 0, 0.2, slide=i * 3e-7), (AHEAD,)) for i in range(5))
 
 
 @needs_gl
-def test_what_is_hidden_would_not_have_shown(model: mujoco.MjModel, painter: Painter) -> None:
+def test_what_is_hidden_would_not_have_shown(model: mujoco.MjModel, renderer: Renderer) -> None:
     color = np.zeros((48, 64, 3), np.uint8)
-    start = Snapshot.initial(model)
-    painter.draw(start, 0, AHEAD)
-    painter.read(PLACE, color)
+    start = WorldSnapshot.initial(model)
+    renderer.draw(start, 0, AHEAD)
+    renderer.read(PLACE, color)
     with_far = color.copy()
-    painter.draw(after(start, 1, -20.0), 0, AHEAD)
-    painter.read(PLACE, color)
+    renderer.draw(after(start, 1, -20.0), 0, AHEAD)
+    renderer.read(PLACE, color)
     np.testing.assert_array_equal(color, with_far)
 
 
-def cut(eye: np.ndarray, point: np.ndarray, wall: tuple[float, float]) -> bool:  # type: ignore[type-arg]
+def cut(eye: np.ndarray, point: np.ndarray, wall: tuple[float, float]) -> bool:
     """Whether the wall at x = 0 from y = ``wall[0]`` to ``wall[1]`` is between ``eye`` and ``point``."""
     if (eye[0] < 0) == (point[0] < 0):
         return False

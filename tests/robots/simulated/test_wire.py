@@ -24,7 +24,7 @@ def pair() -> Iterator[tuple[wire.Socket, socket.socket]]:
 
 @given(st.lists(st.floats(allow_nan=False), max_size=20), st.lists(st.integers(1, 400), max_size=60))
 def test_frames_survive_any_cutting(values: list[float], cuts: list[int]) -> None:
-    frames = [wire.Drive(v, v, -v) for v in values]
+    frames = [wire.DriveRequest(v, v, -v) for v in values]
     data = b"".join(wire.encode(frame) for frame in frames)
     reader, got = wire.FrameReader(), []
     for cut in [*cuts, len(data)]:

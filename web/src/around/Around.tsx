@@ -5,10 +5,10 @@ import { useEffect, useRef } from "preact/hooks";
 import { useApp } from "../state/context";
 import { number } from "../ui/format";
 import { AroundIcon, CloseIcon, EnlargeIcon, ShrinkIcon } from "../ui/icons";
-import { draw } from "./draw";
-import { faceMarks, flash, soundMarks, summary } from "./marks";
-import { SHAPE, type Strip } from "./projection";
-import { type Closed, perceives, whyClosed } from "./why";
+import { draw } from "./drawAround";
+import { LAYERS } from "./registry";
+import { SHAPE, type Strip } from "./stripProjection";
+import { type Closed, perceives, whyClosed } from "./whyClosed";
 
 const OLD_S = 1.5;
 const FADE_STEP_MS = 60;
@@ -38,13 +38,12 @@ function Sphere({ place, large }: { place: "view" | "tab"; large: boolean }) {
   const paintOn = usePainter();
   useEffect(() => paintOn(canvas.current!, large), [large]);
 
-  const { perceived, now, fresh, closed } = useAround();
-  const faces = faceMarks(perceived);
-  const sounds = soundMarks(perceived, now);
-  const told = summary(faces, sounds, flash(perceived, now) > 0);
-  const empty = faces.length === 0 && sounds.length === 0;
-  const blank = empty && panorama.stamp.value === null;
-  const words = told || "Nobody seen, nothing heard";
+  const { now, fresh, closed } = useAround();
+  const seen = LAYERS.map((layer) => layer.words(store.of(layer.type).value, now))
+    .filter(Boolean)
+    .join(", ");
+  const blank = seen === "" && panorama.stamp.value === null;
+  const words = seen || "No people seen, no sounds heard";
   const age = panorama.stamp.value === null ? null : now - panorama.stamp.value;
   return (
     <figure
@@ -64,7 +63,7 @@ function Sphere({ place, large }: { place: "view" | "tab"; large: boolean }) {
         )}
       </div>
       <figcaption data-testid="around-text">
-        <span class={told ? "around-told" : "around-told muted"}>{words}</span>
+        <span class={seen ? "around-seen" : "around-seen muted"}>{words}</span>
         {!blank && closed.length > 0 && (
           <span class="around-closed" title={closed.map(titleOf).join("\n")}>
             {closed.map(({ text }) => text).join(" · ")}
@@ -76,7 +75,7 @@ function Sphere({ place, large }: { place: "view" | "tab"; large: boolean }) {
           type="button"
           class="icon-button"
           data-testid="around-enlarge"
-          aria-label={large ? "Shrink the view all around" : "Enlarge the view all around"}
+          aria-label={large ? "Shrink the panorama" : "Enlarge the panorama"}
           aria-pressed={large}
           onClick={() => store.showAround(large ? "inset" : "large")}
         >
@@ -86,37 +85,15 @@ function Sphere({ place, large }: { place: "view" | "tab"; large: boolean }) {
           type="button"
           class="icon-button"
           data-testid="around-hide"
-          aria-label="Hide the view all around"
+          aria-label="Hide the panorama"
           onClick={() => store.showAround("hidden")}
         >
           <CloseIcon />
         </button>
       </div>
       <ul class="visually-hidden">
-        {faces.map((face) => (
-          <li
-            key={face.track}
-            data-testid="around-face"
-            data-track={face.track}
-            data-azimuth={face.azimuth}
-            data-elevation={face.elevation}
-            data-range={face.range ?? ""}
-          >
-            {face.text}
-          </li>
-        ))}
-        {sounds.map((sound) => (
-          <li
-            key={sound.track}
-            data-testid="around-sound"
-            data-track={sound.track}
-            data-azimuth={sound.azimuth}
-            data-elevation={sound.elevation}
-            data-kind={sound.kind}
-            data-active={sound.active}
-          >
-            {sound.text}
-          </li>
+        {LAYERS.map((layer) => (
+          <layer.Marks key={layer.type} message={store.of(layer.type).value} now={now} />
         ))}
       </ul>
     </figure>
@@ -126,18 +103,17 @@ function Sphere({ place, large }: { place: "view" | "tab"; large: boolean }) {
 /** What is known of all around, and why it is not more. */
 function useAround() {
   const { store, panorama } = useApp();
-  const perceived = store.perceived.value;
-  const now = store.now.value ?? perceived?.stamp ?? 0;
+  const now = store.now.value ?? 0;
   const stamp = panorama.stamp.value;
   const fresh = stamp !== null && now - stamp <= OLD_S * Math.max(1, store.clock.rate);
   const closed = whyClosed(store.hello.value, store.rows.value, store.replay.value, fresh);
-  return { perceived, now, fresh, closed };
+  return { now, fresh, closed };
 }
 
 function Nothing({ closed }: { closed: Closed[] }) {
   return (
     <div class="around-nothing" data-testid="around-nothing">
-      <p>Nobody seen, nothing heard yet.</p>
+      <p>No people or sounds yet.</p>
       {closed.map((one) => (
         <p key={one.what} class="muted" title={one.reason}>
           {one.reason ? `${one.text}: ${one.reason}` : `${one.text}.`}
@@ -160,23 +136,21 @@ function usePainter() {
     const paint = () => {
       clearTimeout(timer);
       if (strip.width < 1) return;
-      const perceived = store.perceived.peek();
-      const now = store.clock.now(performance.now() / 1000) ?? perceived?.stamp ?? 0;
+      const now = store.clock.now(performance.now() / 1000) ?? 0;
       const stamp = panorama.stamp.peek();
-      const sounds = soundMarks(perceived, now);
-      const left = flash(perceived, now);
       const context = canvas.getContext("2d")!;
       const density = canvas.width / strip.width;
       context.setTransform(density, 0, 0, density, 0, 0);
-      draw(context, strip, {
+      const shown = {
         picture: stamp === null ? null : panorama.canvas,
         old: stamp !== null && now - stamp > OLD_S * Math.max(1, store.clock.rate),
-        faces: faceMarks(perceived),
-        sounds,
-        flash: left,
         large,
+      };
+      let fades = false;
+      draw(context, strip, shown, (pen) => {
+        for (const layer of LAYERS) fades = layer.draw(pen, store.of(layer.type).peek(), now) || fades;
       });
-      if (left > 0 || sounds.some((sound) => !sound.active)) timer = window.setTimeout(later, FADE_STEP_MS);
+      if (fades) timer = window.setTimeout(later, FADE_STEP_MS);
     };
     const later = () => requestAnimationFrame(paint);
     const sized = new ResizeObserver(() => {
@@ -189,7 +163,7 @@ function usePainter() {
     });
     sized.observe(canvas);
     const end = effect(() => {
-      void store.perceived.value;
+      for (const layer of LAYERS) void store.of(layer.type).value;
       void panorama.stamp.value;
       void store.seconds.value;
       paint();

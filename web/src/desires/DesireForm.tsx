@@ -2,8 +2,8 @@
 
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
-import type { DesireClass } from "../protocol/types";
 import { idempotencyKey, Problem } from "../protocol/rest";
+import type { DesireClass } from "../protocol/types";
 import { useApp } from "../state/context";
 import { nameAndTitle, spaced } from "../ui/format";
 import { LockIcon, PlusIcon } from "../ui/icons";
@@ -142,7 +142,7 @@ function Form({ classes, onClose }: { classes: DesireClass[]; onClose: () => voi
           [
             ["intensity", "Intensity", `over 0, to ${scale.intensity}`],
             ["utility", "Utility", `0 to ${scale.utility}; 0 inhibits`],
-            ["ttl", "Lasts", "seconds; empty: until removed"],
+            ["ttl", "Lasts", "seconds; empty: no limit"],
           ] as const
         ).map(([name, title, hint]) => (
           <Labelled key={name} name={name} title={title} hint={hint} error={errors.value[name]}>
@@ -167,7 +167,7 @@ function Form({ classes, onClose }: { classes: DesireClass[]; onClose: () => voi
           onChange={(event) => (security.value = event.currentTarget.checked)}
         />
         <LockIcon />
-        <span>Security: must be fulfilled, whatever else gives way</span>
+        <span>Security: fulfill it even if other desires lose</span>
       </label>
       {problem.value && (
         <div class="inline-note error stacked" role="alert" data-testid="form-problem">

@@ -1,19 +1,16 @@
 /** The desires there are: changed in place, removed, with who asked and how long they last. */
 
 import { useSignal } from "@preact/signals";
-import type { Desire } from "../protocol/types";
 import { Problem } from "../protocol/rest";
+import type { Desire } from "../protocol/types";
 import { useApp } from "../state/context";
 import { left, number, spaced } from "../ui/format";
 import { LockIcon, TrashIcon } from "../ui/icons";
 import { Stepper } from "../ui/Stepper";
 
-export function DesireList() {
-  const { store } = useApp();
-  const desires = store.desires.value;
+export function DesireList({ desires }: { desires: readonly Desire[] | null }) {
   if (desires === null) return <p class="empty">Waiting for the robot's desires…</p>;
-  if (desires.length === 0)
-    return <p class="empty">Nobody desires anything. Add a desire to give the robot something to attend to.</p>;
+  if (desires.length === 0) return <p class="empty">No desires. Add one to give the robot something to attend to.</p>;
   return (
     <ul class="desires">
       {desires.map((desire) => (
@@ -43,7 +40,7 @@ function Row({ desire }: { desire: Desire }) {
   const change = (what: Partial<Pick<Desire, "intensity" | "utility">>) =>
     attempt(session.rest.changeDesire(desire.id, what));
   const name = spaced(desire.class);
-  const params = Object.entries(desire.params ?? {}).filter(([, value]) => value !== "" && value !== null);
+  const params = Object.entries(desire.params).filter(([, value]) => value !== "" && value !== null);
   return (
     <li
       class="desire"

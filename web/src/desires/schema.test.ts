@@ -2,10 +2,10 @@ import { describe, expect, test } from "vitest";
 import type { DesireClass, JsonSchema } from "../protocol/types";
 import { fieldsOf, initialValues, offered, paramsOf, placeErrors, rangeText } from "./schema";
 
-test("only what a strategy serves is offered; older programs do not say", () => {
-  const kind = (name: string, served?: boolean) => ({ name, served }) as DesireClass;
-  const all = [kind("SLAM", true), kind("Record", false), kind("Old")];
-  expect(offered(all).map(({ name }) => name)).toEqual(["SLAM", "Old"]);
+test("only what a strategy serves is offered", () => {
+  const kind = (name: string, served: boolean) => ({ name, served }) as DesireClass;
+  const all = [kind("SLAM", true), kind("Record", false)];
+  expect(offered(all).map(({ name }) => name)).toEqual(["SLAM"]);
 });
 
 // As pydantic writes it.

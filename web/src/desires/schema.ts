@@ -176,7 +176,7 @@ export function rangeText(field: Field): string {
 
 /** The classes that a desire can come true of. */
 export function offered(classes: readonly DesireClass[]): DesireClass[] {
-  return classes.filter(({ served }) => served !== false);
+  return classes.filter(({ served }) => served);
 }
 
 /** Sorts a problem's field errors onto the form: `body.params.x` and `params.x` are field `x` of the parameters. */

@@ -1,18 +1,18 @@
-/** The operator's hands on screen: stick, speed, who drives, and what the wheels are given. */
+/** The operator's controls on screen: stick, speed, who drives, and what the wheels are given. */
 
-import { goalOf } from "../map/words";
+import { goalOf } from "../map/mapText";
 import { useApp } from "../state/context";
 import { number } from "../ui/format";
 import { KeyboardIcon, WheelIcon } from "../ui/icons";
-import { PRESETS } from "./controller";
+import { PRESETS } from "./driveController";
+import { heldWords } from "./driveText";
 import { Limited } from "./Limited";
 import { Stick } from "./Stick";
-import { heldWords } from "./words";
 
 export function DrivePad() {
   const { drive, session, store } = useApp();
   const { factor, source } = drive.state.value;
-  const status = store.status.value;
+  const status = store.of("status").value;
   const applied = status?.guard.applied;
   const words = applied ? speedWords(applied.linear_mps, applied.angular_radps) : "no figures";
   const driver = status?.driver ?? null;
@@ -22,7 +22,7 @@ export function DrivePad() {
     <section class="drive-pad" data-testid="drive-pad" data-source={source ?? ""} aria-label="Drive">
       <Stick drive={drive} words={words} />
       <div class="drive-side">
-        <p class="drive-speed" aria-label={`Wheels: ${words}`}>
+        <p class="drive-speed" role="group" aria-label={`Wheels: ${words}`}>
           <span>
             <b>{number(live ? applied?.linear_mps : null, 2)}</b> m/s
           </span>
@@ -51,7 +51,7 @@ export function DrivePad() {
             data-testid="take-control"
             onClick={() => session.send({ type: "take_control" })}
           >
-            <WheelIcon /> {`Take the wheel from ${driver.operator}`}
+            <WheelIcon /> {`Take control from ${driver.operator}`}
           </button>
         ) : driver?.mine && !source && drive.refusal.value === null && drive.keyboard.value === "page" ? (
           <button
@@ -60,7 +60,7 @@ export function DrivePad() {
             data-testid="release-control"
             onClick={() => session.send({ type: "release_control" })}
           >
-            Give the wheel back
+            Release control
           </button>
         ) : (
           <Hint />
@@ -73,7 +73,7 @@ export function DrivePad() {
 
 function Hint() {
   const { drive, store } = useApp();
-  const guard = store.status.value?.guard;
+  const guard = store.of("status").value?.guard;
   const refusal = drive.refusal.value ?? (guard?.state === "sensor_failure" ? guard.reason : null);
   const { source, keys } = drive.state.value;
   if (refusal) return <p class="drive-hint warn">{refusal}</p>;
@@ -81,7 +81,7 @@ function Hint() {
     const slow = keys.has("ShiftLeft") || keys.has("ShiftRight");
     return (
       <p class="drive-hint active" data-testid="drive-hint">
-        {heldWords(source, slow, goalOf(store.desires.value) !== null)}
+        {heldWords(source, slow, goalOf(store.of("desires").value?.desires) !== null)}
       </p>
     );
   }
@@ -91,7 +91,10 @@ function Hint() {
         type="button"
         class="drive-hint link"
         data-testid="focus-hint"
-        onClick={() => (document.querySelector<HTMLElement>("[data-testid=stick]")?.focus(), window.focus())}
+        onClick={() => {
+          document.querySelector<HTMLElement>("[data-testid=stick]")?.focus();
+          window.focus();
+        }}
       >
         <KeyboardIcon /> Click here to drive with the keyboard
       </button>

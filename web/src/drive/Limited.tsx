@@ -1,28 +1,32 @@
-/** Why the robot does not drive as it is told, in words; and the hold on screen that has it crawl all the same. */
+/** Why the robot drives slower than commanded, in words; and the button that overrides the collision monitor while held. */
 
 import { useApp } from "../state/context";
 import { overrides } from "./machine";
 
 export function Limited() {
   const { drive, store } = useApp();
-  const limited = (store.live.value && store.status.value?.limited) || "";
+  const limited = (store.live.value && store.of("status").value?.limited) || "";
   const { source, screenOverride } = drive.state.value;
   const held = overrides(drive.state.value);
-  const mine = store.status.value?.driver?.mine ?? false;
+  const mine = store.of("status").value?.driver?.mine ?? false;
   // The hold stays under the finger that holds it, whatever the robot says meanwhile.
   const offered = drive.refusal.value === null && (held || (limited !== "" && (mine || source !== null)));
   const hold = (on: boolean) => drive.input({ type: "override", held: on });
   if (!limited && !offered) return null;
   return (
     <div class="drive-limited" data-testid="limited" data-override={held}>
-      <p role="status">{limited ? `${limited[0]!.toUpperCase()}${limited.slice(1)}.` : "Held: nothing stops it."}</p>
+      <p role="status">
+        {limited
+          ? `${limited[0]!.toUpperCase()}${limited.slice(1)}.`
+          : "The collision monitor is off while you hold this."}
+      </p>
       {offered && (
         <button
           type="button"
           class={`button quiet hold ${held ? "held" : ""}`}
           data-testid="override"
           aria-pressed={screenOverride}
-          title="Hold, or hold O or a trigger, and drive: the robot crawls, whatever stands in the way"
+          title="Hold this, O or a gamepad trigger while driving: the robot crawls and does not stop for obstacles"
           onPointerDown={(event) => {
             if (event.button !== 0) return;
             event.preventDefault(); // the keys go on driving

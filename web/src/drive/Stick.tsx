@@ -1,8 +1,8 @@
-/** The touch stick: held while a finger or the mouse holds it, on Pointer Events. It also shows what other hands do. */
+/** The touch stick: held while a finger or the mouse holds it, on Pointer Events. It also shows what other inputs do. */
 
 import { useRef } from "preact/hooks";
 import type { Axes } from "./axes";
-import type { DriveController } from "./controller";
+import type { DriveController } from "./driveController";
 
 const DEADBAND = 0.08;
 

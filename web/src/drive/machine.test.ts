@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import { type Command, type DriveState, flush, initialDrive, type Input, step } from "./machine";
+import { type Command, type DriveState, flush, type Input, initialDrive, step } from "./machine";
 
 const down = (code: string, repeat = false): Input => ({ type: "key", code, down: true, repeat });
 const up = (code: string): Input => ({ type: "key", code, down: false });
@@ -77,7 +77,7 @@ describe("keyboard", () => {
 });
 
 describe("what is not allowed does not drive", () => {
-  test("nothing moves before it is allowed, and a key held meanwhile must be pressed anew", () => {
+  test("nothing moves before it is allowed, and a key held meanwhile must be pressed again", () => {
     const { sent, state } = run(
       [down("KeyW"), tick, { type: "allow", allowed: true }, down("KeyW", true), tick],
       initialDrive(1),
@@ -109,7 +109,7 @@ describe("stick", () => {
     ]);
   });
 
-  test("moves after a lost pointer are ignored until it is grasped anew", () => {
+  test("moves after a lost pointer are ignored until it is grasped again", () => {
     const { sent } = run([start, { type: "release" }, { type: "stick-move", axes: { linear: 1, angular: 0 } }]);
     expect(brief(sent)).toEqual([
       [true, 0.5, -0.2],
@@ -195,7 +195,7 @@ describe("override", () => {
     ]);
   });
 
-  test("a release ends it: it must be pressed anew", () => {
+  test("a release ends it: it must be pressed again", () => {
     const { state } = run([hold, down("KeyO"), down("KeyW"), { type: "release" }]);
     expect(said([down("KeyO", true), down("KeyW")], state)).toEqual([[true, false]]);
     const pad: Input = { type: "pad", axes: { linear: 1, angular: 0 }, override: true };

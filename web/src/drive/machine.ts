@@ -1,9 +1,9 @@
 /**
- * What the operator's hands say, as a pure state machine: inputs in, drive commands out.
+ * The operator's inputs, as a pure state machine: inputs in, drive commands out.
  *
  * Everything is under a held dead-man: a key, the stick under a finger, or a gamepad's shoulder button. A `release`
  * (blur, hidden tab, lost pointer, unplugged pad, stale view) forgets everything that is held, and what was held must
- * be let go and pressed anew before it drives again. A command goes out at once on every change and with every
+ * be released and pressed again before it drives. A command goes out at once on every change and with every
  * `tick` (50 ms) while held; a release is said three times.
  *
  * The override is a hold of its own beside the dead-man (a key, a trigger, a button on screen): by itself it does
@@ -121,7 +121,7 @@ function take(state: DriveState, input: Exclude<Input, { type: "tick" }>): Drive
 function takeKey(state: DriveState, input: { code: string; down: boolean; repeat?: boolean }): DriveState {
   if (![DRIVE_KEYS, SLOW_KEYS, OVERRIDE_KEYS].some((keys) => keys.has(input.code))) return state;
   if (input.down === state.keys.has(input.code)) return state;
-  // A repeat of a key we do not know as held was pressed before a release: it must be pressed anew.
+  // A repeat of a key we do not know as held was pressed before a release: it must be pressed again.
   if (input.down && (input.repeat || !state.allowed)) return state;
   const keys = new Set(state.keys);
   if (input.down) keys.add(input.code);

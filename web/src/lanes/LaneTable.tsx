@@ -48,8 +48,7 @@ export function LaneTable({ visible }: { visible: boolean }) {
               <td>{percent(row.rate)}</td>
               <td title={divisorLines(row.divisors).join("\n")}>{divisor(row.divisor)}</td>
               <td>
-                <StateMark state={row.state} />{" "}
-                <b class="state-word">{stateWord(row.state)}</b>.{" "}
+                <StateMark state={row.state} /> <b class="state-word">{stateWord(row.state)}</b>.{" "}
                 {reasonText(row.state, row.text)}
               </td>
             </tr>

@@ -2,15 +2,16 @@
 
 import { useSignal } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
+import { panel } from "../panels/panel";
 import { useApp } from "../state/context";
 import { divisor, divisorLines, number, spaced } from "../ui/format";
 import { MinusIcon, PauseIcon, PlayIcon, PlusIcon, StateMark, TableIcon } from "../ui/icons";
 import { narrow } from "../ui/media";
 import { type Hit, LaneChart } from "./chart";
-import { AXIS_PX } from "./draw";
+import { AXIS_PX } from "./drawLanes";
 import { gestures } from "./gestures";
-import { laneRows } from "./rows";
 import { LaneTable } from "./LaneTable";
+import { laneRows } from "./rows";
 import { Tooltip } from "./Tooltip";
 import { span, stepZoom, togglePause, type Viewport } from "./viewport";
 
@@ -18,6 +19,9 @@ const ROW_MIN = 20;
 /** On a phone the figures stand below the name. */
 const ROW_MIN_NARROW = 34;
 const ROW_MAX = 72;
+
+/** Beside the view, where there is no room for them below it. */
+export const lanesPanel = panel({ type: "lanes", tab: "Lanes", Card: Lanes, offered: (_, phone) => phone });
 
 export function Lanes() {
   const { store } = useApp();
@@ -126,7 +130,7 @@ export function Lanes() {
           </button>
         </div>
       </header>
-      {empty && <p class="empty">No desire classes yet: they come with the robot's greeting.</p>}
+      {empty && <p class="empty">Waiting for the robot's desire classes…</p>}
       {!empty && !asTable.value && (
         <div class="lanes-body" ref={body} style={{ "--row": `${rowHeight.value}px` }}>
           <ol class="lane-names" aria-hidden="true">
@@ -142,7 +146,9 @@ export function Lanes() {
                 <span class="lane-figures">
                   <b title="Intensity">{number(row.intensity)}</b>
                   <em title="Desired utility">{number(row.utility)}</em>
-                  <i title={["Messages let through", ...divisorLines(row.divisors)].join("\n")}>{divisor(row.divisor)}</i>
+                  <i title={["Messages let through", ...divisorLines(row.divisors)].join("\n")}>
+                    {divisor(row.divisor)}
+                  </i>
                 </span>
               </li>
             ))}
@@ -150,10 +156,11 @@ export function Lanes() {
           <div
             class="lane-area"
             ref={area}
+            // biome-ignore lint/a11y/noNoninteractiveTabindex: its keys move a cursor over the lanes
             tabIndex={0}
             data-own-arrows
             role="group"
-            aria-label="Lanes over time. Arrow keys move a cursor that tells values and reasons, plus and minus zoom, P pauses."
+            aria-label="Lanes over time. Arrow keys move a cursor that shows values and reasons, plus and minus zoom, P pauses."
           >
             <canvas ref={canvas} data-testid="lane-canvas" />
           </div>

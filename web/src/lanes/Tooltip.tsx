@@ -66,7 +66,7 @@ export function Tooltip({ hit, area, top, now }: { hit: Hit; area: DOMRect; top:
             </div>
           </dl>
           {divisorLines(sample.divisors).length > 0 && (
-            <ul class="tooltip-filters" aria-label="What each input lets through">
+            <ul class="tooltip-filters" aria-label="φ of each input">
               {divisorLines(sample.divisors).map((line) => (
                 <li key={line}>{line}</li>
               ))}
@@ -80,7 +80,7 @@ export function Tooltip({ hit, area, top, now }: { hit: Hit; area: DOMRect; top:
           </p>
         </>
       ) : (
-        <p class="muted">Nothing was heard here.</p>
+        <p class="muted">No data here.</p>
       )}
       {events.slice(-3).map((event) => (
         <p key={event.id} class="tooltip-event">

@@ -3,7 +3,7 @@
 import type { RobotEvent } from "../protocol/types";
 import type { Store } from "../state/store";
 import { clockSpan, clockTime } from "../ui/format";
-import { AXIS_PX, LanePainter, markRow } from "./draw";
+import { AXIS_PX, LanePainter, markRow } from "./drawLanes";
 import type { LaneSample } from "./history";
 import { edges, INITIAL, TRAIL_S, type Viewport } from "./viewport";
 
@@ -69,7 +69,7 @@ export class LaneChart {
 
   /** Called each animation frame; paints only when half a device pixel or anything else has changed. */
   frame(): void {
-    this.tell();
+    this.writeFigures();
     const classes = this.classes();
     const ratio = Math.min(2, window.devicePixelRatio || 1);
     if (this.width < 2 || classes.length === 0) return;
@@ -108,8 +108,8 @@ export class LaneChart {
     return playback ? clockSpan(to - playback.begin) : this.view.heldAt === null ? "now" : clockTime(to);
   }
 
-  /** Once a second, tells on the canvas how it is doing: for measurements from outside. */
-  private tell(): void {
+  /** Once a second, writes its figures to the canvas's attributes: for measurements from outside. */
+  private writeFigures(): void {
     this.cost.frames += 1;
     const { since, frames, painted, ms } = this.cost;
     const seconds = (performance.now() - since) / 1000;

@@ -1,12 +1,12 @@
 /** What the lanes showed in the last ten minutes: one bounded ring of stamps, one column of values per class. */
 
-import type { Divisors, LaneRow, LanesHistory, LaneState } from "../protocol/types";
+import type { Divisors, LaneRow, LaneState, LanesHistory } from "../protocol/types";
 
 /** 20 messages a second for 10 minutes and a little. */
 export const CAPACITY = 12_600;
 /** Further apart than this, nothing was heard in between. */
 export const GAP_S = 1;
-/** A clock set back by more than this starts the history anew. */
+/** A clock set back by more than this clears the history. */
 const SET_BACK_S = 5;
 
 export interface LaneSample {
@@ -70,7 +70,7 @@ export class LaneHistory {
   }
 
   /**
-   * Takes the past that the robot tells a new connection: all of it, or after a break what this page has missed. Of a
+   * Takes the past that the robot sends on a new connection: all of it, or after a break what this page has missed. Of a
    * robot whose clock was set back, the new past alone is kept.
    */
   fill(past: LanesHistory, holdS = GAP_S): void {
@@ -144,9 +144,8 @@ export class LaneHistory {
     const last = (slot + CAPACITY - 1) % CAPACITY;
     const before = lane.text[last];
     lane.text[slot] = before === row.text ? before : row.text;
-    const divisors = row.divisors ?? NO_DIVISORS;
     const known = lane.divisors[last];
-    lane.divisors[slot] = known && equal(known, divisors) ? known : divisors;
+    lane.divisors[slot] = known && equal(known, row.divisors) ? known : row.divisors;
   }
 }
 

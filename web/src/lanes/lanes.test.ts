@@ -2,7 +2,7 @@ import { describe, expect, test } from "vitest";
 import type { LaneRow, LanesHistory } from "../protocol/types";
 import { Columns, toColumns } from "./columns";
 import { CAPACITY, LaneHistory } from "./history";
-import { spells } from "./spells";
+import { spells } from "./runLengths";
 import {
   edges,
   INITIAL,
@@ -11,15 +11,26 @@ import {
   placeBeside,
   SHORTEST_S,
   stepZoom,
-  togglePause,
   TRAIL_S,
+  togglePause,
   zoom,
 } from "./viewport";
 
 const START = 1_790_000_000;
 
 function row(over: Partial<LaneRow> = {}): LaneRow {
-  return { class: "QR", intensity: 8, utility: 1, rate: 0.5, divisor: 2, state: "fulfilled", text: "fits", ...over };
+  const [divisor, divisors] = [2, {}];
+  return {
+    class: "QR",
+    intensity: 8,
+    utility: 1,
+    rate: 0.5,
+    divisor,
+    divisors,
+    state: "fulfilled",
+    text: "fits",
+    ...over,
+  };
 }
 
 function filled(count: number, make: (i: number) => LaneRow[]): LaneHistory {
@@ -83,7 +94,7 @@ describe("history", () => {
     expect(history.sample("QR", START + 12)).toBeNull();
   });
 
-  test("late messages are dropped; a clock set back starts anew", () => {
+  test("late messages are dropped; a clock set back starts again", () => {
     const history = filled(100, () => [row()]);
     history.push({ stamp: START, rows: [row()] });
     expect(history.count).toBe(100);
@@ -92,13 +103,26 @@ describe("history", () => {
   });
 });
 
-describe("the past that the robot tells", () => {
+describe("the past that the robot sends", () => {
   /** Twice a second from `from` on; QR was undesired until sample `at`, with a reason since. */
-  function told(from: number, count: number, at: number): LanesHistory {
-    const before = { intensity: null, utility: null, divisor: null, state: "undesired", text: "Nobody" } as const;
-    const since = { intensity: 8, utility: 2, divisor: 4, state: "degraded", text: "Too dear" } as const;
+  function past(from: number, count: number, at: number): LanesHistory {
+    const before = {
+      intensity: null,
+      utility: null,
+      divisor: null,
+      divisors: {},
+      state: "undesired",
+      text: "No desire",
+    } as const;
+    const since = {
+      intensity: 8,
+      utility: 2,
+      divisor: 4,
+      divisors: {},
+      state: "degraded",
+      text: "Too costly",
+    } as const;
     return {
-      type: "lanes_history",
       stamps: Array.from({ length: count }, (_, i) => from + i * 0.5),
       rows: [
         {
@@ -115,11 +139,18 @@ describe("the past that the robot tells", () => {
 
   test("fills an empty page, with reasons, as if it had been there", () => {
     const history = new LaneHistory();
-    history.fill(told(START, 1200, 800));
+    history.fill(past(START, 1200, 800));
     expect(history.count).toBe(1200);
     expect(history.sample("QR", START + 399.7)).toMatchObject({ intensity: null, state: "undesired", rate: null });
     const later = history.sample("QR", START + 400.1)!;
-    expect(later).toMatchObject({ intensity: 8, utility: 2, divisor: 4, state: "degraded", text: "Too dear" });
+    expect(later).toMatchObject({
+      intensity: 8,
+      utility: 2,
+      divisor: 4,
+      divisors: {},
+      state: "degraded",
+      text: "Too costly",
+    });
     expect(later.rate).toBeCloseTo(800 / 1200, 5);
     history.push({ stamp: START + 600, rows: [row()] });
     expect(history.sample("QR", START + 600.1)!.intensity).toBe(8);
@@ -130,22 +161,22 @@ describe("the past that the robot tells", () => {
 
   test("after a break adds what was missed and leaves what was heard", () => {
     const history = filled(200, () => [row({ text: "heard" })]);
-    history.fill(told(START - 300, 640, 100));
+    history.fill(past(START - 300, 640, 100));
     expect(history.first).toBe(0);
     expect(history.oldest).toBe(START);
     expect(history.sample("QR", START + 9.96)!.text).toBe("heard");
-    expect(history.sample("QR", START + 12)!.text).toBe("Too dear");
+    expect(history.sample("QR", START + 12)!.text).toBe("Too costly");
     expect(history.newest).toBe(START + 19.5);
-    history.fill(told(START - 300, 640, 100));
+    history.fill(past(START - 300, 640, 100));
     expect(history.newest).toBe(START + 19.5);
     expect(history.count).toBe(220);
   });
 
   test("a robot whose clock was set back has a new past; no past changes nothing", () => {
     const history = filled(200, () => [row({ text: "heard" })]);
-    history.fill({ type: "lanes_history", stamps: [], rows: [] });
+    history.fill({ stamps: [], rows: [] });
     expect(history.count).toBe(200);
-    history.fill(told(START - 5000, 50, 10));
+    history.fill(past(START - 5000, 50, 10));
     expect(history.count).toBe(50);
     expect(history.oldest).toBe(START - 5000);
   });
@@ -232,7 +263,7 @@ describe("spells", () => {
   });
 });
 
-test("what tells about a row stands over it, else under it, and never over the head of the lanes", () => {
+test("a tooltip is over its row, else under it, and never over the head of the lanes", () => {
   expect(placeBeside(300, 340, 150, 100, 500)).toBe(150);
   expect(placeBeside(120, 160, 150, 100, 500)).toBe(160);
   expect(placeBeside(200, 260, 150, 100, 400)).toBe(250);

@@ -65,7 +65,7 @@ function clamp(value: number, low: number, high: number): number {
 if (CAPACITY < LONGEST_S * 20) throw new Error("the history must cover the longest window");
 
 /**
- * Where something `high` begins that tells about the row from `from` to `to`: over it or under it, within `top` and
+ * Where something `high` begins that is about the row from `from` to `to`: over it or under it, within `top` and
  * `bottom`; where neither has the room, as near as the foot allows, but never over `top`.
  */
 export function placeBeside(from: number, to: number, high: number, top: number, bottom: number): number {

@@ -1,13 +1,26 @@
 /** The map with its tools and the words of the way: in its tab, or over all of the view. */
 
 import type { ComponentChildren } from "preact";
+import { panel } from "../panels/panel";
 import { useApp } from "../state/context";
-import { narrow } from "../ui/media";
 import { CloseIcon, FlagIcon, HomeIcon, KeepOutIcon, PlaceIcon, SearchIcon, SlowIcon, WarnIcon } from "../ui/icons";
-import type { Tool } from "./hands";
+import { narrow } from "../ui/media";
+import { goalOf, hintWords, wayWords } from "./mapText";
+import type { Tool } from "./mapTools";
 import { Stage, ViewButtons } from "./Stage";
-import { goalOf, hintWords, wayWords } from "./words";
 import { ZoneEditor } from "./Zones";
+
+export const mapPanel = panel({
+  type: "localization",
+  tab: "Map",
+  Card: MapInTab,
+  offered: ({ store }) => store.body.value.maps,
+});
+
+function MapInTab() {
+  const { store } = useApp();
+  return store.mapPlace.value === "tab" ? <MapPanel place="tab" /> : null;
+}
 
 export function MapPanel({ place }: { place: "tab" | "view" }) {
   const { store, map, grid } = useApp();
@@ -47,16 +60,16 @@ export function MapPanel({ place }: { place: "tab" | "view" }) {
 function Tools() {
   const { map, store } = useApp();
   const allowed = map.allowed.value;
-  const known = store.localization.value !== null;
+  const known = store.of("localization").value !== null;
   const { goes } = store.body.value;
   return (
-    <div class="map-tools" role="toolbar" aria-label="Hands on the map" data-own-arrows>
+    <div class="map-tools" role="toolbar" aria-label="Tools on the map" data-own-arrows>
       {goes && (
         <>
           <ToolButton
             tool="goal"
             label="Go to"
-            hint="Press where it should go, drag to where it should look (G)"
+            hint="Press on the goal, drag to set the heading (G)"
             disabled={!allowed}
           >
             <FlagIcon />
@@ -65,7 +78,7 @@ function Tools() {
             type="button"
             class="map-tool"
             data-testid="map-return"
-            title="Return to where the map began; gamepad: button 3 (Y, △)"
+            title="Return to the start of the map; gamepad: button 3 (Y, △)"
             disabled={!allowed}
             onClick={() => void map.returnToStart()}
           >
@@ -77,7 +90,7 @@ function Tools() {
       <ToolButton
         tool="pose"
         label="Set pose"
-        hint="Press where the robot is, drag to where it looks"
+        hint="Press on the robot's place, drag to set its heading"
         disabled={!allowed || !known}
       >
         <PlaceIcon />
@@ -86,7 +99,7 @@ function Tools() {
         type="button"
         class="map-tool"
         data-testid="map-search"
-        title="The robot looks for itself on the map"
+        title="Search for the robot's pose on the map"
         disabled={!allowed || !known}
         onClick={() => void map.search()}
       >
@@ -116,7 +129,7 @@ function ToolButton(props: {
   children: ComponentChildren;
 }) {
   const { map, store } = useApp();
-  const on = map.hands.value.tool === props.tool;
+  const on = map.tools.value.tool === props.tool;
   return (
     <button
       type="button"
@@ -140,33 +153,33 @@ function ToolButton(props: {
 /** What the robot is about, what was refused, and what the tool in hand does. */
 function Way() {
   const { map, store } = useApp();
-  const goal = goalOf(store.desires.value);
-  const place = store.localization.value;
-  const told = wayWords(store.navigation.value, goal, store.rows.value, store.seconds.value, place);
-  const { tool } = map.hands.value;
-  const hint = hintWords(map.hands.value, goal === null && store.stands.value);
+  const goal = goalOf(store.of("desires").value?.desires);
+  const place = store.of("localization").value;
+  const words = wayWords(store.of("navigation").value, goal, store.rows.value, store.seconds.value, place);
+  const { tool } = map.tools.value;
+  const hint = hintWords(map.tools.value, goal === null && store.stands.value);
   const problem = map.problem.value;
   const canCancel = goal !== null && map.allowed.value;
   return (
     <div class="map-words">
-      {told && (
+      {words && (
         <p
-          class={`map-way ${told.tone}`}
+          class={`map-way ${words.tone}`}
           role="status"
           data-testid="map-way"
-          data-state={told.over ? "given_up" : (store.navigation.value?.state ?? "")}
+          data-state={words.over ? "given_up" : (store.of("navigation").value?.state ?? "")}
           data-goal={goal ? `${goal.x} ${goal.y}` : ""}
         >
           <span>
-            <b>{told.text}</b>
-            {told.more && <span class="map-more"> {told.more}</span>}
+            <b>{words.text}</b>
+            {words.more && <span class="map-more"> {words.more}</span>}
           </span>
           {canCancel && (
             <button type="button" class="button small" data-testid="map-cancel" onClick={() => void map.cancelGoal()}>
               Cancel
             </button>
           )}
-          {told.over && map.allowed.value && (
+          {words.over && map.allowed.value && (
             <button
               type="button"
               class="icon-button"
@@ -203,17 +216,17 @@ function Way() {
   );
 }
 
-/** There is a map, but nobody wants the robot to follow itself on it. */
+/** There is a map, but no desire for localization on it. */
 function Asleep() {
   const { map, store, grid } = useApp();
   const lane = store.rows.value.find((row) => row.class === "SLAM");
   if (lane?.state !== "undesired" || !grid.map.picture.value?.known || store.replay.value) return null;
   return (
     <p class="map-way warn" data-testid="map-asleep">
-      <span>SLAM is not running: nobody desires it.</span>
+      <span>SLAM is not running: there is no desire for it.</span>
       {map.allowed.value && (
         <button type="button" class="button small" data-testid="map-desire" onClick={() => void map.desireMap()}>
-          Run it
+          Start SLAM
         </button>
       )}
     </p>

@@ -89,7 +89,7 @@ function LoadForm({ kept, onDone }: { kept: KeptMap; onDone: () => void }) {
   const id = useId();
   const extend = useSignal(false);
   const where = useSignal<"anywhere" | "start">("anywhere");
-  const unsaved = store.localization.value !== null && maps.inUse.value === "";
+  const unsaved = store.of("localization").value !== null && maps.inUse.value === "";
   return (
     <form
       class="map-form"
@@ -102,7 +102,7 @@ function LoadForm({ kept, onDone }: { kept: KeptMap; onDone: () => void }) {
       <fieldset>
         <legend>The map</legend>
         <Choice group={`${id}-map`} id="map-localize" checked={!extend.value} onChoose={() => (extend.value = false)}>
-          stays as it is: only localize on it
+          is not changed: only localize on it
         </Choice>
         <Choice
           group={`${id}-map`}
@@ -111,7 +111,7 @@ function LoadForm({ kept, onDone }: { kept: KeptMap; onDone: () => void }) {
           disabled={!kept.extendable}
           onChoose={() => (extend.value = true)}
         >
-          {kept.extendable ? "goes on growing: continue mapping" : "cannot go on growing: it has no pose graph"}
+          {kept.extendable ? "is extended: continue mapping" : "cannot be extended: it has no pose graph"}
         </Choice>
       </fieldset>
       <fieldset>
@@ -122,7 +122,7 @@ function LoadForm({ kept, onDone }: { kept: KeptMap; onDone: () => void }) {
           checked={where.value === "anywhere"}
           onChoose={() => (where.value = "anywhere")}
         >
-          is somewhere on it, and looks for itself
+          is somewhere on it: search for its pose
         </Choice>
         <Choice
           group={`${id}-robot`}
@@ -130,10 +130,10 @@ function LoadForm({ kept, onDone }: { kept: KeptMap; onDone: () => void }) {
           checked={where.value === "start"}
           onChoose={() => (where.value = "start")}
         >
-          stands where the map began
+          is at the start of the map
         </Choice>
       </fieldset>
-      {unsaved && <p class="inline-note warn">The map in use is not saved: loading another loses it.</p>}
+      {unsaved && <p class="inline-note warn">The map in use is not saved. Loading another one discards it.</p>}
       <div class="form-actions">
         <button
           type="submit"

@@ -2,18 +2,26 @@
 
 import { useSignal } from "@preact/signals";
 import { useId } from "preact/hooks";
+import { panel } from "../panels/panel";
 import { useApp } from "../state/context";
 import { PlusIcon, WarnIcon } from "../ui/icons";
 import { Confirm } from "./Confirm";
 import { nameProblem } from "./library";
 import { MapRow } from "./MapRow";
 
-export function Maps() {
+export const mapsPanel = panel({
+  type: "localization",
+  tab: "Map",
+  Card: Maps,
+  offered: ({ store }) => store.body.value.maps && !store.replay.value,
+});
+
+function Maps() {
   const { maps, store } = useApp();
   const list = maps.list.value;
   const problem = maps.problem.value || maps.unread.value;
   const doing = maps.doing.value;
-  const present = store.localization.value !== null;
+  const present = store.of("localization").value !== null;
   return (
     <section class="card" aria-label="Maps" data-testid="maps">
       <h2 class="card-head">
@@ -32,7 +40,7 @@ export function Maps() {
       )}
       {list && !maps.available.value && (
         <p class="maps-doing" role="status" data-testid="maps-waiting">
-          Nobody keeps maps just now: the module SLAM2D does not run, or is only starting. See Load.
+          Maps are not available: the module SLAM2D is not running yet. See Load.
         </p>
       )}
       {present && maps.available.value && <Present />}
@@ -40,7 +48,7 @@ export function Maps() {
         <p class="empty">{maps.unread.value ? "The list could not be read." : "Reading the list…"}</p>
       ) : list.maps.length === 0 ? (
         <p class="empty" data-testid="maps-empty">
-          None kept yet. Drive the robot around until the map shows what it should know, then save it.
+          No maps saved yet. Drive the robot around, then save the map.
         </p>
       ) : (
         <ul class="maps">
@@ -88,7 +96,7 @@ function Present() {
         }}
       >
         <div class={`field ${wrong ? "wrong" : ""}`}>
-          <label for={id}>{inUse ? "Save the map in use as" : "Keep this new map as"}</label>
+          <label for={id}>{inUse ? "Save the map in use as" : "Save this new map as"}</label>
           <input
             id={id}
             data-testid="map-name"
@@ -109,7 +117,7 @@ function Present() {
           type="button"
           class="button"
           data-testid="map-begin"
-          title="Begin an empty map"
+          title="Start an empty map"
           disabled={busy}
           onClick={() => (asking.value = asking.value === "begin" ? null : "begin")}
         >
@@ -118,7 +126,7 @@ function Present() {
       </form>
       {asking.value === "replace" && (
         <Confirm
-          words={`There is a map ${name}. Replace it?`}
+          words={`A map ${name} exists. Replace it?`}
           yes="Replace"
           onYes={() => void save()}
           onNo={() => (asking.value = null)}
@@ -126,7 +134,7 @@ function Present() {
       )}
       {asking.value === "begin" && (
         <Confirm
-          words="Begin an empty map here? What was not saved of this one is lost."
+          words="Start an empty map here? Unsaved changes of this map are lost."
           yes="Begin"
           onYes={() => {
             asking.value = null;

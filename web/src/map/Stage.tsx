@@ -1,4 +1,4 @@
-/** The canvas of the map, the hands on it, and what lies over it: where the robot is, how it is looked at, why it is empty. */
+/** The canvas of the map, its pointers and keys, and what lies over it: where the robot is, how it is looked at, why it is empty. */
 
 import { effect, useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
@@ -15,9 +15,9 @@ import {
   PlusIcon,
   ShrinkIcon,
 } from "../ui/icons";
-import { handsOn } from "./listeners";
+import { listen } from "./listeners";
+import { emptyWords, poseWords } from "./mapText";
 import { paintOn } from "./painter";
-import { emptyWords, poseWords } from "./words";
 
 interface Props {
   place: MapPlace;
@@ -33,7 +33,7 @@ export function Stage({ place, buttons, children }: Props) {
   const canvas = useRef<HTMLCanvasElement>(null);
   const said = useSignal("");
   useEffect(() => paintOn(canvas.current!, place, app), []);
-  useEffect(() => handsOn(canvas.current!, map, (words) => (said.value = words)), []);
+  useEffect(() => listen(canvas.current!, map, (words) => (said.value = words)), []);
   useEffect(
     () =>
       effect(() => {
@@ -43,11 +43,12 @@ export function Stage({ place, buttons, children }: Props) {
       }),
     [],
   );
-  const { tool } = map.hands.value;
+  const { tool } = map.tools.value;
   const { x, y, scale, up } = map.view.value;
   const robot = map.robot.value;
   return (
     <div class={`map-stage tool-${tool}`}>
+      {/* biome-ignore lint/a11y/noInteractiveElementToNoninteractiveRole: an application takes keys, as this map does */}
       <canvas
         ref={canvas}
         class="map-canvas"
@@ -79,7 +80,7 @@ export function Stage({ place, buttons, children }: Props) {
 /** Where the robot is, in words. */
 function Where() {
   const { store, maps } = useApp();
-  const localization = store.localization.value;
+  const localization = store.of("localization").value;
   if (!localization) return null;
   const lane = store.rows.value.find((row) => row.class === "SLAM");
   const name = maps.inUse.value ?? localization.map;
@@ -105,16 +106,16 @@ export function ViewButtons() {
   const large = store.mapPlace.value === "view";
   const toggles = [
     { id: "follow", label: "Follow the robot", icon: <FollowIcon />, state: map.follow },
-    { id: "robot-up", label: "The robot's heading up, instead of north", icon: <CompassIcon />, state: map.robotUp },
-    { id: "costmap", label: "Show what it keeps clear of just now", icon: <LayersIcon />, state: map.costmap },
+    { id: "robot-up", label: "Robot's heading up instead of north", icon: <CompassIcon />, state: map.robotUp },
+    { id: "costmap", label: "Show the local costmap", icon: <LayersIcon />, state: map.costmap },
   ];
   return (
-    <div class="map-view-buttons" role="group" aria-label="How the map is looked at">
+    <div class="map-view-buttons" role="group" aria-label="Map view">
       <button
         type="button"
         class="icon-button"
         data-testid="map-enlarge"
-        title={large ? "Back beside the view (M)" : "Over all of the view (M)"}
+        title={large ? "Back beside the view (M)" : "Map over the whole view (M)"}
         aria-label={large ? "Shrink the map" : "Enlarge the map"}
         aria-pressed={large}
         onClick={() => store.showMap(large ? "tab" : "view")}
@@ -176,14 +177,14 @@ function Empty() {
   if (grid.map.picture.value?.known) return null;
   const lane = store.rows.value.find((row) => row.class === "SLAM");
   const slam = store.hello.value?.channels.map === false ? undefined : lane;
-  const { text, more, desire } = emptyWords(store.live.value, store.replay.value, slam, store.localization.value);
+  const { text, more, desire } = emptyWords(store.live.value, store.replay.value, slam, store.of("localization").value);
   return (
     <div class="map-empty" data-testid="map-empty">
       <p>{text}</p>
       {more && <p class="muted">{more}</p>}
       {desire && map.allowed.value && (
         <button type="button" class="button small" data-testid="map-desire" onClick={() => void map.desireMap()}>
-          Begin to map
+          Start mapping
         </button>
       )}
     </div>

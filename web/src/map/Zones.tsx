@@ -2,13 +2,21 @@
 
 import { useSignal } from "@preact/signals";
 import { useId } from "preact/hooks";
+import { panel } from "../panels/panel";
 import type { Zone } from "../protocol/types";
 import { useApp } from "../state/context";
 import { number } from "../ui/format";
 import { KeepOutIcon, SlowIcon, TrashIcon, UndoIcon } from "../ui/icons";
 import { asSpeed, changed, nameProblem, removed } from "./zoneList";
 
-export function Zones() {
+export const zonesPanel = panel({
+  type: "zones",
+  tab: "Map",
+  Card: Zones,
+  offered: ({ store }) => store.body.value.maps,
+});
+
+function Zones() {
   const { map, store } = useApp();
   const replay = store.replay.value;
   const zones = map.zones.value;
@@ -31,8 +39,8 @@ export function Zones() {
       {zones.length === 0 ? (
         <p class="empty">
           {replay
-            ? "None at this moment of the recording."
-            : "None. Draw where the robot must not go, or must go slowly, with Keep out and Slow."}
+            ? "None at this time of the recording."
+            : "None. Draw one with Keep out (the robot stays out) or Slow (it drives slowly)."}
         </p>
       ) : (
         <ul class="zones">

@@ -1,5 +1,5 @@
 /**
- * The map's colours, told apart by lightness and shape as well: Okabe and Ito's (jfly.uni-koeln.de/color), lightened for a
+ * The map's colours, distinguished by lightness and shape as well: Okabe and Ito's (jfly.uni-koeln.de/color), lightened for a
  * dark ground. Pure.
  */
 

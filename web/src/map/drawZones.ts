@@ -1,10 +1,10 @@
 /** Draws zones, and the one that is being made. */
 
 import type { Zone } from "../protocol/types";
+import { type Context, disc, drawHandle, drawLabel, FONT, stroke, trace } from "./canvas";
 import * as colors from "./colors";
-import type { Act } from "./hands";
-import { type Context, disc, drawHandle, drawLabel, FONT, stroke, trace } from "./pen";
-import type { Point } from "./projection";
+import type { Point } from "./mapProjection";
+import type { Act } from "./mapTools";
 import { cornersOf, middle } from "./zoneList";
 
 /** While its corner is being dragged, as it would be. */
@@ -34,7 +34,7 @@ export function drawZone(context: Context, zone: Zone, at: (point: Point) => Poi
   if (selected || context.measureText(text).width < wide + 16) drawLabel(context, at(middle(zone)), text, color);
 }
 
-/** Keep-out is hatched, slow is dotted: told apart without their colours. */
+/** Keep-out is hatched, slow is dotted: distinguished without their colours. */
 function pattern(context: Context, kind: Zone["kind"]): CanvasPattern | string {
   const tile = document.createElement("canvas");
   tile.width = tile.height = 10;

@@ -1,11 +1,15 @@
 import { expect, test } from "vitest";
 import { around, freeOf } from "./fitting";
-import { FIRST_VIEW, fitted, toScreen } from "./projection";
+import { FIRST_VIEW, fitted, toScreen } from "./mapProjection";
 
 const known = { left: -2, right: 6, bottom: -3, top: 3 };
 
 test("the robot, its goal and the way are part of all of the map", () => {
-  const points = [{ x: 0, y: 0 }, { x: 3.4, y: 5 }, { x: -4, y: 1 }];
+  const points = [
+    { x: 0, y: 0 },
+    { x: 3.4, y: 5 },
+    { x: -4, y: 1 },
+  ];
   expect(around(known, points)).toEqual({ left: -4, right: 6, bottom: -3, top: 5 });
   expect(around(null, [{ x: 1, y: 2 }])).toEqual({ left: 1, right: 1, bottom: 2, top: 2 });
   expect(around(null, [])).toBeNull();

@@ -1,7 +1,8 @@
-import { afterEach, beforeEach, describe, expect, test, vi } from "vitest";
 import { signal } from "@preact/signals";
+import { afterEach, beforeEach, describe, expect, test, vi } from "vitest";
 import { Problem, type Rest } from "../protocol/rest";
-import type { Hello, KeptMaps, Localization } from "../protocol/types";
+import type { Hello, KeptMaps } from "../protocol/types";
+import type { Message } from "../state/latest";
 import { createStore } from "../state/store";
 import { MapLibrary } from "./library";
 
@@ -10,7 +11,7 @@ afterEach(() => void vi.useRealTimers());
 
 const kept = (name: string, available = true): KeptMaps => ({
   folder: "maps",
-  current: { available, name, state: available ? "tracking" : null },
+  current: { available, name, state: available ? "tracking" : null, stamp: null },
   maps: [],
 });
 
@@ -30,13 +31,23 @@ function page({ name = "third", map = true, shown = true } = {}) {
   library.start();
   store.hello.value = { channels: { map } } as Hello;
   store.link.value = { phase: "live", retryAt: 0 };
-  const scan = (on: string) => (store.localization.value = { map: on } as Localization);
+  const scan = (on: string) =>
+    store.latest.put({ type: "localization", map: on } as unknown as Message<"localization">);
   const settle = () => vi.advanceTimersByTimeAsync(0);
-  return { robot, rest, store, looks, library, scan, settle, notices: () => store.notices.value.map(({ text }) => text) };
+  return {
+    robot,
+    rest,
+    store,
+    looks,
+    library,
+    scan,
+    settle,
+    notices: () => store.notices.value.map(({ text }) => text),
+  };
 }
 
 describe("the map in use", () => {
-  test("is what it was saved as, though SLAM rests and no scan tells", async () => {
+  test("is what it was saved as, though SLAM rests and no scan comes", async () => {
     const { library, scan, settle, notices } = page();
     scan("third");
     await settle();
@@ -45,7 +56,7 @@ describe("the map in use", () => {
     expect(notices()).toEqual(["Saved as fourth."]);
   });
 
-  test("is what it was renamed to, loaded as, or begun anew", async () => {
+  test("is what it was renamed to, loaded as, or started", async () => {
     const { library, scan, settle } = page();
     scan("third");
     await settle();
@@ -69,7 +80,7 @@ describe("the map in use", () => {
     expect(library.inUse.value).toBe("fourth");
   });
 
-  test("is another as soon as a scan tells, whatever list was being read then", async () => {
+  test("is another as soon as a scan is localized, whatever list was being read then", async () => {
     const { robot, library, rest, scan, settle } = page();
     scan("third");
     await settle();
@@ -97,7 +108,7 @@ describe("the map in use", () => {
     expect(rest.maps.mock.calls.length).toBe(before);
   });
 
-  test("is as it was while whoever keeps maps is being started", async () => {
+  test("is as it was while the module that keeps maps starts", async () => {
     const { robot, library, settle } = page();
     await settle();
     robot.available = false;

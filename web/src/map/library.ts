@@ -1,4 +1,4 @@
-/** The kept maps: read, saved, loaded, renamed, deleted, begun. */
+/** The kept maps: read, saved, loaded, renamed, deleted, started. */
 
 import { batch, computed, effect, type ReadonlySignal, signal } from "@preact/signals";
 import { inWords, type Rest } from "../protocol/rest";
@@ -7,7 +7,7 @@ import type { Store } from "../state/store";
 
 /** A module that is only starting is asked for again so soon. */
 const AGAIN_MS = 1000;
-/** While the list is looked at, it is read again so often: others change it, too, and nothing tells. */
+/** While the list is looked at, it is read again so often: others change it, too, and no message says so. */
 const EVERY_MS = 5000;
 const NAME = /^[A-Za-z0-9][A-Za-z0-9._-]{0,99}$/;
 
@@ -20,10 +20,10 @@ export class MapLibrary {
   readonly problem = signal("");
   /** Why the list could not be read the last time; empty: it could. */
   readonly unread = signal("");
-  /** Whether there is anybody who keeps maps by now. */
+  /** Whether the module that keeps maps runs. */
   readonly available = computed(() => this.list.value?.current.available ?? false);
   /**
-   * What the map in use is called, empty: nothing yet; null: not known. As the list says, for localization tells
+   * What the map in use is called, empty: nothing yet; null: not known. From the list, for localization names
    * only with the next scan, and of none while SLAM rests; or as that says where it has changed since.
    */
   readonly inUse = signal<string | null>(null);
@@ -44,13 +44,13 @@ export class MapLibrary {
   }
 
   start(): void {
-    const { hello, localization } = this.store;
-    const told = computed(() => localization.value?.map);
+    const { hello, of } = this.store;
+    const localizedOn = computed(() => of("localization").value?.map);
     effect(() => {
-      if (told.value !== undefined) this.inUse.value = told.value;
+      if (localizedOn.value !== undefined) this.inUse.value = localizedOn.value;
     });
     effect(() => {
-      void [told.value, hello.value];
+      void [localizedOn.value, hello.value];
       if (this.wanted.value) void this.refresh();
     });
     effect(() => {
@@ -77,7 +77,7 @@ export class MapLibrary {
   }
 
   begin(): Promise<boolean> {
-    return this.ask("Beginning a new map…", () => this.awake(this.rest.beginMap()), "A new map has begun.");
+    return this.ask("Starting a new map…", () => this.awake(this.rest.beginMap()), "A new map has started.");
   }
 
   /** Resolves when a list is there that was asked for no earlier than now. */
@@ -109,7 +109,7 @@ export class MapLibrary {
     });
   }
 
-  /** Whoever takes a map into use wants to see the robot on it. */
+  /** A map that is taken into use is shown with the robot on it. */
   private async awake(taken: Promise<void>): Promise<void> {
     await taken;
     await this.awaken();

@@ -1,17 +1,17 @@
-/** Joins the browser's pointers, wheel and keys to the hands on the map. */
+/** Joins the browser's pointers, wheel and keys to the tools of the map. */
 
 import { number } from "../ui/format";
-import { handleAt, type MapControl } from "./control";
-import { type Point, toScreen } from "./projection";
+import { handleAt, type MapControl } from "./mapControl";
+import { type Point, toScreen } from "./mapProjection";
 
 /** Pointers, wheel and keys into the state machine; returns the undoing. `say` is for who does not see the cursor. */
-export function handsOn(canvas: HTMLCanvasElement, map: MapControl, say: (words: string) => void): () => void {
+export function listen(canvas: HTMLCanvasElement, map: MapControl, say: (words: string) => void): () => void {
   const at = (event: MouseEvent): Point => {
     const box = canvas.getBoundingClientRect();
     return { x: event.clientX - box.left, y: event.clientY - box.top };
   };
   const down = (event: PointerEvent) => {
-    if (!map.allowed.peek() && map.hands.peek().tool !== "look") return;
+    if (!map.allowed.peek() && map.tools.peek().tool !== "look") return;
     canvas.setPointerCapture(event.pointerId);
     const { view, size } = map.sight;
     const handle = handleAt(map.zones.peek(), map.selected.peek(), at(event), (point) => toScreen(view, size, point));
@@ -59,13 +59,13 @@ export function handsOn(canvas: HTMLCanvasElement, map: MapControl, say: (words:
 }
 
 function cursorWords(map: MapControl): string {
-  const { cursor, act, corners } = map.hands.peek();
+  const { cursor, act, corners } = map.tools.peek();
   if (!cursor) return "";
   const where = `${number(cursor.x, 1)}, ${number(cursor.y, 1)} metres`;
   if (act.kind === "aim") {
     const heading =
       act.heading === null ? "no heading yet" : `heading ${number((act.heading * 180) / Math.PI, 0)} degrees`;
-    return `Place ${where}, ${heading}. Arrows turn it, Enter sends it, Escape gives it up.`;
+    return `Place ${where}, ${heading}. Arrows turn it, Enter sends it, Escape cancels.`;
   }
   return corners.length > 0 ? `Corner ${corners.length + 1} at ${where}` : where;
 }

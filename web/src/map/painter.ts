@@ -2,13 +2,14 @@
 
 import { effect } from "@preact/signals";
 import type { App } from "../state/context";
-import type { MapPlace } from "../state/store";
 import { showsNow } from "../state/freshness";
+import type { MapPlace } from "../state/store";
 import { narrow } from "../ui/media";
-import { draw } from "./draw";
-import { sketch } from "./hands";
-import { composed, type Point } from "./projection";
-import { goalOf } from "./words";
+import { draw } from "./drawMap";
+import { composed, type Point } from "./mapProjection";
+import { goalOf } from "./mapText";
+import { sketch } from "./mapTools";
+import { LAYERS } from "./registry";
 
 /** As in senses.css. */
 const COLUMN_PX = 860;
@@ -20,14 +21,14 @@ export function paintOn(canvas: HTMLCanvasElement, place: MapPlace, { store, map
   const paint = () => {
     frame = 0;
     if (size.width < 1) return;
-    const localization = store.localization.peek();
+    const localization = store.of("localization").peek();
     const X_MO = localization?.X_MO ?? null;
-    const navigation = store.navigation.peek();
+    const navigation = store.of("navigation").peek();
     const going = navigation && navigation.state !== "idle" && navigation.state !== "arrived" ? navigation : null;
-    const goal = goalOf(store.desires.peek()) ?? going?.goal ?? null;
+    const goal = goalOf(store.of("desires").peek()?.desires) ?? going?.goal ?? null;
     const around = map.costmap.peek() ? grid.costmap.picture.peek() : null;
-    const hands = map.hands.peek();
-    const onMap = ({ x, y }: Point) => (X_MO ? [composed(X_MO, { x, y, theta: 0 })] : []);
+    const tools = map.tools.peek();
+    const onMap = ({ x, y }: Point) => (X_MO ? composed(X_MO, { x, y, theta: 0 }) : null);
     draw(canvas.getContext("2d")!, size, map.view.peek(), {
       map: grid.map.picture.peek(),
       costmap: around && showsNow(around.info.stamp, store.now.peek(), store.clock.rate) ? around : null,
@@ -44,17 +45,21 @@ export function paintOn(canvas: HTMLCanvasElement, place: MapPlace, { store, map
       target: going?.target ?? null,
       zones: grid.map.picture.peek()?.known ? map.zones.peek() : [],
       selected: map.selected.peek(),
-      tool: hands.tool,
-      act: hands.act,
-      sketch: sketch(hands, map.sight),
-      cursor: hands.cursor,
+      tool: tools.tool,
+      act: tools.act,
+      sketch: sketch(tools, map.sight),
+      cursor: tools.cursor,
       bar: place === "view" ? aboveTools(size.width) : null,
-      people: (store.perceived.peek()?.faces ?? []).flatMap(({ x, y }) =>
-        x === null || y === null ? [] : onMap({ x, y }),
-      ),
-      posters: (store.landmarks.peek() ?? []).flatMap(({ x, y, text }) =>
-        onMap({ x, y }).map((place) => ({ ...place, text })),
-      ),
+      percepts: (context, onScreen) => {
+        for (const layer of LAYERS) {
+          const message = store.of(layer.type).peek();
+          const place = (point: Point) => {
+            const there = onMap(point);
+            return there && onScreen(there);
+          };
+          if (message) layer.draw(context, message, place);
+        }
+      },
     });
   };
   const later = () => {
@@ -73,14 +78,9 @@ export function paintOn(canvas: HTMLCanvasElement, place: MapPlace, { store, map
   });
   sized.observe(canvas);
   const end = effect(() => {
-    void [
-      store.localization.value,
-      store.navigation.value,
-      store.desires.value,
-      store.perceived.value,
-      store.landmarks.value,
-    ];
-    void [map.view.value, map.hands.value, map.robot.value, map.zones.value, map.selected.value, map.costmap.value];
+    void [store.of("localization").value, store.of("navigation").value, store.of("desires").value?.desires];
+    for (const layer of LAYERS) void store.of(layer.type).value;
+    void [map.view.value, map.tools.value, map.robot.value, map.zones.value, map.selected.value, map.costmap.value];
     // Seconds, as what stands around is only shown while it does.
     void [grid.costmap.picture.value, store.seconds.value, store.hello.value];
     map.met(grid.map.picture.value);

@@ -1,7 +1,7 @@
 /** Keep-out and speed zones as a list that is edited: every function returns a new list. Pure. */
 
 import type { Zone } from "../protocol/types";
-import type { Point } from "./projection";
+import type { Point } from "./mapProjection";
 
 export type ZoneKind = Zone["kind"];
 
@@ -11,7 +11,7 @@ const LEAST_SPEED = 0.05;
 export const FIRST_SPEED = 0.4;
 const UNDO_STEPS = 50;
 
-/** What was, and what the last edit made of it: somebody else's edit in between is not to be undone. */
+/** What was, and what the last edit made of it: another page's edit in between is not undone. */
 export interface History {
   readonly past: readonly (readonly Zone[])[];
   readonly made: readonly Zone[] | null;
@@ -89,7 +89,7 @@ export function edited(history: History, before: readonly Zone[], after: readonl
   return { past: [...past, before].slice(-UNDO_STEPS), made: after };
 }
 
-/** The list before the last edit of ours; null: there is none, or somebody has edited since. */
+/** The list before the last edit of ours; null: there is none, or another page has edited since. */
 export function undoable(history: History, now: readonly Zone[]): readonly Zone[] | null {
   return isOurs(history, now) ? (history.past.at(-1) ?? null) : null;
 }

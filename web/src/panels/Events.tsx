@@ -3,10 +3,13 @@
 import { useSignal } from "@preact/signals";
 import { useApp } from "../state/context";
 import { ago, clockTime } from "../ui/format";
+import { panel } from "./panel";
 
 const SHOWN = 200;
 
-export function Events() {
+export const eventsPanel = panel({ type: "events", tab: "Events", Card: Events, offered: () => true });
+
+function Events() {
   const { store } = useApp();
   const events = store.events.value;
   const off = useSignal<ReadonlySet<string>>(new Set());
@@ -43,9 +46,9 @@ export function Events() {
       {shown.length === 0 && (
         <p class="empty">
           {events.length > 0
-            ? "Every kind is turned off."
+            ? "All kinds are turned off."
             : store.eventsKnown.value
-              ? "Nothing has happened yet."
+              ? "No events yet."
               : "Reading the timeline…"}
         </p>
       )}
@@ -56,7 +59,7 @@ export function Events() {
             class="event"
             data-testid="event"
             data-kind={event.kind}
-            data-subject={event.subject ?? ""}
+            data-subject={event.subject}
           >
             <time title={clockTime(event.stamp)}>{now === null ? clockTime(event.stamp) : ago(now - event.stamp)}</time>
             <span class="event-kind">{event.kind.replace(/_/g, " ")}</span>

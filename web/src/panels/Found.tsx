@@ -2,13 +2,23 @@
 
 import type { Landmark, Status } from "../protocol/types";
 import { useApp } from "../state/context";
+import type { Message } from "../state/latest";
 import { ago, number } from "../ui/format";
-import { noneFound } from "./words";
 import { QrIcon } from "../ui/icons";
+import { noneFound } from "./foundText";
+import { panel } from "./panel";
 
-export function Found() {
+export const foundPanel = panel({
+  type: "landmarks",
+  tab: "Found",
+  Card: Found,
+  offered: () => true,
+  badge: (message) => message?.landmarks.length ?? 0,
+});
+
+function Found({ message }: { message: Message<"landmarks"> | null }) {
   const { store } = useApp();
-  const landmarks = store.landmarks.value ?? [];
+  const landmarks = message?.landmarks ?? [];
   return (
     <section class="card" aria-label="Found QR codes" data-testid="found">
       <h2>
@@ -45,7 +55,7 @@ function Row({ landmark }: { landmark: Landmark }) {
       <div>
         <p class="landmark-text">{text}</p>
         <p class="muted small">
-          {bearing(landmark, store.status.value?.odometry ?? null)}
+          {bearing(landmark, store.of("status").value?.odometry ?? null)}
           {`at (${number(x, 2)}, ${number(y, 2)}, ${number(z, 2)}) m ± ${number(sigma_m * 100, 0)} cm`}
         </p>
         <p class="muted small">

@@ -1,22 +1,20 @@
 /** What the robot attends to and why: the intention, class by class, its filters and what it costs. */
 
 import type { Intention as IntentionMessage, SelectedStrategy } from "../protocol/types";
-import { useApp } from "../state/context";
+import type { Message } from "../state/latest";
 import { divisor, number, reasonText, small, spaced, stateWord } from "../ui/format";
 import { StateMark, WarnIcon } from "../ui/icons";
 import { Meter } from "../ui/Meter";
+import { panel } from "./panel";
 
-export function Intention() {
-  const { store } = useApp();
-  const intention = store.intention.value;
+export const intentionPanel = panel({ type: "intention", tab: "Attention", Card: Intention, offered: () => true });
+
+function Intention({ message }: { message: Message<"intention"> | null }) {
+  const intention = message?.intention;
   return (
     <section class="card" aria-label="Intention" data-testid="intention">
       <h2>What the robot attends to, and why</h2>
-      {intention ? (
-        <Body intention={intention} />
-      ) : (
-        <p class="empty">No intention yet: nothing was selected since this page connected.</p>
-      )}
+      {intention ? <Body intention={intention} /> : <p class="empty">No intention yet.</p>}
     </section>
   );
 }
@@ -35,11 +33,11 @@ function Body({ intention }: { intention: IntentionMessage }) {
             label={name === "cpu" ? "CPU promised" : name === "recording" ? "CPU for recording" : spaced(name)}
             value={use.used}
             limit={use.capacity}
-            text={`${number(use.used)} of ${number(use.capacity)} ${use.unit ?? ""}`}
+            text={`${number(use.used)} of ${number(use.capacity)} ${use.unit}`}
           />
         ))}
       </div>
-      {reasons.length === 0 && <p class="empty">Nobody desires anything, so nothing is let through.</p>}
+      {reasons.length === 0 && <p class="empty">No desires: all filters of attention are closed.</p>}
       <ul class="reasons">
         {reasons.map(([name, reason]) => (
           <li key={name} class={`reason ${reason.state}`} data-testid={`reason-${name}`} data-state={reason.state}>
@@ -77,7 +75,7 @@ function Body({ intention }: { intention: IntentionMessage }) {
       {intention.relaxed.length > 0 && (
         <p class="inline-note warn">
           <WarnIcon />
-          <span>Could not all be met, though marked as security: {intention.relaxed.map(spaced).join(", ")}.</span>
+          <span>Security desires that could not all be met: {intention.relaxed.map(spaced).join(", ")}.</span>
         </p>
       )}
       <p class="muted small" data-testid="omega" data-omega={intention.omega}>

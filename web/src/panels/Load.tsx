@@ -1,20 +1,28 @@
 /** CPU by module against the budget, and how each module is. */
 
+import type { Load as LoadMessage, ModuleLoad } from "../protocol/types";
 import { useApp } from "../state/context";
 import { attendedCpu } from "../state/load";
-import type { Load as LoadMessage, ModuleLoad } from "../protocol/types";
 import { divisor, millis, number, spaced } from "../ui/format";
 import { ChevronIcon, WarnIcon } from "../ui/icons";
 import { Meter } from "../ui/Meter";
 import { CpuPlot } from "./CpuPlot";
+import { panel } from "./panel";
 
-export function Load() {
-  const { store } = useApp();
-  const load = store.load.value;
+export const loadPanel = panel({
+  type: "load",
+  tab: "Load",
+  Card: Load,
+  offered: () => true,
+  badge: (message) => (troubled(message) ? "!" : 0),
+  alarm: troubled,
+});
+
+function Load({ message: load }: { message: LoadMessage | null }) {
   return (
     <section class="card" aria-label="Load" data-testid="load">
       <h2>Load</h2>
-      {load ? <Body load={load} /> : <p class="empty">Figures come once a second…</p>}
+      {load ? <Body load={load} /> : <p class="empty">Waiting for the next figures (once a second)…</p>}
     </section>
   );
 }
@@ -22,14 +30,14 @@ export function Load() {
 function Body({ load }: { load: LoadMessage }) {
   const modules = [...load.modules].sort((a, b) => rank(a) - rank(b) || b.cpu - a.cpu || a.name.localeCompare(b.name));
   const { store } = useApp();
-  const attended = attendedCpu(load, store.intention.value);
+  const attended = attendedCpu(load, store.of("intention").value?.intention ?? null);
   const budget = load.budget;
   const most = Math.max(2, ...modules.map((module) => Math.max(module.cpu, module.cpu_budget ?? 0)));
   return (
     <>
       {budget !== null && (
         <Meter
-          label="What attention governs"
+          label="Governed by attention"
           value={attended}
           limit={budget}
           full={Math.max(budget, attended) * 1.1}
@@ -50,6 +58,10 @@ function Body({ load }: { load: LoadMessage }) {
       </ul>
     </>
   );
+}
+
+function troubled(load: LoadMessage | null): boolean {
+  return load?.modules.some(({ state }) => state === "failed" || state === "hung") ?? false;
 }
 
 /** What is wrong comes first. */

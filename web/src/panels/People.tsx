@@ -1,16 +1,29 @@
-/** Who is seen now and what is heard now: how far, and in which direction. */
+/** Who is seen now and what is heard now: how far, and in which direction; and whether it is dark. */
 
-import { directionWords, faceMarks, soundMarks } from "../around/marks";
-import { whyClosed } from "../around/why";
+import { directionWords, faceMarks, soundMarks } from "../around/perceptMarks";
+import { whyClosed } from "../around/whyClosed";
+import type { RobotEvent } from "../protocol/types";
 import { useApp } from "../state/context";
+import type { Message } from "../state/latest";
 import { PersonIcon, SoundIcon } from "../ui/icons";
+import { panel } from "./panel";
 
-export function People() {
+/** Cameras in the dark: those whose newest event of darkness is that it appeared. */
+export function inTheDark(events: RobotEvent[]): string[] {
+  const newest = new Map<unknown, string | null>();
+  for (const { kind, subject, data } of events)
+    if (kind === "percept" && data?.kind === "dark") newest.set(data.subject, subject);
+  return [...newest].filter(([, name]) => name === "dark.appears").map(([camera]) => String(camera));
+}
+
+export const peoplePanel = panel({ type: "perceived", tab: "Found", Card: People, offered: () => true });
+
+function People({ message: perceived }: { message: Message<"perceived"> | null }) {
   const { store } = useApp();
-  const perceived = store.perceived.value;
   const now = store.now.value ?? perceived?.stamp ?? 0;
   const faces = faceMarks(perceived).reverse();
   const sounds = soundMarks(perceived, now).reverse();
+  const dark = inTheDark(store.events.value);
   const closed = whyClosed(store.hello.value, store.rows.value, store.replay.value, true).filter(
     ({ what }) => what !== "picture",
   );
@@ -19,7 +32,7 @@ export function People() {
       <h2>
         People and sounds now <span class="count">{faces.length + sounds.length}</span>
       </h2>
-      {faces.length + sounds.length === 0 && <p class="empty">Nobody is seen, nothing is heard.</p>}
+      {faces.length + sounds.length === 0 && <p class="empty">No people seen, no sounds heard.</p>}
       {faces.length + sounds.length > 0 && (
         <ul class="percepts">
           {faces.map((face) => (
@@ -48,6 +61,11 @@ export function People() {
             </li>
           ))}
         </ul>
+      )}
+      {dark.length > 0 && (
+        <p class="muted small" data-testid="dark">
+          It is dark before {dark.join(", ")}.
+        </p>
       )}
       {closed.map(({ what, text, reason }) => (
         <p key={what} class="muted small">

@@ -1,4 +1,4 @@
-/** Says, where the hands on the robot would be, that this is a recording. */
+/** Says, in place of the controls, that this is a recording. */
 
 import { useApp } from "../state/context";
 import { dayTime } from "../ui/format";
@@ -13,11 +13,13 @@ export function Marker() {
   // A log that does not say whose it is goes by its file and format.
   const named = file === "" || !robot.startsWith(file);
   return (
-    <p class="recording-marker" data-testid="recording-marker" title="Nothing in a recording can be driven or stopped">
+    <p class="recording-marker" data-testid="recording-marker" title="A recording cannot be driven or stopped">
       <FilmIcon />
       <span>
         <b>{named ? `Recording of ${robot}` : robot}</b>
-        <small>{[isDated(begin) ? dayTime(begin) : "", named ? file : "a recording"].filter(Boolean).join(" · ")}</small>
+        <small>
+          {[isDated(begin) ? dayTime(begin) : "", named ? file : "a recording"].filter(Boolean).join(" · ")}
+        </small>
       </span>
     </p>
   );

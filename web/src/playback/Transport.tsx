@@ -4,7 +4,7 @@ import type { ComponentChildren } from "preact";
 import { useApp } from "../state/context";
 import { clockSpan, clockTime, number } from "../ui/format";
 import { BackIcon, PauseIcon, PlayIcon, ReplayIcon, StepIcon } from "../ui/icons";
-import { isDated, slowerThanAsked, SPEEDS, speedWord, spokenSpan } from "./transport";
+import { isDated, SPEEDS, slowerThanAsked, speedWord, spokenSpan } from "./transport";
 
 export function Transport() {
   const { store, playback } = useApp();
@@ -43,7 +43,7 @@ export function Transport() {
       <p class="transport-position">
         <b data-testid="playback-position">{clockSpan(at, playing ? 0 : 1)}</b>
         {isDated(begin) && (
-          <span class="muted" title="The clock where you are, when this was recorded">
+          <span class="muted" title="Your local time when this was recorded">
             {clockTime(position)}
           </span>
         )}
@@ -101,7 +101,7 @@ function Pace({ asked, slow, rate }: { asked: number | null; slow: boolean; rate
   return (
     <span
       class={`transport-pace ${slow ? "slow" : ""}`}
-      title={slow ? "This computer cannot play the recording any faster" : "The speed that this computer reaches"}
+      title={slow ? "This computer cannot play the recording any faster" : "As fast as this computer can"}
     >
       {shown ? `runs at ${number(rate, rate < 10 ? 1 : 0)}×` : ""}
     </span>

@@ -63,17 +63,17 @@ test("of a drag one request is under way at a time, and the newest wins", async 
   expect(turns.wanted).toBeNull();
 });
 
-test("a refused seek gives the position back, and only the last refusal is told", async () => {
-  const told: unknown[] = [];
+test("a refused seek gives the position back, and only the last refusal is reported", async () => {
+  const failures: unknown[] = [];
   const turns = new Turns(
     (position) => Promise.reject(new Error(`not ${position}`)),
     () => undefined,
-    (error) => told.push(error),
+    (error) => failures.push(error),
   );
   turns.seek(1);
   turns.seek(2);
   await new Promise((resolve) => setTimeout(resolve));
-  expect(told.map(String)).toEqual(["Error: not 2"]);
+  expect(failures.map(String)).toEqual(["Error: not 2"]);
   expect(turns.wanted).toBeNull();
 });
 
@@ -83,7 +83,11 @@ test("everything has its turn in the order of the hand, and only seeks in a row 
     await new Promise((resolve) => setTimeout(resolve));
     done.push(what);
   };
-  const turns = new Turns((position) => takes(`seek ${position}`)(), () => undefined, (error) => done.push(String(error)));
+  const turns = new Turns(
+    (position) => takes(`seek ${position}`)(),
+    () => undefined,
+    (error) => done.push(String(error)),
+  );
   turns.seek(1);
   turns.ask(takes("pause"));
   turns.ask(() => Promise.reject(new Error("no such speed")));

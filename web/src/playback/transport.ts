@@ -37,7 +37,11 @@ export function actionOf(key: Key): Action | null {
 }
 
 /** Where `action` leads from `position`, or null if it does not move the position by itself. */
-export function target(action: Action, position: number, { begin, end }: Pick<Playback, "begin" | "end">): number | null {
+export function target(
+  action: Action,
+  position: number,
+  { begin, end }: Pick<Playback, "begin" | "end">,
+): number | null {
   const to = {
     toggle: null,
     step: null,

@@ -6,7 +6,7 @@ interface Seek {
 type Request = () => Promise<void>;
 
 export class Turns {
-  /** Where the hand wants to be, until the robot is there; null: nobody asks. */
+  /** The position asked for, until the recording is there; null: none. */
   wanted: number | null = null;
   private waiting: (Seek | Request)[] = [];
   private busy = false;

@@ -82,7 +82,12 @@ describe("a connection that stands", () => {
 });
 
 describe("what may move something", () => {
-  const moving = [drive(true), { type: "clear_e_stop" }, { type: "take_control" }, { type: "ping", rtt_ms: null }] as const;
+  const moving = [
+    drive(true),
+    { type: "clear_e_stop" },
+    { type: "take_control" },
+    { type: "ping", rtt_ms: null },
+  ] as const;
 
   test.each(moving)("says when it was sent, and what had been heard by then: $type", (message) => {
     const { live } = connect();

@@ -61,7 +61,7 @@ export class LiveConnection {
     this.timers = [window.setInterval(() => this.ping(), PING_MS), window.setInterval(() => this.watch(), 500)];
   }
 
-  /** Closes for good; `open` starts anew. */
+  /** Closes for good; `open` starts again. */
   close(): void {
     this.closed = true;
     clearTimeout(this.retryTimer);
@@ -95,7 +95,7 @@ export class LiveConnection {
     const message = JSON.parse(data) as FromRobot;
     if (message.type === "hello" || message.type === "status" || message.type === "pong")
       this.heard = { heard: message.stamp, heard_t: this.lastHeard };
-    if (message.type === "pong") {
+    if (message.type === "pong" && message.t !== null) {
       this.rttMs = performance.now() - message.t;
       this.handlers.roundTrip(this.rttMs);
     }

@@ -1,5 +1,7 @@
 /** The pictures of the live stream: 24 bytes of little-endian header, then a JPEG, or of maps a PNG. */
 
+import type { AckMessage } from "./generated";
+
 export const CAMERA = 1;
 export const PANORAMA = 2;
 export const MAP = 3;
@@ -7,7 +9,7 @@ export const COSTMAP = 4;
 const HEADER_BYTES = 24;
 
 export interface Picture {
-  kind: number;
+  kind: AckMessage["kind"];
   seq: number;
   stamp: number;
   width: number;
@@ -21,7 +23,7 @@ export function parsePicture(frame: ArrayBuffer): Picture | null {
   if (frame.byteLength <= HEADER_BYTES) return null;
   const view = new DataView(frame);
   return {
-    kind: view.getUint8(0),
+    kind: view.getUint8(0) as Picture["kind"],
     seq: view.getUint32(4, true),
     stamp: view.getFloat64(8, true),
     width: view.getUint16(16, true),

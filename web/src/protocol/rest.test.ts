@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import { inWords, Problem } from "./rest";
 
-test("a refusal is told by its reason, and its fields where the reason does not name them", () => {
+test("a refusal shows its reason, and its fields where the reason does not name them", () => {
   expect(inWords(new Problem(409, "Recording exists", "there is a recording called a already."))).toBe(
     "There is a recording called a already.",
   );

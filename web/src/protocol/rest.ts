@@ -1,14 +1,35 @@
 /** REST under `api/v1`: JSON in and out, errors as problem details (RFC 9457). */
 
 import { sentence } from "../ui/format";
-import type { Desire, KeptMaps, Place, Playback, Recordings, RobotEvent, Zone } from "./types";
+import type {
+  Desire,
+  DesireChange,
+  EventList,
+  GoalRequest,
+  LoadRequest,
+  LoginRequest,
+  MapList,
+  NewDesire,
+  NewRecording,
+  PlaybackChange,
+  PlaybackReport,
+  PoseRequest,
+  RecordingList,
+  RenameRequest,
+  ReplayReport,
+  RobotEvent,
+  Saved,
+  SaveRequest,
+  Zone,
+  ZonesRequest,
+} from "./types";
 
 export interface FieldError {
   field: string;
   message: string;
 }
 
-/** A refusal, in words for people; `status` 0 means that nobody answered. */
+/** A refusal, in words for people; `status` 0: no answer. */
 export class Problem extends Error {
   constructor(
     readonly status: number,
@@ -31,19 +52,19 @@ export class Rest {
   }
 
   async logIn(token: string): Promise<void> {
-    await this.ask("POST", "/session", { token });
+    await this.ask("POST", "/session", { token } satisfies LoginRequest);
   }
 
   async timeline(limit: number): Promise<RobotEvent[]> {
-    const answer = (await this.ask("GET", `/timeline?limit=${limit}`)) as { events: RobotEvent[] };
-    return answer.events;
+    return ((await this.ask("GET", `/timeline?limit=${limit}`)) as EventList).events;
   }
 
-  async addDesire(desire: Record<string, unknown>, key: string): Promise<Desire> {
+  /** A member that is null where it may not be is refused by the robot, in words. */
+  async addDesire(desire: { [M in keyof NewDesire]: NewDesire[M] | null }, key: string): Promise<Desire> {
     return (await this.ask("POST", "/desires", desire, { "Idempotency-Key": key })) as Desire;
   }
 
-  async changeDesire(id: string, change: Record<string, unknown>): Promise<void> {
+  async changeDesire(id: string, change: DesireChange): Promise<void> {
     await this.ask("PATCH", `/desires/${encodeURIComponent(id)}`, change);
   }
 
@@ -51,19 +72,19 @@ export class Rest {
     await this.ask("DELETE", `/desires/${encodeURIComponent(id)}`);
   }
 
-  async playback(change: { playing?: boolean; speed?: number | null; position?: number }): Promise<Partial<Playback>> {
-    return ((await this.ask("PATCH", "/playback", change)) ?? {}) as Partial<Playback>;
+  async playback(change: PlaybackChange): Promise<PlaybackReport> {
+    return (await this.ask("PATCH", "/playback", change)) as PlaybackReport;
   }
 
-  async stepPlayback(): Promise<Partial<Playback>> {
-    return ((await this.ask("POST", "/playback/step")) ?? {}) as Partial<Playback>;
+  async stepPlayback(): Promise<PlaybackReport> {
+    return (await this.ask("POST", "/playback/step")) as PlaybackReport;
   }
 
-  async recordings(): Promise<Recordings> {
-    return (await this.ask("GET", "/recordings")) as Recordings;
+  async recordings(): Promise<RecordingList> {
+    return (await this.ask("GET", "/recordings")) as RecordingList;
   }
 
-  async record(options: { name?: string; keep_minutes?: number }): Promise<void> {
+  async record(options: NewRecording): Promise<void> {
     await this.ask("POST", "/recordings", options);
   }
 
@@ -71,10 +92,9 @@ export class Rest {
     await this.ask("POST", "/recordings/stop");
   }
 
-  /** Keeps the ring's last minutes; resolves to the name they are kept under, where the robot says it. */
-  async saveRing(options: { minutes?: number; name?: string }): Promise<string> {
-    const answer = (await this.ask("POST", "/recordings/save", options)) as { name?: string } | null;
-    return answer?.name ?? options.name ?? "";
+  /** Keeps the ring's last minutes; resolves to the name they are kept under. */
+  async saveRing(options: SaveRequest): Promise<string> {
+    return ((await this.ask("POST", "/recordings/save", options)) as Saved).name;
   }
 
   async deleteRecording(name: string): Promise<void> {
@@ -83,8 +103,7 @@ export class Rest {
 
   /** Resolves to the address of the replay's own console. */
   async replay(name: string): Promise<string> {
-    const answer = (await this.ask("POST", `/recordings/${encodeURIComponent(name)}/replay`)) as { url: string };
-    return answer.url;
+    return ((await this.ask("POST", `/recordings/${encodeURIComponent(name)}/replay`)) as ReplayReport).url;
   }
 
   async endReplay(name: string): Promise<void> {
@@ -95,8 +114,8 @@ export class Rest {
     return `${ROOT}/recordings/${encodeURIComponent(name)}`;
   }
 
-  async maps(): Promise<KeptMaps> {
-    return (await this.ask("GET", "/maps")) as KeptMaps;
+  async maps(): Promise<MapList> {
+    return (await this.ask("GET", "/maps")) as MapList;
   }
 
   /** Keeps the map in use under `name`. */
@@ -105,12 +124,12 @@ export class Rest {
   }
 
   /** Without a pose the robot looks for itself; `extend`: mapping goes on. */
-  async loadMap(name: string, options: { pose?: Place; extend: boolean }): Promise<void> {
+  async loadMap(name: string, options: LoadRequest): Promise<void> {
     await this.ask("POST", `${mapPath(name)}/load`, options);
   }
 
   async renameMap(name: string, to: string): Promise<void> {
-    await this.ask("PATCH", mapPath(name), { name: to });
+    await this.ask("PATCH", mapPath(name), { name: to } satisfies RenameRequest);
   }
 
   async deleteMap(name: string): Promise<void> {
@@ -125,7 +144,7 @@ export class Rest {
     await this.ask("POST", "/map/begin");
   }
 
-  async placeRobot(pose: Place): Promise<void> {
+  async placeRobot(pose: PoseRequest): Promise<void> {
     await this.ask("PUT", "/map/pose", pose);
   }
 
@@ -134,10 +153,10 @@ export class Rest {
   }
 
   async markZones(zones: readonly Zone[]): Promise<void> {
-    await this.ask("PUT", "/map/zones", { zones });
+    await this.ask("PUT", "/map/zones", { zones: [...zones] } satisfies ZonesRequest);
   }
 
-  async setGoal(goal: { x: number; y: number; heading?: number }): Promise<void> {
+  async setGoal(goal: GoalRequest): Promise<void> {
     await this.ask("PUT", "/goal", goal);
   }
 
@@ -164,7 +183,7 @@ export class Rest {
       throw new Problem(
         0,
         "No answer",
-        "The robot did not answer. Check that it runs and that you are on its network.",
+        "The robot did not answer. Check that its program runs and that you are on its network.",
       );
     }
     if (!response.ok) throw await readProblem(response);

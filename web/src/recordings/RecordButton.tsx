@@ -3,11 +3,11 @@
 import { useApp } from "../state/context";
 import { clockSpan, sentence, size } from "../ui/format";
 import { RecordIcon, RingIcon, SquareIcon, WarnIcon } from "../ui/icons";
-import { recordedFor } from "./words";
+import { recordedFor } from "./recordingText";
 
 export function RecordButton() {
   const { store, recordings } = useApp();
-  const recorder = store.recorder.value;
+  const recorder = store.of("recorder").value;
   if (!recorder?.available || store.replay.value) return null;
   const pending = recordings.pending.value;
   const live = store.live.value;
@@ -27,7 +27,10 @@ export function RecordButton() {
         disabled={!live}
         aria-label={`Stop recording. ${length} recorded, ${size(recorder.bytes)}`}
         title="Stop recording"
-        onClick={(event) => (leave(event), void recordings.stop())}
+        onClick={(event) => {
+          leave(event);
+          void recordings.stop();
+        }}
       >
         <SquareIcon />
         <span data-testid="record-time">{length}</span>
@@ -42,8 +45,11 @@ export function RecordButton() {
         class="record ring"
         disabled={!live || pending === "save"}
         aria-label={`Save the last ${length}`}
-        title="Save what the ring holds as a recording"
-        onClick={(event) => (leave(event), void recordings.save())}
+        title="Save the ring as a recording"
+        onClick={(event) => {
+          leave(event);
+          void recordings.save();
+        }}
       >
         <RingIcon />
         <span class="record-word">{pending === "save" ? "Saving…" : "Save last"}</span>
@@ -56,7 +62,10 @@ export function RecordButton() {
         {...common}
         class="record stopped"
         title={sentence(recorder.reason)}
-        onClick={(event) => (leave(event), (store.tab.value = "recordings"))}
+        onClick={(event) => {
+          leave(event);
+          store.tab.value = "recordings";
+        }}
       >
         <WarnIcon /> <span class="record-word">Not recording</span>
         <span class="only-narrow">Stopped</span>
@@ -69,7 +78,10 @@ export function RecordButton() {
       disabled={!live}
       aria-label="Record"
       title="Record what the robot perceives and does"
-      onClick={(event) => (leave(event), void recordings.record({}))}
+      onClick={(event) => {
+        leave(event);
+        void recordings.record({});
+      }}
     >
       <RecordIcon /> Record
     </button>

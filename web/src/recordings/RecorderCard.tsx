@@ -1,23 +1,21 @@
 /** What the Recorder does now, and the form that begins a recording. */
 
 import { useSignal } from "@preact/signals";
-import type { Recorder } from "../protocol/types";
 import { Labelled } from "../desires/FieldInput";
+import type { Recorder } from "../protocol/types";
 import { useApp } from "../state/context";
 import { clockSpan, number, sentence, size } from "../ui/format";
 import { RecordIcon, RingIcon, SquareIcon, WarnIcon } from "../ui/icons";
-import type { Pending } from "./control";
-import { nameProblem, recordedFor, ringMinutes } from "./words";
+import type { Pending } from "./recordingControl";
+import { nameProblem, recordedFor, ringMinutes } from "./recordingText";
 
 export function RecorderCard() {
   const { store, recordings } = useApp();
-  const recorder = store.recorder.value;
+  const recorder = store.of("recorder").value;
   if (!recorder?.available)
     return (
       <section class="card" aria-label="Recorder">
-        <p class="empty">
-          {store.live.value ? "This robot's program has no Recorder running." : "Waiting for the robot…"}
-        </p>
+        <p class="empty">{store.live.value ? "No Recorder is running." : "Waiting for the robot…"}</p>
       </section>
     );
   const { state } = recorder;
@@ -37,7 +35,7 @@ export function RecorderCard() {
         <p class="inline-note warn recorder-stopped" data-testid="recorder-reason">
           <WarnIcon />
           <span>
-            <b>Not recording, though desired.</b> {sentence(recorder.reason)}
+            <b>Not recording, although desired.</b> {sentence(recorder.reason)}
           </span>
         </p>
       )}
@@ -69,7 +67,7 @@ function Running({ recorder }: { recorder: Recorder }) {
           <dt>Messages</dt>
           <dd>{number(recorder.messages, 0)}</dd>
         </div>
-        <div class={recorder.dropped > 0 ? "some" : ""} title="Messages that the disk was too slow for">
+        <div class={recorder.dropped > 0 ? "some" : ""} title="Messages lost because the disk was too slow">
           <dt>Lost</dt>
           <dd data-testid="recorder-dropped">{number(recorder.dropped, 0)}</dd>
         </div>
@@ -106,7 +104,9 @@ function Actions({ recorder }: { recorder: Recorder }) {
             class="button accent"
             data-testid="ring-save"
             disabled={!store.live.value || pending !== null || wrong !== ""}
-            onClick={() => void recordings.save(name.value.trim() || undefined).then((kept) => kept && (name.value = ""))}
+            onClick={() =>
+              void recordings.save(name.value.trim() || undefined).then((kept) => kept && (name.value = ""))
+            }
           >
             {pending === "save" ? "Saving…" : `Save the last ${clockSpan(recordedFor(recorder, store.now.value))}`}
           </button>
@@ -128,7 +128,7 @@ function Actions({ recorder }: { recorder: Recorder }) {
 function stopWord(state: Recorder["state"], pending: Pending): string {
   if (pending === "stop") return "Stopping…";
   if (state === "ring") return "Stop keeping";
-  return state === "recording" ? "Stop" : "Give up recording";
+  return state === "recording" ? "Stop" : "Stop trying";
 }
 
 function Form() {
@@ -143,7 +143,10 @@ function Form() {
     event.preventDefault();
     if (wrongName || typeof minutes === "string") return;
     const typed = name.value.trim();
-    await recordings.record({ ...(typed ? { name: typed } : {}), ...(minutes === null ? {} : { keep_minutes: minutes }) });
+    await recordings.record({
+      ...(typed ? { name: typed } : {}),
+      ...(minutes === null ? {} : { keep_minutes: minutes }),
+    });
   };
   return (
     <form class="recorder-form" noValidate onSubmit={(event) => void submit(event)} data-testid="recorder-form">
@@ -160,7 +163,12 @@ function Form() {
             />
           )}
         </Labelled>
-        <Labelled name="record-keep" title="Keep only the last" hint="minutes; empty: all of it" error={wrongKeep || undefined}>
+        <Labelled
+          name="record-keep"
+          title="Keep only the last"
+          hint="minutes; empty: all of it"
+          error={wrongKeep || undefined}
+        >
           {(props) => (
             <input
               {...props}

@@ -7,19 +7,19 @@ import { useApp } from "../state/context";
 import type { Store } from "../state/store";
 import { clockSpan, dayTime, size } from "../ui/format";
 import { DownloadIcon, PlayIcon, TrashIcon, WarnIcon } from "../ui/icons";
-import { recordedFor } from "./words";
+import { recordedFor } from "./recordingText";
 
 const STATES = {
   complete: null,
   recording: { word: "being recorded", hint: "" },
-  unfinished: { word: "cut off", hint: "The program ended while it was written. To make it whole: hbba log repair" },
+  unfinished: { word: "cut off", hint: "The program ended while writing it. To repair it: hbba log repair" },
 } as const;
 
 export function RecordingRow({ recording, onGone }: { recording: Recording; onGone: () => void }) {
   const { session, store } = useApp();
   const asking = useSignal(false);
   const { name, state } = recording;
-  const told = STATES[state];
+  const tag = STATES[state];
   const { seconds, bytes } = figures(recording, store);
   const facts = [
     recording.began === null ? "" : dayTime(recording.began),
@@ -36,20 +36,18 @@ export function RecordingRow({ recording, onGone }: { recording: Recording; onGo
     >
       <p class="recording-head">
         <b>{name}</b>
-        {told && (
-          <span class={`tag ${state === "recording" ? "being-recorded" : state}`} title={told.hint}>
-            {told.word}
+        {tag && (
+          <span class={`tag ${state === "recording" ? "being-recorded" : state}`} title={tag.hint}>
+            {tag.word}
           </span>
         )}
       </p>
       <p class="recording-facts">
         <span>{facts.join(" · ")}</span>
-        <span data-testid="recording-length">
-          {seconds === null ? "length unknown" : clockSpan(seconds)}
-        </span>
+        <span data-testid="recording-length">{seconds === null ? "length unknown" : clockSpan(seconds)}</span>
         <span data-testid="recording-size">{size(bytes)}</span>
       </p>
-      {state === "unfinished" && <p class="muted small">{`${told!.hint} ${name}`}</p>}
+      {state === "unfinished" && <p class="muted small">{`${tag!.hint} ${name}`}</p>}
       {state !== "recording" &&
         (asking.value ? (
           <Confirm name={name} onGone={onGone} onKeep={() => (asking.value = false)} />
@@ -84,7 +82,7 @@ export function RecordingRow({ recording, onGone }: { recording: Recording; onGo
 
 /** Of one that is being written, the Recorder knows more than the list read some time ago. */
 function figures(recording: Recording, store: Store): { seconds: number | null; bytes: number } {
-  const recorder = store.recorder.value;
+  const recorder = store.of("recorder").value;
   if (recording.state === "recording" && recorder?.name === recording.name)
     return { seconds: recordedFor(recorder, store.now.value), bytes: recorder.bytes };
   return { seconds: recording.duration_s, bytes: recording.bytes };

@@ -1,14 +1,23 @@
 /** The recordings: what is being recorded, and those there are. */
 
 import { useEffect, useRef } from "preact/hooks";
+import { panel } from "../panels/panel";
 import { useApp } from "../state/context";
 import { size } from "../ui/format";
 import { WarnIcon } from "../ui/icons";
 import { RecorderCard } from "./RecorderCard";
 import { RecordingRow } from "./RecordingRow";
-import { newestFirst } from "./words";
+import { newestFirst } from "./recordingText";
 
-export function Recordings() {
+export const recordingsPanel = panel({
+  type: "recorder",
+  tab: "Recordings",
+  Card: Recordings,
+  offered: ({ store }) => !store.replay.value,
+  alarm: (message) => message?.state === "stopped",
+});
+
+function Recordings() {
   const { store, recordings } = useApp();
   const list = store.recordings.value;
   const problem = recordings.problem.value;
@@ -36,7 +45,7 @@ export function Recordings() {
           <p class="empty">{problem ? "The list could not be read." : "Reading the list…"}</p>
         ) : list.recordings.length === 0 ? (
           <p class="empty" data-testid="recordings-empty">
-            None yet. What you record is kept on the robot; it can be replayed, downloaded and opened in other tools.
+            None yet. Recordings are stored on the robot; replay them here, or download them.
           </p>
         ) : (
           <ul class="recordings">

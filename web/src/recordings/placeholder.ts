@@ -27,7 +27,7 @@ export function starting(name: string): Placeholder | null {
   const text = page.createElement("p");
   text.textContent = `Starting the replay of ${name}…`;
   const more = page.createElement("small");
-  more.textContent = "It runs beside the robot and touches nothing of it. This takes some seconds.";
+  more.textContent = "It does not affect the robot. This takes some seconds.";
   page.body.append(page.createElement("i"), text, more);
   return {
     go: (url) => {

@@ -27,7 +27,7 @@ export function ListenButton() {
         aria-pressed={on}
         aria-disabled={refusal !== null}
         aria-label={on ? "Stop listening to the robot" : "Listen to the robot"}
-        title={refusal ?? (on ? "Stop listening. The figure is how late you hear it." : "Hear what the robot hears")}
+        title={refusal ?? (on ? "Stop listening. The figure is the delay." : "Hear what the robot hears")}
         onClick={(event) => {
           listening.toggle();
           if (event.detail > 0) event.currentTarget.blur(); // the keys go on driving

@@ -6,7 +6,7 @@ import { LevelBars } from "./LevelBars";
 
 export function TalkButton() {
   const { store, talking } = useApp();
-  const speaker = store.status.value?.speaker ?? null;
+  const speaker = store.of("status").value?.speaker ?? null;
   const state = talking.state.value;
   const refusal = talking.refusal.value;
   const held = (event: KeyboardEvent) => event.code === "Space" || event.code === "Enter";
@@ -21,7 +21,7 @@ export function TalkButton() {
       aria-pressed={state === "talking"}
       aria-disabled={refusal !== null}
       aria-label="Hold to speak through the robot"
-      title={refusal ?? "Hold, or hold the key V, and speak: the robot says it"}
+      title={refusal ?? "Hold this or V and speak through the robot"}
       onPointerDown={(event) => {
         if (event.button !== 0) return;
         event.currentTarget.setPointerCapture(event.pointerId);

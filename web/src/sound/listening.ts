@@ -51,7 +51,10 @@ export class Listening {
       const phase = this.store.link.value.phase;
       if (!this.on.peek() || (phase !== "lost" && phase !== "login")) return;
       this.end();
-      this.store.notify("warning", "The connection was lost: you no longer hear the robot. Press Listen to hear it again.");
+      this.store.notify(
+        "warning",
+        "The connection was lost: you no longer hear the robot. Press Listen to hear it again.",
+      );
     });
   }
 
@@ -140,10 +143,10 @@ export class Listening {
     if (!this.on.value || !this.waited.value) return null;
     const { store } = this;
     if (store.replay.value)
-      return store.playback.value?.playing ? "Nothing was recorded of this." : "The recording stands still.";
+      return store.playback.value?.playing ? "No sound was recorded here." : "The recording is paused.";
     const lane = store.rows.value.find((row) => row.class === "Listen");
     if (lane && lane.divisor === null && lane.state !== "undesired") return sentence(lane.text);
-    if (this.player && this.player.context.state !== "running") return "The browser holds the sound back.";
+    if (this.player && this.player.context.state !== "running") return "The browser blocks the sound.";
     return "No sound comes from the robot.";
   }
 }
@@ -153,9 +156,7 @@ function whyNot(store: Store): string | null {
   const hello = store.hello.value;
   if (!hello || (phase !== "live" && phase !== "stale")) return "Not connected to the robot.";
   if (!hello.audio.listen)
-    return store.replay.value
-      ? "This recording has no sound."
-      : "This robot has no microphones to listen through.";
+    return store.replay.value ? "This recording has no sound." : "This robot has no microphones to listen through.";
   const lane = store.rows.value.find((row) => row.class === "Listen");
   if (lane?.state === "inhibited" && !store.replay.value) return `Listening is forbidden now: ${lane.text}`;
   return null;

@@ -32,10 +32,17 @@ export async function openMicrophone(): Promise<Microphone> {
     close();
     throw error;
   }
-  const node = new AudioWorkletNode(context, "microphone", { numberOfInputs: 1, channelCount: 1, channelCountMode: "explicit" });
+  const node = new AudioWorkletNode(context, "microphone", {
+    numberOfInputs: 1,
+    channelCount: 1,
+    channelCountMode: "explicit",
+  });
   // Only what leads to the loudspeaker is sure to be asked for its samples.
   const silent = new GainNode(context, { gain: 0 });
-  new MediaStreamAudioSourceNode(context, { mediaStream: stream }).connect(node).connect(silent).connect(context.destination);
+  new MediaStreamAudioSourceNode(context, { mediaStream: stream })
+    .connect(node)
+    .connect(silent)
+    .connect(context.destination);
   const microphone: Microphone = { onFrame: () => undefined, onEnd: () => undefined, close };
   const resampler = new Resampler();
   const framer = new Framer(RATE * FRAME_S);
@@ -53,6 +60,7 @@ export function microphoneProblem(error: unknown): string {
   if (name === "NotAllowedError")
     return "The browser may not use your microphone. Allow it beside the page's address, then hold the button again.";
   if (name === "NotFoundError") return "This computer has no microphone. Plug one in, then hold the button again.";
-  if (name === "NotReadableError") return "Your microphone is in use by another program. Close that, then hold the button again.";
+  if (name === "NotReadableError")
+    return "Your microphone is in use by another program. Close that, then hold the button again.";
   return "Your microphone could not be opened.";
 }

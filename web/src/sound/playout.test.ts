@@ -8,7 +8,10 @@ const frame = (seq: number, stamp = seq * 0.02): Sound => ({
   seq,
   stamp,
   rate: RATE,
-  samples: Int16Array.from({ length: FRAME }, (_, i) => 8000 * Math.sin((2 * Math.PI * 300 * (seq * FRAME + i)) / RATE)),
+  samples: Int16Array.from(
+    { length: FRAME },
+    (_, i) => 8000 * Math.sin((2 * Math.PI * 300 * (seq * FRAME + i)) / RATE),
+  ),
 });
 
 const SILENCE = new Int16Array(FRAME);
@@ -20,7 +23,11 @@ function run(frames: number, delay: (seq: number) => number, faster = 0) {
     seq,
     at: (seq * 0.02) / (1 + faster) + delay(seq),
   })).sort((a, b) => a.at - b.at || a.seq - b.seq);
-  const pieces = arrivals.map(({ seq, at }) => ({ seq, now: at, piece: playout.push({ seq, stamp: 0.02 * seq, rate: RATE, samples: SILENCE }, at) }));
+  const pieces = arrivals.map(({ seq, at }) => ({
+    seq,
+    now: at,
+    piece: playout.push({ seq, stamp: 0.02 * seq, rate: RATE, samples: SILENCE }, at),
+  }));
   return { playout, pieces };
 }
 
@@ -73,7 +80,7 @@ test("a hitch makes the reserve larger", () => {
   expect(playout.aim).toBeGreaterThan(0.13);
 });
 
-test("what is heard is told with the robot's time of it, and nothing when nothing is", () => {
+test("what is heard has the robot's time; silence has none", () => {
   const playout = new Playout(RATE);
   const first = playout.push(frame(0, 50), 1)!;
   playout.push(frame(1, 50.02), 1.02);

@@ -24,16 +24,19 @@ test("the same rate gives the same samples, two later", () => {
   expect(out[500]).toBeCloseTo(heard[498]!, 6);
 });
 
-test.each([0.995, 1, 1.01, 44_100 / 48_000])("a step of %d, in pieces, is a sine of that pitch without seams", (step) => {
-  const resampler = new Resampler();
-  const out: number[] = [];
-  for (let i = 0; i < 50; i++) out.push(...resampler.push(sine(512, 700, 48_000, 512 * i), step));
-  expect(Math.abs(out.length - (50 * 512) / step)).toBeLessThan(3);
-  out.slice(10).forEach((sample, i) => {
-    const at = (i + 10) * step - 2;
-    expect(Math.abs(sample - Math.sin((2 * Math.PI * 700 * at) / 48_000))).toBeLessThan(2e-3);
-  });
-});
+test.each([0.995, 1, 1.01, 44_100 / 48_000])(
+  "a step of %d, in pieces, is a sine of that pitch without seams",
+  (step) => {
+    const resampler = new Resampler();
+    const out: number[] = [];
+    for (let i = 0; i < 50; i++) out.push(...resampler.push(sine(512, 700, 48_000, 512 * i), step));
+    expect(Math.abs(out.length - (50 * 512) / step)).toBeLessThan(3);
+    out.slice(10).forEach((sample, i) => {
+      const at = (i + 10) * step - 2;
+      expect(Math.abs(sample - Math.sin((2 * Math.PI * 700 * at) / 48_000))).toBeLessThan(2e-3);
+    });
+  },
+);
 
 test("frames of equal length out of pieces of any", () => {
   const framer = new Framer(960);

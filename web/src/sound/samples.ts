@@ -12,7 +12,7 @@ export function toInt16(samples: Float32Array): Int16Array<ArrayBuffer> {
   return ints;
 }
 
-/** Level (dB of full scale) by the mean of the squares; −100 and less is told as −100. */
+/** Level (dB of full scale) by the mean of the squares; at least −100. */
 export function levelDb(samples: Int16Array): number {
   let sum = 0;
   for (const sample of samples) sum += sample * sample;

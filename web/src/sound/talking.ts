@@ -1,7 +1,7 @@
 /** Speaking through the robot: while a button or the key V is held, and not a moment longer. */
 
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
-import { typesText } from "../drive/controller";
+import { typesText } from "../drive/driveController";
 import { packVoice } from "../protocol/sound";
 import type { Session } from "../state/session";
 import type { Store } from "../state/store";
@@ -137,11 +137,11 @@ export class Talking {
 
 function whyNot(store: Store): string | null {
   const hello = store.hello.value;
-  if (store.replay.value) return "This is a recording: nobody there can hear you.";
+  if (store.replay.value) return "This is a recording: nothing can be said in it.";
   const phase = store.link.value.phase;
   if (!hello || (phase !== "live" && phase !== "stale")) return "Not connected to the robot.";
-  if (!hello.audio.speak) return "This robot has no loudspeaker: nobody there can hear you.";
-  const speaker = store.status.value?.speaker;
+  if (!hello.audio.speak) return "This robot has no loudspeaker.";
+  const speaker = store.of("status").value?.speaker;
   if (speaker && !speaker.mine) return `The robot's voice is in use by ${speaker.operator}.`;
   if (!navigator.mediaDevices)
     return "Browsers give the microphone only to pages from this computer (localhost) or over https.";

@@ -28,7 +28,7 @@ test("depth gives things a place without a laser", () => {
   expect([body.scans, body.places]).toEqual([false, true]);
 });
 
-test("a recording has faces and voices that nobody looks for now", () => {
+test("a recording has faces and voices that no module looks for now", () => {
   const body = bodyOf(hello({ playback: {} as Hello["playback"] & {}, classes: [kind("LocateVoices", false)] }));
   expect([body.faces, body.voices]).toEqual([true, true]);
 });

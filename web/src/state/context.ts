@@ -1,16 +1,16 @@
-/** What every component may use: the store, the session with the robot, the hands, the pictures, the sound, the map. */
+/** What every component may use: the store, the session with the robot, the driving, the pictures, the sound, the map. */
 
 import { createContext } from "preact";
 import { useContext } from "preact/hooks";
-import type { DriveController } from "../drive/controller";
-import type { MapControl } from "../map/control";
-import type { GridFeed } from "../map/feed";
+import type { DriveController } from "../drive/driveController";
+import type { GridFeed } from "../map/gridFeed";
 import type { MapLibrary } from "../map/library";
-import type { PlaybackController } from "../playback/controller";
-import type { RecordingControl } from "../recordings/control";
+import type { MapControl } from "../map/mapControl";
+import type { PlaybackController } from "../playback/playbackController";
+import type { RecordingControl } from "../recordings/recordingControl";
 import type { Listening } from "../sound/listening";
 import type { Talking } from "../sound/talking";
-import type { PictureFeed } from "../view/feed";
+import type { PictureFeed } from "../view/pictureFeed";
 import type { Session } from "./session";
 import type { Store } from "./store";
 

@@ -1,8 +1,8 @@
 /** Whether what is shown is the present; pure. */
 
-/** A robot tells its status twenty times a second. */
+/** A robot sends its status twenty times a second. */
 const STALE_MS = 500;
-/** A paused recording has nothing to tell by itself, but it answers pings: two of them may be lost. */
+/** A paused recording sends nothing by itself, but it answers pings: two of them may be lost. */
 const REPLAY_STALE_MS = 2600;
 
 /** A local costmap that is older (s) does not show what stands around the robot now. */

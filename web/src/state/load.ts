@@ -1,4 +1,4 @@
-/** Figures about load that the robot does not tell ready-made. */
+/** Figures about load that the robot does not send. */
 
 import type { Intention, Load } from "../protocol/types";
 

@@ -10,11 +10,11 @@ export class PageClock {
   private replay = false;
 
   /** A new connection: to a robot, or to a replay. */
-  begin(playback: Omit<Playback, "type"> | null, at: number): void {
+  begin(playback: Playback | null, at: number): void {
     this.robot.reset();
     this.recording.reset();
     this.replay = playback !== null;
-    if (playback) this.recording.told(playback, at);
+    if (playback) this.recording.report(playback, at);
   }
 
   heard(stamp: number, at: number): void {
@@ -25,8 +25,8 @@ export class PageClock {
     this.robot.roundTrip(rtt, at);
   }
 
-  played(playback: Omit<Playback, "type">, at: number): void {
-    if (this.replay) this.recording.told(playback, at);
+  played(playback: Playback, at: number): void {
+    if (this.replay) this.recording.report(playback, at);
   }
 
   /** Seconds of what is shown per second: 1 of a robot, 0 of a paused recording. */

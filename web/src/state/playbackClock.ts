@@ -1,5 +1,5 @@
 /**
- * The time of a recording that is played, between the ten reports a second that tell its position.
+ * The time of a recording that is played, between the ten reports a second of its position.
  *
  * It runs at the pace that the last reports really had, not at the speed asked for: a computer may be too slow for that,
  * and "as fast as possible" has no figure. Small differences are taken in smoothly and never backwards; a pause, a jump
@@ -14,7 +14,7 @@ const WINDOW_S = 1.5;
 /** Reports closer together than this say too little about the pace. */
 const MEASURE_S = 0.4;
 const BLEND = 0.25;
-/** Of real time: off by more, the clock is set anew. */
+/** Of real time: off by more, the clock is set again. */
 const JUMP_S = 0.5;
 
 export class PlaybackClock {
@@ -27,11 +27,11 @@ export class PlaybackClock {
   rate = 0;
 
   /** `at` is the page's monotonic time of arrival, seconds. */
-  told(report: Report, at: number): void {
+  report(report: Report, at: number): void {
     const before = this.last;
     const running = this.now(at);
     this.last = report;
-    const same = before !== null && before.playing && report.playing && before.speed === report.speed;
+    const same = before?.playing === true && report.playing && before.speed === report.speed;
     if (!same || this.reports.some((other) => other.position > report.position)) this.reports = [];
     this.reports.push({ position: report.position, at });
     while (this.reports[0]!.at < at - WINDOW_S) this.reports.shift();

@@ -4,45 +4,36 @@ import { batch } from "@preact/signals";
 import { LiveConnection } from "../protocol/live";
 import { Problem, Rest } from "../protocol/rest";
 import { tokenIn } from "../protocol/token";
-import type { FromRobot, GridInfo, ToRobot } from "../protocol/types";
-import { GAP_S } from "../lanes/history";
+import type { FromRobot, Hello, Playback, ToRobot } from "../protocol/types";
 import { isFresh } from "./freshness";
+import type { Message, MessageType } from "./latest";
 import type { Store } from "./store";
 
 const WATCH_MS = 100;
 const READ_MS = 40;
 const HISTORY_EVENTS = 200;
-/** However fast a recording runs, what it says holds until it says the next. */
-const REPLAY_HOLD_S = 10;
-/** What a jump in a recording makes void. */
-const OF_THE_PAST = [
-  "status",
-  "lanes",
-  "load",
-  "landmarks",
-  "perceived",
-  "localization",
-  "navigation",
-  "zones",
-] as const;
+/** So soon after a greeting or a jump everything has come again; the rarest, the load, comes once a second. */
+const AGAIN_MS = 1500;
 
 export class Session {
   readonly rest: Rest;
   /** Called with each binary frame of a kind, at arrival. */
   readonly onBinary = new Map<number, (frame: ArrayBuffer) => void>();
-  /** Called with what a grid's picture will show, before that comes. */
-  onGrid: (info: GridInfo) => void = () => undefined;
   /** Called at every chance the page gets: each frame, each message. Timers starve first when it is busy drawing. */
   onChance: () => void = () => undefined;
   /** Called when the robot has greeted a new connection. */
   readonly onHello = new Set<() => void>();
+  /** Called with each text frame, at arrival: panels of packages. */
+  readonly onFrame = new Set<(message: FromRobot) => void>();
   /** Called when a recording has gone to another place. */
   readonly onJump = new Set<() => void>();
   private readonly live: LiveConnection;
-  private readonly waiting = new Map<FromRobot["type"], FromRobot>();
+  private readonly handlers = new Map<MessageType, (message: FromRobot) => void>();
+  private readonly waiting = new Map<MessageType, FromRobot>();
   private lastStatusAt = 0;
   private lastHeardAt = 0;
   private watchedAt = 0;
+  private outdatedUntil = 0;
   private stopOwed = false;
 
   constructor(private readonly store: Store) {
@@ -54,6 +45,11 @@ export class Session {
       roundTrip: (rttMs) => this.roundTrip(rttMs),
       lost: (everOpened, retryInMs) => this.lost(everOpened, retryInMs),
     });
+  }
+
+  /** Calls `handler` with each message of a type, at arrival; the newest is in the store at the next frame all the same. */
+  on<T extends MessageType>(type: T, handler: (message: Message<T>) => void): void {
+    this.handlers.set(type, handler as (message: FromRobot) => void);
   }
 
   async start(): Promise<void> {
@@ -90,13 +86,13 @@ export class Session {
     return this.live.sendBinary(frame);
   }
 
-  /** Sends the emergency stop; while nobody hears it, it is owed and sent first thing on the next connection. */
+  /** Sends the emergency stop; without a connection, it is sent first thing on the next. */
   eStop(): void {
     if (this.send({ type: "e_stop" })) return;
     this.stopOwed = true;
     this.store.notify(
       "error",
-      "Not connected: the emergency stop will be sent as soon as the robot answers. Without commands it stands still.",
+      "Not connected: the emergency stop is sent when the robot answers. Without commands it stops by itself.",
     );
   }
 
@@ -108,7 +104,7 @@ export class Session {
   private async logInByAddress(): Promise<boolean> {
     const token = tokenIn(location.hash);
     if (token === null) return false;
-    // Not to be left in the history, nor in a link that somebody copies.
+    // Not to be left in the history, nor in a link that is copied.
     history.replaceState(null, "", location.pathname + location.search);
     try {
       await this.rest.logIn(token);
@@ -146,64 +142,48 @@ export class Session {
     const at = performance.now();
     this.onChance();
     this.lastHeardAt = at;
-    if (message.type === "hello") this.store.clock.begin(message.playback ?? null, at / 1000);
+    this.onFrame.forEach((handler) => handler(message));
+    if (message.type === "channel") return;
+    if (message.type === "hello") this.store.clock.begin(message.playback, at / 1000);
     if (message.type === "playback") this.store.clock.played(message, at / 1000);
     if (message.type === "jump") this.jump();
     if ("stamp" in message && typeof message.stamp === "number" && message.type !== "load")
       this.store.clock.heard(message.stamp, at / 1000);
     if (message.type === "status") this.lastStatusAt = at;
-    const holdS = this.store.replay.peek() ? REPLAY_HOLD_S : GAP_S;
-    if (message.type === "lanes") this.store.lanes.push(message, holdS);
-    if (message.type === "lanes_history") this.store.lanes.fill(message, holdS);
-    if (message.type === "events") this.store.addEvents(message.events);
-    else if (message.type === "notice") this.store.notify(message.level, message.text);
-    else if (message.type === "map_info" || message.type === "costmap_info") this.onGrid(message);
-    else if (message.type === "hello") {
-      batch(() => {
-        this.store.hello.value = message;
-        this.store.playback.value = message.playback ?? null;
-        this.store.perceived.value = null;
-        this.store.recorder.value = null; // told anew, by a program that has one
-        this.store.localization.value = null;
-        this.store.navigation.value = null;
-        this.store.zones.value = null;
-      });
-      this.onHello.forEach((handler) => handler());
-    } else this.waiting.set(message.type, message);
+    this.handlers.get(message.type)?.(message);
+    if (message.type === "hello") this.greet(message);
+    else if (message.type !== "jump") this.waiting.set(message.type, message);
+  }
+
+  private greet(hello: Hello): void {
+    this.outdate();
+    batch(() => {
+      this.store.hello.value = hello;
+      this.store.playback.value = hello.playback;
+    });
+    this.onHello.forEach((handler) => handler());
+  }
+
+  /** All that is known is sent again after a greeting and after a jump; what is not is of before, and void. */
+  private outdate(): void {
+    this.waiting.clear();
+    this.store.latest.outdate();
+    this.outdatedUntil = performance.now() + AGAIN_MS;
   }
 
   /** What came since the last frame, newest of each kind, in one batch. */
   private apply(): void {
     if (this.waiting.size === 0) return;
-    const messages = [...this.waiting.values()];
-    this.waiting.clear();
     const { store } = this;
     batch(() => {
-      messages.forEach((message) => this.show(message));
-      // Of a robot its status alone tells that it is there; a paused recording has nothing new to tell.
-      const there = store.replay.peek() || messages.some((message) => message.type === "status");
+      for (const message of this.waiting.values()) store.latest.put(message);
+      if (this.waiting.has("playback")) store.playback.value = this.waiting.get("playback") as Playback;
+      const reported = this.waiting.has("status");
+      this.waiting.clear();
+      // Of a robot its status alone shows that it is there; a paused recording has nothing new to send.
+      const there = store.replay.peek() || reported;
       if (there && store.link.value.phase !== "live" && this.fresh()) store.link.value = { phase: "live", retryAt: 0 };
     });
-  }
-
-  private show(message: FromRobot): void {
-    const { store } = this;
-    if (message.type === "status") {
-      store.status.value = message;
-    } else if (message.type === "lanes") store.rows.value = message.rows;
-    else if (message.type === "desires") store.desires.value = message.desires;
-    else if (message.type === "intention") store.intention.value = message.intention;
-    else if (message.type === "landmarks") store.landmarks.value = message.landmarks;
-    else if (message.type === "perceived") store.perceived.value = message;
-    else if (message.type === "playback") store.playback.value = message;
-    else if (message.type === "recorder") store.recorder.value = message;
-    else if (message.type === "localization") store.localization.value = message;
-    else if (message.type === "navigation") store.navigation.value = message;
-    else if (message.type === "zones") store.zones.value = message.zones;
-    else if (message.type === "load") {
-      store.load.value = message;
-      store.addLoad(message);
-    }
   }
 
   private roundTrip(rttMs: number): void {
@@ -217,9 +197,8 @@ export class Session {
   }
 
   private jump(): void {
-    for (const kind of OF_THE_PAST) this.waiting.delete(kind);
-    batch(() => this.store.forget());
-    this.onJump.forEach((handler) => handler());
+    this.outdate();
+    batch(() => this.onJump.forEach((handler) => handler()));
   }
 
   /** A page that was busy itself reads first what came meanwhile, before it says that nothing came. */
@@ -240,8 +219,9 @@ export class Session {
     const at = performance.now();
     const { store } = this;
     batch(() => {
+      if (at >= this.outdatedUntil) store.latest.dropOutdated();
       store.now.value = store.clock.now(at / 1000);
-      const shown = store.status.value?.stamp;
+      const shown = store.of("status").value?.stamp;
       const now = store.now.value;
       store.viewAgeMs.value = shown !== undefined && now !== null ? Math.max(0, (now - shown) * 1000) : null;
       if (store.notices.value.some((notice) => notice.until < at)) {

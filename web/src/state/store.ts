@@ -1,31 +1,14 @@
 /** The page's one store: what the robot last said, and what this page is showing. Fed by `session.ts`. */
 
 import { computed, type ReadonlySignal, signal } from "@preact/signals";
-import type {
-  Desire,
-  Hello,
-  Intention,
-  Landmark,
-  LaneRow,
-  Load,
-  Localization,
-  Navigation,
-  NoticeLevel,
-  Perceived,
-  Playback,
-  Recorder,
-  Recordings,
-  RobotEvent,
-  Status,
-  Zone,
-} from "../protocol/types";
 import { LaneHistory } from "../lanes/history";
+import type { Hello, LaneRow, Load, NoticeLevel, Playback, Recordings, RobotEvent } from "../protocol/types";
 import { bodyOf } from "./body";
+import { Latest, type MessageType } from "./latest";
 import { attendedCpu } from "./load";
 import { PageClock } from "./pageClock";
 
 export type Phase = "connecting" | "live" | "stale" | "lost" | "login";
-export type Tab = "attention" | "map" | "lanes" | "found" | "load" | "events" | "recordings";
 /** How a picture over the 3D view is shown. */
 export type InsetMode = "inset" | "large" | "hidden";
 /** Where the map is: beside the view, in its tab; or over all of the view. */
@@ -60,20 +43,16 @@ const OPERATOR_KEY = "hbba.operator";
 
 export function createStore() {
   const hello = signal<Hello | null>(null);
-  const status = signal<Status | null>(null);
   const now = signal<number | null>(null);
-  const intention = signal<Intention | null>(null);
+  const latest = new Latest();
+  const of = <T extends MessageType>(type: T) => latest.of(type);
+  const status = of("status");
   const link = signal<LinkView>({ phase: "connecting", retryAt: 0 });
   const events = signal<RobotEvent[]>([]);
   const loadHistory = signal<LoadPoint[]>([]);
   const notices = signal<Notice[]>([]);
-  const playback = signal<Omit<Playback, "type"> | null>(null);
+  const playback = signal<Playback | null>(null);
   const lanes = new LaneHistory();
-  const landmarks = signal<Landmark[] | null>(null);
-  const perceived = signal<Perceived | null>(null);
-  const localization = signal<Localization | null>(null);
-  const navigation = signal<Navigation | null>(null);
-  const zones = signal<Zone[] | null>(null);
   const operator = signal(readOperator());
   const live = computed(() => link.value.phase === "live") as ReadonlySignal<boolean>;
   let noticeId = 0;
@@ -85,25 +64,16 @@ export function createStore() {
     hello,
     /** What this robot can do: what it cannot is not offered. */
     body: computed(() => bodyOf(hello.value)),
-    status,
+    latest,
+    /** The newest message of a type, null where there is none. */
+    of,
     stopped: computed(() => status.value?.guard.e_stopped === true) as ReadonlySignal<boolean>,
-    rows: signal<LaneRow[]>([]),
-    desires: signal<Desire[] | null>(null),
-    intention,
-    load: signal<Load | null>(null),
+    /** The lanes as they are now, one per desire class. */
+    rows: computed(() => of("lanes").value?.rows ?? []) as ReadonlySignal<LaneRow[]>,
     loadHistory,
-    landmarks,
     /** Where this page shows a recording: its transport. Null: a living robot. */
     playback,
     replay: computed(() => playback.value !== null) as ReadonlySignal<boolean>,
-    recorder: signal<Recorder | null>(null),
-    /** What the robot sees and hears of people. */
-    perceived,
-    /** Where the robot is on the map; null while nobody says. */
-    localization,
-    navigation,
-    /** Of the map in use; null while nobody says. */
-    zones,
     mapPlace: signal<MapPlace>("tab"),
     /** The list last read; null: not yet. */
     recordings: signal<Recordings | null>(null),
@@ -119,7 +89,8 @@ export function createStore() {
     now,
     /** The same, once a second: for long lists. */
     seconds: computed(() => (now.value === null ? null : Math.floor(now.value))) as ReadonlySignal<number | null>,
-    tab: signal<Tab>("attention"),
+    /** Id of the side column's tab that is shown. */
+    tab: signal("attention"),
     camera: signal<InsetMode>(sceneWanted() ? "inset" : "large"),
     /** The strip of all directions around the robot. On a phone its small form is in the tab. */
     around: signal<InsetMode>("inset"),
@@ -131,7 +102,7 @@ export function createStore() {
     stands: computed(() => live.value && status.value?.guard.state === "idle") as ReadonlySignal<boolean>,
 
     addEvents(fresh: RobotEvent[]): void {
-      // A robot that was started anew counts from the beginning again: the stamp tells its events apart.
+      // A robot that was restarted counts from the beginning again: the stamp distinguishes its events.
       const key = (event: RobotEvent) => `${event.id}@${event.stamp}`;
       const known = new Set(events.value.map(key));
       const added = fresh.filter((event) => !known.has(key(event)));
@@ -143,7 +114,7 @@ export function createStore() {
       const point = {
         stamp: load.stamp,
         cpu: load.process_cpu,
-        attended: attendedCpu(load, intention.value),
+        attended: attendedCpu(load, of("intention").value?.intention ?? null),
         budget: load.budget,
       };
       loadHistory.value = [...loadHistory.value.slice(1 - LOAD_KEPT), point];
@@ -152,12 +123,7 @@ export function createStore() {
     forget(): void {
       lanes.clear();
       events.value = [];
-      landmarks.value = null;
       loadHistory.value = [];
-      perceived.value = null;
-      localization.value = null;
-      navigation.value = null;
-      zones.value = null;
     },
     notify(level: NoticeLevel, text: string): void {
       const until = performance.now() + (level === "info" ? 5000 : 9000);

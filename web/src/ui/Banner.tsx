@@ -26,16 +26,17 @@ export function Banner() {
       )}
       {phase === "stale" && replay && (
         <p>
-          <b>The replay is not heard.</b>
-          <span>What you see stands still until it answers.</span>
+          <b>The replay does not answer.</b>
+          <span>The page continues when it answers.</span>
         </p>
       )}
       {phase === "stale" && !replay && (
         <p>
-          <b>The robot is not heard.</b>
+          <b>The robot does not answer.</b>
           <span>
-            What you see is <span aria-hidden="true">{age === null ? "" : `${number(age / 1000, 1)} s`}</span> old.
-            {drives && " Driving waits; without commands the robot stands still."}
+            The data on this page is <span aria-hidden="true">{age === null ? "" : `${number(age / 1000, 1)} s`}</span>{" "}
+            old.
+            {drives && " You cannot drive; without commands the robot stops."}
           </span>
         </p>
       )}
@@ -43,8 +44,8 @@ export function Banner() {
         <p>
           <b>
             {replay
-              ? "Lost the replay. Was its program ended? Reconnecting…"
-              : `Lost the robot. ${drives ? "Without commands it stops by itself. " : ""}Reconnecting…`}
+              ? "Connection to the replay lost. Reconnecting…"
+              : `Connection to the robot lost. ${drives ? "Without commands it stops by itself. " : ""}Reconnecting…`}
           </b>
           <span aria-hidden="true">{soon}</span>
         </p>

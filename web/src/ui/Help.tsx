@@ -7,31 +7,31 @@ import { CloseIcon } from "./icons";
 type Rows = [string[], string][];
 
 const DRIVE: Rows = [
-  [["W", "A", "S", "D"], "Drive while held; so do the arrow keys"],
-  [["Shift"], "Held: slowly"],
-  [["O"], "Held while driving: crawl, whatever stands in the way. Only your eyes stop the robot then"],
-  [["Space"], "Stop: lets go of the wheel, and cancels the goal. What was held must be pressed anew"],
+  [["W", "A", "S", "D"], "Hold to drive; the arrow keys work too"],
+  [["Shift"], "Hold: drive slowly"],
+  [["O"], "Hold while driving: crawl without the collision monitor. It does not stop for obstacles: watch it"],
+  [["Space"], "Stop driving and cancel the goal. Then release all keys and press again to drive"],
 ];
 const STOP: Rows = [
   [
     ["Esc"],
-    "Emergency stop, from anywhere on the page; it withdraws the goal, too, and stays latched until it is released. While the robot stands without a goal, it closes this sheet or gives up what is begun on the map instead",
+    "Emergency stop, from anywhere on the page. It cancels the goal and stays latched until released. If the robot is idle and has no goal, Esc first closes this sheet or cancels the map tool",
   ],
 ];
 const STOP_ALONE: Rows = [
   [
     ["Esc"],
-    "Emergency stop, from anywhere on the page; it stays latched until it is released. While this sheet is open, it closes that instead",
+    "Emergency stop, from anywhere on the page. It stays latched until released. If this sheet is open, Esc first closes it",
   ],
 ];
-const SPEAK: Rows = [[["V"], "Speak through the robot while held"]];
+const SPEAK: Rows = [[["V"], "Hold to speak through the robot"]];
 const SHEET: Rows = [[["?"], "This sheet"]];
 const PAD: Rows = [
   [["L1", "R1"], "Hold one of them to drive (the dead-man)"],
   [["Left stick"], "Forward, backward, turn; the right stick turns too"],
-  [["L2", "R2"], "Held while driving: crawl, whatever stands in the way"],
+  [["L2", "R2"], "Hold while driving: crawl without the collision monitor"],
 ];
-const PAD_HOME: Rows = [[["Y", "△"], "Return to where the map began"]];
+const PAD_HOME: Rows = [[["Y", "△"], "Return to the start of the map"]];
 const PAD_STOP: Rows = [[["B", "○"], "Emergency stop"]];
 const RECORDING: Rows = [
   [["Space"], "Play and pause"],
@@ -41,15 +41,18 @@ const RECORDING: Rows = [
   [["?"], "This sheet; Esc closes it"],
 ];
 const MAP: Rows = [
-  [["M"], "The map over all of the view, and back"],
-  [["G"], "Go to, with the map in focus: press on the place and drag to where it should look, or use the keys below"],
-  [["↑ ↓", "← →"], "With the map in focus: move the cursor, with Shift further"],
-  [["Enter"], "A goal there: arrows turn it, Enter sends it; a zone's corner with its tool"],
-  [["+", "−", "⌫"], "Zoom; take back the goal or the last corner"],
+  [["M"], "Map over the whole view, and back"],
+  [
+    ["G"],
+    "With the map in focus: the Go to tool. Press on the goal and drag to set the heading, or use the keys below",
+  ],
+  [["↑ ↓", "← →"], "With the map in focus: move the cursor (Shift: faster)"],
+  [["Enter"], "Set a goal at the cursor: arrows turn it, Enter sends it. With a zone tool: set a corner"],
+  [["+", "−", "⌫"], "Zoom; cancel the goal or remove the last corner"],
 ];
 const LANES: Rows = [
-  [["← →", "↑ ↓"], "With the lanes in focus: move the cursor that tells why"],
-  [["+", "−", "P"], "Zoom, pause. Wheel, pinch and drag do the same"],
+  [["← →", "↑ ↓"], "With the lanes in focus: move the cursor that shows values and reasons"],
+  [["+", "−", "P"], "Zoom, pause; also by wheel, pinch and drag"],
 ];
 
 export function Help() {
@@ -68,7 +71,7 @@ export function Help() {
   return (
     <div class="sheet" role="dialog" aria-label="Shortcuts" data-testid="help-sheet">
       <div class="sheet-head">
-        <h2>{replay ? "Hands on the recording" : "Hands on the robot"}</h2>
+        <h2>{"Controls"}</h2>
         <button
           type="button"
           ref={close}

@@ -29,7 +29,7 @@ export function Login() {
     <main class="login">
       <form class="panel" noValidate onSubmit={(event) => void submit(event)} data-testid="login">
         <h1>HBBA console</h1>
-        <p class="muted">This robot lets in those who have its token. It was printed when the console started.</p>
+        <p class="muted">Enter the robot's token. The program printed it when it started.</p>
         <div class={`field ${problem.value ? "wrong" : ""}`}>
           <label for="token">Token</label>
           <input

@@ -5,7 +5,7 @@ interface Props {
   value: number;
   limit: number;
   text: string;
-  /** What the full width stands for; the limit unless it is exceeded. */
+  /** The value at full width; the limit unless it is exceeded. */
   full?: number;
 }
 

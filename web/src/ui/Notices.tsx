@@ -1,4 +1,4 @@
-/** What this viewer is told: short, dismissable, gone by themselves. */
+/** Notices to this viewer: short, dismissable, gone by themselves. */
 
 import { useApp } from "../state/context";
 import { CloseIcon, WarnIcon } from "./icons";

@@ -23,8 +23,8 @@ export function Stepper({ label, value, limit, tone, zero, onChange }: Props) {
   const id = useId();
   const shown = useSignal(value);
   const timer = useRef(0);
-  const told = useRef(value);
-  told.current = value;
+  const newest = useRef(value);
+  newest.current = value;
   useEffect(() => {
     if (!timer.current) shown.value = value;
   }, [value]);
@@ -36,7 +36,7 @@ export function Stepper({ label, value, limit, tone, zero, onChange }: Props) {
     timer.current = window.setTimeout(() => {
       timer.current = 0;
       void onChange(next).then((taken) => {
-        if (!taken && !timer.current) shown.value = told.current;
+        if (!taken && !timer.current) shown.value = newest.current;
       });
     }, SETTLE_MS);
   };

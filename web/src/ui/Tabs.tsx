@@ -2,10 +2,9 @@
 
 import type { ComponentChildren } from "preact";
 import { useApp } from "../state/context";
-import type { Tab } from "../state/store";
 
 export interface TabItem {
-  id: Tab;
+  id: string;
   title: string;
   badge?: string | number;
   alarm?: boolean;

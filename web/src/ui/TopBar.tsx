@@ -1,12 +1,12 @@
 /** Always visible: who, what, how fresh, and the stop. */
 
 import type { ComponentChildren } from "preact";
-import { useApp } from "../state/context";
 import { Marker } from "../playback/Marker";
 import { RecordButton } from "../recordings/RecordButton";
+import { useApp } from "../state/context";
 import { cautionWords } from "./cautions";
-import { EStop } from "./EStop";
 import { driverName, driverWords } from "./driver";
+import { EStop } from "./EStop";
 import { millis } from "./format";
 import { LinkIcon, WarnIcon } from "./icons";
 import { Operator } from "./Operator";
@@ -14,7 +14,7 @@ import { Operator } from "./Operator";
 const PHASES = {
   connecting: "Connecting…",
   live: "Connected",
-  stale: "Not heard",
+  stale: "No answer",
   lost: "Lost",
   login: "Log in",
 } as const;
@@ -25,13 +25,13 @@ const GUARDS: Record<string, string> = {
   stale_command: "No fresh command",
   e_stopped: "E-stopped",
   sensor_failure: "Sensor failure",
-  silent: "Body silent",
+  silent: "No report",
 };
 
 export function TopBar({ narrow }: { narrow: boolean }) {
   const { store } = useApp();
   const phase = store.link.value.phase;
-  const status = store.status.value;
+  const status = store.of("status").value;
   const live = phase === "live";
   const guard = status?.guard;
   const known = live ? guard : undefined;
@@ -74,7 +74,11 @@ export function TopBar({ narrow }: { narrow: boolean }) {
           </p>
         )}
         {slow && (
-          <p class="chip warn world-rate" data-testid="world-rate" title="The simulated world runs slower than real time">
+          <p
+            class="chip warn world-rate"
+            data-testid="world-rate"
+            title="The simulated world runs slower than real time"
+          >
             <WarnIcon />
             <span>
               <span class="roomy">World runs at </span>
@@ -88,7 +92,11 @@ export function TopBar({ narrow }: { narrow: boolean }) {
             label="Link"
             unit="ms"
             tone={tone(store.rttMs.value, 150, 400)}
-            hint={replay ? "Round trip between this page and the replay" : "Round trip between this page and the robot"}
+            hint={
+              replay
+                ? "Round-trip time between this page and the replay"
+                : "Round-trip time between this page and the robot"
+            }
           >
             {millis(store.rttMs.value)}
           </Metric>
@@ -117,10 +125,10 @@ export function TopBar({ narrow }: { narrow: boolean }) {
 /** What only a living robot has: commands, an age, a driver. */
 function LiveMetrics() {
   const { store } = useApp();
-  const status = store.status.value;
+  const status = store.of("status").value;
   const live = store.live.value;
   const guard = status?.guard;
-  const modules = store.load.value?.modules ?? [];
+  const modules = store.of("load").value?.modules ?? [];
   const { drives, goes } = store.body.value;
   return (
     <>
@@ -140,7 +148,7 @@ function LiveMetrics() {
         label="View"
         unit="ms"
         tone={live ? tone(store.viewAgeMs.value, 200, 500) : ""}
-        hint="Age of what you see"
+        hint="Age of the data on this page"
       >
         {live ? millis(store.viewAgeMs.value) : "–"}
       </Metric>
@@ -176,7 +184,7 @@ function Metric(props: {
   );
 }
 
-/** A command nobody renews only grows older: after a second it is no figure about the link any more. */
+/** A command that is not renewed only grows older: after a second its age says nothing about the link. */
 function commandAge(guard: { command_age_ms: number | null; state: string } | undefined): number | null {
   const age = guard?.command_age_ms ?? null;
   return age !== null && age < 1000 ? age : null;

@@ -9,7 +9,10 @@ test("a program that is in order needs no words", () => {
 });
 
 test("one caution is said by its title, with its sentence and where it comes from", () => {
-  expect(cautionWords([UNMONITORED])).toEqual({ title: "No collision monitor", text: "Nothing stops it (lab.yaml:101)." });
+  expect(cautionWords([UNMONITORED])).toEqual({
+    title: "No collision monitor",
+    text: "Nothing stops it (lab.yaml:101).",
+  });
 });
 
 test("of several the first is named, and all are explained", () => {

@@ -6,7 +6,9 @@ import type { Caution } from "../protocol/types";
 export function cautionWords(cautions: readonly Caution[]): { title: string; text: string } | null {
   const [first] = cautions;
   if (!first) return null;
-  const sentences = cautions.map(({ text, where }) => `${text[0]!.toUpperCase()}${text.slice(1)}${where ? ` (${where})` : ""}.`);
+  const sentences = cautions.map(
+    ({ text, where }) => `${text[0]!.toUpperCase()}${text.slice(1)}${where ? ` (${where})` : ""}.`,
+  );
   const more = cautions.length - 1;
   return { title: more ? `${first.title}, and ${more} more` : first.title, text: sentences.join("\n") };
 }

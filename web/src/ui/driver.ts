@@ -3,28 +3,28 @@
 import { moduleTitle } from "./format";
 
 interface Driving {
-  driver: { operator: string; mine: boolean; holds?: boolean } | null;
+  driver: { operator: string; mine: boolean; holds: boolean } | null;
   exploited: string | null;
 }
 
-/** The behavior of hands: it brakes for a moment after they have let go, and drives nobody anywhere. */
+/** The behavior that teleoperation drives through: it still brakes for a moment after a release. */
 const BY_HAND = "Teleop";
 
 type Modules = readonly { name: string; title: string }[];
 
-/** Whoever holds a drive command; else the behavior that commands the base; else nobody, whoever has the wheel. */
+/** The operator who holds a drive command; else the behavior that commands the base; else "Nobody". */
 export function driverName(status: Driving | null, modules: Modules): string {
   if (!status) return "–";
   const { driver, exploited } = status;
-  if (driver && (driver.holds ?? true)) return driver.mine ? "You" : driver.operator;
+  if (driver?.holds) return driver.mine ? "You" : driver.operator;
   return exploited === null || (driver && exploited === BY_HAND) ? "Nobody" : moduleTitle(exploited, modules);
 }
 
-/** The same as a sentence, and who has the wheel. */
+/** The same as a sentence, and who has control. */
 export function driverWords(status: Driving | null, modules: Modules): string {
   const name = driverName(status, modules);
   const drives = `Who drives the robot: ${name === "You" || name === "Nobody" ? name.toLowerCase() : name}.`;
   const driver = status?.driver;
   if (!driver) return drives;
-  return `${drives} ${driver.mine ? "You have" : `${driver.operator} has`} the wheel.`;
+  return `${drives} ${driver.mine ? "You have" : `${driver.operator} has`} control.`;
 }

@@ -22,9 +22,9 @@ export function divisor(phi: number | null | undefined): string {
   return phi === 1 ? "all" : `1 of ${phi}`;
 }
 
-/** What each of several filters lets through, a line each; empty where there is but one, which is told anyway. */
-export function divisorLines(divisors: Readonly<Record<string, number | null>> | undefined): string[] {
-  const filters = Object.entries(divisors ?? {});
+/** What each of several filters lets through, a line each; empty for a single one, which is shown elsewhere. */
+export function divisorLines(divisors: Readonly<Record<string, number | null>>): string[] {
+  const filters = Object.entries(divisors);
   return filters.length < 2 ? [] : filters.map(([name, phi]) => `${name} ${divisor(phi)}`);
 }
 

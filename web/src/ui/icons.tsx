@@ -196,7 +196,7 @@ export const SoundIcon = () => (
   </Icon>
 );
 
-/** The state of a lane or a desire: told by shape as well as colour. */
+/** The state of a lane or a desire: distinguished by shape as well as colour. */
 export function StateMark({ state }: { state: string }) {
   return (
     <svg class={`mark mark-${state}`} viewBox="0 0 12 12" aria-hidden="true">

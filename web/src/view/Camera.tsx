@@ -3,8 +3,8 @@
 import { useEffect, useRef } from "preact/hooks";
 import { useApp } from "../state/context";
 import { number, reasonText } from "../ui/format";
-import { FaceFrames } from "./FaceFrames";
 import { CameraIcon, CloseIcon, EnlargeIcon, ShrinkIcon } from "../ui/icons";
+import { OVERLAYS } from "./registry";
 
 const OLD_S = 1;
 /** The desire class whose filters let the camera through to people. */
@@ -50,7 +50,7 @@ export function Camera() {
         role="img"
         aria-label={empty ? text : "What the robot's camera sees"}
       />
-      {!empty && <FaceFrames />}
+      {!empty && OVERLAYS.map(({ type, Frames }) => <Frames key={type} message={store.of(type).value} />)}
       {text && (
         <figcaption class={empty ? "camera-empty" : "camera-age"} data-testid="camera-text">
           {empty && <CameraIcon />}
@@ -92,7 +92,7 @@ function useCameraState(): { text: string; old: boolean; empty: boolean } {
   if (lane && lane.divisor === null && (age === null || old))
     return { text: `No picture. ${reasonText(lane.state, lane.text)}`, old, empty: true };
   if (age === null && store.replay.value)
-    return { text: "No picture yet at this moment of the recording.", old: false, empty: true };
+    return { text: "No picture yet at this time of the recording.", old: false, empty: true };
   if (age === null)
     return { text: store.live.value ? "Waiting for the first picture…" : "No picture yet.", old: false, empty: true };
   return { text: old ? `${number(age, 1)} s old` : "", old, empty: false };

@@ -1,15 +1,14 @@
 /** Frames around the faces and QR codes in the camera's picture: who, how far, what it says. */
 
 import { useRef } from "preact/hooks";
-import { personWords } from "../around/marks";
+import { personWords } from "../around/perceptMarks";
 import type { Perceived, SeenCode, SeenFace } from "../protocol/types";
 import { useApp } from "../state/context";
 import { codesOn, facesOn, type Trails, trailed } from "./faces";
 
-export function FaceFrames() {
+export function FaceFrames({ message: perceived }: { message: Perceived | null }) {
   const { store, camera } = useApp();
-  const turning = Math.abs(store.status.value?.odometry?.angular_radps ?? 0);
-  const perceived = store.perceived.value;
+  const turning = Math.abs(store.of("status").value?.odometry?.angular_radps ?? 0);
   const seen = useRef<{ of: Perceived | null; trails: Trails }>({ of: null, trails: new Map() });
   if (seen.current.of !== perceived) seen.current = { of: perceived, trails: trailed(seen.current.trails, perceived) };
   const faces = facesOn(seen.current.trails, camera.stamp.value, turning);
@@ -30,7 +29,12 @@ export function FaceFrames() {
 function FaceFrame({ face }: { face: SeenFace }) {
   const [name, range] = personWords(face).split(", ");
   return (
-    <div class={`face-frame ${nearTop(face.box[1], face)}`} data-testid="face-frame" data-track={face.track} style={placed(face.box, face)}>
+    <div
+      class={`face-frame ${nearTop(face.box[1], face)}`}
+      data-testid="face-frame"
+      data-track={face.track}
+      style={placed(face.box, face)}
+    >
       <span>
         {name}
         {range && <i>{`, ${range}`}</i>}
@@ -45,7 +49,12 @@ function CodeFrame({ code }: { code: SeenCode }) {
   const [left, top] = [Math.min(...us), Math.min(...vs)];
   const box: Box = [left, top, Math.max(...us) - left, Math.max(...vs) - top];
   return (
-    <div class={`face-frame code ${nearTop(top, code)}`} data-testid="code-frame" data-text={code.text} style={placed(box, code)}>
+    <div
+      class={`face-frame code ${nearTop(top, code)}`}
+      data-testid="code-frame"
+      data-text={code.text}
+      style={placed(box, code)}
+    >
       <span>{code.text.length > 24 ? `${code.text.slice(0, 23)}…` : code.text}</span>
     </div>
   );

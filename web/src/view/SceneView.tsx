@@ -11,16 +11,16 @@ export function SceneView() {
   const frame = useRef<HTMLIFrameElement>(null);
   const [scene, setScene] = useState<Scene>("loading");
   const [step, setStep] = useState(0);
-  const told = useRef(false);
+  const warned = useRef(false);
   const live = store.live.value;
   useEffect(() => {
     if (scene !== "shown" || new URLSearchParams(location.search).get("scene") === "full") return;
     let pace = startPace(performance.now(), step);
     let request = requestAnimationFrame(function frame(now) {
       pace = document.hidden ? startPace(now, pace.step) : paced(pace, now);
-      if (hopeless(pace) && !told.current) {
-        told.current = true;
-        store.notify("info", "The 3D view is slow on this computer. Driving is smoother without it.");
+      if (hopeless(pace) && !warned.current) {
+        warned.current = true;
+        store.notify("info", "The 3D view is slow on this computer. Hide it for smoother driving.");
       }
       if (pace.step !== step) setStep(pace.step);
       else request = requestAnimationFrame(frame);
@@ -30,7 +30,7 @@ export function SceneView() {
 
   const loaded = () => {
     const inner = pageOf(frame.current);
-    if (!inner || inner.document.contentType !== "text/html") {
+    if (inner?.document.contentType !== "text/html") {
       setScene("missing");
       return;
     }

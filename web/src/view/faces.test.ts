@@ -1,18 +1,25 @@
 import { expect, test } from "vitest";
 import type { Perceived, SeenFace } from "../protocol/types";
-import { codesOn, facesOn, trailed, type Trails } from "./faces";
+import { codesOn, facesOn, type Trails, trailed } from "./faces";
 
 const face = (camera: string, stamp: number, left = 100) =>
   ({ track: 1, camera, stamp, image: [640, 480], box: [left, 50, 40, 40] }) as SeenFace;
-const told = (...faces: SeenFace[]) => ({ faces }) as Perceived;
+const message = (...faces: SeenFace[]) => ({ faces }) as Perceived;
 
 test("only faces of the camera that is shown", () => {
-  const all = told(face("kinect_optical_frame", 10), face("imv_optical_frame", 10), face("camera_optical_frame", 10));
-  expect(facesOn(trailed(new Map(), all), 10, 0).map(({ camera }) => camera)).toEqual(["kinect_optical_frame", "camera_optical_frame"]);
+  const all = message(
+    face("kinect_optical_frame", 10),
+    face("imv_optical_frame", 10),
+    face("camera_optical_frame", 10),
+  );
+  expect(facesOn(trailed(new Map(), all), 10, 0).map(({ camera }) => camera)).toEqual([
+    "kinect_optical_frame",
+    "camera_optical_frame",
+  ]);
 });
 
 test("only with a picture of about the same time, the nearer the faster the robot turns", () => {
-  const all = told(face("kinect_optical_frame", 10));
+  const all = message(face("kinect_optical_frame", 10));
   expect(facesOn(trailed(new Map(), all), 10.4, 0)).toHaveLength(1);
   expect(facesOn(trailed(new Map(), all), 10.8, 0)).toEqual([]);
   expect(facesOn(trailed(new Map(), all), 10.4, 0.5)).toEqual([]);
@@ -20,17 +27,17 @@ test("only with a picture of about the same time, the nearer the faster the robo
   expect(facesOn(trailed(new Map(), all), null, 0)).toEqual([]);
 });
 
-test("codes of the camera that is shown, and none from programs that tell none", () => {
+test("codes of the camera that is shown, and none without any", () => {
   const code = { text: "stop", camera: "camera_optical_frame", stamp: 10, corners: [], image: [640, 480] };
-  expect(codesOn({ ...told(), codes: [code] } as unknown as Perceived, 10.1, 0)).toEqual([code]);
-  expect(codesOn(told(), 10, 0)).toEqual([]);
+  expect(codesOn({ ...message(), codes: [code] } as unknown as Perceived, 10.1, 0)).toEqual([code]);
+  expect(codesOn(message(), 10, 0)).toEqual([]);
 });
 
 /** A person who walks to the right at 240 px/s, seen every 0.15 s up to `until`. */
 function walking(until: number): Trails {
   let trails: Trails = new Map();
   for (let stamp = 10; stamp <= until + 1e-6; stamp += 0.15)
-    trails = trailed(trails, told(face("camera_optical_frame", stamp, 240 * (stamp - 10))));
+    trails = trailed(trails, message(face("camera_optical_frame", stamp, 240 * (stamp - 10))));
   return trails;
 }
 
@@ -44,12 +51,12 @@ test("the frame of a walking person is where the face is on a newer picture, or 
   }
 });
 
-test("who was seen once stays there, and a jump back in time forgets how somebody moved", () => {
+test("who was seen once stays there, and a jump back in time forgets how a face moved", () => {
   expect(facesOn(walking(10), 10.3, 0)[0]!.box[0]).toBe(0);
-  const back = trailed(walking(11.5), told(face("camera_optical_frame", 10.2, 300)));
+  const back = trailed(walking(11.5), message(face("camera_optical_frame", 10.2, 300)));
   expect(facesOn(back, 10.4, 0)[0]!.box[0]).toBe(300);
 });
 
-test("who is not told any more has no frame", () => {
-  expect(facesOn(trailed(walking(11.5), told()), 11.5, 0)).toEqual([]);
+test("a face that is gone has no frame", () => {
+  expect(facesOn(trailed(walking(11.5), message()), 11.5, 0)).toEqual([]);
 });

@@ -9,7 +9,7 @@ const APART_S = 0.6;
 /** How far the robot may turn meanwhile for a frame to be still where the face is, rad. */
 const TURNED = 0.06;
 
-/** So long the sightings of a face are kept, and those of so long tell how it moves, s. */
+/** The sightings of a face are kept so long, and its velocity is estimated from them, s. */
 const KEPT_S = 2;
 const FIT_S = 0.6;
 
@@ -79,7 +79,5 @@ export function codesOn(perceived: Perceived | null, stamp: number | null, turni
 function together<T extends SeenFace | SeenCode>(seen: T[], stamp: number | null, turning: number): T[] {
   if (stamp === null) return [];
   const apart = Math.min(APART_S, turning > 0 ? TURNED / turning : APART_S);
-  return seen.filter(
-    (one) => CAMERAS.has(one.camera) && Math.abs(one.stamp - stamp) <= Math.max(0.1, apart),
-  );
+  return seen.filter((one) => CAMERAS.has(one.camera) && Math.abs(one.stamp - stamp) <= Math.max(0.1, apart));
 }

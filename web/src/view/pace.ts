@@ -1,6 +1,6 @@
 /**
  * How finely the 3D view is drawn. It shares the page's thread: where a computer draws it slowly (no graphics card), the
- * hands on the wheel would suffer, so it is drawn smaller and stretched. Pure; steps down only, so that it never swings.
+ * driving would suffer, so it is drawn smaller and stretched. Pure; steps down only, so that it never swings.
  */
 
 /** Shares of the full resolution, each way. */

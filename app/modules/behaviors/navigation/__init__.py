@@ -1,5 +1,5 @@
-"""The way to a goal: where the map lets the body go, how it gets there, and what stands around it just now.
+"""Navigation to a goal: global planning, path tracking, local costmap, recovery.
 
 A functional core on arrays. Poses are (x, y, heading) in m and rad. Global maps, goals, paths and zones are in ``map``,
-what stands around the robot in ``odom`` (thesis 4.2.2, Plan & Follow Path).
+the robot's surroundings in ``odom`` (thesis 4.2.2, Plan & Follow Path).
 """

@@ -1,4 +1,4 @@
-"""What controllers are given and what they answer: the body, how it moves, what is around it, and the way to follow."""
+"""Interface of path-tracking controllers: body, state of motion, distance field, path, chosen velocities."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from numpy.typing import NDArray
 from app.base.geometry import Pose2
 from app.link import BaseLimits
 
-#: Between neighbours of an outline, at most: what ``rollouts`` counts on (m).
+#: Greatest spacing of neighbouring outline points, which ``rollout_kernels`` rely on (m).
 _SPACING_M = 0.02
-#: The outline's second line, within the body: what is thin enough to slip between two steps does not hide there.
+#: Scale of a second outline within the first: an obstacle thin enough to pass between two steps of a rollout meets it.
 _INNER = 0.85
 
 Limits = tuple[float, float, float, float, float, float]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Body:
-    """What a controller knows of the body.
+class BodyModel:
+    """Footprint and limits of the body, as controllers use them.
 
-    ``outline`` (P, 2) float64, m in ``base_link``: points of its edge, and as many of a line within it. ``radii``: of
-    the largest circle about ``base_link`` within it, and of the smallest around it. ``limits``: least and greatest
-    linear velocity (m/s), greatest angular (rad/s), linear and angular acceleration (m/s^2, rad/s^2), linear braking
-    (m/s^2). ``front_m``: how far its edge reaches ahead.
+    ``outline`` (P, 2) float64, m in ``base_link``: points of the footprint's edge, then as many of a smaller copy
+    within it. ``radii``: of the largest circle about ``base_link`` inside the footprint, and of the smallest around it.
+    ``limits``: least and greatest linear velocity (m/s), greatest angular velocity (rad/s), linear and angular
+    acceleration (m/s^2, rad/s^2), linear braking (m/s^2). ``front_m``: greatest x of the edge.
     """
 
     outline: NDArray[np.float64]
@@ -39,11 +39,11 @@ class Body:
     @classmethod
     def of(
         cls, footprint: Sequence[tuple[float, float]], limits: BaseLimits, *, padding_m: float = 0.0, back: float = 0.0
-    ) -> Body:
-        """A body of this ``footprint`` (corners, convex, counter-clockwise, around the origin), widened by
-        ``padding_m`` on all sides; ``back`` is the share of its greatest speed that it may drive backward.
+    ) -> BodyModel:
+        """The body of this ``footprint`` (corners, convex, counter-clockwise, around the origin), widened by
+        ``padding_m`` on all sides; ``back``: greatest backward speed as a share of the greatest forward speed.
 
-        Raises ValueError where the footprint has under three corners or does not hold the origin.
+        Raises ValueError for a footprint of under three corners, or one that does not contain the origin.
         """
         corners = np.asarray(footprint, dtype=np.float64).reshape(-1, 2)
         if len(corners) < 3:
@@ -54,7 +54,7 @@ class Body:
         if reach.min() <= 0:
             raise ValueError("a footprint goes counter-clockwise around base_link")
         reach = reach + padding_m
-        # Each corner is where its two sides, moved outwards, meet.
+        # Each corner is the intersection of its two sides, moved outwards.
         before = np.roll(np.arange(len(corners)), 1)
         corners = np.stack(
             [np.linalg.solve(normals[[i, j]], reach[[i, j]]) for i, j in zip(range(len(corners)), before, strict=True)]
@@ -75,16 +75,16 @@ class Body:
             front_m=float(corners[:, 0].max()),
         )
 
-    def limited(self, share: float) -> Body:
-        """The same body driven at ``share`` (in ]0, 1]) of its speeds."""
+    def limited(self, share: float) -> BodyModel:
+        """The same body with its speeds scaled by ``share`` (in ]0, 1])."""
         low, high, turn, linear_mps2, angular_radps2, braking = self.limits
         limits = (low * share, high * share, turn * share, linear_mps2, angular_radps2, braking)
         return replace(self, limits=limits)
 
 
 @dataclass(frozen=True, slots=True)
-class Motion:
-    """Where the body is (in the costmap's frame) and how it moves (m/s, rad/s)."""
+class MotionState:
+    """Pose of the body (in the costmap's frame) and its velocities (m/s, rad/s)."""
 
     pose: Pose2
     linear_mps: float
@@ -92,11 +92,11 @@ class Motion:
 
     @property
     def state(self) -> tuple[float, float, float, float, float]:
-        """As the kernels take it."""
+        """The state as the kernels' tuple."""
         return (self.pose.x, self.pose.y, self.pose.theta, self.linear_mps, self.angular_radps)
 
-    def after(self, time_s: float) -> Motion:
-        """Where it is ``time_s`` later, if it goes on as it does."""
+    def after(self, time_s: float) -> MotionState:
+        """The state ``time_s`` later at constant velocities."""
         middle = self.pose.theta + 0.5 * self.angular_radps * time_s
         step = self.linear_mps * time_s
         pose = Pose2(
@@ -108,10 +108,10 @@ class Motion:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Field:
-    """Distances (H, W) float32 (m) to the nearest obstacle at cells' middles, as ``rollouts`` reads them; ``origin``
-    (m) is the lower left corner of cell [0, 0]. ``hidden`` (H, W) float32: distances (m) to where somebody may come
-    from unseen (``corners``), if that is to count."""
+class DistanceField:
+    """Distances (H, W) float32 (m) from the cells' middles to the nearest obstacle; ``origin`` (m): the lower left
+    corner of cell [0, 0]. ``hidden`` (H, W) float32: distances (m) to edges of unseen space (``blind_corners``), None
+    to ignore them."""
 
     distances: NDArray[np.float32]
     origin: tuple[float, float]
@@ -120,22 +120,23 @@ class Field:
 
     @property
     def frame(self) -> tuple[float, float, float]:
-        """As the kernels take it."""
+        """The frame as the kernels' tuple."""
         return (self.origin[0], self.origin[1], 1.0 / self.resolution_m)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Way:
-    """The path from beside the body on: ``points`` (N, 5) float64, ``spacing`` m apart: x, y, heading (rad), length so
-    far (m), greatest speed (m/s). At least two points."""
+class LocalPath:
+    """The path from beside the body on: ``points`` (N, 5) float64, ``spacing`` m apart: x, y, heading (rad), arc length
+    (m), greatest speed (m/s). At least two points."""
 
     points: NDArray[np.float64]
     spacing: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Choice:
-    """What a controller commands. ``blocked``: it found no way on. ``clearance_m`` of the nearest pass on its way."""
+class VelocityChoice:
+    """Velocities chosen by a controller. ``blocked``: no admissible motion was found. ``clearance_m``: least clearance
+    of the chosen motion."""
 
     linear_mps: float
     angular_radps: float
@@ -144,14 +145,16 @@ class Choice:
 
 
 class Controller(Protocol):
-    """Follows a way without touching anything. One object drives one body; deterministic in what it is given."""
+    """Tracks a path without contact. One object drives one body; deterministic in its inputs."""
 
-    def choose(self, motion: Motion, field: Field, way: Way, body: Body, period_s: float) -> Choice:
+    def choose(
+        self, motion: MotionState, field: DistanceField, way: LocalPath, body: BodyModel, period_s: float
+    ) -> VelocityChoice:
         """The velocities to command for the next ``period_s`` seconds; within the body's limits and accelerations."""
         ...
 
-    def forget(self) -> None:
-        """Begin afresh: another goal, another path, or the body was moved by somebody else."""
+    def reset(self) -> None:
+        """Discard all state: the goal, the path or the body's place changed."""
         ...
 
 

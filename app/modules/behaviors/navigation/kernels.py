@@ -1,4 +1,4 @@
-"""Loading what is compiled before a robot waits for it: numba takes seconds to wake, and more to compile."""
+"""Loading of the compiled kernels at the start: numba takes seconds to load and more to compile."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _NAMES = (
 
 
 def load_kernels() -> None:
-    """Load all kernels of this room, compiled before in a process of its own where they are not yet; blocks."""
+    """Load all kernels of navigation, compiling those that are missing in a process of their own; blocks."""
     make_ready()
     for name in _NAMES:
         importlib.import_module(f"app.modules.behaviors.navigation.{name}")

@@ -1,1 +1,1 @@
-"""Finding faces in images, placing them in space, and following them: pure functions and small classes on values."""
+"""Detection, position and tracking of faces: pure functions and small classes on values."""

@@ -1,9 +1,9 @@
-"""Where a detected face is: by depth where the camera has it, by the height of people where it has not.
+"""Position of a detected face: by depth where the camera has it, else by the distribution of people's heights.
 
-A camera sees the direction of a face well and, without depth, its distance badly; both together are a covariance that
-is short across the ray and long along it::
+The direction of a face is accurate and, without depth, its distance is not: the covariance is short across the ray and
+long along it::
 
-    Σ = σ_r² d dᵀ + (r σ_a)² (I - d dᵀ)        d: the ray, r: the range, σ_a: how well the direction is known (rad)
+    Σ = σ_r² d dᵀ + (r σ_a)² (I - d dᵀ)        d: the ray, r: the range, σ_a: standard deviation of the direction (rad)
 """
 
 from __future__ import annotations
@@ -17,33 +17,33 @@ from numpy.typing import NDArray
 from app.base.geometry import FisheyeModel, Pose3
 from app.messages import Image
 from app.modules.perception.faces.panorama import Strip, StripView
-from app.modules.perception.faces.yunet import Detection, FaceFinder
-from app.modules.perception.height_prior import STANDING, People, range_from_height
+from app.modules.perception.faces.yunet import Detection, YuNetDetector
+from app.modules.perception.height_prior import STANDING, HeightPrior, range_from_height
 
 Vector = NDArray[np.float64]
 
-#: Share of the face's box, in its middle, whose depths are taken.
+#: Central share of the face's box whose depths are used.
 _INNER = 0.5
-#: A face needs at least so many depths there, and this share of its own.
+#: Least number of valid depths there, and least share.
 _FEWEST, _SMALLEST_SHARE = 6, 0.3
-#: Depths further than this (m) from the median are hair, a hand, or what is behind.
+#: Depths further than this (m) from the median are hair, a hand, or background.
 _RELIEF_M = 0.12
-#: The middle of a face is found to this share of the box's width (1-sigma), and not better than half a pixel.
+#: Error of the middle of a face as a share of the box's width (1 sigma); at least half a pixel.
 _MIDDLE = 0.04
-#: What the depths' median may be off for the face's shape alone (m, 1-sigma).
+#: Error of the depths' median by the shape of faces (m, 1 sigma).
 _SHAPE_M = 0.01
-#: The Kinect's noise of one depth z: _FLOOR_M + _SLOPE (z - 0.4 m)² (Nguyen, Izadi and Lovell 2012). It is taken whole,
-#: not divided by the number of pixels: neighbours err alike.
+#: Noise of one Kinect depth z: _FLOOR_M + _SLOPE (z - 0.4 m)² (Nguyen, Izadi and Lovell 2012). It is not divided by the
+#: number of pixels: errors of neighbours are correlated.
 _FLOOR_M, _SLOPE = 0.0012, 0.0019
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sighting:
+class FaceSighting:
     """One face in one image, placed in ``base_link`` at its stamp.
 
-    ``origin`` (3,) m is the camera there, ``ray`` (3,) the unit vector from it through the middle of the face;
-    ``range_m`` with ``range_sigma_m`` along it, ``measured`` if by depth, else supposed from people's height;
-    ``angle_sigma`` (rad) is how well the ray is known.
+    ``origin`` (3,) m: the camera; ``ray`` (3,): unit vector through the middle of the face; ``range_m`` along it with
+    ``range_sigma_m``; ``measured``: whether by depth, else by people's heights; ``angle_sigma`` (rad): standard
+    deviation of the ray.
     """
 
     face: Detection
@@ -76,25 +76,25 @@ def middle(landmarks: NDArray[np.float32]) -> Vector:
     return np.asarray(landmarks[[0, 1, 3, 4]].mean(axis=0), np.float64)
 
 
-class FaceLooker:
-    """Finds and places the faces of one camera after another; keeps what is costly to make anew.
+class FaceLocator:
+    """Detects and places the faces of one camera after another; caches what is costly to compute.
 
-    To be used by one thread at a time.
+    Used by one thread at a time.
     """
 
-    def __init__(self, threshold: float, people: People = STANDING) -> None:
-        self.finder = FaceFinder(threshold)
+    def __init__(self, threshold: float, people: HeightPrior = STANDING) -> None:
+        self.finder = YuNetDetector(threshold)
         self._people = people
         self._strips: dict[str, Strip] = {}
 
-    def look(self, image: Image, longest: int | None, px_per_rad: float) -> list[Sighting]:
+    def look(self, image: Image, longest: int | None, px_per_rad: float) -> list[FaceSighting]:
         """Every face of ``image``, placed.
 
-        Images of a pinhole camera are looked at with their longer side reduced to ``longest`` (None: as they are),
-        those of a fisheye unrolled to ``px_per_rad``.
+        Images of a pinhole camera are reduced to ``longest`` px on their longer side (None: not reduced); those of a
+        fisheye are unrolled to ``px_per_rad``.
         """
         if isinstance(image.camera, FisheyeModel):
-            return self._look_around(image, image.camera, px_per_rad)
+            return self._find_on_panorama(image, image.camera, px_per_rad)
         camera = image.camera
         sightings = []
         for face in self.finder.find(image.color, longest):
@@ -104,9 +104,9 @@ class FaceLooker:
             sightings.append(self._placed(face, np.asarray(camera.rays(at), np.float64), sigma, depth, image.X_BC))
         return sightings
 
-    def _look_around(self, image: Image, camera: FisheyeModel, px_per_rad: float) -> list[Sighting]:
+    def _find_on_panorama(self, image: Image, camera: FisheyeModel, px_per_rad: float) -> list[FaceSighting]:
         up_C = np.asarray(image.X_BC.rotation[2], np.float64)
-        # To the nearest decimetre: a torso that breathes makes no new strip.
+        # To the nearest decimetre: small motions of the torso need no new strip.
         view = StripView.of_people(round(float(image.X_BC.translation[2]), 1), px_per_rad)
         strip = self._strips.get(image.frame)
         if strip is None or strip.view != view or not strip.fits(camera, up_C):
@@ -120,7 +120,7 @@ class FaceLooker:
                 sightings.append(self._placed(seen, ray_C, sigma, None, image.X_BC))
         return sightings
 
-    def _placed(self, face: Detection, ray_C: Vector, sigma: float, depth: float | None, X_BC: Pose3) -> Sighting:
+    def _placed(self, face: Detection, ray_C: Vector, sigma: float, depth: float | None, X_BC: Pose3) -> FaceSighting:
         ray = X_BC.rotation @ ray_C
         origin = X_BC.translation
         if depth is None:
@@ -129,18 +129,26 @@ class FaceLooker:
                 direction, height, "face", elevation_sigma=sigma, people=self._people
             )
         else:
-            # Depth is along the optical axis, the range along the ray.
+            # Depth is measured along the optical axis, range along the ray.
             stretch = 1 / float(ray_C[2])
             range_m = depth * stretch
             range_sigma_m = stretch * math.hypot(_SHAPE_M, _FLOOR_M + _SLOPE * (depth - 0.4) ** 2)
-        return Sighting(face, origin, ray, sigma, range_m, range_sigma_m, depth is not None)
+        return FaceSighting(
+            face,
+            origin,
+            ray=ray,
+            angle_sigma=sigma,
+            range_m=range_m,
+            range_sigma_m=range_sigma_m,
+            measured=depth is not None,
+        )
 
 
 def face_depth(box: tuple[float, float, float, float], depth: NDArray[np.uint16]) -> float | None:
     """Depth (m) of the face in ``box`` (left, top, width, height, px), None where too little of it was measured.
 
-    ``depth`` (H, W) uint16 mm, 0 = none. The median of the depths in the middle of the box, then of those near it:
-    the box's rim shows what is behind.
+    ``depth`` (H, W) uint16 mm, 0 = none. The median of the depths in the middle of the box, then of those near it: the
+    box's border shows the background.
     """
     left, top, width, height = box
     rows = _inner(top, height, depth.shape[0])
@@ -159,7 +167,7 @@ def _inner(begin: float, length: float, size: int) -> slice:
 
 
 def in_image(face: Detection, strip: Strip) -> Detection | None:
-    """A face found in a strip, in pixels of the camera's image; None if its middle is not in there.
+    """A face found in a strip, in pixels of the camera's image; None if its middle is outside.
 
     The box is the smallest upright one about the face's outline, which the fisheye bends.
     """

@@ -1,18 +1,18 @@
-"""Who is who: a face keeps its number while it is visible, over frames, over cameras, and while the robot turns.
+"""Multi-target tracking of faces: a face keeps its number while visible, over frames, cameras and turns of the robot.
 
 Each track is a Kalman filter in ``odom`` of position and horizontal velocity, x = (x, y, z, v_x, v_y), walking at
-nearly constant velocity. It takes two kinds of sightings, each for what it is worth:
+nearly constant velocity. It takes two kinds of sightings:
 
 - measured by depth: the position, with its covariance;
-- by direction alone: the two offsets of the predicted position across the ray. The distance supposed from people's
-  height serves once, at the track's birth, where it gives the filter height and distance that are correlated as the
-  ray makes them. To take it again at each image would count the same guess (this person's height) as many times, and a
-  tall person would soon be surely in the wrong place. So a face once measured by depth keeps its height, and its
-  distance stays known when only the other camera sees it.
+- by direction alone: the two offsets of the predicted position across the ray. The distance by the height prior is used
+  once, at the track's birth, where it gives the filter a height and a distance correlated along the ray. Its use at
+  each image would count the same unknown (this person's height) many times, and the filter would become certain of a
+  wrong place for a tall person. A face once measured by depth keeps its height, so its distance stays known when only
+  the other camera sees it.
 
-Sightings are assigned to tracks all at once, at the least cost d² + ln |S| (Mahalanobis distance and spread of the
-innovation), inside a gate; what is left over may still go on by the overlap of its box with that in the last image of
-the same camera, which is all there is while the robot's pose is unknown.
+Sightings are assigned to tracks jointly, at the least sum of d² + ln |S| (Mahalanobis distance and spread of the
+innovation), inside a gate. Sightings without a track may continue one by the overlap of their box with that in the last
+image of the same camera; this is the only criterion while the robot's pose is unknown.
 """
 
 from __future__ import annotations
@@ -25,39 +25,40 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.base.geometry import Pose3
-from app.modules.perception.faces.face_position import Sighting, ray_covariance
+from app.modules.perception.faces.face_position import FaceSighting, ray_covariance
 from app.modules.perception.faces.yunet import Detection, overlap
 
 Vector = NDArray[np.float64]
 Box = tuple[float, float, float, float]
 
-#: Squared Mahalanobis distances that a right pair exceeds once in a thousand times, by what is measured.
+#: Gates: squared Mahalanobis distances that a right pair exceeds once in a thousand times, by dimension.
 _GATES = {2: 13.8, 3: 16.3}
-#: Dearer than any pair inside the gates.
+#: Cost above that of any pair inside the gates.
 _NEVER = 1e6
 
 
 @dataclass(frozen=True, slots=True)
 class TrackModel:
-    """How people move, and how long a face that is not seen is waited for."""
+    """Motion of people, and how long an unseen face keeps its track."""
 
     acceleration_mps2: float = 1.5
     speed_mps: float = 0.8
     bobbing_mps: float = 0.05
     forget_s: float = 1.2
-    #: ... and at least so many images of the camera that saw it last (thinned streams come seldom).
+    #: ... and at least this many images of the camera that saw it last (decimated streams are slow).
     forget_images: float = 2.5
-    #: A direction is at least so uncertain (rad): calibration, and the pose between odometry's messages.
+    #: Least standard deviation of a direction (rad): calibration, and interpolation of the pose.
     angle_floor: float = 0.012
-    #: Least deviation of a measured position (m), for the same reasons.
+    #: Least standard deviation of a measured position (m), for the same reasons.
     place_floor_m: float = 0.03
     overlap: float = 0.4
     most: int = 100
 
 
 @dataclass(frozen=True, slots=True)
-class Placed:
-    """A sighting's track, and the face's middle by all that the track knows, in ``base_link`` at the image's stamp."""
+class PlacedFace:
+    """A sighting's track number, and the face's position by all sightings of the track, in ``base_link`` at the image's
+    stamp."""
 
     track: int
     p_BF: Vector
@@ -70,32 +71,34 @@ class _Track:
     seen: float
     camera: str
     box: Box
-    #: State and covariance at ``seen``; None while the robot's pose has not been known.
+    #: State and covariance at ``seen``; None while the robot's pose is unknown.
     x: Vector | None = None
     P: Vector | None = None
     boxes: dict[str, tuple[float, Box]] = field(default_factory=dict)
 
 
 class FaceTracks:
-    """All faces in view. ``first`` is the number of the first track."""
+    """Tracks of all faces in view. ``first``: number of the first track."""
 
     def __init__(self, model: TrackModel | None = None, first: int = 1) -> None:
         self._model = model or TrackModel()
         self.next = first
         """The number of the next new track."""
         self._tracks: list[_Track] = []
-        #: Last image's stamp and the usual time between images, by camera.
+        #: Stamp of the last image and usual period, by camera.
         self._images: dict[str, tuple[float, float]] = {}
 
     @property
     def numbers(self) -> tuple[int, ...]:
-        """The tracks waited for, in the order of their birth."""
+        """Numbers of the current tracks, in the order of birth."""
         return tuple(track.number for track in self._tracks)
 
-    def see(self, stamp: float, camera: str, sightings: Sequence[Sighting], X_OB: Pose3 | None) -> tuple[Placed, ...]:
-        """Give each of one image's ``sightings`` its track; ``X_OB`` is the robot's pose at ``stamp``, if known."""
+    def see(
+        self, stamp: float, camera: str, sightings: Sequence[FaceSighting], X_OB: Pose3 | None
+    ) -> tuple[PlacedFace, ...]:
+        """Assign tracks to one image's ``sightings``; ``X_OB``: the robot's pose at ``stamp``, if known."""
         self._note_image(stamp, camera)
-        self._forget(stamp)
+        self._drop_old(stamp)
         pairs = {} if X_OB is None else self._by_place(stamp, sightings, X_OB)
         pairs |= self._by_overlap(stamp, camera, [sighting.face for sighting in sightings], pairs)
         placed = []
@@ -103,14 +106,14 @@ class FaceTracks:
             track = pairs.get(index)
             if track is None:
                 track = self._new(stamp, camera, sighting.face)
-            placed.append(self._told(track, stamp, camera, sighting, X_OB))
+            placed.append(self._placed(track, stamp, camera, sighting, X_OB))
         self._keep_the_newest()
         return tuple(placed)
 
     def see_in_image(self, stamp: float, camera: str, faces: Sequence[Detection]) -> tuple[int, ...]:
-        """The number of each of one image's ``faces``, of a camera that may be anywhere: by their boxes alone."""
+        """Track numbers of one image's ``faces`` without camera pose: by their boxes alone."""
         self._note_image(stamp, camera)
-        self._forget(stamp)
+        self._drop_old(stamp)
         pairs = self._by_overlap(stamp, camera, faces, {})
         tracks = [pairs.get(index) or self._new(stamp, camera, face) for index, face in enumerate(faces)]
         for track, face in zip(tracks, faces, strict=True):
@@ -141,7 +144,7 @@ class FaceTracks:
             usual = gap if usual == 0 else usual + 0.3 * (min(gap, 3 * usual) - usual)
         self._images[camera] = (max(stamp, last), usual)
 
-    def _forget(self, stamp: float) -> None:
+    def _drop_old(self, stamp: float) -> None:
         def waited_for(track: _Track) -> bool:
             patience = max(self._model.forget_s, self._model.forget_images * self._images[track.camera][1])
             return stamp - track.seen <= patience
@@ -150,7 +153,7 @@ class FaceTracks:
 
     # --- assignment ----------------------------------------------------------------------------------------------
 
-    def _by_place(self, stamp: float, sightings: Sequence[Sighting], X_OB: Pose3) -> dict[int, _Track]:
+    def _by_place(self, stamp: float, sightings: Sequence[FaceSighting], X_OB: Pose3) -> dict[int, _Track]:
         tracks = [track for track in self._tracks if track.x is not None]
         if not tracks or not sightings:
             return {}
@@ -185,19 +188,21 @@ class FaceTracks:
 
     # --- filter --------------------------------------------------------------------------------------------------
 
-    def _told(self, track: _Track, stamp: float, camera: str, sighting: Sighting, X_OB: Pose3 | None) -> Placed:
-        told = Placed(track.number, sighting.p_BF, sighting.covariance)
+    def _placed(
+        self, track: _Track, stamp: float, camera: str, sighting: FaceSighting, X_OB: Pose3 | None
+    ) -> PlacedFace:
+        placed_face = PlacedFace(track.number, sighting.p_BF, sighting.covariance)
         if X_OB is not None:
             self._update(track, stamp, sighting, X_OB)
             if not sighting.measured and track.x is not None and track.P is not None:
                 R_BO = X_OB.rotation.T
                 p_BF = np.asarray(X_OB.inverse().transform(track.x[:3]), np.float64)
-                told = Placed(track.number, p_BF, R_BO @ track.P[:3, :3] @ R_BO.T)
+                placed_face = PlacedFace(track.number, p_BF, R_BO @ track.P[:3, :3] @ R_BO.T)
         self._note_seen(track, stamp, camera, sighting.face)
-        return told
+        return placed_face
 
     def _predicted(self, track: _Track, stamp: float) -> tuple[Vector, Vector]:
-        """State and covariance at ``stamp``; those at the last sighting for a camera that comes later than another."""
+        """State and covariance at ``stamp``; those of the last sighting for an image that is older than it."""
         assert track.x is not None
         assert track.P is not None
         dt = max(0.0, stamp - track.seen)
@@ -212,8 +217,8 @@ class FaceTracks:
         Q[2, 2] = self._model.bobbing_mps**2 * dt
         return F @ track.x, F @ track.P @ F.T + Q
 
-    def _measurement(self, sighting: Sighting, x: Vector, X_OB: Pose3) -> tuple[Vector, Vector, Vector]:
-        """Residual, its derivative by the state and its noise, of what the sighting measures."""
+    def _measurement(self, sighting: FaceSighting, x: Vector, X_OB: Pose3) -> tuple[Vector, Vector, Vector]:
+        """Residual, Jacobian and noise of the sighting."""
         ray = X_OB.rotation @ sighting.ray
         origin = X_OB.transform(sighting.origin)
         if sighting.measured:
@@ -226,7 +231,7 @@ class FaceTracks:
         sigma = range_m * math.hypot(sighting.angle_sigma, self._model.angle_floor)
         return across @ (origin - x[:3]), H, sigma**2 * np.eye(2)
 
-    def _update(self, track: _Track, stamp: float, sighting: Sighting, X_OB: Pose3) -> None:
+    def _update(self, track: _Track, stamp: float, sighting: FaceSighting, X_OB: Pose3) -> None:
         if track.x is None:
             track.x, track.P = self._born(sighting, X_OB)
             return
@@ -239,17 +244,17 @@ class FaceTracks:
         if float(residual @ np.linalg.solve(S, residual)) > _GATES[len(residual)] or not self._likely(
             sighting, x, P, X_OB
         ):
-            # It went on by its box alone, or by directions for so long that its distance is lost: begin its place anew.
+            # The track continued by its box alone, or by directions until its distance was lost: restart its position.
             x, P = self._born(sighting, X_OB)
         track.x, track.P = x, P
 
-    def _likely(self, sighting: Sighting, x: Vector, P: Vector, X_OB: Pose3) -> bool:
+    def _likely(self, sighting: FaceSighting, x: Vector, P: Vector, X_OB: Pose3) -> bool:
         ray = X_OB.rotation @ sighting.ray
         range_m = float(ray @ (x[:3] - X_OB.transform(sighting.origin)))
         along_m = math.sqrt(max(0.0, float(ray @ P[:3, :3] @ ray)))
         return sighting.measured or (0.3 < range_m < 10 and along_m <= max(sighting.range_sigma_m, 0.5) * 1.5)
 
-    def _born(self, sighting: Sighting, X_OB: Pose3) -> tuple[Vector, Vector]:
+    def _born(self, sighting: FaceSighting, X_OB: Pose3) -> tuple[Vector, Vector]:
         ray = X_OB.rotation @ sighting.ray
         x = np.zeros(5)
         x[:3] = X_OB.transform(sighting.origin) + sighting.range_m * ray
@@ -262,7 +267,7 @@ class FaceTracks:
 
 
 def _across(ray: Vector) -> Vector:
-    """Two unit vectors (2, 3) across ``ray`` and each other."""
+    """Two unit vectors (2, 3) orthogonal to ``ray`` and each other."""
     helper = np.array((0.0, 0.0, 1.0)) if abs(ray[2]) < 0.9 else np.array((1.0, 0.0, 0.0))
     first = np.cross(helper, ray)
     first /= np.linalg.norm(first)
@@ -270,13 +275,13 @@ def _across(ray: Vector) -> Vector:
 
 
 def prepare() -> None:
-    """Load what is loaded late, where it holds nobody up: in a module's thread."""
+    """Load lazily imported packages in a module's thread, where the delay blocks no other work."""
     _assigned(np.zeros((1, 1)))
 
 
 def _assigned(costs: NDArray[np.float64]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Rows and columns of least cost together (Kuhn, 1955)."""
-    from scipy.optimize import linear_sum_assignment  # takes a third of a second, which no start should wait for
+    from scipy.optimize import linear_sum_assignment  # takes 0.3 s, too long for a start
 
     rows, columns = linear_sum_assignment(costs)
     return rows, columns

@@ -1,11 +1,11 @@
-"""Finding faces in an image: YuNet, run by OpenCV (Wu, Peng and Yu, *YuNet: A Tiny Millisecond-level Face Detector*,
+"""Face detection: YuNet, run by OpenCV (Wu, Peng and Yu, *YuNet: A Tiny Millisecond-level Face Detector*,
 Machine Intelligence Research 20, 2023).
 
-The model (2023mar, 233 kB, MIT, Shiqi Yu) lies beside this file: see YUNET.md.
+The model (2023mar, 233 kB, MIT, Shiqi Yu) is beside this file: see YUNET.md.
 
-What to know of OpenCV's FaceDetectorYN: it takes BGR, and an image of exactly the size it was last told; it gives None
-where it finds nothing; its default threshold of 0.9 loses small faces, 0.8 does not and finds no more that are none. It
-finds faces of about 10 to 300 px in the image it is given, so large photographs need to be looked at more than once.
+Properties of OpenCV's FaceDetectorYN: input is BGR, of exactly the size set last; the result without faces is None; the
+default threshold of 0.9 misses small faces, 0.8 does not and adds no false ones. It detects faces of about 10 to 300
+px, so large photographs need several passes at different scales.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-#: Faces scored less are not faces: at 0.8, 43 of 43 are found in the boxed photographs, and nothing else.
+#: Least score: at 0.8, all of 43 faces are found in the boxed photographs, without a false one.
 THRESHOLD = 0.8
 
 MODEL = Path(__file__).with_name("face_detection_yunet_2023mar.onnx")
 
-#: Of two boxes that overlap by more than this share (intersection over union), the lower scored one is dropped.
+#: Of two boxes with a larger intersection over union, the one with the lower score is dropped.
 _OVERLAP = 0.3
 _MOST = 5000
 
@@ -38,8 +38,8 @@ class Detection:
     landmarks: NDArray[np.float32]
 
 
-class FaceFinder:
-    """YuNet, ready to look. Not to be used by two threads at once."""
+class YuNetDetector:
+    """The loaded network. Not to be used by two threads at once."""
 
     def __init__(self, threshold: float = THRESHOLD) -> None:
         self._size = (320, 240)
@@ -55,17 +55,17 @@ class FaceFinder:
         self._detector.setScoreThreshold(threshold)
 
     def find(self, color: NDArray[np.uint8], longest: int | None = None) -> list[Detection]:
-        """Every face of ``color`` (H, W, 3) uint8 RGB, the highest scored first.
+        """Every face of ``color`` (H, W, 3) uint8 RGB, by descending score.
 
-        ``longest``: an image with a longer side (px) is looked at reduced to it, so that small faces are lost but time
-        is won; what is found is told in the pixels of the image itself.
+        ``longest``: an image with a longer side (px) is reduced to it, which is faster and misses small faces; results
+        are in pixels of the original image.
         """
         height, width = color.shape[:2]
         scale = 1.0 if longest is None else min(1.0, longest / max(width, height))
         return self._look(color, scale)
 
     def find_all_sizes(self, color: NDArray[np.uint8]) -> list[Detection]:
-        """Every face of a photograph of any size: looked at reduced for large faces, and as it is for small ones."""
+        """Every face of a photograph of any size: a pass on a reduced image for large faces, one on the original."""
         longest = max(color.shape[:2])
         scales = [min(1.0, side / longest) for side in _PHOTO_SIDES if side == _PHOTO_SIDES[0] or longest > side / 2]
         return merged(face for scale in sorted(set(scales)) for face in self._look(color, scale))
@@ -82,7 +82,7 @@ class FaceFinder:
         if looked_at != self._size:
             self._detector.setInputSize(looked_at)
             self._size = looked_at
-        # OpenCV's own declaration forgets that there may be nothing.
+        # OpenCV's type declaration lacks None.
         rows: Any = self._detector.detect(cv2.cvtColor(color, cv2.COLOR_RGB2BGR))[1]
         if rows is None:
             return []
@@ -90,15 +90,15 @@ class FaceFinder:
         return sorted((_detection(row, across, down) for row in np.asarray(rows, np.float32)), key=lambda d: -d.score)
 
 
-#: Of images of 32 px and less across or down OpenCV's YuNet makes faces out of uninitialised memory.
+#: In images of 32 px and less across or down OpenCV's YuNet reports faces from uninitialised memory.
 _LEAST_SIDE = 33
-#: Longest sides (px) at which a photograph is looked at.
+#: Longest sides (px) of the passes over a photograph.
 _PHOTO_SIDES = (640, 1600)
 
 
 def _detection(row: NDArray[np.float32], across: float, down: float) -> Detection:
     left, top, width, height = row[:4].tolist()
-    # Pixel centres: u of the reduced image lies at (u + 1/2) s - 1/2 of the image. Boxes are told by their edges.
+    # Pixel centres: u of the reduced image is (u + 1/2) s - 1/2 of the image. Boxes are given by their edges.
     landmarks = (row[4:14].reshape(5, 2) + 0.5) * np.array((across, down), np.float32) - 0.5
     box = (left * across, top * down, width * across, height * down)
     return Detection(float(row[14]), box, landmarks.astype(np.float32))
@@ -115,7 +115,7 @@ def overlap(a: tuple[float, float, float, float], b: tuple[float, float, float, 
 
 
 def merged(found: Iterable[Detection]) -> list[Detection]:
-    """Each face once, by its highest score, where several looks have found it."""
+    """Each face once, by its highest score, where several passes found it."""
     kept: list[Detection] = []
     for face in sorted(found, key=lambda d: -d.score):
         if all(overlap(face.box, other.box) <= _OVERLAP for other in kept):

@@ -1,5 +1,5 @@
 """Mapping and localization with a planar laser: keyframes, surfel submaps, loop closure, pose graph.
 
-All of it is functional core: no event loop, no clock, no module. ``mapper.Slam`` is what the rest of the program uses.
-Files with kernels (``scans``, ``surfels``, ``matching``, ``search``) load numba: import them late.
+A functional core: no event loop, no clock, no module. Its interface is ``mapper.Slam``. Files with kernels (``scans``,
+``surfels``, ``scan_matching``, ``correlative_matching``) load numba: import them late.
 """

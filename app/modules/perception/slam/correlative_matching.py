@@ -1,4 +1,4 @@
-"""Where a scan lies on a surfel grid, from far off: branch and bound over a pyramid (after Olson 2009, Hess 2016)."""
+"""Correlative scan matching on a surfel grid: branch and bound over a pyramid (after Olson 2009, Hess 2016)."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from app.base.compiled import kernel
 from app.base.geometry import Pose2
 from app.modules.perception.slam.surfels import CELL_M, SurfelGrid
 
-#: Readings that are looked up: more make a search dearer, not better.
+#: Number of used readings: more cost time without better results.
 _MOST_POINTS = 110
-#: A scan's farthest reading moves by no more than a cell from one angle to the next, up to this radius (m).
+#: The angular step moves the farthest reading, up to this radius (m), by at most a cell.
 _ARM_M = 12.0
 
 
 class Pyramid:
-    """Upper bounds of how well a scan lies on a grid, for squares of 1, 2, 4 … cells."""
+    """Upper bounds of the score of a scan on a grid, for squares of 1, 2, 4 … cells."""
 
     def __init__(self, grid: SurfelGrid, levels: int) -> None:
         pad = 1 << (levels - 1)
@@ -34,9 +34,8 @@ def sought(
     window_rad: float,
     threshold: float,
 ) -> tuple[Pose2, float] | None:
-    """The best pose of ``points`` (N, 4) within the windows around ``guess``, and its score in ]``threshold``, 1].
-
-    None where there is none. To a cell and its angle: to be refined by :func:`matching.fitted`.
+    """The best pose of ``points`` (N, 4) within the windows around ``guess``, and its score in ]``threshold``, 1]; None
+    if no pose exceeds ``threshold``. Accurate to a cell and an angular step; refine it by :func:`scan_matching.fitted`.
     """
     some = points[:: max(1, len(points) // _MOST_POINTS)]
     if not len(some):
@@ -58,7 +57,7 @@ def sought(
 
 @kernel("uint8[:, ::1](float32[:, :, ::1], int64)")
 def _field(surfels: NDArray[np.float32], pad: int) -> NDArray[np.uint8]:
-    """How likely a reading is in each cell: 255 where there is a surfel, less beside it; ``pad`` cells more around."""
+    """Likelihood field of a reading: 255 in cells with a surfel, less beside them; ``pad`` more cells around."""
     rows, columns = surfels.shape[:2]
     field = np.zeros((rows + 2 * pad, columns + 2 * pad), np.uint8)
     for i in range(1, rows - 1):
@@ -75,7 +74,7 @@ def _field(surfels: NDArray[np.float32], pad: int) -> NDArray[np.uint8]:
 
 @kernel("uint8[:, :, ::1](uint8[:, ::1], int64)")
 def _pyramid(field: NDArray[np.uint8], levels: int) -> NDArray[np.uint8]:
-    """Level l, cell [i, j]: the greatest of the 2^l x 2^l cells from [i, j] on."""
+    """Level l, cell [i, j]: the maximum of the 2^l x 2^l cells from [i, j] on."""
     rows, columns = field.shape
     out = np.zeros((levels, rows, columns), np.uint8)
     out[0] = field
@@ -120,7 +119,7 @@ def _branch_and_bound(
     window_rad: float,
     threshold: float,
 ) -> tuple[float, float, float, float]:
-    """Best score and its pose; the score is ``threshold`` where nothing is better."""
+    """Best score and its pose; the score is ``threshold`` if no pose exceeds it."""
     count = len(points)
     arm = 1.0
     for k in range(count):
@@ -137,7 +136,7 @@ def _branch_and_bound(
     cells_j = np.empty((angles, count), np.int32)
     most = angles * ((2 * reach) // stride + 2) ** 2
     scores = np.empty(most)
-    places = np.empty((most, 3), np.int32)
+    hypotheses = np.empty((most, 3), np.int32)
     made = 0
     for q in range(angles):
         c = math.cos(theta + (q - each_side) * step)
@@ -150,9 +149,9 @@ def _branch_and_bound(
                 score = _score(levels[top], cells_i[q], cells_j[q], di, dj)
                 if score > threshold:
                     scores[made] = score
-                    places[made, 0] = q
-                    places[made, 1] = di
-                    places[made, 2] = dj
+                    hypotheses[made, 0] = q
+                    hypotheses[made, 1] = di
+                    hypotheses[made, 2] = dj
                     made += 1
     best = threshold
     best_q = best_i = best_j = 0
@@ -165,9 +164,9 @@ def _branch_and_bound(
             break
         depth = 1
         bounds[0] = scores[u]
-        stack[0, 0] = places[u, 0]
-        stack[0, 1] = places[u, 1]
-        stack[0, 2] = places[u, 2]
+        stack[0, 0] = hypotheses[u, 0]
+        stack[0, 1] = hypotheses[u, 1]
+        stack[0, 2] = hypotheses[u, 2]
         stack[0, 3] = top
         while depth > 0:
             depth -= 1
@@ -193,7 +192,7 @@ def _branch_and_bound(
                         continue
                     score = _score(levels[level - 1], cells_i[q], cells_j[q], i, j)
                     if score > best:
-                        # Kept in rising order, so that the most promising is looked at first.
+                        # In rising order, so that the most promising node is expanded first.
                         at = children
                         while at > 0 and child_scores[at - 1] > score:
                             child_scores[at] = child_scores[at - 1]

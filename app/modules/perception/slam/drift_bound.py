@@ -1,4 +1,4 @@
-"""How far what is believed of old places may be wrong: the shortest way to them through the graph, by its drift."""
+"""Drift bound: uncertainty of the relative pose of old submaps, by the shortest path through the pose graph."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ from scipy.sparse.csgraph import dijkstra
 
 from app.modules.perception.slam.types import Edge, Keyframe, Submap
 
-#: What a loop's edge is worth in metres driven.
+#: Length of a loop's edge, in metres driven.
 _LOOP_M = 0.5
 
 
-#: The ways are looked for anew after so many keyframes: until then, all are as much longer as was driven.
+#: Keyframes between recomputations; until then all lengths grow by the distance driven.
 _ANEW_KEYFRAMES = 4
 
 
 class DriftGraph:
-    """Submaps as nodes, joined where they share keyframes and where loops are closed; lengths in metres driven."""
+    """Submaps as nodes, connected where they share keyframes and where loops are closed; lengths in metres driven."""
 
     def __init__(self) -> None:
-        self.forget()
+        self.clear()
 
-    def forget(self) -> None:
-        """Submaps or edges have changed but for new ones at the end: look at all of them again."""
+    def clear(self) -> None:
+        """Recompute from all submaps and edges: they changed otherwise than by additions at the end."""
         self._submaps = 0
         self._edges = 0
         self._node_of: dict[int, int] = {}
@@ -60,9 +60,9 @@ class DriftGraph:
         return self._known[2]
 
     def _add(self, node: int, members: Sequence[int], keyframes: Mapping[int, Keyframe]) -> None:
-        """A new submap; of those that share keyframes with it, it hangs on the oldest of each."""
+        """Add a submap; it is connected to the oldest submap with which it shares each keyframe."""
         along = [keyframes[k].travelled_m for k in members]
-        # A keyframe of long ago, on which mapping went on, is no part of the way.
+        # An old keyframe on which mapping resumed is no part of the path.
         length = along[-1] - along[1 if len(along) > 1 and members[1] != members[0] + 1 else 0]
         self._middle_m.append(along[-1] - 0.5 * length)
         joined = {self._node_of[k] for k in members if k in self._node_of}
@@ -77,7 +77,7 @@ def _shortest(steps: Sequence[tuple[int, int, float]], here: int) -> NDArray[np.
     first, second, length = zip(*steps, strict=True)
     rows, columns = np.array(first), np.array(second)
     lengths = np.array(length, dtype=np.float64)
-    # Of edges between the same two, the shortest: a sparse matrix would add them up.
+    # The shortest edge between two nodes counts: a sparse matrix would add them up.
     order = np.lexsort((lengths, columns, rows))
     rows, columns, lengths = rows[order], columns[order], lengths[order]
     fresh = np.r_[True, (np.diff(rows) != 0) | (np.diff(columns) != 0)]

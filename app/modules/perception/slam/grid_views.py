@@ -1,4 +1,4 @@
-"""Keyframes of a map that has none: what a laser would see from places all over a grid that another program made."""
+"""Synthetic keyframes for a map without any: simulated laser views from places all over a foreign occupancy grid."""
 
 from __future__ import annotations
 
@@ -12,45 +12,49 @@ from app.base.compiled import kernel
 from app.base.geometry import Pose2
 from app.messages import OccupancyGrid
 from app.modules.perception.slam.likelihood_field import FREE, OCCUPIED
-from app.modules.perception.slam.scans import Beams, prepared
+from app.modules.perception.slam.scans import BeamGeometry, prepared
 from app.modules.perception.slam.types import Keyframe, SlamState
 
-#: Places are about so far (m) apart, and what stands further than this (m) is not seen from them.
+#: Spacing (m) of the places, and range (m) of the views.
 APART_M, REACH_M = 1.5, 12.0
-#: They have so much room around them (m) where there is that much.
+#: Preferred clearance (m) of the places.
 ROOM_M = 0.3
 RAYS = 720
 THINNED_M = 0.03
 
 
 def state_of(grid: OccupancyGrid) -> SlamState:
-    """Keyframes all over the free floor of ``grid``, with the views a laser would have from there all around.
+    """Keyframes all over the free floor of ``grid``, with simulated views all around.
 
-    Ends lie in the middle of occupied cells. Without edges: nothing can be mapped on from it.
+    Ends are in the middle of occupied cells. Without edges: mapping cannot continue on it.
     """
     occupied = (grid.cells >= OCCUPIED).astype(np.uint8)
     unknown = (grid.cells < 0).astype(np.uint8)
     angles = np.arange(RAYS, dtype=np.float64) * (math.tau / RAYS) - math.pi
-    beams = Beams(angles, 0.02, REACH_M)
+    beams = BeamGeometry(angles, 0.02, REACH_M)
     keyframes: list[Keyframe] = []
     poses: list[Pose2] = []
-    for x, y in _places(grid).tolist():
+    for x, y in _free_cells(grid).tolist():
         column, row = (x - grid.origin[0]) / grid.resolution_m, (y - grid.origin[1]) / grid.resolution_m
         ranges = cast_grid(occupied, unknown, column, row, angles, REACH_M / grid.resolution_m) * grid.resolution_m
-        scan = prepared(ranges, beams, (0.0, 0.0), 0.0, REACH_M, THINNED_M)
+        scan = prepared(ranges, beams, twist=(0.0, 0.0), sweep_s=0.0, range_max_m=REACH_M, thinning_m=THINNED_M)
         if not len(scan.points):
             continue
         id = len(keyframes)
-        keyframes.append(Keyframe(id, grid.stamp, scan.points, scan.ends, scan.hits, scan.origin, 0.0))
+        keyframes.append(
+            Keyframe(
+                id, grid.stamp, points=scan.points, ends=scan.ends, hits=scan.hits, origin=scan.origin, travelled_m=0.0
+            )
+        )
         poses.append(Pose2(x, y, 0.0))
     return SlamState(tuple(keyframes), tuple(poses), (), ())
 
 
-def _places(grid: OccupancyGrid) -> NDArray[np.float64]:
-    """x, y (N, 2) of the roomiest place in every square of free floor of APART_M on a side."""
+def _free_cells(grid: OccupancyGrid) -> NDArray[np.float64]:
+    """x, y (N, 2) of the place with most clearance in every square of free floor of APART_M on a side."""
     free = ((grid.cells >= 0) & (grid.cells <= FREE)).astype(np.uint8)
     room = np.asarray(cv2.distanceTransform(np.pad(free, 1), cv2.DIST_L2, cv2.DIST_MASK_PRECISE))[1:-1, 1:-1]
-    # More room than enough is no better: the middle of the square is, then.
+    # Clearance beyond the preferred one does not count: then the middle of the square is chosen.
     side = max(1, round(APART_M / grid.resolution_m))
     enough = ROOM_M / grid.resolution_m
     found = []
@@ -62,8 +66,8 @@ def _places(grid: OccupancyGrid) -> NDArray[np.float64]:
             rows, columns = np.nonzero(here >= here.max())
             middle = np.argmin(np.hypot(rows - side / 2, columns - side / 2))
             found.append((left + columns[middle] + 0.5, top + rows[middle] + 0.5))
-    places = np.array(found, np.float64).reshape(-1, 2)
-    return np.asarray(places * grid.resolution_m + np.array(grid.origin), np.float64)
+    cells = np.array(found, np.float64).reshape(-1, 2)
+    return np.asarray(cells * grid.resolution_m + np.array(grid.origin), np.float64)
 
 
 @kernel("float32[::1](uint8[:,::1], uint8[:,::1], float64, float64, float64[::1], float64)")
@@ -75,16 +79,15 @@ def cast_grid(
     angles: NDArray[np.float64],
     reach: float,
 ) -> NDArray[np.float32]:
-    """How far (cells) rays from ``column``, ``row`` go until half through an occupied one; ``reach`` where they meet
-    none, NaN where they are lost in the unknown.
-    """
+    """Length (cells) of rays from ``column``, ``row`` to halfway through an occupied cell; ``reach`` where they meet
+    none, NaN where they enter unknown cells."""
     height, width = occupied.shape
     ranges = np.empty(len(angles), np.float32)
     for k in range(len(angles)):
         c, s = math.cos(angles[k]), math.sin(angles[k])
         ranges[k] = reach
         i, j = math.floor(column), math.floor(row)
-        # Amanatides and Woo: from one side of a cell to the next.
+        # Grid traversal by Amanatides and Woo: from one side of a cell to the next.
         si, sj = (1 if c > 0 else -1), (1 if s > 0 else -1)
         di = abs(1.0 / c) if c != 0.0 else 1e30
         dj = abs(1.0 / s) if s != 0.0 else 1e30

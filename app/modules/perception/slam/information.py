@@ -1,7 +1,6 @@
-"""How surely one pose is known from another: information, the inverse of covariance, carried along edges.
+"""Information matrices (inverse covariance) of relative poses, and their transformation along edges.
 
-An error of ``X_ab`` is a small motion of ``b`` in its own frame, as GTSAM has it: x and y (m) along b's axes, theta
-(rad).
+The error of ``X_ab`` is a small motion of ``b`` in its own frame, as in GTSAM: x and y (m) along b's axes, theta (rad).
 """
 
 from __future__ import annotations
@@ -21,12 +20,12 @@ _ROWS, _COLUMNS = np.triu_indices(3)
 
 
 def diagonal(x: float, y: float, theta: float) -> Information:
-    """Of errors that have nothing to do with each other."""
+    """Information of independent errors."""
     return x, 0.0, 0.0, y, 0.0, theta
 
 
 def matrices(information: NDArray[np.float64]) -> Matrix:
-    """(N, 3, 3) symmetric ones of (N, 6)."""
+    """(N, 3, 3) symmetric matrices of packed (N, 6)."""
     found = np.empty((len(information), 3, 3))
     found[:, _ROWS, _COLUMNS] = information
     found[:, _COLUMNS, _ROWS] = information
@@ -34,19 +33,19 @@ def matrices(information: NDArray[np.float64]) -> Matrix:
 
 
 def matrix(information: Information) -> Matrix:
-    """(3, 3), symmetric."""
+    """(3, 3) symmetric matrix of packed (6,)."""
     found: Matrix = matrices(np.array([information]))[0]
     return found
 
 
 def packed(symmetric: Matrix) -> Information:
-    """Of a symmetric matrix (3, 3)."""
+    """Packed form of a symmetric matrix (3, 3)."""
     xx, xy, xt, yy, yt, tt = symmetric[_ROWS, _COLUMNS].tolist()
     return xx, xy, xt, yy, yt, tt
 
 
 def along(symmetric: Matrix, theta: float) -> Matrix:
-    """What is known along some axes, along axes that are turned by ``theta`` (rad) from them."""
+    """The information along axes that are turned by ``theta`` (rad)."""
     c, s = math.cos(theta), math.sin(theta)
     turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     found: Matrix = turn.T @ symmetric @ turn
@@ -54,13 +53,13 @@ def along(symmetric: Matrix, theta: float) -> Matrix:
 
 
 def seen_from(information: Information, X_ab: Pose2) -> Information:
-    """That of ``X_ab``, as that of ``X_ba``."""
+    """The information of ``X_ab``, as that of ``X_ba``."""
     moved = _moved(X_ab.inverse())
     return packed(moved.T @ matrix(information) @ moved)
 
 
 def chained(first: Information, second: Information, X_bc: Pose2) -> Information:
-    """That of ``X_ac``, which is known by ``X_ab`` (``first``) and ``X_bc`` (``second``): their covariances add."""
+    """The information of ``X_ac`` by ``X_ab`` (``first``) and ``X_bc`` (``second``): their covariances add."""
     moved = _moved(X_bc.inverse())
     covariance = np.linalg.inv(matrix(second)) + moved @ np.linalg.inv(matrix(first)) @ moved.T
     found = np.linalg.inv(covariance)
@@ -68,11 +67,11 @@ def chained(first: Information, second: Information, X_bc: Pose2) -> Information
 
 
 def variance_m2(information: Information) -> float:
-    """Of the place (m^2), whatever the direction."""
+    """Variance of the position (m^2), over all directions."""
     return float(np.linalg.inv(matrix(information))[:2, :2].trace())
 
 
 def _moved(X_cb: Pose2) -> Matrix:
-    """A small motion of b in its own frame, as one of c, which hangs on it: the adjoint."""
+    """Adjoint: a small motion of b in its own frame as one of c, which is rigidly attached to it."""
     c, s = math.cos(X_cb.theta), math.sin(X_cb.theta)
     return np.array([[c, -s, X_cb.y], [s, c, -X_cb.x], [0.0, 0.0, 1.0]])

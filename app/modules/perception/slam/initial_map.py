@@ -1,4 +1,4 @@
-"""The map that SLAM2D begins with: the one in use when it failed, one that was kept, what is shown, or an empty one."""
+"""Initial map of SLAM2D: the one in use before a failure, a saved one, the published grid, or an empty one."""
 
 from __future__ import annotations
 
@@ -11,57 +11,57 @@ from app.maps.control import MapUnavailable
 from app.maps.library import MapLibrary
 from app.messages import Localization, OccupancyGrid, Zone
 
-if TYPE_CHECKING:  # it is compiled, or loaded, when it is imported
-    from app.modules.perception.slam.session import KeptMap, MapSession
+if TYPE_CHECKING:  # kernels are compiled or loaded on import
+    from app.modules.perception.slam.session import MapSession, StoredMap
     from app.modules.perception.slam.types import SlamState
 
 _MAP, _GROWS, _GROWN = "map", "grows", "grown"
 
-#: Makes a session on a map that was kept (None: an empty one), the robot being where this ``X_MO`` has it, which grows.
-NewSession = Callable[["KeptMap | None", Pose2 | None, bool], "MapSession"]
+#: Makes a session on a saved map (None: an empty one), with the robot by this ``X_MO``; the flag: whether it grows.
+NewSession = Callable[["StoredMap | None", Pose2 | None, bool], "MapSession"]
 
 
-class Legacy:
-    """What an instance of the module leaves to the next, in ``kept`` (``Module.kept``)."""
+class RestartState:
+    """State that one instance of the module passes to the next, in ``kept`` (``Module.persistent``)."""
 
     def __init__(self, kept: dict[str, Any]) -> None:
         self._kept = kept
 
     def call(self, name: str) -> None:
-        """The map in use has this name."""
+        """Store the name of the map in use."""
         self._kept[_MAP] = name
 
     def use(self, *, grows: bool) -> None:
-        """A map is taken into use; it has not grown yet."""
+        """Store that another map is in use, without any growth yet."""
         self._kept[_GROWS] = grows
         self._kept.pop(_GROWN, None)
 
     def grow(self, state: SlamState | None) -> None:
-        """So far has it grown."""
+        """Store the state of the map so far."""
         self._kept[_GROWN] = state
 
     def known(self) -> bool:
-        """Whether there was an instance before."""
+        """Whether there was an earlier instance."""
         return bool(self._kept)
 
     def name(self, configured: str) -> str:
-        """Of the map to begin with."""
+        """Name of the initial map."""
         name: str = self._kept.get(_MAP, configured)
         return name
 
     def grows(self, configured: bool) -> bool:
-        """Whether that is to grow."""
+        """Whether the initial map grows."""
         grows: bool = self._kept.get(_GROWS, configured)
         return grows
 
     def grown(self) -> SlamState | None:
-        """How far the map in use had grown."""
+        """State of the map in use, as grown so far."""
         return self._kept.get(_GROWN)
 
 
 @dataclass(frozen=True, slots=True)
-class Shown:
-    """What was told last, before a restart or at some place of a recording."""
+class LastPublished:
+    """The newest published messages, from before a restart or at a position in a recording."""
 
     grid: OccupancyGrid | None
     place: Localization | None
@@ -69,14 +69,14 @@ class Shown:
 
     @property
     def X_MO(self) -> Pose2 | None:
-        """Where odometry's frame was on the map."""
+        """Pose of ``odom`` on the map."""
         return None if self.place is None else self.place.X_MO
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class First:
-    """The map to begin with. ``refused``: why a kept one cannot be used; ``stopped``: it grew, and does no more;
-    ``same``: the instance before had it in use."""
+class InitialMap:
+    """The initial map. ``refused``: why a saved map cannot be used; ``stopped``: it grew and no longer does; ``same``:
+    the earlier instance used it."""
 
     session: MapSession
     name: str = ""
@@ -86,27 +86,44 @@ class First:
     same: bool = False
 
 
-def first_map(
-    legacy: Legacy, shown: Shown, library: MapLibrary, new: NewSession, configured: str, extend: bool
-) -> First:
-    """*Behind.* Choose the map; ``configured`` by name if nothing else is known, and to ``extend``."""
-    from app.modules.perception.slam.session import KeptMap, MapSession, kept_map
+def choose_initial_map(
+    restart_state: RestartState,
+    last_published: LastPublished,
+    library: MapLibrary,
+    new: NewSession,
+    configured: str,
+    extend: bool,
+) -> InitialMap:
+    """*Behind.* Choose the initial map; ``configured``: name of the map without other knowledge, ``extend``: whether it
+    grows."""
+    from app.modules.perception.slam.session import MapSession, StoredMap, stored_map
 
-    name, grows, grown = legacy.name(configured), legacy.grows(extend), legacy.grown()
-    if grown is not None and shown.grid is not None:
-        # Left once: who fails again before the map grew goes on without what may be the cause.
-        return First(new(KeptMap("", shown.grid, (), grown), shown.X_MO, True), name, shown.zones, same=True)
+    name, grows, grown = restart_state.name(configured), restart_state.grows(extend), restart_state.grown()
+    if grown is not None and last_published.grid is not None:
+        # Used for one restart only: a failure before the next growth may be caused by this state, and the restart after
+        # it goes on without.
+        return InitialMap(
+            new(StoredMap("", last_published.grid, (), grown), last_published.X_MO, True),
+            name,
+            last_published.zones,
+            same=True,
+        )
     refused = ""
     if name:
         try:
-            kept = kept_map(library, name)
-            session = new(kept, shown.X_MO, grows and kept.state is not None)
-            return First(session, name, kept.zones, same=legacy.known())
+            kept = stored_map(library, name)
+            session = new(kept, last_published.X_MO, grows and kept.state is not None)
+            return InitialMap(session, name, kept.zones, same=restart_state.known())
         except MapUnavailable as refusal:
             refused = str(refusal)
-    if shown.grid is not None and shown.place is not None and (shown.grid.cells >= 0).any():
-        session = MapSession(shown.grid, grows=False, X_MO=shown.X_MO)
-        return First(
-            session, shown.place.map, shown.zones, refused, stopped=grows and legacy.known(), same=legacy.known()
+    if last_published.grid is not None and last_published.place is not None and (last_published.grid.cells >= 0).any():
+        session = MapSession(last_published.grid, grows=False, X_MO=last_published.X_MO)
+        return InitialMap(
+            session,
+            last_published.place.map,
+            last_published.zones,
+            refused,
+            stopped=grows and restart_state.known(),
+            same=restart_state.known(),
         )
-    return First(new(None, None, True), refused=refused)
+    return InitialMap(new(None, None, True), refused=refused)

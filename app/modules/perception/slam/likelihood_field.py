@@ -1,7 +1,6 @@
-"""A kept map as something to lay scans on: how far everything is from what is occupied, and where scans fit at all.
-
-The search over the whole map is branch and bound on a pyramid of maxima (Olson 2009, Hess et al. 2016), which gives not
-the best place alone but all that are nearly as good.
+"""Likelihood field of a saved map (Thrun, Burgard, Fox 2005, 6.4): distance transform of the occupied cells, for scan
+matching and global search. The search over the whole map is branch and bound on a pyramid of maxima (Olson 2009, Hess
+et al. 2016) and returns all poses of nearly the best score.
 """
 
 from __future__ import annotations
@@ -15,24 +14,24 @@ from numpy.typing import NDArray
 from app.base.compiled import kernel
 from app.messages import OccupancyGrid
 
-#: Cells from here on are things that a scan may end on; up to there, floor that a robot may stand on.
+#: Least value of an occupied cell, and greatest value of a free one.
 OCCUPIED, FREE = 50, 25
-#: The search goes in steps of about this (m), and lays on scans no longer than this (m).
+#: Step of the search (m), and greatest range of used readings (m).
 STEP_M, LONGEST_M = 0.1, 12.0
-#: A ray's end so far (m) from what is occupied scores 0.6 of one on it.
+#: Distance (m) from an occupied cell at which a ray's end scores 0.6.
 SIGMA_M = 0.1
-#: A ray's end so near (m) to the middle of an occupied cell lies on it.
+#: Distance (m) from the middle of an occupied cell within which a ray's end fits.
 NEAR_M = 0.12
-#: Distances are known up to here (m).
+#: Greatest distance in the field (m).
 FURTHEST_M = 1.0
-#: Levels of the pyramid: the widest step is 2^(levels − 1) narrow ones.
+#: Levels of the pyramid; the widest step is 2^(levels − 1) steps.
 LEVELS = 6
-#: No more nearly equal places are told apart.
+#: Greatest number of returned poses.
 MOST_LEAVES = 20_000
 
 
-class PlaceField:
-    """A grid made ready for laying scans on it: takes about 50 ms for 50 x 50 m; nothing of it changes afterwards."""
+class LikelihoodField:
+    """The field of one grid; immutable. Construction takes about 50 ms for 50 x 50 m."""
 
     def __init__(self, grid: OccupancyGrid) -> None:
         self.cell_m = grid.resolution_m
@@ -40,11 +39,11 @@ class PlaceField:
         occupied = grid.cells >= OCCUPIED
         known = cv2.dilate((grid.cells >= 0).astype(np.uint8), np.ones((7, 7), np.uint8))
         far = cv2.distanceTransform((~occupied).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-        #: (H, W) float32: how far (m) each cell is from the next occupied one, at most FURTHEST_M.
+        #: (H, W) float32: distance (m) of each cell to the nearest occupied one, at most FURTHEST_M.
         self.far = np.minimum(np.asarray(far, np.float32) * np.float32(self.cell_m), np.float32(FURTHEST_M))
         if not occupied.any():
             self.far[:] = FURTHEST_M
-        #: Cells that are known, or nearly.
+        #: Known cells, dilated.
         self.known: NDArray[np.uint8] = np.asarray(known, np.uint8)
         self.occupied: NDArray[np.uint8] = occupied.astype(np.uint8)
         self._make_pyramids((grid.cells >= 0) & (grid.cells <= FREE))
@@ -61,10 +60,10 @@ class PlaceField:
     def search(
         self, points: NDArray[np.float64], floor: float, margin: float, headings: int = 0
     ) -> NDArray[np.float64]:
-        """All places (M, 4) x, y, heading and score where ``points`` (N, 2), m in ``base_link``, fit nearly best.
+        """All poses (M, 4) x, y, heading and score of nearly the best fit of ``points`` (N, 2), m in ``base_link``.
 
-        ``floor`` is the least score (0 to 1), and none is further than ``margin`` below the best; best first. The robot
-        stands on free floor there. ``headings``: into how many the circle is divided; 0: as many as the points need.
+        ``floor``: least score (0 to 1); ``margin``: greatest difference to the best score; best first. Poses are on
+        free floor. ``headings``: number of headings around the circle; 0: by the range of the points.
         """
         points = np.ascontiguousarray(points[np.hypot(*points.T) < LONGEST_M])
         if not len(points):
@@ -80,18 +79,19 @@ class PlaceField:
         return found
 
     def refine(self, points: NDArray[np.float64], pose: NDArray[np.float64], rounds: int = 12) -> NDArray[np.float64]:
-        """``pose`` (x, y, heading) moved to where ``points`` fit best nearby (Gauss-Newton on the distances)."""
+        """``pose`` (x, y, heading) moved to the local best fit of ``points`` (Gauss-Newton on the distances)."""
         return descend(self.far, points, pose, self.cell_m, self.origin[0], self.origin[1], rounds)
 
     def explained(
-        self, points: NDArray[np.float64], eye: NDArray[np.float64], pose: NDArray[np.float64]
+        self, points: NDArray[np.float64], sensor_xy: NDArray[np.float64], pose: NDArray[np.float64]
     ) -> NDArray[np.int8]:
-        """What the map says of each of ``points`` seen from ``eye`` (m in ``base_link``) with the body at ``pose``.
+        """How the map explains each of ``points``, seen from ``sensor_xy`` (m in ``base_link``), with the body at
+        ``pose``.
 
-        1: something is there, and in sight; 0: nothing is, or something stands before it; −1: nobody knows.
+        1: an obstacle is there, in line of sight; 0: free, or occluded by another obstacle; −1: unknown.
         """
         found: NDArray[np.int8] = explain(
-            self.far, self.known, self.occupied, points, eye, pose, self.cell_m, self.origin[0], self.origin[1]
+            self.far, self.known, self.occupied, points, sensor_xy, pose, self.cell_m, self.origin[0], self.origin[1]
         )
         return found
 
@@ -105,7 +105,7 @@ class PlaceField:
 
 
 def _folded(values: NDArray[np.uint8], fold: int, margin: int) -> NDArray[np.uint8]:
-    """The greatest of each ``fold`` x ``fold`` values, with ``margin`` zeros around."""
+    """The maximum of each ``fold`` x ``fold`` values, with ``margin`` zeros around."""
     height, width = values.shape
     whole = np.pad(values, ((0, -height % fold), (0, -width % fold)))
     blocks = whole.reshape(whole.shape[0] // fold, fold, whole.shape[1] // fold, fold)
@@ -114,7 +114,7 @@ def _folded(values: NDArray[np.uint8], fold: int, margin: int) -> NDArray[np.uin
 
 @kernel("uint8[:,:,::1](uint8[:,::1], int64)")
 def pyramid(values: NDArray[np.uint8], levels: int) -> NDArray[np.uint8]:
-    """(levels, H, W): at level l, the greatest value of the 2^l x 2^l cells from each on."""
+    """(levels, H, W): at level l, the maximum of the 2^l x 2^l cells from each on."""
     height, width = values.shape
     out = np.zeros((levels, height, width), np.uint8)
     out[0] = values
@@ -152,9 +152,8 @@ def search_leaves(
     slack: float,
     capacity: int,
 ) -> NDArray[np.float64]:
-    """x, y (m from the grid's corner), heading and score of every place that scores ``floor`` and is not more than
-    ``slack`` below the best.
-    """
+    """x, y (m from the grid's corner), heading and score of every pose that scores ``floor`` and is at most ``slack``
+    below the best."""
     levels, height, width = scores.shape
     top = levels - 1
     wide = 1 << top
@@ -220,7 +219,7 @@ def search_leaves(
                     value = _score(scores[level - 1], columns[q], rows[q], u, v)
                     if value < max(floor, best - slack):
                         continue
-                    # The best of the four on top.
+                    # The best of the four on top of the stack.
                     place = depth
                     while place > begin and stack_bounds[place - 1] > value:
                         stack_bounds[place] = stack_bounds[place - 1]
@@ -244,7 +243,7 @@ def descend(
     y0: float,
     rounds: int,
 ) -> NDArray[np.float64]:
-    """Gauss-Newton on the distances at the points, outliers weighed down (Cauchy, 0.1 m)."""
+    """Gauss-Newton on the distances at the points, with a robust weight (Cauchy, 0.1 m)."""
     height, width = far.shape
     x, y, theta = pose[0], pose[1], pose[2]
     for _ in range(rounds):
@@ -279,7 +278,7 @@ def descend(
             used += 1
         if used < 10:
             break
-        # Damped: a corridor says nothing of the way along it.
+        # Damped: a corridor gives no information along it.
         h[0, 0] += 1.0
         h[1, 1] += 1.0
         h[2, 2] += 1.0
@@ -312,17 +311,17 @@ def explain(
     known: NDArray[np.uint8],
     occupied: NDArray[np.uint8],
     points: NDArray[np.float64],
-    eye: NDArray[np.float64],
+    sensor_xy: NDArray[np.float64],
     pose: NDArray[np.float64],
     cell: float,
     x0: float,
     y0: float,
 ) -> NDArray[np.int8]:
-    """See :meth:`PlaceField.explained`: rays are followed in half cells up to 0.4 m before their ends."""
+    """See :meth:`LikelihoodField.explained`: rays are traced in half cells up to 0.4 m before their ends."""
     height, width = far.shape
     c, s = math.cos(pose[2]), math.sin(pose[2])
-    ex = pose[0] + c * eye[0] - s * eye[1] - x0
-    ey = pose[1] + s * eye[0] + c * eye[1] - y0
+    ex = pose[0] + c * sensor_xy[0] - s * sensor_xy[1] - x0
+    ey = pose[1] + s * sensor_xy[0] + c * sensor_xy[1] - y0
     said = np.empty(len(points), np.int8)
     for k in range(len(points)):
         x = pose[0] + c * points[k, 0] - s * points[k, 1] - x0

@@ -1,4 +1,4 @@
-"""The part of a finished map that a robot sees from where it is: what it follows itself on."""
+"""Local map for localization: the part of a finished map around the robot."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from app.base.geometry import Pose2
 from app.modules.perception.slam.surfels import SurfelGrid, surfel_grid
 from app.modules.perception.slam.types import Keyframe
 
-#: So many keyframes at most of each quarter of headings, the nearest: enough for those behind a wall, too, which see
-#: nothing of what the robot sees, and for a corridor that was mapped in the other direction.
+#: Greatest number of keyframes per quarter of headings, the nearest ones: enough to include those of this side of a
+#: wall, and for a corridor that was mapped in the other direction.
 _OF_A_QUARTER = 40
-#: Keyframes farther away (m) see other places.
+#: Greatest distance (m) of a keyframe.
 _AROUND_M = 8.0
-#: Having moved so far (m), the robot sees another part; so much sooner where scans hardly fit any more.
+#: Distance (m) after which the local map is made again; a shorter one where scans hardly fit.
 STALE_M, DOUBTED_M = 1.5, 0.4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LocalMap:
-    """``grid`` in the frame of keyframe ``nearest``, made for a robot at ``X_MB``."""
+    """Surfel ``grid`` in the frame of keyframe ``nearest``, made for a robot at ``X_MB``."""
 
     grid: SurfelGrid
     nearest: int
@@ -30,7 +30,7 @@ class LocalMap:
 
 
 def local_map(keyframes: Mapping[int, Keyframe], poses: Mapping[int, Pose2], X_MB: Pose2) -> LocalMap:
-    """What ``keyframes``, of which there is at least one, show of the place around ``X_MB``."""
+    """The local map of ``keyframes`` (at least one) around ``X_MB``."""
     ids = list(poses)
     at = np.array([(p.x, p.y, p.theta) for p in poses.values()])
     away = np.hypot(at[:, 0] - X_MB.x, at[:, 1] - X_MB.y)

@@ -1,4 +1,4 @@
-"""Closing loops, off the critical path: where a new keyframe sees a place again, and what the graph says then."""
+"""Loop closure, off the critical path: search for loops of new keyframes, and correction of the graph."""
 
 from __future__ import annotations
 
@@ -15,57 +15,58 @@ from app.modules.perception.slam.correlative_matching import Pyramid, sought
 from app.modules.perception.slam.drift_bound import DriftGraph
 from app.modules.perception.slam.pose_graph import Optimize, graph_arrays
 from app.modules.perception.slam.pruning import Pruned, pruned, redundant
-from app.modules.perception.slam.scan_matching import NOISE_M, Fit, fitted
+from app.modules.perception.slam.scan_matching import NOISE_M, ScanFit, fitted
 from app.modules.perception.slam.settings import SlamSettings
 from app.modules.perception.slam.surfels import SurfelGrid, surfel_grid
 from app.modules.perception.slam.types import Edge, Keyframe, Submap
 
 _LEVELS = 6
-#: Grids of old submaps that are kept for the next search: bounds the memory.
+#: Number of cached grids of old submaps, to bound memory.
 _KEPT_GRIDS = 24
-#: A search leaves a loop's pose free (m, rad): what its scan says of it, along which axis, is all that is known.
+#: Prior (m, rad) of a loop's pose after the search: wide, so that the scan alone determines it along each axis.
 _FREE_SIGMAS = (1.0, 1.0)
 _LEAST_POINTS = 30
-#: Searching, so many submaps at most for one keyframe.
+#: Greatest number of searched submaps per keyframe.
 _MOST_CANDIDATES = 3
-#: A submap is not looked at again for so many keyframes after it closed a loop.
+#: Keyframes after a closed loop before its submap is searched again.
 _REST_KEYFRAMES = 4
-#: Looking far around is dear: a submap is searched so for one in so many keyframes.
+#: A wide search is expensive: one per submap in this many keyframes.
 _WIDE_EVERY = 4
-#: What the laser sees beyond its keyframe (m).
+#: Range of the laser beyond a keyframe (m).
 _SEEN_FROM_M = 2.0
-#: A loop is refined no farther from where the search found it (m), and fits so well (m).
+#: Greatest distance of the refined loop from the search's result (m), and greatest residual (m).
 _REFINED_M = 0.3
 _RMS_M = 0.04
-#: Along a corridor the scan may slide: the weaker of both directions needs this share of the stronger, and so many
-#: readings' worth.
+#: Along a corridor the scan may slide: least information in the weaker direction, as a share of the stronger, and in
+#: readings.
 _SQUARENESS = 0.04
 _LEAST_ACROSS = 3.0
-#: The graph is corrected when a loop says that it is so wrong (m and rad, weighted), or so many keyframes later.
+#: A loop's error (m and rad, weighted) from which the graph is corrected at once, and number of keyframes after which
+#: it is corrected anyway.
 _WRONG_M = 0.12
 _WRONG_PER_RAD = 2.0
 _AFTER_KEYFRAMES = 60
-#: ... but no sooner than after one keyframe for so many that there are, if it is so wrong, or else: the larger the
-#: graph, the longer it takes, so that all corrections together grow as the way does.
+#: Least numbers of keyframes between corrections, as shares of all keyframes, with such an error and without:
+#: corrections of a larger graph take longer, so that their total grows linearly with the distance.
 _KEYFRAMES_A_KEYFRAME = 200
 _KEYFRAMES_A_KEYFRAME_UNLESS = 40
-#: Keyframes that are too many are looked for so often (keyframes).
+#: Period (keyframes) of the search for redundant keyframes.
 _PRUNE_EVERY = 16
-#: How far the robot may be turned (rad), and how much more per metre that it may be off.
+#: Angular window of the search (rad), and its increase per metre of the window.
 _TURN_RAD = 0.25
 _TURN_RAD_PER_M = 0.1
 _TURN_MOST_RAD = 0.8
-#: A loop that would move the robot so far (m) needs two others that say the same.
+#: Displacement (m) of the robot by a loop from which two other consistent loops are required.
 _FAR_WRONG_M = 2.0
 _MOST_HELD = 24
-#: Two loops say the same if they put the robot so near (m, rad).
+#: Tolerance (m, rad) within which two loops are consistent.
 _ALIKE_M = 0.4
 _ALIKE_RAD = 0.08
 
 
 @dataclass(frozen=True, slots=True)
 class _Held:
-    """A loop that is not believed yet; ``X_MM`` is how it would move the robot on the map."""
+    """A loop not accepted yet; ``X_MM``: its displacement of the robot on the map."""
 
     edge: Edge
     X_MM: Pose2
@@ -74,7 +75,7 @@ class _Held:
 
 @dataclass(slots=True)
 class LoopMemory:
-    """What one search leaves for the next; used by one job at a time."""
+    """State between searches; used by one job at a time."""
 
     grids: OrderedDict[int, tuple[SurfelGrid, Pyramid]] = field(default_factory=OrderedDict)
     closed_at: dict[int, int] = field(default_factory=dict)
@@ -89,10 +90,10 @@ class LoopMemory:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LoopOutcome:
-    """What a job found: ``edges`` to be added; ``poses`` of all keyframes then known, None while the graph may stay.
+    """Result of a job: ``edges`` to add; ``poses`` of all keyframes known to the job, None without correction.
 
-    ``last`` is the newest keyframe the job knew of: later ones move along with it. ``pruned`` is what is left of the
-    graph that the job knew, ``edges`` included, where some of it was too much.
+    ``last``: the newest of these keyframes; later ones move along with it. ``pruned``: the graph without redundant
+    keyframes, ``edges`` included, None if there are none.
     """
 
     edges: tuple[Edge, ...]
@@ -103,7 +104,7 @@ class LoopOutcome:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LoopJob:
-    """The search for loops of the keyframes ``due``, and the graph's correction: pure but for ``memory``.
+    """The search for loops of the keyframes ``due``, and the correction of the graph: pure except for ``memory``.
 
     Keyframes ``in_use`` are not removed.
     """
@@ -120,7 +121,7 @@ class LoopJob:
     settle: bool = False
 
     def run(self) -> LoopOutcome:
-        """May be called in any thread, once."""
+        """Run the job once, in any thread."""
         found: list[Edge] = []
         for id in self.due:
             found += self._loops_of(id)
@@ -158,7 +159,7 @@ class LoopJob:
         for id in cut.changed:
             memory.grids.pop(id, None)
         memory.held = [held for held in memory.held if not {held.edge.a, held.edge.b} & cut.replaced.keys()]
-        memory.drift.forget()
+        memory.drift.clear()
         return cut
 
     def _corrected(self, poses: Mapping[int, Pose2], edges: list[Edge]) -> Mapping[int, Pose2]:
@@ -186,8 +187,9 @@ class LoopJob:
             edges += believed
         return edges
 
-    def _found(self, submap: Submap, keyframe: Keyframe, guess: Pose2, window_m: float) -> Fit | None:
-        """Where ``submap`` shows what the keyframe shows: near ``guess`` before farther, where much looks alike."""
+    def _found(self, submap: Submap, keyframe: Keyframe, guess: Pose2, window_m: float) -> ScanFit | None:
+        """Match of the keyframe on ``submap``: near ``guess`` first, then farther, since similar places are
+        frequent."""
         grid, pyramid = self._grid(submap)
         base = self.settings.loop_window_m
         windows = [min(base, window_m)]
@@ -196,7 +198,14 @@ class LoopJob:
             self.memory.wide_at[submap.id] = keyframe.id
         for window in windows:
             window_rad = min(_TURN_RAD + _TURN_RAD_PER_M * (window - base), _TURN_MOST_RAD)
-            start = sought(pyramid, keyframe.points, guess, window, window_rad, self.settings.loop_score)
+            start = sought(
+                pyramid,
+                keyframe.points,
+                guess=guess,
+                window_m=window,
+                window_rad=window_rad,
+                threshold=self.settings.loop_score,
+            )
             if start is None:
                 continue
             fit = fitted(grid, keyframe.points, start[0], start[0], _FREE_SIGMAS, iterations=20, near_m=0.1)
@@ -205,7 +214,8 @@ class LoopJob:
         return None
 
     def _believed(self, edge: Edge, X_MK: Pose2, X_MB: Pose2) -> list[Edge]:
-        """The edges to be added for this one: none while it would move much and not enough others say the same."""
+        """The edges to add for this loop: none while its displacement is large and too few others are consistent with
+        it."""
         off = X_MK.inverse() @ X_MB
         wrong = math.hypot(off.x, off.y) + _WRONG_PER_RAD * abs(off.theta)
         held = self.memory.held
@@ -222,7 +232,7 @@ class LoopJob:
         self.memory.wrong_m = max(self.memory.wrong_m, wrong)
         return [*(other.edge for other in alike), edge]
 
-    def _convincing(self, fit: Fit, start: Pose2) -> bool:
+    def _convincing(self, fit: ScanFit, start: Pose2) -> bool:
         refined = math.hypot(fit.X_SB.x - start.x, fit.X_SB.y - start.y)
         if fit.inliers < self.settings.loop_inliers or fit.rms_m > _RMS_M or refined > _REFINED_M:
             return False
@@ -230,7 +240,7 @@ class LoopJob:
         return bool(low >= _SQUARENESS * high and low * NOISE_M**2 >= _LEAST_ACROSS)
 
     def _candidates(self, id: int) -> list[tuple[Submap, float]]:
-        """Old submaps that may see what keyframe ``id`` sees, the nearest first, and how far (m) to look around."""
+        """Old submaps that may overlap with keyframe ``id``, nearest first, with the search radius (m)."""
         settings, memory = self.settings, self.memory
         X_MK = self.poses[id]
         away_m = memory.drift.away_m(self.submaps, self.keyframes, self.edges, id)

@@ -1,4 +1,4 @@
-"""The map drawn from its keyframes, and kept drawn: only what is new, gone or elsewhere is drawn again."""
+"""Rendering of the occupancy grid from keyframes, incrementally: only new, removed and moved keyframes are drawn."""
 
 from __future__ import annotations
 
@@ -10,55 +10,55 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from app.base.geometry import Pose2
-from app.modules.perception.slam.occupancy import OccupancyCounts, View
+from app.modules.perception.slam.occupancy import OccupancyCounts, ScanView
 from app.modules.perception.slam.types import Keyframe
 
-#: Glances kept of one keyframe: what was seen from there meanwhile, so that people who stood by fade, too.
+#: Greatest number of extra views per keyframe: later views clear people who stood there.
 GLANCES = 8
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Glance:
-    """One more look from near a keyframe: ``X_KV`` is where the body was, in the keyframe's frame."""
+class ExtraView:
+    """A further view from near a keyframe; ``X_KV``: pose of the body in the keyframe's frame."""
 
     keyframe: int
     X_KV: Pose2
-    view: View
+    view: ScanView
 
 
 @dataclass(slots=True, eq=False)
 class _Drawn:
-    """A keyframe as it stands in the grid."""
+    """A keyframe as drawn in the grid."""
 
-    view: View
+    view: ScanView
     pose: Pose2
-    #: How far most of what it saw is from it (m): by that a turn moves it.
+    #: Distance (m) within which most of its readings are: the lever arm of a rotation.
     size: float
-    glances: deque[Glance] = field(default_factory=deque)
+    glances: deque[ExtraView] = field(default_factory=deque)
 
 
-class MapDrawing:
-    """Draws keyframes and glances into ``counts``. Used by one thread at a time."""
+class MapRenderer:
+    """Draws keyframes and extra views into ``counts``. Used by one thread at a time."""
 
     def __init__(self, counts: OccupancyCounts | None = None) -> None:
         self.counts = counts or OccupancyCounts()
         self._drawn: dict[int, _Drawn] = {}
 
-    def glance(self, glance: Glance) -> None:
-        """Add one look; of those from one keyframe the oldest goes. Nothing, where the keyframe is not drawn."""
-        drawn = self._drawn.get(glance.keyframe)
+    def extra_view(self, extra_view: ExtraView) -> None:
+        """Add one view and drop the oldest of its keyframe; no effect where the keyframe is not drawn."""
+        drawn = self._drawn.get(extra_view.keyframe)
         if drawn is None:
             return
         if len(drawn.glances) == GLANCES:
             oldest = drawn.glances.popleft()
             self.counts.remove(oldest.view, drawn.pose @ oldest.X_KV)
-        drawn.glances.append(glance)
-        self.counts.add(glance.view, drawn.pose @ glance.X_KV)
+        drawn.glances.append(extra_view)
+        self.counts.add(extra_view.view, drawn.pose @ extra_view.X_KV)
 
     def update(self, keyframes: Mapping[int, Keyframe], poses: Mapping[int, Pose2], most: int = 50) -> bool:
-        """Draw up to ``most`` keyframes that are new, gone or more than half a cell from where they were drawn.
+        """Draw up to ``most`` keyframes that are new, removed or more than half a cell from their drawn place.
 
-        Returns whether more of that is left.
+        Returns whether more are left.
         """
         left = most
         for id in [id for id in self._drawn if id not in poses]:
@@ -75,28 +75,28 @@ class MapDrawing:
                 return True
             left -= 1
             if drawn is None:
-                view = View.of(keyframes[id])
+                view = ScanView.of(keyframes[id])
                 drawn = self._drawn[id] = _Drawn(view, pose, _size(view))
             else:
                 self._erase(drawn)
                 drawn.pose = pose
             self.counts.add(drawn.view, pose)
-            for glance in drawn.glances:
-                self.counts.add(glance.view, pose @ glance.X_KV)
+            for extra_view in drawn.glances:
+                self.counts.add(extra_view.view, pose @ extra_view.X_KV)
         return False
 
     def _erase(self, drawn: _Drawn) -> None:
         self.counts.remove(drawn.view, drawn.pose)
-        for glance in drawn.glances:
-            self.counts.remove(glance.view, drawn.pose @ glance.X_KV)
+        for extra_view in drawn.glances:
+            self.counts.remove(extra_view.view, drawn.pose @ extra_view.X_KV)
 
 
 def _moved(before: Pose2, now: Pose2, size_m: float) -> float:
-    """How far (m) most of what was seen is from where it was."""
+    """Displacement (m) of most of the readings."""
     turn = math.remainder(now.theta - before.theta, math.tau)
     return math.hypot(now.x - before.x, now.y - before.y) + abs(turn) * size_m
 
 
-def _size(view: View) -> float:
+def _size(view: ScanView) -> float:
     far = np.hypot(*view.ends[view.met].T) if view.met.any() else np.zeros(1)
     return float(np.percentile(far, 70))

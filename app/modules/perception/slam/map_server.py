@@ -1,4 +1,4 @@
-"""Keeping, loading and beginning maps for whoever asks: the MapKeeper of a module that follows the robot on them."""
+"""Map server: saving, loading and beginning maps; the MapKeeper of a module that localizes on them."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from app.maps.library import MapLibrary
 from app.maps.zones import checked
 from app.messages import Zone
 
-if TYPE_CHECKING:  # it is compiled, or loaded, when it is imported
-    from app.modules.perception.slam.session import KeptMap, MapSession
+if TYPE_CHECKING:  # kernels are compiled or loaded on import
+    from app.modules.perception.slam.session import MapSession, StoredMap
 
 T = TypeVar("T")
 
 
 class MapHost(Protocol):
-    """What the keeper needs of the module; all on the event loop."""
+    """The module, as the map server uses it; all on the event loop."""
 
     @property
     def session(self) -> MapSession:
@@ -29,7 +29,7 @@ class MapHost(Protocol):
 
     @property
     def X_OB(self) -> Pose2:
-        """Where odometry says that the robot is now."""
+        """Current pose of the robot by odometry."""
         ...
 
     @property
@@ -38,7 +38,7 @@ class MapHost(Protocol):
         ...
 
     def call(self, name: str) -> None:
-        """The map in use has this name from now on."""
+        """Set the name of the map in use."""
         ...
 
     @property
@@ -47,40 +47,40 @@ class MapHost(Protocol):
         ...
 
     def use(self, session: MapSession, name: str, zones: tuple[Zone, ...]) -> None:
-        """Take a map into use and tell it."""
+        """Take a map into use and publish it."""
         ...
 
     def mark(self, zones: tuple[Zone, ...]) -> None:
-        """Tell the zones of the map in use."""
+        """Set and publish the zones of the map in use."""
         ...
 
     def placed(self) -> None:
-        """The robot was placed: it is not looked for any more."""
+        """The pose was set: end the relocalization."""
         ...
 
     def search(self) -> None:
-        """Look for the robot on the map in use."""
+        """Start relocalization on the map in use."""
         ...
 
-    def new_session(self, kept: KeptMap | None, X_MO: Pose2 | None, grows: bool) -> MapSession:
-        """*Behind.* A session on a map that was kept, or an empty one."""
+    def new_session(self, kept: StoredMap | None, X_MO: Pose2 | None, grows: bool) -> MapSession:
+        """*Behind.* A session on a saved map, or an empty one."""
         ...
 
     async def finish(self, session: MapSession) -> None:
-        """Correct and draw all that is known by now."""
+        """Correct and draw the map completely."""
         ...
 
     async def compute(self, function: Callable[..., T], *args: Any) -> T:
         """See :class:`app.runtime.module.Module`."""
         ...
 
-    async def compute_behind(self, function: Callable[..., T], *args: Any) -> T:
+    async def compute_background(self, function: Callable[..., T], *args: Any) -> T:
         """See :class:`app.runtime.module.Module`."""
         ...
 
 
-class Keeper:
-    """Implements :class:`app.maps.control.MapKeeper`: one thing at a time, in the order asked."""
+class MapServer:
+    """Implements :class:`app.maps.control.MapKeeper`: one operation at a time, in the order of the calls."""
 
     def __init__(self, host: MapHost, library: MapLibrary) -> None:
         self._host = host
@@ -93,7 +93,7 @@ class Keeper:
         return self._host.map_name
 
     async def save(self, name: str, others: Mapping[str, Callable[[Path], None]] | None = None) -> None:
-        """Keep the map under ``name``."""
+        """Save the map under ``name``."""
         from app.modules.perception.slam.session import keep
 
         host = self._host
@@ -105,36 +105,36 @@ class Keeper:
             if grid is None or not (grid.cells >= 0).any():
                 raise MapUnavailable("there is nothing to keep yet: let the robot see something with SLAM in force")
             state = await host.compute(session.state)
-            await host.compute_behind(
+            await host.compute_background(
                 keep, self._library, name, grid, host.known_zones, state, others or {}, host.map_name
             )
             host.call(name)
 
     async def load(self, name: str, X_MB: Pose2 | None = None, extend: bool = False) -> None:
         """Take the map ``name`` into use."""
-        from app.modules.perception.slam.session import kept_map
+        from app.modules.perception.slam.session import stored_map
 
         host = self._host
         self._checked(name)
         async with self._one:
-            kept = await host.compute_behind(kept_map, self._library, name)
+            kept = await host.compute_background(stored_map, self._library, name)
             if extend and kept.state is None:
                 raise MapUnavailable(
                     f"the map {name!r} was kept without its graph: the robot can find itself on it, but it cannot grow"
                 )
             X_MO = None if X_MB is None else X_MB @ host.X_OB.inverse()
-            session = await host.compute_behind(host.new_session, kept, X_MO, extend)
+            session = await host.compute_background(host.new_session, kept, X_MO, extend)
             host.use(session, name, kept.zones)
 
     async def begin(self) -> None:
         """Begin an empty map."""
         async with self._one:
             X_MO = self._host.X_OB.inverse()
-            session = await self._host.compute_behind(self._host.new_session, None, X_MO, True)
+            session = await self._host.compute_background(self._host.new_session, None, X_MO, True)
             self._host.use(session, "", ())
 
     async def place(self, X_MB: Pose2) -> None:
-        """The robot is about there."""
+        """Set the robot's approximate pose."""
         async with self._one:
             session = self._host.session
             if session.grid is None:
@@ -143,7 +143,7 @@ class Keeper:
             self._host.placed()
 
     async def search(self) -> None:
-        """Look for the robot."""
+        """Start relocalization."""
         async with self._one:
             session = self._host.session
             if session.grid is None:
@@ -152,7 +152,7 @@ class Keeper:
             self._host.search()
 
     async def mark(self, zones: tuple[Zone, ...]) -> None:
-        """These are the zones from now on."""
+        """Replace the zones."""
         try:
             zones = checked(zones)
         except ValueError as mistake:
@@ -161,7 +161,7 @@ class Keeper:
             name = self._host.map_name
             if name:
                 try:
-                    await self._host.compute_behind(self._library.keep_zones, name, zones)
+                    await self._host.compute_background(self._library.keep_zones, name, zones)
                 except OSError as failure:
                     raise MapUnavailable(f"the disk refuses the zones: {failure.strerror or failure}") from None
             self._host.mark(zones)

@@ -1,4 +1,4 @@
-"""Slam: scan by scan, where the robot is and what the map is."""
+"""Slam: localization and mapping, scan by scan."""
 
 from __future__ import annotations
 
@@ -18,34 +18,35 @@ from app.modules.perception.slam.loop_closure import LoopJob, LoopMemory, LoopOu
 from app.modules.perception.slam.odometry_calibration import OdometryRatios
 from app.modules.perception.slam.pose_graph import Optimize, optimized
 from app.modules.perception.slam.pruning import Pruned
-from app.modules.perception.slam.scan_matching import NOISE_M, Fit, fitted
-from app.modules.perception.slam.scans import Beams, Scan, prepared
+from app.modules.perception.slam.scan_matching import NOISE_M, ScanFit, fitted
+from app.modules.perception.slam.scans import BeamGeometry, Scan, prepared
 from app.modules.perception.slam.settings import SlamSettings
 from app.modules.perception.slam.surfels import SurfelGrid
 from app.modules.perception.slam.types import Edge, Keyframe, Match, SlamState, Submap
 
-#: Odometry that moved less than this (m, rad) has not moved; but so many scans later the scan is looked at again.
+#: Motion (m, rad) below which odometry counts as standing, and number of scans after which a standing robot matches
+#: again.
 _REST = 1e-4
 _REST_SCANS = 10
 _LEAST_POINTS = 25
 _RESCUE_LEVELS = 4
 _RESCUE_SCORE = 0.45
-#: Another pose is taken where this share more of the scan lies on the map.
+#: Least advantage, in share of the scan, of another pose ...
 _RESCUE_GAIN = 0.03
-#: ... and up to this more, the less likely it is by odometry: most of it from about so many squared sigmas on.
+#: ... plus up to this, growing with its distance from odometry: most of it from about this many squared sigmas on.
 _PRICE_MOST = 0.37
 _PRICE_SIGMAS2 = 10.0
-#: What a scan that does not fit adds to the metres driven: so much faster the drift grows.
+#: Metres added to the distance driven by a scan that does not fit: the drift grows faster then.
 _POOR_SCAN_M = 3.0
-#: Where the robot was placed by a person or a search (m, rad).
+#: Uncertainty (m, rad) of a pose set by a person or a search.
 _PLACED_SIGMAS = (0.5, 0.25)
-#: Rescue looks no farther than this (m, rad).
+#: Greatest window (m, rad) of the rescue search.
 _RESCUE_MOST = (6.0, math.pi)
 
 
 @dataclass(slots=True, eq=False)
 class _ActiveSubmap:
-    """A submap in the making: ``keyframes`` by id, the first gives the frame of ``grid``."""
+    """A submap under construction: ``keyframes`` by id, the first defines the frame of ``grid``."""
 
     grid: SurfelGrid
     keyframes: list[int]
@@ -54,11 +55,11 @@ class _ActiveSubmap:
 
 
 class Slam:
-    """Follows the robot and, unless ``frozen``, maps as it goes. Not to be called from two threads at once.
+    """Localizes the robot and, unless ``frozen``, maps. Not to be called from two threads at once.
 
-    The map begins with the robot at ``X_MB``; with ``state``, it is the one that was kept, and the robot is about
-    at ``X_MB`` on it: how surely, ``covariance`` says (as of :class:`Match`) where it is known. ``frozen``: the map
-    stays as it is, memory too. ``optimize`` corrects the graph.
+    The map starts with the robot at ``X_MB``; with ``state``, it is a saved one, and the robot is about at ``X_MB`` on
+    it, with ``covariance`` (as of :class:`Match`) if known. ``frozen``: the map and its memory stay unchanged.
+    ``optimize``: function that corrects the graph.
     """
 
     def __init__(
@@ -96,7 +97,7 @@ class Slam:
         self._keyframe = -1
         self._X_KB = Pose2()
         self._rested = 0
-        self._last_fit: Fit | None = None
+        self._last_fit: ScanFit | None = None
         self._off = (0.0, 0.0)
         self._step_sigmas = (0.0, 0.0)
         self._ratios = OdometryRatios()
@@ -108,7 +109,7 @@ class Slam:
             self._covariance = covariance
 
     def place(self, X_MB: Pose2) -> None:
-        """The robot is about at ``X_MB``: it is looked for around there in the next scan."""
+        """Set the approximate pose ``X_MB``: the next scan is searched around it."""
         self._X_MB = X_MB
         if not self._keyframes:
             self._covariance = np.zeros((3, 3))
@@ -125,12 +126,12 @@ class Slam:
         self,
         stamp: float,
         ranges: NDArray[np.floating],
-        beams: Beams,
+        beams: BeamGeometry,
         X_OB: Pose2,
         twist: tuple[float, float] = (0.0, 0.0),
         sweep_s: float = 0.0,
     ) -> Match:
-        """Take one sweep, begun at ``stamp`` with the body at ``X_OB`` and moving with ``twist`` (m/s, rad/s)."""
+        """Take one sweep, started at ``stamp`` with the body at ``X_OB`` and moving with ``twist`` (m/s, rad/s)."""
         step = self._X_OB.inverse() @ X_OB if self._X_OB is not None else Pose2()
         self._X_OB = X_OB
         if self._keyframes:
@@ -139,14 +140,21 @@ class Slam:
             if distance < _REST and abs(step.theta) < _REST and self._rested < _REST_SCANS:
                 self._rested += 1
                 self._off = (0.0, 0.0)
-                return self._told(stamp, X_OB, added=False)
+                return self._published(stamp, X_OB, added=False)
         self._rested = 0
-        scan = prepared(ranges, beams, twist, sweep_s, self.settings.range_max_m, self.settings.thinning_m)
+        scan = prepared(
+            ranges,
+            beams,
+            twist=twist,
+            sweep_s=sweep_s,
+            range_max_m=self.settings.range_max_m,
+            thinning_m=self.settings.thinning_m,
+        )
         if not self._keyframes:
             if not len(scan.points):
-                return self._told(stamp, X_OB, added=False)
+                return self._published(stamp, X_OB, added=False)
             self._add_keyframe(stamp, scan, None)
-            return self._told(stamp, X_OB, added=True)
+            return self._published(stamp, X_OB, added=True)
         if self._frozen and self._local is not None:
             gone = self._local.X_MB.inverse() @ self._X_MB
             doubted = self._last_fit is not None and self._last_fit.inliers < self.settings.poor_below
@@ -159,21 +167,21 @@ class Slam:
             self._add_keyframe(stamp, scan, fit)
         else:
             self._X_KB = off
-        return self._told(stamp, X_OB, added)
+        return self._published(stamp, X_OB, added)
 
     def pending(self) -> LoopJob | None:
-        """Work that is due (loops to look for, a graph to correct); None while one is out, or nothing is due."""
+        """The next job (loop search, graph correction); None while one is running, or none is due."""
         if self._job_out or not self._due:
             return None
         due, self._due = tuple(self._due), []
         return self._job(due, settle=False)
 
     def settling(self) -> LoopJob | None:
-        """The correction of the graph by all that was found: at the end of a log, or before a map is kept."""
+        """The final correction of the graph: at the end of a log, or before saving a map."""
         return None if self._job_out or not self._poses else self._job((), settle=True)
 
     def take(self, outcome: LoopOutcome) -> None:
-        """Take over what a job found: quick."""
+        """Apply the result of a job; fast."""
         self._job_out = False
         known_edges = self._job_knew[0]
         self._edges[known_edges:known_edges] = outcome.edges
@@ -194,12 +202,12 @@ class Slam:
 
     @property
     def X_MO(self) -> Pose2:
-        """Where odometry's frame is on the map: by the last scan, and by what was corrected since."""
+        """Pose of ``odom`` on the map by the last scan, including corrections since."""
         return self._X_MB if self._X_OB is None else self._X_MB @ self._X_OB.inverse()
 
     @property
     def version(self) -> int:
-        """Grows whenever a keyframe is added, removed or moved."""
+        """Incremented whenever a keyframe is added, removed or moved."""
         return self._version
 
     @property
@@ -208,7 +216,7 @@ class Slam:
         return MappingProxyType(self._keyframes)
 
     def pose(self, id: int) -> Pose2:
-        """Where keyframe ``id`` is on the map (``X_MK``)."""
+        """Pose of keyframe ``id`` on the map (``X_MK``)."""
         return self._poses[id]
 
     def poses(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
@@ -216,21 +224,21 @@ class Slam:
         return np.array(list(self._poses), dtype=np.int64), pose_array(self._poses)
 
     def state(self) -> SlamState:
-        """What must be kept to go on mapping from here."""
+        """The state needed to resume mapping."""
         active = (tuple(submap.keyframes) for submap in self._active) if not self._frozen else ()
         submaps = (*(submap.keyframes for submap in self._submaps), *active)
         return SlamState(tuple(self._keyframes.values()), tuple(self._poses.values()), tuple(self._edges), submaps)
 
     @property
     def loops(self) -> int:
-        """How many loops were closed."""
+        """Number of closed loops."""
         return self._loops
 
     def _drop(self, cut: Pruned) -> None:
-        """Leave away what the job did, unless the robot was placed there meanwhile."""
+        """Discard the job's result, unless the pose was set meanwhile."""
         if self._in_use() & cut.replaced.keys():
             return
-        # What came while the job ran stands behind what it knew.
+        # Additions during the job follow the entries the job knew.
         known_edges, known_submaps = self._job_knew
         self._edges = [*cut.edges, *self._edges[known_edges:]]
         self._submaps = [*cut.submaps, *self._submaps[known_submaps:]]
@@ -241,10 +249,10 @@ class Slam:
     def _in_use(self) -> frozenset[int]:
         return frozenset(id for submap in self._active for id in submap.keyframes) | {self._keyframe}
 
-    # --- Following -------------------------------------------------------------------------------------------------
+    # --- Localization -------------------------------------------------------------------------------------------------
 
-    def _follow(self, scan: Scan, step: Pose2) -> Fit:
-        """Move on by odometry's ``step``, then to where the scan lies on the submap."""
+    def _follow(self, scan: Scan, step: Pose2) -> ScanFit:
+        """Predict by odometry's ``step``, then match the scan on the submap."""
         settings = self.settings
         step = self._ratios.corrected(step)
         distance = math.hypot(step.x, step.y)
@@ -260,7 +268,7 @@ class Slam:
         if fit.inliers >= settings.rescue_below and not self._placed:
             self._ratios.learn(step, prior.inverse() @ fit.X_SB)
         if (fit.inliers < settings.rescue_below or self._placed) and len(scan.points) > _LEAST_POINTS:
-            fit = self._rescued(submap, scan, prior, fit, (sigma_m, sigma_rad), step)
+            fit = self._rescued(submap, scan, prior=prior, fit=fit, sigmas=(sigma_m, sigma_rad), step=step)
         self._placed = self._placed and fit.inliers < settings.lost_below
         self._last_fit = fit
         if fit.inliers < settings.poor_below:
@@ -278,32 +286,34 @@ class Slam:
         submap: _ActiveSubmap,
         scan: Scan,
         prior: Pose2,
-        fit: Fit,
+        fit: ScanFit,
         sigmas: tuple[float, float],
         step: Pose2,
-    ) -> Fit:
-        """A better pose than ``fit``, from farther around ``prior``, if there is one."""
+    ) -> ScanFit:
+        """A better pose than ``fit`` from a wider search around ``prior``, if there is one."""
         if submap.pyramid is None or submap.pyramid_of != len(submap.keyframes):
             submap.pyramid = Pyramid(submap.grid, _RESCUE_LEVELS)
             submap.pyramid_of = len(submap.keyframes)
-        # What is not known since the scans fitted last is looked through, too.
+        # The uncertainty accumulated since scans fitted last widens the window.
         window_m = 0.5 + math.hypot(step.x, step.y) + 2.0 * math.sqrt(self._before[:2, :2].trace())
         window_rad = 0.25 + abs(step.theta) + 2.0 * math.sqrt(self._before[2, 2])
         window_m, window_rad = min(window_m, _RESCUE_MOST[0]), min(window_rad, _RESCUE_MOST[1])
-        found = sought(submap.pyramid, scan.points, prior, window_m, window_rad, _RESCUE_SCORE)
+        found = sought(
+            submap.pyramid, scan.points, guess=prior, window_m=window_m, window_rad=window_rad, threshold=_RESCUE_SCORE
+        )
         if found is None:
             return fit
         loose = (sigmas[0] * math.sqrt(5.0), sigmas[1] * math.sqrt(5.0))
         other = fitted(submap.grid, scan.points, found[0], prior, loose)
-        # What looks alike a door further on fits, too: the farther from where odometry leads, the better it must fit.
+        # A similar place one door further fits, too: the required advantage grows with the distance from odometry.
         X_MS = self._poses[submap.keyframes[0]]
         dearer = self._price(X_MS @ other.X_SB) - self._price(X_MS @ fit.X_SB)
         return other if other.inliers > fit.inliers + _RESCUE_GAIN + dearer else fit
 
     def _price(self, X_MB: Pose2) -> float:
-        """The share that a fit at ``X_MB`` must have more, for being away from where odometry led the robot.
+        """Required advantage in share of the scan of a fit at ``X_MB``, by its distance from odometry.
 
-        It does not grow for ever: a slipped wheel leads anywhere.
+        Bounded: wheel slip can lead anywhere.
         """
         expected = self._X_MB
         off = np.array([X_MB.x - expected.x, X_MB.y - expected.y, wrap_angle(X_MB.theta - expected.theta)])
@@ -319,7 +329,7 @@ class Slam:
         swing[1, 2] = self._X_MB.x - before.x
         self._covariance = swing @ self._covariance @ swing.T + np.diag([sigma_m**2, sigma_m**2, sigma_rad**2])
 
-    def _update(self, X_MS: Pose2, fit: Fit) -> None:
+    def _update(self, X_MS: Pose2, fit: ScanFit) -> None:
         c, s = math.cos(X_MS.theta), math.sin(X_MS.theta)
         turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
         information = turn @ fit.information @ turn.T / max(1.0, (fit.rms_m / NOISE_M) ** 2)
@@ -327,10 +337,18 @@ class Slam:
 
     # --- Mapping ---------------------------------------------------------------------------------------------------
 
-    def _add_keyframe(self, stamp: float, scan: Scan, fit: Fit | None) -> None:
+    def _add_keyframe(self, stamp: float, scan: Scan, fit: ScanFit | None) -> None:
         id = self._made
         self._made += 1
-        self._keyframes[id] = Keyframe(id, stamp, scan.points, scan.ends, scan.hits, scan.origin, self._travelled_m)
+        self._keyframes[id] = Keyframe(
+            id,
+            stamp,
+            points=scan.points,
+            ends=scan.ends,
+            hits=scan.hits,
+            origin=scan.origin,
+            travelled_m=self._travelled_m,
+        )
         self._poses[id] = self._X_MB
         self._keyframe, self._X_KB = id, Pose2()
         self._version += 1
@@ -343,7 +361,7 @@ class Slam:
                 submap.grid.insert(scan.points, X_SB)
                 submap.keyframes.append(id)
         if lost:
-            # What follows is matched with this scan, not with what was before: on that, it hangs by odometry alone.
+            # Later scans are matched with this scan, not with earlier ones: the connection to these is odometry alone.
             for submap in self._active:
                 self._finish(submap)
             self._active = []
@@ -351,7 +369,7 @@ class Slam:
         self._due.append(id)
 
     def _turn_submaps(self, id: int, scan: Scan) -> None:
-        """Begin a submap when the newest is half full; then the oldest, if whole, is finished."""
+        """Begin a submap when the newest is half full; then finish the oldest, if full."""
         full = self.settings.submap_keyframes
         if self._active and len(self._active[-1].keyframes) < full // 2:
             return
@@ -368,7 +386,7 @@ class Slam:
         self._submaps_made += 1
 
     def _look_around(self) -> None:
-        """Follow on the map as it is around here; what is mapped next hangs on its nearest keyframe."""
+        """Localize on the local map around the robot; new keyframes are attached to its nearest keyframe."""
         self._local = local = local_map(self._keyframes, self._poses, self._X_MB)
         self._active = [_ActiveSubmap(local.grid, [local.nearest])]
         self._keyframe = local.nearest
@@ -378,11 +396,19 @@ class Slam:
         self._job_out = True
         self._job_knew = len(self._edges), len(self._submaps)
         return LoopJob(
-            self.settings, dict(self._keyframes), dict(self._poses), tuple(self._edges), tuple(self._submaps), due,
-            self._in_use(), self._memory, self._optimize, settle,
-        )  # fmt: skip
+            self.settings,
+            dict(self._keyframes),
+            poses=dict(self._poses),
+            edges=tuple(self._edges),
+            submaps=tuple(self._submaps),
+            due=due,
+            in_use=self._in_use(),
+            memory=self._memory,
+            optimize=self._optimize,
+            settle=settle,
+        )
 
-    def _told(self, stamp: float, X_OB: Pose2, added: bool) -> Match:
+    def _published(self, stamp: float, X_OB: Pose2, added: bool) -> Match:
         fit = self._last_fit
         moved, self._moved = self._moved, False
         return Match(

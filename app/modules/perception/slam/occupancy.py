@@ -1,13 +1,13 @@
-"""The occupancy grid: what was seen from each keyframe, drawn where the keyframe is believed to be now.
+"""Occupancy grid: views of all keyframes, drawn at the keyframes' current poses.
 
 Each view counts once in every cell it meets: a hit where one of its rays ends, else a miss where one passes (so that a
-wall seen along itself is not worn away by rays that end a little further on). Counts are sums over views, hence a view
-can be taken out again exactly, and put elsewhere: that is all a closed loop costs. A cell is occupied as
+wall seen at a grazing angle is not cleared by rays that end a little further on). Counts are sums over views, so a view
+can be removed exactly and added elsewhere: a closed loop costs no more than that. The probability of occupancy is
 
     p = 3 h / (3 h + m),   shown as 0 up to p = 0.15 and as 100 from p = 0.85 on,
 
-so who walks by is gone after a few looks that pass through where they were. Cells stand on one lattice of the map's
-frame, whatever part of it the grid covers.
+so a person who walks by vanishes after a few views through their place. Cells are on one lattice of the map's frame,
+whatever part of it the grid covers.
 """
 
 from __future__ import annotations
@@ -23,49 +23,51 @@ from app.base.geometry import Pose2
 from app.messages import LaserScan
 from app.modules.perception.slam.types import Keyframe
 
-#: A hit weighs as much as this many misses.
+#: Weight of a hit, in misses.
 HIT_WEIGHT = 3.0
-#: Up to and from which p a cell is shown as surely free and surely occupied.
+#: Values of p shown as surely free and surely occupied.
 SURELY_FREE, SURELY_OCCUPIED = 0.15, 0.85
-#: Rays that met nothing clear the floor no further than this (m): dark and slanted things give no echo either.
+#: Range (m) up to which rays without a return clear cells: dark and slanted surfaces give no return either.
 REACH_M = 12.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class View:
-    """What one scan saw, in ``base_link``: rays begin at ``eye`` (m) and end at ``ends`` (N, 2) float32 m; ``met`` (N,)
-    bool says whether on something.
+class ScanView:
+    """Rays of one scan in ``base_link``: from ``sensor_xy`` (m) to ``ends`` (N, 2) float32 m; ``met`` (N,)
+    bool says whether the ray met a surface.
     """
 
     ends: NDArray[np.float32]
     met: NDArray[np.bool_]
-    eye: tuple[float, float]
+    sensor_xy: tuple[float, float]
 
     @staticmethod
-    def of(keyframe: Keyframe) -> View:
-        """What was seen at ``keyframe``."""
-        eye = float(keyframe.origin[0]), float(keyframe.origin[1])
-        return View(keyframe.ends, np.require(keyframe.hits, requirements=("C", "W")), eye)
+    def of(keyframe: Keyframe) -> ScanView:
+        """The view of ``keyframe``."""
+        sensor_xy = float(keyframe.origin[0]), float(keyframe.origin[1])
+        return ScanView(keyframe.ends, np.require(keyframe.hits, requirements=("C", "W")), sensor_xy)
 
 
-def view_of(scan: LaserScan) -> View:
-    """The view of ``scan`` as if all its rays were cast at once: of a robot that stands."""
+def view_of(scan: LaserScan) -> ScanView:
+    """The view of ``scan`` with all rays cast at once, for a standing robot."""
     angles = scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))
     ranges = scan.ranges.astype(np.float64)
     met = (ranges >= scan.range_min) & (ranges < scan.range_max)
-    # What is too near to be measured, or is no number, says nothing.
+    # Readings below the least range, or NaN, are ignored.
     said = met | (ranges >= scan.range_max)
     ranges, angles, met = np.minimum(ranges, scan.range_max)[said], angles[said], met[said]
     x, y = ranges * np.cos(angles), ranges * np.sin(angles)
-    turn, eye = scan.X_BL.rotation, scan.X_BL.translation
-    ends = np.stack((turn[0, 0] * x + turn[0, 1] * y + eye[0], turn[1, 0] * x + turn[1, 1] * y + eye[1]), axis=1)
-    return View(ends.astype(np.float32), met, (float(eye[0]), float(eye[1])))
+    turn, sensor_xy = scan.X_BL.rotation, scan.X_BL.translation
+    ends = np.stack(
+        (turn[0, 0] * x + turn[0, 1] * y + sensor_xy[0], turn[1, 0] * x + turn[1, 1] * y + sensor_xy[1]), axis=1
+    )
+    return ScanView(ends.astype(np.float32), met, (float(sensor_xy[0]), float(sensor_xy[1])))
 
 
 class OccupancyCounts:
-    """Hits and misses of every cell, and the cells' values; it grows by whole blocks where views need it.
+    """Hits and misses of every cell, and the cells' values; grows by whole blocks.
 
-    ``lowest`` (column, row on the lattice) is the place of cell [0, 0]. Used by one thread at a time.
+    ``lowest`` (column, row on the lattice): place of cell [0, 0]. Used by one thread at a time.
     """
 
     def __init__(self, resolution_m: float = 0.05, side_m: float = 50.0, block_m: float = 10.0) -> None:
@@ -78,24 +80,24 @@ class OccupancyCounts:
         self.cells: NDArray[np.int8] = np.full((side, side), -1, np.int8)
         self._marks: NDArray[np.int32] = np.zeros((side, side), np.int32)
         self._mark = 0
-        #: First column, first row, last column, last row drawn into since the last :meth:`refresh`.
+        #: First column, first row, last column, last row changed since the last :meth:`refresh`.
         self._dirty = _nowhere()
 
     @property
     def origin(self) -> tuple[float, float]:
-        """Where the lower left corner of cell [0, 0] is (m)."""
+        """Position of the lower left corner of cell [0, 0] (m)."""
         return self.lowest[0] * self.resolution_m, self.lowest[1] * self.resolution_m
 
-    def add(self, view: View, pose: Pose2) -> None:
-        """Count ``view``, taken at ``pose`` on the map."""
+    def add(self, view: ScanView, pose: Pose2) -> None:
+        """Add ``view``, taken at ``pose`` on the map."""
         self._draw(view, pose, 1)
 
-    def remove(self, view: View, pose: Pose2) -> None:
-        """Take out ``view``, which was added at the very same ``pose``."""
+    def remove(self, view: ScanView, pose: Pose2) -> None:
+        """Remove ``view``, which was added at exactly this ``pose``."""
         self._draw(view, pose, -1)
 
     def refresh(self) -> bool:
-        """Bring the cells up to the counts where these changed; returns whether any cell changed."""
+        """Recompute the cells whose counts changed; returns whether any value changed."""
         left, low, right, high = (int(v) for v in self._dirty)
         self._dirty = _nowhere()
         if right < left:
@@ -103,32 +105,33 @@ class OccupancyCounts:
         counts = self.hits, self.misses, self.cells
         return evaluate(*counts, left, low, right, high, HIT_WEIGHT, SURELY_FREE, SURELY_OCCUPIED) > 0
 
-    def _draw(self, view: View, pose: Pose2, sign: int) -> None:
+    def _draw(self, view: ScanView, pose: Pose2, sign: int) -> None:
         if not len(view.ends):
             return
-        # The lattice's columns and rows of the ends, and of the eye.
-        places = self._places(view, pose)
-        self._cover(places)
+        # Columns and rows on the lattice of the ends, and of the sensor.
+        ray_cells = self._ray_cells(view, pose)
+        self._cover(ray_cells)
         self._mark += 2
-        places -= np.array(self.lowest)
-        cast_rays(self.hits, self.misses, self._marks, self._mark, self._dirty, places, view.met, sign)
+        ray_cells -= np.array(self.lowest)
+        cast_rays(self.hits, self.misses, self._marks, self._mark, self._dirty, ray_cells, view.met, sign)
 
-    def _places(self, view: View, pose: Pose2) -> NDArray[np.int64]:
-        """(N + 1, 2): columns and rows on the lattice of what :func:`cast_rays` goes to, and of the eye last."""
+    def _ray_cells(self, view: ScanView, pose: Pose2) -> NDArray[np.int64]:
+        """(N + 1, 2): columns and rows on the lattice of the rays' ends for :func:`cast_rays`, the sensor's own
+        last."""
         x, y = view.ends[:, 0].astype(np.float64), view.ends[:, 1].astype(np.float64)
-        far = np.hypot(x - view.eye[0], y - view.eye[1])
+        far = np.hypot(x - view.sensor_xy[0], y - view.sensor_xy[1])
         share = np.where(view.met | (far <= REACH_M), 1.0, REACH_M / np.maximum(far, 1e-9))
-        x, y = view.eye[0] + share * (x - view.eye[0]), view.eye[1] + share * (y - view.eye[1])
-        x, y = np.append(x, view.eye[0]), np.append(y, view.eye[1])
+        x, y = view.sensor_xy[0] + share * (x - view.sensor_xy[0]), view.sensor_xy[1] + share * (y - view.sensor_xy[1])
+        x, y = np.append(x, view.sensor_xy[0]), np.append(y, view.sensor_xy[1])
         c, s = math.cos(pose.theta), math.sin(pose.theta)
         on_map = np.stack((pose.x + c * x - s * y, pose.y + s * x + c * y), axis=1)
         return np.floor(on_map / self.resolution_m).astype(np.int64)
 
-    def _cover(self, places: NDArray[np.int64]) -> None:
-        """Grow so that ``places`` lie inside."""
+    def _cover(self, ray_cells: NDArray[np.int64]) -> None:
+        """Grow so that ``ray_cells`` are inside."""
         lowest, shape = np.array(self.lowest), np.array(self.cells.shape)[::-1]
-        below = np.maximum(lowest - places.min(axis=0), 0)
-        above = np.maximum(places.max(axis=0) + 1 - (lowest + shape), 0)
+        below = np.maximum(lowest - ray_cells.min(axis=0), 0)
+        above = np.maximum(ray_cells.max(axis=0) + 1 - (lowest + shape), 0)
         if not (below.any() or above.any()):
             return
         below, above = -(-below // self._block) * self._block, -(-above // self._block) * self._block
@@ -144,7 +147,7 @@ class OccupancyCounts:
 
 
 def cropped(cells: NDArray[np.int8], margin: int = 10) -> tuple[slice, slice]:
-    """The rows and columns that hold all known cells and ``margin`` more; all, where none is known."""
+    """The rows and columns that contain all known cells and ``margin`` more; all if none is known."""
     known = cells >= 0
     rows, columns = np.flatnonzero(known.any(axis=1)), np.flatnonzero(known.any(axis=0))
     if not len(rows):
@@ -165,27 +168,27 @@ def cast_rays(
     marks: NDArray[np.int32],
     mark: int,
     dirty: NDArray[np.int64],
-    places: NDArray[np.int64],
+    ray_cells: NDArray[np.int64],
     met: NDArray[np.bool_],
     sign: int,
 ) -> None:
-    """Count one view, ``sign`` 1, or take it out, −1.
+    """Add one view, ``sign`` 1, or remove it, −1.
 
-    ``places`` are columns and rows inside the grid, the eye's last. ``mark`` is even, and greater than any in
-    ``marks``, which say which cells the view has met.
+    ``ray_cells``: columns and rows inside the grid, the sensor's own cell last. ``mark``: even, greater than any value
+    of ``marks``; ``marks`` hold the last view that touched each cell.
     """
     count = len(met)
-    i0, j0 = places[count, 0], places[count, 1]
+    i0, j0 = ray_cells[count, 0], ray_cells[count, 1]
     for k in range(count):
-        i, j = places[k, 0], places[k, 1]
+        i, j = ray_cells[k, 0], ray_cells[k, 1]
         dirty[0], dirty[1] = min(dirty[0], i, i0), min(dirty[1], j, j0)
         dirty[2], dirty[3] = max(dirty[2], i, i0), max(dirty[3], j, j0)
         if met[k] and marks[j, i] != mark + 1:
             marks[j, i] = mark + 1
             hits[j, i] = hits[j, i] + sign
     for k in range(count):
-        i1, j1 = places[k, 0], places[k, 1]
-        # Bresenham's line, without its end.
+        i1, j1 = ray_cells[k, 0], ray_cells[k, 1]
+        # Bresenham's line, without its last cell.
         di, dj = abs(i1 - i0), -abs(j1 - j0)
         si, sj = (1 if i1 > i0 else -1), (1 if j1 > j0 else -1)
         error = di + dj
@@ -216,7 +219,8 @@ def evaluate(
     free: float,
     occupied: float,
 ) -> int:
-    """Write the cells' values from their counts, in these columns and rows, ends included; returns how many changed."""
+    """Write the cells' values from their counts, in these columns and rows, ends included; returns the number of
+    changes."""
     changed = 0
     for j in range(low, high + 1):
         for i in range(left, right + 1):

@@ -1,4 +1,4 @@
-"""How far the robot goes for each metre, and turns for each radian, that odometry tells: learnt from the scans."""
+"""Online calibration of odometry's scale: true motion per measured metre and radian, learnt from the scans."""
 
 from __future__ import annotations
 
@@ -6,29 +6,29 @@ import math
 
 from app.base.geometry import Pose2, wrap_angle
 
-#: What was learnt is forgotten over so many metres driven, and radians turned, ...
+#: Forgetting constants, in metres driven and radians turned, ...
 _FORGOTTEN_M = 60.0
 _FORGOTTEN_RAD = 12.0
-#: ... and at first so much weighs what is believed without.
+#: ... and initial weight of the ratio 1.
 _BELIEVED_M = 10.0
 _BELIEVED_RAD = 4.0
-#: Odometry is not off by more than this share.
+#: Greatest deviation of the ratios from 1.
 _MOST = 0.15
-#: One scan that says more than this share of the step (and so many m, rad) is a slip or another door.
+#: A correction above this share of the step (and these m, rad) is wheel slip or a wrong match.
 _SLIP = 0.3
 _SLIP_M = 0.02
 _SLIP_RAD = 0.01
-#: A step that turns less (rad) is noise, or a swerve.
+#: Turn (rad) below which a step is noise.
 _LEAST_TURN_RAD = 0.03
 
 
 class OdometryRatios:
-    """``length`` and ``turn``: the robot's own motion, as a share of what odometry tells of it.
+    """``length`` and ``turn``: true motion as a share of odometry's.
 
-    A scan that is matched moves the pose from where odometry led it. Where it cannot tell, as along a bare corridor,
-    it moves nothing and nothing is learnt; where it can, it moves by what odometry has been off since, and sums of that
-    over a way are what odometry was off over the way, without the noise of the scans between. So each ratio is moved
-    by that sum until none is left (an integral controller).
+    A matched scan corrects the predicted pose. Where the scan carries no information, as along a bare corridor, the
+    correction is zero and nothing is learnt; elsewhere it equals the error of odometry since, and its sum over a path
+    is the error of odometry over the path, with little noise of single scans. An integral controller adjusts each ratio
+    until that sum vanishes.
     """
 
     def __init__(self) -> None:
@@ -38,11 +38,11 @@ class OdometryRatios:
         self._turned_rad = _BELIEVED_RAD
 
     def corrected(self, step: Pose2) -> Pose2:
-        """``step`` of the body as odometry tells it, as the robot went."""
+        """The true ``step`` of the body for odometry's ``step``."""
         return Pose2(self.length * step.x, self.length * step.y, self.turn * wrap_angle(step.theta))
 
     def learn(self, step: Pose2, off: Pose2) -> None:
-        """The robot, after the corrected ``step``, was found at ``off`` from where that led it."""
+        """Update by a match at ``off`` from the pose predicted with the corrected ``step``."""
         distance, turn = math.hypot(step.x, step.y), abs(step.theta)
         if distance > 0.0:
             self._driven_m = min(self._driven_m + distance, _FORGOTTEN_M)

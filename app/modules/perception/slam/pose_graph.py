@@ -1,4 +1,4 @@
-"""The pose graph: all keyframes where all edges together want them; robust against loops that are none."""
+"""Pose graph optimization: least squares over all edges, robust against false loops."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ from app.modules.perception.slam.information import Information, chained, matric
 from app.modules.perception.slam.relations import between
 from app.modules.perception.slam.types import Edge
 
-#: From so many standard deviations on, a loop's weight falls with its error (Cauchy's estimator).
+#: Standard deviations from which a loop's weight falls with its error (Cauchy's estimator).
 _SOFT_SIGMAS = 3.0
-#: ... and, while the graph is first pulled together, from so many.
+#: ... the same during the first pass, which pulls the graph together.
 _PULLED_SIGMAS = 30.0
-#: The first keyframe stays where it is.
+#: Prior of the first keyframe, which stays in place.
 _ANCHOR_SIGMAS = (1e-4, 1e-4, 1e-5)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GraphArrays:
-    """A graph as arrays, which another process can be given.
+    """A graph as arrays, for transfer to another process.
 
-    ``poses`` (N, 3) float64 x, y, theta; of edge e, ``ends`` (E, 2) int64 rows of ``poses``, ``measured`` (E, 3) pose
-    of the second in the first, ``information`` (E, 6) and ``loops`` (E,) bool as in :class:`Edge`. ``fresh``
-    (E,) bool: loops that no correction has judged yet.
+    ``poses`` (N, 3) float64 x, y, theta; of edge e: ``ends`` (E, 2) int64 rows of ``poses``, ``measured`` (E, 3) pose
+    of the second in the first, ``information`` (E, 6) and ``loops`` (E,) bool as in :class:`Edge`. ``fresh`` (E,) bool:
+    loops that are new since the last correction.
     """
 
     poses: NDArray[np.float64]
@@ -39,12 +39,13 @@ class GraphArrays:
     fresh: NDArray[np.bool_]
 
 
-#: What corrects a graph: its poses (N, 3), the first unmoved.
+#: Type of the functions that correct a graph: its poses (N, 3), the first unchanged.
 Optimize = Callable[[GraphArrays], NDArray[np.float64]]
 
 
 def graph_arrays(poses: Mapping[int, Pose2], edges: Sequence[Edge], judged: int = -1) -> GraphArrays:
-    """``poses`` by id, in their order, and the ``edges`` between them; loops up to keyframe ``judged`` are old."""
+    """``poses`` by id, in their order, and the ``edges`` between them; loops up to keyframe ``judged`` are not
+    fresh."""
     rows = {id: row for row, id in enumerate(poses)}
     return GraphArrays(
         poses=np.array([(p.x, p.y, p.theta) for p in poses.values()], dtype=np.float64).reshape(-1, 3),
@@ -57,11 +58,11 @@ def graph_arrays(poses: Mapping[int, Pose2], edges: Sequence[Edge], judged: int 
 
 
 def optimized(graph: GraphArrays) -> NDArray[np.float64]:
-    """The poses (N, 3) that fit the edges best, by GTSAM's Levenberg-Marquardt.
+    """The poses (N, 3) of the least squares solution, by GTSAM's Levenberg-Marquardt.
 
-    A long loop that closes is far off at first: where one is, its edges are believed farther at first, so that they
-    pull, and judged then. It holds the interpreter's lock meanwhile: a robot that is driving calls it in another
-    process.
+    A long loop has a large error before it is closed: with such a fresh loop, a first pass uses a wider robust kernel,
+    so that the loop can pull, and a second pass the normal one. The call holds the interpreter's lock: use another
+    process on a moving robot.
     """
     poses = graph.poses
     if _farthest_sigmas(graph) > _PULLED_SIGMAS:
@@ -70,7 +71,7 @@ def optimized(graph: GraphArrays) -> NDArray[np.float64]:
 
 
 def _farthest_sigmas(graph: GraphArrays) -> float:
-    """How many standard deviations the worst fresh loop is off."""
+    """Error of the worst fresh loop, in standard deviations."""
     loops = graph.fresh
     if not loops.any():
         return 0.0
@@ -81,10 +82,10 @@ def _farthest_sigmas(graph: GraphArrays) -> float:
 
 
 def uncertainties(graph: GraphArrays) -> NDArray[np.float64]:
-    """(N,) standard deviations (m) of where each pose is, whatever the direction, seen from the first: by all edges.
+    """(N,) standard deviations (m) of each position, over all directions, relative to the first, by all edges.
 
-    Drift is in it: what is not known of the way to a pose adds up, and a loop takes it away. All infinite where edges
-    say so little of some pose that it cannot be computed.
+    Drift is included: uncertainty grows along the path and shrinks with loops. All infinite where a pose is too weakly
+    constrained for the computation.
     """
     import gtsam
 
@@ -92,7 +93,7 @@ def uncertainties(graph: GraphArrays) -> NDArray[np.float64]:
     try:
         marginals = gtsam.Marginals(factors, values)
         variances = [np.trace(marginals.marginalCovariance(row)[:2, :2]) for row in range(len(graph.poses))]
-    except (RuntimeError, IndexError):  # GTSAM: no solution; a pose that no edge holds
+    except (RuntimeError, IndexError):  # GTSAM: no solution, or a pose without an edge
         return np.full(len(graph.poses), np.inf)
     return np.sqrt(np.array(variances, dtype=np.float64))
 
@@ -106,12 +107,12 @@ def _solved(graph: GraphArrays, poses: NDArray[np.float64], soft_sigmas: float) 
     parameters.setRelativeErrorTol(1e-4)
     parameters.setAbsoluteErrorTol(1e-4)
     result = gtsam.LevenbergMarquardtOptimizer(factors, values, parameters).optimize()
-    # In the order of the keys, which is that of the rows.
+    # The keys' order is that of the rows.
     return np.asarray(gtsam.utilities.extractPose2(result), dtype=np.float64)
 
 
 def _problem(graph: GraphArrays, poses: NDArray[np.float64], soft_sigmas: float) -> tuple[Any, Any]:
-    """GTSAM's factors and values."""
+    """Factors and values for GTSAM."""
     import gtsam
 
     noise = gtsam.noiseModel
@@ -122,7 +123,7 @@ def _problem(graph: GraphArrays, poses: NDArray[np.float64], soft_sigmas: float)
     anchor = noise.Diagonal.Sigmas(np.array(_ANCHOR_SIGMAS))
     factors.add(gtsam.PriorFactorPose2(0, gtsam.Pose2(*graph.poses[0]), anchor))
     soft = noise.mEstimator.Cauchy.Create(soft_sigmas)
-    # GTSAM wants the root R of information, R^T R.
+    # GTSAM takes the square root R of the information, R^T R.
     roots = np.linalg.cholesky(matrices(graph.information)).transpose(0, 2, 1)
     ends, measured, loops = graph.ends.tolist(), graph.measured.tolist(), graph.loops.tolist()
     for (a, b), X_ab, root, loop in zip(ends, measured, roots, loops, strict=True):
@@ -133,17 +134,18 @@ def _problem(graph: GraphArrays, poses: NDArray[np.float64], soft_sigmas: float)
 
 
 def surest(edges: Iterable[Edge], id: int) -> Edge | None:
-    """The edge that holds keyframe ``id`` best, told from it; None where nothing does."""
+    """The edge of most information at keyframe ``id``, oriented from it; None without edges."""
     spokes = [_from(edge, id) for edge in edges if id in (edge.a, edge.b)]
     return min(spokes, key=lambda e: (e.loop, variance_m2(e.information), -e.b), default=None)
 
 
 def without(edges: Iterable[Edge], removed: int) -> list[Edge]:
-    """``edges`` that say the same of all keyframes but ``removed``.
+    """Equivalent ``edges`` without the keyframes ``removed`` (marginalization).
 
-    What hung on it hangs, through the surest of its edges, on that one's other end instead: a star, where Kretzschmar
-    and Stachniss (2012) make a tree. What is surely joined already is not joined once more: or edges would grow with
-    the time that a place is passed, while its keyframes do not.
+    The neighbours of a removed keyframe are connected, through its surest edge, to that edge's other end: a star, in
+    place of the Chow-Liu tree of Kretzschmar and Stachniss (2012). An edge that would duplicate a better known
+    connection is omitted: the number of edges must not grow with repeated passes while the number of keyframes does
+    not.
     """
     kept: list[Edge] = []
     touching: list[Edge] = []
@@ -174,7 +176,7 @@ def _sureness(edge: Edge) -> tuple[bool, float]:
 
 
 def _from(edge: Edge, id: int) -> Edge:
-    """The same edge, told from its end ``id``."""
+    """The same edge, oriented from its end ``id``."""
     return (
         edge
         if edge.a == id
@@ -183,5 +185,6 @@ def _from(edge: Edge, id: int) -> Edge:
 
 
 def _chained(hub: Edge, spoke: Edge) -> Information:
-    """Information of the way from the hub over what is removed, which both edges are told from, to the spoke's end."""
+    """Information of the pose of the spoke's end in the hub, via the removed keyframe: both edges are oriented from
+    that keyframe, and their covariances add."""
     return chained(seen_from(hub.information, hub.X_ab), spoke.information, spoke.X_ab)

@@ -1,7 +1,7 @@
-"""What keeps a map from growing where the robot passes again and again: of keyframes that show the same, the old go.
+"""Pruning: removal of old keyframes that show the same as newer ones, so that repeated passes do not grow the map.
 
-A square metre keeps so many keyframes of each quarter of headings, the newest, whatever the uptime; so a map's size is
-bounded by the place's. Edges of those that go are handed on to a neighbour (``pose_graph.without``).
+Each square metre keeps a fixed number of the newest keyframes of each quarter of headings, whatever the uptime, so the
+size of a map is bounded by the area. Edges of removed keyframes are passed to a neighbour (``pose_graph.without``).
 """
 
 from __future__ import annotations
@@ -16,15 +16,14 @@ from app.base.geometry import Pose2
 from app.modules.perception.slam.pose_graph import surest, without
 from app.modules.perception.slam.types import Edge, Submap
 
-#: A submap of fewer keyframes shows too little to be known again.
+#: Least number of keyframes of a submap: fewer cannot be recognized.
 _LEAST_KEYFRAMES = 4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pruned:
-    """The graph without ``removed``: where each of these is now, ``replaced`` says, as another keyframe and its pose
-    in it. ``changed`` are ids of submaps that have lost something.
-    """
+    """The graph without ``removed``. ``replaced``: for each of these, another keyframe and its pose in it. ``changed``:
+    ids of submaps that lost keyframes."""
 
     removed: tuple[int, ...]
     replaced: Mapping[int, tuple[int, Pose2]]
@@ -34,14 +33,14 @@ class Pruned:
 
 
 def redundant(poses: Mapping[int, Pose2], kept: Collection[int], per_m2: int, sectors: int) -> list[int]:
-    """Ids to be removed, so that no square metre has more than ``per_m2`` of a sector; none of ``kept``."""
+    """Ids to remove, so that no square metre has more than ``per_m2`` keyframes of a sector; none of ``kept``."""
     if not poses:
         return []
     ids = np.fromiter(poses, dtype=np.int64)
     at = np.array([(p.x, p.y, p.theta) for p in poses.values()])
     sector = np.floor(at[:, 2] % math.tau / math.tau * sectors)
-    places = np.column_stack((np.floor(at[:, :2]), sector)).astype(np.int64)
-    _, place, counts = np.unique(places, axis=0, return_inverse=True, return_counts=True)
+    hypotheses = np.column_stack((np.floor(at[:, :2]), sector)).astype(np.int64)
+    _, place, counts = np.unique(hypotheses, axis=0, return_inverse=True, return_counts=True)
     place = place.reshape(-1)
     removed: list[int] = []
     for full in np.flatnonzero(counts > per_m2):
@@ -51,7 +50,7 @@ def redundant(poses: Mapping[int, Pose2], kept: Collection[int], per_m2: int, se
 
 
 def pruned(removed: Sequence[int], edges: Sequence[Edge], submaps: Sequence[Submap]) -> Pruned:
-    """The graph of ``edges`` and ``submaps`` without the keyframes ``removed``; one on which nothing hangs stays."""
+    """The graph of ``edges`` and ``submaps`` without ``removed``; a removed keyframe without any edge stays."""
     gone: list[int] = []
     replaced: dict[int, tuple[int, Pose2]] = {}
     left = list(edges)

@@ -1,4 +1,4 @@
-"""How good a trajectory is: relations between its poses (Kuemmerle et al., 2009), and its distance from another.
+"""Quality of a trajectory: errors of relative poses (Kuemmerle et al., 2009), and distance to a reference.
 
 Poses are arrays (N, 3) float64: x, y (m), theta (rad).
 """
@@ -11,14 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 Poses = NDArray[np.float64]
-#: A relation so wrong (m, rad) tells of a map that is broken there.
+#: Error of a relation (m, rad) that indicates a broken map.
 GROSS_M = 0.5
 GROSS_RAD = np.radians(5.0)
 
 
 @dataclass(frozen=True, slots=True)
 class RelationErrors:
-    """Errors of a trajectory against relations: translation in m, rotation in degrees, and how many are gross."""
+    """Errors of relative poses: translation in m, rotation in degrees, and number of gross errors."""
 
     relations: int
     mean_m: float
@@ -51,7 +51,7 @@ def between(first: Poses, second: Poses) -> Poses:
 
 
 def relation_errors(first: Poses, second: Poses, measured: Poses) -> RelationErrors:
-    """Of the poses ``first`` and ``second`` of each relation (at least one), measured as ``measured``."""
+    """Errors between the poses ``first`` and ``second`` of each relation (at least one), against ``measured``."""
     off = between(measured, between(first, second))
     metres = np.hypot(off[:, 0], off[:, 1])
     turned = np.abs(off[:, 2])
@@ -69,7 +69,7 @@ def relation_errors(first: Poses, second: Poses, measured: Poses) -> RelationErr
 
 
 def trajectory_error(poses: Poses, reference: Poses) -> tuple[float, float, float]:
-    """Mean, root mean square and greatest distance (m) from ``reference``, laid over it at its best (Horn, 1987)."""
+    """Mean, root mean square and greatest distance (m) to ``reference`` after rigid alignment (Horn, 1987)."""
     ours, theirs = poses[:, :2] - poses[:, :2].mean(axis=0), reference[:, :2] - reference[:, :2].mean(axis=0)
     cross = (ours[:, 0] * theirs[:, 1] - ours[:, 1] * theirs[:, 0]).sum()
     turn = np.arctan2(cross, (ours * theirs).sum())
@@ -80,15 +80,14 @@ def trajectory_error(poses: Poses, reference: Poses) -> tuple[float, float, floa
 
 
 def filled_in(rows: NDArray[np.int64], poses: Poses, odometry: Poses) -> Poses:
-    """A pose for every row of ``odometry`` (K, 3) of ``poses`` at some ``rows`` (ascending): odometry leads on from the
-    row before and back from the row after, and both are blended by their nearness.
-    """
+    """A pose for every row of ``odometry`` (K, 3), given ``poses`` at some ``rows`` (ascending): odometry forward from
+    the row before and backward from the row after, blended linearly."""
     all_rows = np.arange(len(odometry))
     before = np.clip(np.searchsorted(rows, all_rows, side="right") - 1, 0, None)
     after = np.clip(np.searchsorted(rows, all_rows, side="left"), None, len(rows) - 1)
     ahead = composed(poses[before], between(odometry[rows[before]], odometry))
     back = composed(poses[after], between(odometry[rows[after]], odometry))
-    # 0 at the row before, 1 at the row after; before the first and after the last there is but one.
+    # 0 at the row before, 1 at the row after; only one of them before the first and after the last.
     share = np.clip((all_rows - rows[before]) / np.maximum(rows[after] - rows[before], 1), 0.0, 1.0)
     filled = ahead.copy()
     filled[:, :2] += share[:, None] * (back[:, :2] - ahead[:, :2])

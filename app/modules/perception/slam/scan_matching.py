@@ -1,4 +1,4 @@
-"""Where a scan lies on a surfel grid: point-to-line least squares around a guess (after Censi, 2008)."""
+"""Scan matching on a surfel grid: point-to-line least squares around a guess (after Censi, 2008)."""
 
 from __future__ import annotations
 
@@ -15,31 +15,31 @@ from app.modules.perception.slam.surfels import CELL_M, MARGIN, SurfelGrid
 
 #: Standard deviation (m) of a reading's distance from the surface.
 NOISE_M = 0.03
-#: Readings are not independent: more of them than this do not make the pose any surer.
+#: Number of readings from which more give no more information: they are not independent.
 _INDEPENDENT = 60.0
-#: Distances (m) where the weight of a reading has fallen by half: to a line, to a point.
+#: Distances (m) at which a reading's weight is halved: to a line, to a point.
 _SOFT_LINE_M = 0.04
 _SOFT_POINT_M = 0.06
-#: A point of no surface says less.
+#: Weight of a point without a surface normal ...
 _POINT_WEIGHT = 0.2
-#: ... and from so far (m) on nothing but its bearing.
+#: ... and range (m) from which only its bearing counts.
 _POINT_REACH_M = 5.0
 _LEAST_INLIERS = 15
-#: A match is wrong by at least so much (m^2, m^2, rad^2), however many readings agree: surfels are not the walls.
+#: Least covariance of a match (m^2, m^2, rad^2): surfels approximate the walls.
 _MODEL_VARIANCES = (0.005**2, 0.005**2, 0.0015**2)
-#: Steps smaller than this (m, rad) end the search.
+#: Step (m, rad) at which the iteration ends.
 _SMALL_M = 2e-4
 _SMALL_RAD = 2e-5
-#: How far (m) a reading is from the map that it may belong to: at first, at last.
+#: Greatest distance (m) of a reading from its surfel: at first, at last.
 FAR_M = 0.3
 NEAR_M = 0.12
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Fit:
-    """How a scan lies on a grid: ``X_SB`` in the grid's frame; shares of its points as in :class:`values.Match`.
+class ScanFit:
+    """Fit of a scan on a grid: ``X_SB`` in the grid's frame; shares of its points as in :class:`types.Match`.
 
-    ``rms_m`` of the inliers' distances from their surfaces. ``information`` (3, 3) float64, of the readings alone, of
+    ``rms_m``: of the inliers' distances from their surfaces. ``information`` (3, 3) float64 by the readings alone, of
     x, y (1/m^2) and theta (1/rad^2) of X_SB along the grid's axes.
     """
 
@@ -50,9 +50,9 @@ class Fit:
     information: NDArray[np.float64]
 
     def edge_information(self, prior_sigmas: tuple[float, float]) -> Information:
-        """What an edge of the graph says by this fit, which odometry of ``prior_sigmas`` (m, rad) held back.
+        """Information of a graph edge by this fit, whose prior was odometry of ``prior_sigmas`` (m, rad).
 
-        Along a corridor that is less than across it: so a correction goes where there is room for it.
+        It is less along a corridor than across it, so that a correction of the graph moves keyframes along it.
         """
         sigma_m, sigma_rad = prior_sigmas
         held = self.information + np.diag([1.0 / sigma_m**2, 1.0 / sigma_m**2, 1.0 / sigma_rad**2])
@@ -69,8 +69,8 @@ def fitted(
     *,
     iterations: int = 14,
     near_m: float = NEAR_M,
-) -> Fit:
-    """The best pose near ``guess`` of ``points`` (N, 4) on ``grid``; ``prior``'s ``sigmas`` (m, rad) hold it back."""
+) -> ScanFit:
+    """The best pose near ``guess`` of ``points`` (N, 4) on ``grid``, with a prior of ``sigmas`` (m, rad)."""
     found = _fit(
         grid.surfels,
         grid.corner[0],
@@ -93,11 +93,11 @@ def fitted(
     information = np.array([[a, b, c], [b, d, e], [c, e, f]])
     if not (a > 0.0 and a * d - b * b > 0.0 and np.linalg.det(information) > 0.0):
         information = _nowhere_less_than_none(information)
-    return Fit(Pose2(x, y, math.remainder(theta, math.tau)), inliers, overlap, rms, information)
+    return ScanFit(Pose2(x, y, math.remainder(theta, math.tau)), inliers, overlap, rms, information)
 
 
 def _nowhere_less_than_none(information: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The nearest that knows nothing where noise makes it less than that."""
+    """The nearest positive semidefinite matrix: noise can make information negative."""
     known, axes = np.linalg.eigh(information)
     found: NDArray[np.float64] = (axes * np.maximum(known, 0.0)) @ axes.T
     return found
@@ -127,8 +127,8 @@ def _fit(
 ) -> NDArray[np.float64]:
     """Gauss-Newton; x, y, theta, inliers, overlap, rms, then the upper triangle of the information, row by row.
 
-    What is told of the information (``i00`` …) is by the surfel's normal and the reading's own, whose errors have
-    nothing to do with each other: squares of one normal would make its noise look like knowledge along a bare wall.
+    The information (``i00`` …) uses products of the surfel's normal and the reading's own, whose errors are
+    independent: squares of one normal would turn its noise into information along a bare wall.
     """
     rows, columns = surfels.shape[:2]
     h00 = h01 = h02 = h11 = h12 = h22 = 0.0
@@ -151,7 +151,7 @@ def _fit(
         overlapping = 0
         squares = 0.0
         for k in range(count):
-            # The point, its arm (the derivative of the point by theta) and its normal, in the grid's frame.
+            # The point, its derivative by theta and its normal, in the grid's frame.
             arm_y = c * points[k, 0] - s * points[k, 1]
             arm_x = -s * points[k, 0] - c * points[k, 1]
             px = arm_y + x
@@ -175,7 +175,7 @@ def _fit(
                     anything = True
                     dy = surfels[a, b, 1] - py
                     d = dx * dx + dy * dy
-                    # A wall seen from its other side is another wall.
+                    # The other side of a wall is another surface.
                     if d < best and (not has_normal or nx * surfels[a, b, 2] + ny * surfels[a, b, 3] >= 0.3):
                         best = d
                         best_i = a
@@ -236,8 +236,8 @@ def _fit(
                 g2 += w * (arm_x * ex + arm_y * ey)
                 squares += 0.25 * d
             else:
-                # Far readings of a wall that is seen aslant lie wide apart, and the robot carries them along with it:
-                # where along the ray they lie says nothing, only their bearing does.
+                # Distant readings of a wall at a grazing angle are far apart and move along it with the robot: their
+                # position along the ray carries no information, only their bearing does.
                 arm = math.sqrt(arm_x * arm_x + arm_y * arm_y)
                 ux = arm_x / arm
                 uy = arm_y / arm
@@ -273,7 +273,7 @@ def _fit(
         g1 = g1 * scale + weight_m * (y - prior_y)
         away = (theta - prior_theta + math.pi) % (2.0 * math.pi) - math.pi
         g2 = g2 * scale + weight_rad * away
-        # Solved by the adjugate.
+        # Solved by the adjugate matrix.
         c00 = a11 * a22 - a12 * a12
         c01 = a02 * a12 - a01 * a22
         c02 = a01 * a12 - a02 * a11

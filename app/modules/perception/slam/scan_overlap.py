@@ -1,8 +1,8 @@
-"""Whether what was seen from one place is what was seen from another: pairs of keyframes, laid over each other.
+"""Consistency of views: pairs of keyframes overlaid at their poses.
 
-Of a point that keyframe ``a`` saw, ``b`` says one of four things: it saw something there, too (they *agree*); it saw
-through it, to what lies behind (they *contradict*); something nearer was before it, or ``b`` did not look there (it
-says nothing). Two views of one place agree but for people who walked by; laid over each other wrongly, they contradict.
+For a point of keyframe ``a``, ``b`` gives one of three results: it has a reading there, too (*agreement*); its rays
+pass through the point to a surface behind (*contradiction*); it is occluded or outside the field of view (no result).
+Two views of one place agree except for people who walked by; at wrong relative poses they contradict.
 """
 
 from __future__ import annotations
@@ -18,32 +18,32 @@ from scipy.spatial import cKDTree
 from app.base.compiled import kernel
 from app.modules.perception.slam.types import Keyframe
 
-#: Directions that a view is divided into.
+#: Number of directions of a view.
 _DIRECTIONS = 360
-#: Two readings are of the same thing where they are no farther apart than this (m), and this share of their range.
+#: Distance (m), and share of the range, within which two readings are of the same surface.
 _SAME_M = 0.2
 _SAME_SHARE = 0.02
-#: A pair is compared where it is no farther apart than this (m), ...
+#: Greatest distance (m) of a compared pair, ...
 _NEAR_M = 6.0
-#: ... each keyframe with so many of the next and last ones, and with so many of the others.
+#: ... number of neighbours in time, and of others, per keyframe.
 _ALONG = 30
 _MOST_ALONG = 12
 _MOST_OTHERS = 24
-#: It says something where so many points, and so large a share of them, are seen or seen through.
+#: Least number and least share of points with a result.
 _LEAST_POINTS = 10
 _LEAST_SHARE = 0.15
-#: A pair agrees with no more than this share contradicting and at least this share of all points seen by both.
+#: Agreement of a pair: greatest contradicting share, and least agreeing share.
 _AGREES = 0.1
 _AGREES_SHARE = 0.4
-#: It contradicts with more than this share contradicting.
+#: Contradiction of a pair: least contradicting share.
 _CONTRADICTS = 0.3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pairs:
-    """Pairs of views by number (P,), ``first`` < ``second``: whether they ``agree`` or ``contradict``, (P,) bool each.
+    """Pairs of views by index (P,), ``first`` < ``second``: whether they ``agree`` or ``contradict``, (P,) bool each.
 
-    A pair may do neither, and may be there twice: as seen from either end.
+    Neither is possible, and a pair may occur twice: from either end.
     """
 
     first: NDArray[np.int64]
@@ -53,16 +53,16 @@ class Pairs:
 
 
 def compared(keyframes: Sequence[Keyframe], poses: NDArray[np.float64]) -> Pairs:
-    """All pairs of ``keyframes``, in the order of their making, at ``poses`` (N, 3), that are near enough."""
+    """All sufficiently near pairs of ``keyframes``, which are in order of time, at ``poses`` (N, 3)."""
     a, b = _near(poses)
     met = [np.ascontiguousarray(keyframe.ends[keyframe.hits], dtype=np.float64) for keyframe in keyframes]
     counts = np.array([len(points) for points in met], dtype=np.int64)
     points = np.concatenate(met) if met else np.zeros((0, 2))
     starts = np.concatenate((np.zeros(1, np.int64), np.cumsum(counts)))
-    eyes = np.array([keyframe.origin for keyframe in keyframes], dtype=np.float64).reshape(-1, 2)
-    nearest, farthest = _images(points, starts, eyes)
+    sensors_xy = np.array([keyframe.origin for keyframe in keyframes], dtype=np.float64).reshape(-1, 2)
+    nearest, farthest = _images(points, starts, sensors_xy)
     agree, through = _laid_over(
-        points, starts, eyes, np.ascontiguousarray(poses), nearest, farthest, a, b, _SAME_M, _SAME_SHARE
+        points, starts, sensors_xy, np.ascontiguousarray(poses), nearest, farthest, a, b, _SAME_M, _SAME_SHARE
     )
     seen = agree + through
     says = (seen >= _LEAST_POINTS) & (seen >= _LEAST_SHARE * counts[a])
@@ -97,16 +97,16 @@ def _near(poses: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int
 
 @kernel("UniTuple(float32[:, ::1], 2)(float64[:, ::1], int64[::1], float64[:, ::1])")
 def _images(
-    points: NDArray[np.float64], starts: NDArray[np.int64], eyes: NDArray[np.float64]
+    points: NDArray[np.float64], starts: NDArray[np.int64], sensors_xy: NDArray[np.float64]
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """The nearest and the farthest reading (m) of each view in each direction and those beside it; inf and -1: none."""
-    count = len(eyes)
+    """The nearest and the farthest reading (m) of each view in each direction and its neighbours; inf and -1: none."""
+    count = len(sensors_xy)
     near = np.full((count, _DIRECTIONS), np.inf, np.float32)
     far = np.full((count, _DIRECTIONS), -1.0, np.float32)
     for view in range(count):
         for i in range(starts[view], starts[view + 1]):
-            dx = points[i, 0] - eyes[view, 0]
-            dy = points[i, 1] - eyes[view, 1]
+            dx = points[i, 0] - sensors_xy[view, 0]
+            dy = points[i, 1] - sensors_xy[view, 1]
             reach = np.float32(math.sqrt(dx * dx + dy * dy))
             at = int((math.atan2(dy, dx) + math.pi) / (2.0 * math.pi) * _DIRECTIONS) % _DIRECTIONS
             for beside in range(at - 1, at + 2):
@@ -123,7 +123,7 @@ def _images(
 def _laid_over(
     points: NDArray[np.float64],
     starts: NDArray[np.int64],
-    eyes: NDArray[np.float64],
+    sensors_xy: NDArray[np.float64],
     poses: NDArray[np.float64],
     nearest: NDArray[np.float32],
     farthest: NDArray[np.float32],
@@ -132,7 +132,8 @@ def _laid_over(
     same_m: float,
     same_share: float,
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Of each pair (P,), how many points of the first the second saw, and how many it saw through."""
+    """Of each pair (P,), the number of points of the first with a reading of the second, and of those it sees
+    through."""
     agree = np.zeros(len(first), np.int64)
     through = np.zeros(len(first), np.int64)
     for k in range(len(first)):
@@ -141,8 +142,8 @@ def _laid_over(
         c, s = math.cos(turn), math.sin(turn)
         cb, sb = math.cos(poses[b, 2]), math.sin(poses[b, 2])
         dx, dy = poses[a, 0] - poses[b, 0], poses[a, 1] - poses[b, 1]
-        x0 = cb * dx + sb * dy - eyes[b, 0]
-        y0 = cb * dy - sb * dx - eyes[b, 1]
+        x0 = cb * dx + sb * dy - sensors_xy[b, 0]
+        y0 = cb * dy - sb * dx - sensors_xy[b, 1]
         for i in range(starts[a], starts[a + 1]):
             x = x0 + c * points[i, 0] - s * points[i, 1]
             y = y0 + s * points[i, 0] + c * points[i, 1]

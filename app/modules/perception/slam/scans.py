@@ -1,4 +1,4 @@
-"""Scans made ready for matching: points with normals, the motion during the sweep taken out."""
+"""Preparation of scans for matching: points with normals, corrected for the motion during the sweep."""
 
 from __future__ import annotations
 
@@ -11,27 +11,26 @@ from numpy.typing import NDArray
 from app.base.compiled import kernel
 from app.base.geometry import Pose2
 
-#: No laser sees farther (m), though some say that their range has no end.
+#: Greatest range of any laser (m); some messages give an infinite range.
 _FURTHEST_M = 1000.0
-#: Neighbours on either side of a reading that its surface is estimated from.
+#: Number of neighbours on either side for the normal of a reading ...
 _NEIGHBOURS = 4
-#: ... and, of a laser with more noise than this (standard deviation, m), where these say too little, from so many, up
-#: to so far (m).
+#: ... for a laser with more noise than this (standard deviation, m), up to this number within this distance (m).
 _NOISY_M = 0.02
 _WIDE_NEIGHBOURS = 12
 _WIDE_M = 0.35
-#: Readings lie on a surface if their variance across is less than this share of that along it; ...
+#: Greatest variance across a surface, as a share of that along it; ...
 _SURFACE = 0.1
-#: ... and on one that they tell well with less than this.
+#: ... the same for a reliable normal.
 _FLAT = 0.02
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Beams:
-    """How a laser looks: ``angles`` (N,) float64 rad of its rays, about z of its frame, in order of measuring.
+class BeamGeometry:
+    """Geometry of a laser: ``angles`` (N,) float64 rad of its rays, about z of its frame, in order of measuring.
 
-    Readings below ``range_min`` or not a number are none; from ``range_max`` (m) on, nothing was hit. ``X_BL`` is the
-    laser in ``base_link``.
+    Readings below ``range_min`` or NaN are invalid; from ``range_max`` (m) on there was no return. ``X_BL``: the laser
+    in ``base_link``.
     """
 
     angles: NDArray[np.float64]
@@ -42,7 +41,7 @@ class Beams:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scan:
-    """A sweep in ``base_link`` as it stood when the sweep began; the arrays are those of :class:`values.Keyframe`."""
+    """A sweep in ``base_link`` at the sweep's begin; the arrays are those of :class:`types.Keyframe`."""
 
     points: NDArray[np.float32]
     ends: NDArray[np.float32]
@@ -52,16 +51,17 @@ class Scan:
 
 def prepared(
     ranges: NDArray[np.floating],
-    beams: Beams,
+    beams: BeamGeometry,
     twist: tuple[float, float],
     sweep_s: float,
     range_max_m: float,
     thinning_m: float,
 ) -> Scan:
-    """``ranges`` (N,) m of a sweep of ``sweep_s`` from its first ray to its last, the body moving with ``twist``.
+    """The scan of ``ranges`` (N,) m, measured over ``sweep_s`` from the first ray to the last, with the body's
+    ``twist``.
 
-    Points nearer to the last one than ``thinning_m`` or farther than ``range_max_m`` from the laser are left out.
-    Raises ValueError where there are not as many ranges as beams.
+    Points nearer to the last one than ``thinning_m`` or farther than ``range_max_m`` from the laser are omitted. Raises
+    ValueError where the number of ranges differs from that of the beams.
     """
     if len(ranges) != len(beams.angles):
         raise ValueError(f"{len(ranges)} ranges of {len(beams.angles)} beams")
@@ -104,7 +104,7 @@ def _ends(
     turn_rate: float,
     sweep_s: float,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Ends and origins (N, 2) of all rays in the base of the sweep's beginning, the twist being constant."""
+    """Ends and origins (N, 2) of all rays in the base frame at the sweep's begin, for a constant twist."""
     count = len(ranges)
     ends = np.empty((count, 2))
     origins = np.empty((count, 2))
@@ -112,7 +112,7 @@ def _ends(
         elapsed = sweep_s * i / max(count - 1, 1)
         turned = turn_rate * elapsed
         half = 0.5 * turned
-        # Length of the chord of the arc driven so far.
+        # Chord of the arc driven so far.
         chord = speed * elapsed * (math.sin(half) / half if abs(half) > 1e-9 else 1.0)
         base_x = chord * math.cos(half)
         base_y = chord * math.sin(half)
@@ -129,7 +129,7 @@ def _ends(
 
 @kernel("float64(float64[::1], float64, float64)")
 def _noise(ranges: NDArray[np.float64], range_min: float, range_max: float) -> float:
-    """Standard deviation (m) of the ranges' noise: most surfaces are smooth, so that second differences show it."""
+    """Standard deviation (m) of the ranges' noise, by second differences: most surfaces are smooth."""
     bends = np.empty(len(ranges))
     n = 0
     for i in range(1, len(ranges) - 1):
@@ -137,7 +137,7 @@ def _noise(ranges: NDArray[np.float64], range_min: float, range_max: float) -> f
         if min(first, middle, last) > range_min and max(first, middle, last) < range_max:
             bends[n] = abs(first - 2.0 * middle + last)
             n += 1
-    # Of a normal distribution, the median of the sizes is 0.6745 standard deviations; those of three readings add.
+    # The median absolute value of a normal distribution is 0.6745 standard deviations; variances of three readings add.
     return float(np.median(bends[:n]) / (0.6745 * math.sqrt(6.0))) if n > 0 else 0.0
 
 
@@ -151,7 +151,8 @@ def _line(
     range_min: float,
     range_max: float,
 ) -> tuple[float, float]:
-    """Direction (rad) of the readings around one, and their variance across it as a share of that along; 1 if none."""
+    """Direction (rad) of the readings around one, and their variance across as a share of that along; 1 if
+    undefined."""
     x = ends[at, 0]
     y = ends[at, 1]
     n = 0
@@ -189,7 +190,8 @@ def _surface(
     range_max: float,
     thinning: float,
 ) -> NDArray[np.float32]:
-    """Thinned points with normals (M, 4) by the principal axis of each reading's neighbours on its surface."""
+    """Thinned points with normals (M, 4) by principal component analysis of each reading's neighbours on its
+    surface."""
     count = len(ranges)
     points = np.empty((count, 4), np.float32)
     made = 0
@@ -209,11 +211,11 @@ def _surface(
         points[made, 1] = y
         points[made, 2] = 0.0
         points[made, 3] = 0.0
-        # A neighbour farther away than this is on another surface; far off, readings of one surface lie wide apart.
+        # A neighbour beyond this is on another surface; the bound grows with range and spacing.
         gap = max(0.12, 0.06 * ranges[i])
         axis, flatness = _line(ranges, ends, i, _NEIGHBOURS, gap, range_min, range_max)
         if noisy and flatness > _FLAT and gap < _WIDE_M:
-            # Nearby, readings lie so close that their noise is wider than their row is long.
+            # At short range the noise of the readings exceeds their spacing.
             wide_axis, wide_flatness = _line(ranges, ends, i, _WIDE_NEIGHBOURS, _WIDE_M, range_min, range_max)
             if wide_flatness < flatness:
                 axis, flatness = wide_axis, wide_flatness

@@ -1,7 +1,7 @@
-"""A map in use: followed scan by scan in one thread, worked on behind in another.
+"""A map in use: localization scan by scan in one thread, drawing and searching in another.
 
-Methods say which thread they belong to: *ahead* (scan by scan, quick) or *behind* (drawing, searching: what may take
-long). The two share nothing but frozen values.
+Each method belongs to one thread: *ahead* (scan by scan, fast) or *behind* (drawing, searching; slow). The threads
+share only frozen values.
 """
 
 from __future__ import annotations
@@ -20,32 +20,32 @@ from app.base.geometry import Pose2
 from app.maps.control import MapUnavailable
 from app.maps.library import GRAPH, MapLibrary
 from app.messages import LaserScan, OccupancyGrid, Zone, read_only
-from app.modules.perception.slam.beams import BeamsOf
+from app.modules.perception.slam.beam_cache import BeamCache
 from app.modules.perception.slam.grid_views import state_of
-from app.modules.perception.slam.likelihood_field import PlaceField
+from app.modules.perception.slam.likelihood_field import LikelihoodField
 from app.modules.perception.slam.localization_quality import FITS
 from app.modules.perception.slam.loop_closure import LoopJob, LoopOutcome
-from app.modules.perception.slam.map_rendering import GLANCES, Glance, MapDrawing
+from app.modules.perception.slam.map_rendering import GLANCES, ExtraView, MapRenderer
 from app.modules.perception.slam.mapper import Slam
 from app.modules.perception.slam.occupancy import OccupancyCounts, cropped, view_of
 from app.modules.perception.slam.pose_graph import Optimize, optimized
-from app.modules.perception.slam.relocalization import Place, PlaceSearch, Sighting
+from app.modules.perception.slam.relocalization import PoseHypothesis, PoseSearch, SearchScan
 from app.modules.perception.slam.storage import read_state, write_state
 from app.modules.perception.slam.types import Keyframe, Match, SlamState
 
-#: One more look is taken from a keyframe when no other was made for so long (s).
+#: Time (s) without a view from a keyframe after which an extra one is taken.
 GLANCE_S = 1.0
-#: Something moved where more than this share of the rays are longer or shorter by this (m).
+#: Share of rays that differ by this length (m) when an object moved.
 MOVED_SHARE, MOVED_M = 0.015, 0.25
-#: Odometry that goes farther than this (m), and faster (m/s), has begun anew.
+#: Step (m) and speed (m/s) of odometry that mean a restart of odometry.
 LEAP_M, LEAP_MPS = 2.0, 10.0
-#: Keyframes drawn before other work has its turn.
+#: Number of keyframes drawn per turn.
 _DRAWN_AT_ONCE = 50
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class KeptMap:
-    """A map as it was kept; ``state`` is None for one that another program made."""
+class StoredMap:
+    """A map as saved; ``state`` is None for a map of another program."""
 
     name: str
     grid: OccupancyGrid
@@ -53,7 +53,7 @@ class KeptMap:
     state: SlamState | None
 
 
-def kept_map(library: MapLibrary, name: str) -> KeptMap:
+def stored_map(library: MapLibrary, name: str) -> StoredMap:
     """The map ``name``. Raises MapUnavailable, in words, where there is none or its files are damaged."""
     try:
         folder = library.existing(name)
@@ -63,33 +63,33 @@ def kept_map(library: MapLibrary, name: str) -> KeptMap:
         raise MapUnavailable(str(mistake)) from None
     except OSError as failure:
         raise MapUnavailable(f"the map {name!r} cannot be read: {failure.strerror or failure}") from None
-    return KeptMap(name, grid, zones, state)
+    return StoredMap(name, grid, zones, state)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Snapshot:
-    """The keyframes and where they are, as of one moment."""
+class GraphSnapshot:
+    """The keyframes and their poses at one moment."""
 
     keyframes: Mapping[int, Keyframe]
     poses: Mapping[int, Pose2]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Followed:
-    """What came of one scan: the match, work that is due behind, one more look to draw, and the map's version after.
+class ScanResult:
+    """Result of one scan: the match, a job for the other thread, an extra view to draw, and the map's version.
 
-    ``slam`` is who matched it: the job's outcome is for that one.
+    ``slam``: the mapper that matched it, to which the job's outcome belongs.
     """
 
     match: Match
     job: LoopJob | None
-    glance: Glance | None
+    extra_view: ExtraView | None
     slam: Slam
     version: int
 
 
 class MapSession:
-    """The map in use and the robot on it. ``grows``: whether it is meant to; ``extendable``: whether it could."""
+    """The map in use and the robot on it. ``grows``: whether it is to grow; ``extendable``: whether it can."""
 
     def __init__(
         self,
@@ -102,40 +102,40 @@ class MapSession:
         side_m: float = 50.0,
         optimize: Optimize = optimized,
     ) -> None:
-        """*Behind.* An empty map, which begins around the robot, or one that was kept.
+        """*Behind.* An empty map around the robot, or a saved one.
 
-        That is ``grid``, with ``state`` where it has one. ``X_MO`` says where the robot is on it; None: nobody knows.
-        ``optimize`` corrects the graph.
+        ``grid``: the saved grid, with ``state`` if available. ``X_MO``: the robot's place on it; None: unknown.
+        ``optimize``: function that corrects the graph.
         """
         self._optimize = optimize
         self.grows = grows
         self.extendable = grid is None or state is not None
-        #: The cells as drawn last; those that were kept, of a map that stays.
+        #: The cells as drawn last; the saved ones of a map that does not grow.
         self.grid = grid
         self._state = state_of(grid) if grid is not None and state is None else state
         self._slam: Slam | None = None
         self._frozen = False
-        #: The robot is to be followed from here; on an empty map, wherever odometry says it is.
+        #: Initial pose of the localization; on an empty map, odometry's pose.
         self._X_MO = X_MO
-        #: When a scan was followed last, where odometry had the body then, and how sure its place was.
+        #: Stamp of the last used scan, odometry's pose then, and the covariance.
         self._last: tuple[float, Pose2, NDArray[np.float64]] | None = None
-        #: Nobody knows where the robot is.
+        #: The pose is unknown.
         self.lost = X_MO is None and grid is not None
-        self._drawing = MapDrawing(OccupancyCounts(cell_m, side_m)) if grows else None
-        #: When a look was taken last, at what, and how many since something moved.
+        self._drawing = MapRenderer(OccupancyCounts(cell_m, side_m)) if grows else None
+        #: Stamp and scan of the last extra view, and the number of views since an object moved.
         self._glanced = -math.inf
         self._looked_at: tuple[int, NDArray[np.float32]] | None = None
         self._quiet = 0
-        self._beams = BeamsOf()
+        self._beams = BeamCache()
 
     # --- Ahead -----------------------------------------------------------------------------------------------------
 
     def follow(
         self, scan: LaserScan, X_OB: Pose2, twist: tuple[float, float], maps: bool = True, rays: int = 1
-    ) -> Followed | None:
-        """*Ahead.* Take one in ``rays`` of a scan's rays, the body being at ``X_OB`` and moving with ``twist``.
+    ) -> ScanResult | None:
+        """*Ahead.* Take every ``rays``-th ray of a scan, with the body at ``X_OB`` and moving with ``twist``.
 
-        ``maps`` says whether the map may grow now. None while the robot's place is unknown.
+        ``maps``: whether the map may grow now. None while the pose is unknown.
         """
         if rays > 1:
             thin = read_only(scan.ranges[::rays].copy()), read_only(scan.intensities[::rays].copy())
@@ -146,7 +146,7 @@ class MapSession:
         if self._last is not None and slam is not None and self._X_MO is None and not self.lost:
             before, X_OB_before, _ = self._last
             if _leapt(X_OB_before.inverse() @ X_OB, scan.stamp - before):
-                # Odometry began anew; the robot did not move.
+                # Odometry restarted; the robot did not move.
                 self._X_MO = slam.X_MO @ X_OB_before @ X_OB.inverse()
         if self._X_MO is not None:
             slam = self._follow_from(self._X_MO @ X_OB, frozen)
@@ -156,40 +156,42 @@ class MapSession:
             slam = self._follow_from(Pose2(), frozen=False)
         elif frozen != self._frozen and slam.keyframes:
             slam = self._follow_from(slam.X_MO @ X_OB, frozen, None if self._last is None else self._last[2])
-        match = slam.add(scan.stamp, scan.ranges, self._beams(scan), X_OB, twist, scan.duration_s)
+        match = slam.add(
+            scan.stamp, scan.ranges, beams=self._beams(scan), X_OB=X_OB, twist=twist, sweep_s=scan.duration_s
+        )
         self._last = scan.stamp, X_OB, match.covariance
         job = None if self._frozen else slam.pending()
-        glance = None if self._frozen else self._glance(scan, match)
-        return Followed(match, job, glance, slam, slam.version)
+        extra_view = None if self._frozen else self._extra_view(scan, match)
+        return ScanResult(match, job, extra_view, slam, slam.version)
 
     def place(self, X_MO: Pose2) -> None:
-        """*Ahead.* The robot is about where this ``X_MO`` has it."""
+        """*Ahead.* Set the approximate pose by ``X_MO``."""
         self._X_MO, self.lost = X_MO, False
 
     def lose(self) -> None:
-        """*Ahead.* Nobody knows any more where the robot is."""
+        """*Ahead.* Mark the pose as unknown."""
         self._X_MO, self.lost = None, True
 
     def take(self, slam: Slam, outcome: LoopOutcome) -> None:
-        """*Ahead.* Take over what a job of ``slam`` found, if the robot is still followed by that."""
+        """*Ahead.* Apply the outcome of a job of ``slam``, if that mapper is still in use."""
         if slam is self._slam:
             slam.take(outcome)
 
     def settling(self) -> tuple[Slam, LoopJob] | None:
-        """*Ahead.* The last correction before the map is kept, if there is one."""
+        """*Ahead.* The final correction before saving, if there is one."""
         job = None if self._slam is None or self._frozen else self._slam.settling()
         return None if job is None or self._slam is None else (self._slam, job)
 
-    def snapshot(self) -> Snapshot:
-        """*Ahead.* What there is to draw."""
+    def snapshot(self) -> GraphSnapshot:
+        """*Ahead.* The data to draw."""
         if self._slam is None:
-            return Snapshot({}, {})
+            return GraphSnapshot({}, {})
         ids, poses = self._slam.poses()
         placed = {int(id): Pose2(*pose) for id, pose in zip(ids, poses.tolist(), strict=True)}
-        return Snapshot(dict(self._slam.keyframes), placed)
+        return GraphSnapshot(dict(self._slam.keyframes), placed)
 
     def state(self) -> SlamState | None:
-        """*Ahead.* What must be kept so that mapping can go on; None for a map that cannot grow."""
+        """*Ahead.* The state needed to resume mapping; None for a map that cannot grow."""
         if not self.extendable:
             return None
         return self._state if self._slam is None else self._slam.state()
@@ -200,8 +202,8 @@ class MapSession:
         self._slam, self._frozen, self._X_MO = slam, frozen, None
         return slam
 
-    def _glance(self, scan: LaserScan, match: Match) -> Glance | None:
-        """One more look, if none was taken for a while and something moved not long ago."""
+    def _extra_view(self, scan: LaserScan, match: Match) -> ExtraView | None:
+        """An extra view, if the last one is old enough and an object moved recently."""
         if match.added:
             self._glanced = scan.stamp
         if scan.stamp - self._glanced < GLANCE_S or match.inliers < FITS:
@@ -211,41 +213,43 @@ class MapSession:
         if before is None or before[0] != match.keyframe or differ(before[1], scan.ranges):
             self._quiet = 0
         self._quiet += 1
-        return Glance(match.keyframe, match.X_KB, view_of(scan)) if self._quiet <= GLANCES else None
+        return ExtraView(match.keyframe, match.X_KB, view_of(scan)) if self._quiet <= GLANCES else None
 
     # --- Behind ----------------------------------------------------------------------------------------------------
 
-    def draw(self, snapshot: Snapshot) -> bool:
-        """*Behind.* Draw some of what is new, gone or elsewhere; returns whether more is left."""
+    def draw(self, snapshot: GraphSnapshot) -> bool:
+        """*Behind.* Draw some new, removed or moved keyframes; returns whether more are left."""
         return self._drawing is not None and self._drawing.update(snapshot.keyframes, snapshot.poses, _DRAWN_AT_ONCE)
 
-    def drawn(self, glances: Sequence[Glance], stamp: float, version: int) -> OccupancyGrid | None:
-        """*Behind.* The grid as drawn, ``glances`` too, if any of its cells changed since the last time."""
+    def drawn(self, glances: Sequence[ExtraView], stamp: float, version: int) -> OccupancyGrid | None:
+        """*Behind.* The grid as drawn, with extra views, if any of its cells changed since the last call."""
         if self._drawing is None:
             return None
-        for glance in glances:
-            self._drawing.glance(glance)
+        for extra_view in glances:
+            self._drawing.extra_view(extra_view)
         counts = self._drawing.counts
         if not counts.refresh():
             return None
         cells = read_only(counts.cells.copy())
-        self.grid = OccupancyGrid(stamp, "map", cells, counts.resolution_m, counts.origin, version)
+        self.grid = OccupancyGrid(
+            stamp, "map", cells=cells, resolution_m=counts.resolution_m, origin=counts.origin, version=version
+        )
         return self.grid
 
-    def begin_search(self) -> PlaceSearch | None:
-        """*Behind.* A search on the map as it was drawn last; None where there is nothing yet."""
+    def begin_search(self) -> PoseSearch | None:
+        """*Behind.* A search on the map as last drawn; None without any."""
         if self.grid is None or not (self.grid.cells >= 0).any():
             return None
-        return PlaceSearch(PlaceField(self.grid))
+        return PoseSearch(LikelihoodField(self.grid))
 
 
 def _leapt(step: Pose2, seconds: float) -> bool:
-    """Whether odometry says what no body does."""
+    """Whether odometry jumped further than a body can move."""
     return math.hypot(step.x, step.y) > LEAP_M + LEAP_MPS * max(0.0, seconds)
 
 
 def differ(before: NDArray[np.float32], now: NDArray[np.float32]) -> bool:
-    """Whether two scans from the same place show something that moved: more than what noise does at edges."""
+    """Whether two scans from the same place show a moved object: differences beyond noise at edges."""
     if before.shape != now.shape:
         return True
     with np.errstate(invalid="ignore"):
@@ -253,11 +257,11 @@ def differ(before: NDArray[np.float32], now: NDArray[np.float32]) -> bool:
     return bool(np.count_nonzero(off) > MOVED_SHARE * len(now))
 
 
-def look(search: PlaceSearch, scan: LaserScan, X_OB: Pose2) -> tuple[Pose2 | None, tuple[Place, ...]]:
-    """*Behind.* Give ``search`` a scan: X_MO if the place is believed now, and all that are possible."""
+def look(search: PoseSearch, scan: LaserScan, X_OB: Pose2) -> tuple[Pose2 | None, tuple[PoseHypothesis, ...]]:
+    """*Behind.* Give ``search`` a scan: X_MO if a hypothesis is accepted, and all hypotheses."""
     view = view_of(scan)
     points = view.ends[view.met].astype(np.float64)
-    return search.see(Sighting(points, np.array(view.eye), X_OB)), search.places
+    return search.see(SearchScan(points, np.array(view.sensor_xy), X_OB)), search.hypotheses
 
 
 def keep(
@@ -269,14 +273,20 @@ def keep(
     others: Mapping[str, Callable[[Path], None]],
     former: str,
 ) -> None:
-    """*Behind.* Keep a map, with ``others`` as in ``MapLibrary.keep``. Raises MapUnavailable, in words, where that
-    cannot be."""
+    """*Behind.* Save a map, with ``others`` as in ``MapLibrary.keep``. Raises MapUnavailable, in words, on failure."""
     rows, columns = cropped(grid.cells)
     origin = (
         grid.origin[0] + columns.start * grid.resolution_m,
         grid.origin[1] + rows.start * grid.resolution_m,
     )
-    shown = OccupancyGrid(grid.stamp, "map", grid.cells[rows, columns], grid.resolution_m, origin, grid.version)
+    last_published = OccupancyGrid(
+        grid.stamp,
+        "map",
+        cells=grid.cells[rows, columns],
+        resolution_m=grid.resolution_m,
+        origin=origin,
+        version=grid.version,
+    )
 
     def write_graph(path: Path) -> None:
         assert state is not None
@@ -285,6 +295,6 @@ def keep(
             os.fsync(file.fileno())
 
     try:
-        library.keep(name, shown, zones, {**others, **({} if state is None else {GRAPH: write_graph})}, former)
+        library.keep(name, last_published, zones, {**others, **({} if state is None else {GRAPH: write_graph})}, former)
     except OSError as failure:
         raise MapUnavailable(f"the disk refuses the map {name!r}: {failure.strerror or failure}") from None

@@ -1,4 +1,4 @@
-"""What can be tuned of mapping: one configuration for all places, lasers and bodies."""
+"""Settings of mapping: one configuration for all places, lasers and bodies."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from app.base.geometry import Pose2
 class SlamSettings:
     """Lengths in m, angles in rad, shares in [0, 1]; a submap's cell of 0.1 m is fixed (``surfels.CELL_M``)."""
 
-    #: Readings beyond it are not matched: they are few, and thin out over the walls.
+    #: Greatest range of matched readings (m): farther ones are sparse.
     range_max_m: float = 25.0
-    #: Neighbouring readings nearer to each other than this are one point.
+    #: Distance below which neighbouring readings are merged.
     thinning_m: float = 0.03
-    #: A keyframe is made when the robot is so far, or turned so much, from the last one.
+    #: Distance and angle between keyframes.
     keyframe_m: float = 0.3
     keyframe_rad: float = 0.25
-    #: Keyframes of a submap; each also lies in the one before or after.
+    #: Number of keyframes of a submap; each is also in the submap before or after.
     submap_keyframes: int = 24
     #: Odometry's standard deviation: at rest, per m driven, per rad turned.
     odometry_floor_m: float = 0.03
@@ -28,34 +28,34 @@ class SlamSettings:
     odometry_floor_rad: float = 0.02
     odometry_rad_per_rad: float = 0.4
     odometry_rad_per_m: float = 0.1
-    #: Less than this share of the scan on the submap: look around for a better pose. A scan that turned into what is
-    #: nearly as good a place has two thirds on it.
+    #: Inlier share below which a wider search for a better pose begins. A scan that turned into a similar place has two
+    #: thirds.
     rescue_below: float = 0.75
-    #: Less than this: the drift is more than odometry alone tells.
+    #: Inlier share below which the drift exceeds that of odometry.
     poor_below: float = 0.55
-    #: Less than this: the scan says nothing, odometry is believed.
+    #: Inlier share below which the scan is ignored and odometry is used.
     lost_below: float = 0.25
-    #: Scans that say nothing are not mapped until the robot is so far (m, rad) from the last keyframe: a laser that was
-    #: covered for a moment leaves nothing behind. From there the map goes on at the pose that odometry gives.
+    #: Misfitting scans are mapped only at this distance (m, rad) from the last keyframe, so that a briefly covered
+    #: laser leaves no trace. From there mapping continues at odometry's pose.
     lost_keyframe_m: float = 1.0
     lost_keyframe_rad: float = 1.0
-    #: How far loops are looked for, and how much farther per m driven since the place was last seen; at most.
+    #: Radius of the loop search, its increase per m driven since the place was last seen, and its maximum.
     loop_window_m: float = 1.0
     loop_window_m_per_m: float = 0.035
     loop_window_max_m: float = 12.0
-    #: A loop needs this share of the scan on the old submap ...
+    #: Inlier share of a loop on the old submap ...
     loop_inliers: float = 0.62
-    #: ... and, searching, this score of the correlation.
+    #: ... and least score of the correlative search.
     loop_score: float = 0.55
-    #: A loop that would move the robot farther than this is believed when a second one says the same.
+    #: Displacement by a loop from which a second consistent one is required.
     loop_alone_m: float = 0.6
-    #: Keyframes kept where the robot passes again and again: per square metre and sector of headings, ...
+    #: Greatest number of keyframes per square metre and sector of headings, ...
     keyframes_per_m2: int = 10
-    #: ... of which there are so many.
+    #: ... and number of sectors.
     heading_sectors: int = 4
 
     def is_far(self, X_KB: Pose2, lost: bool) -> bool:
-        """Whether a scan at ``X_KB`` from the last keyframe is the next one; ``lost``: it fits nowhere."""
+        """Whether a scan at ``X_KB`` from the last keyframe becomes the next one; ``lost``: it fits nowhere."""
         metres, radians = self.keyframe_m, self.keyframe_rad
         if lost:
             metres, radians = self.lost_keyframe_m, self.lost_keyframe_rad

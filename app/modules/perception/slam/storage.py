@@ -1,7 +1,7 @@
-"""The pose graph in a file, ``graph.npz``: keyframes with what they saw, where they are, and what joins them.
+"""File format of the pose graph, ``graph.npz``: keyframes with their views, their poses, and edges.
 
-An archive of arrays, as numpy writes them, without pickles. Rows of keyframes stand one after another in ``points``,
-``ends`` and ``hits``; ``points_of`` and ``ends_of`` (N + 1) say where each begins and the last ends.
+An archive of arrays, as numpy writes them, without pickles. Rows of all keyframes are concatenated in ``points``,
+``ends`` and ``hits``; ``points_of`` and ``ends_of`` (N + 1) hold where each begins and the last ends.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from app.modules.perception.slam.information import matrices, packed
 from app.modules.perception.slam.types import Edge, Keyframe, SlamState
 
 FORMAT = 2
-#: Of which information was a diagonal.
+#: Format with diagonal information.
 _DIAGONAL_FORMAT = 1
 
 
@@ -38,22 +38,22 @@ def write_state(path: Path, state: SlamState) -> None:
             origin=np.array([k.origin for k in keyframes], np.float32).reshape(-1, 2),
             pose=np.array([(p.x, p.y, p.theta) for p in state.poses], np.float64).reshape(-1, 3),
             points=_joined([k.points for k in keyframes], (0, 4), np.float32),
-            points_of=_places([k.points for k in keyframes]),
+            points_of=_offsets([k.points for k in keyframes]),
             ends=_joined([k.ends for k in keyframes], (0, 2), np.float32),
-            ends_of=_places([k.ends for k in keyframes]),
+            ends_of=_offsets([k.ends for k in keyframes]),
             hits=_joined([k.hits for k in keyframes], (0,), np.bool_),
             edge=np.array([(e.a, e.b) for e in edges], np.int64).reshape(-1, 2),
             edge_pose=np.array([(e.X_ab.x, e.X_ab.y, e.X_ab.theta) for e in edges], np.float64).reshape(-1, 3),
             edge_information=np.array([e.information for e in edges], np.float64).reshape(-1, 6),
             edge_loop=np.array([e.loop for e in edges], np.bool_),
             submap=np.array([id for submap in state.submaps for id in submap], np.int64),
-            submap_of=_places(state.submaps),
+            submap_of=_offsets(state.submaps),
         )
         file.flush()
 
 
 def read_state(path: Path) -> SlamState:
-    """The state in the file ``path``. Raises ConfigError for one that is damaged or of another format."""
+    """The state in the file ``path``. Raises ConfigError for a damaged file or another format."""
     arrays = read_arrays(path, "the map's graph")
     try:
         if int(arrays["format"]) not in (_DIAGONAL_FORMAT, FORMAT):
@@ -118,8 +118,8 @@ def _joined(parts: list[NDArray[Any]], empty: tuple[int, ...], dtype: type[np.ge
     return np.concatenate(parts).astype(dtype, copy=False) if parts else np.zeros(empty, dtype)
 
 
-def _places(parts: Any) -> NDArray[np.int64]:
-    """Where each part begins in their sequence, and where the last ends."""
+def _offsets(parts: Any) -> NDArray[np.int64]:
+    """Offset of each part in the concatenation, and the end of the last."""
     return np.cumsum([0, *(len(part) for part in parts)], dtype=np.int64)
 
 
@@ -138,9 +138,9 @@ def _checked(
 
 
 def _split(
-    array: NDArray[Any], arrays: Mapping[str, NDArray[Any]], places: str, count: int | None
+    array: NDArray[Any], arrays: Mapping[str, NDArray[Any]], offsets: str, count: int | None
 ) -> list[NDArray[Any]]:
-    bounds = _checked(arrays, places, np.int64, (-1 if count is None else count + 1,))
+    bounds = _checked(arrays, offsets, np.int64, (-1 if count is None else count + 1,))
     if not len(bounds) or bounds[0] != 0 or bounds[-1] != len(array) or (np.diff(bounds) < 0).any():
-        raise ValueError(f"{places} does not fit what it divides")
+        raise ValueError(f"{offsets} does not fit what it divides")
     return [np.ascontiguousarray(array[a:b]) for a, b in pairwise(bounds.tolist())]

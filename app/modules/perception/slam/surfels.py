@@ -1,4 +1,4 @@
-"""Surfel grids: what the laser saw from a few keyframes, as one small piece of surface in each cell."""
+"""Surfel grids: the readings of a few keyframes, as one small surface element per cell."""
 
 from __future__ import annotations
 
@@ -11,24 +11,24 @@ from numpy.typing import NDArray
 from app.base.compiled import kernel
 from app.base.geometry import Pose2
 
-#: Side of a cell (m): a wall's readings fill it, and a door's two sides do not share it.
+#: Side of a cell (m): enough readings of a wall per cell, and the two sides of a door in different cells.
 CELL_M = 0.1
-#: Where there is no surfel, its mean is this far away (m).
+#: Coordinate (m) of the mean of a cell without surfel: far away.
 NOWHERE = 1e6
-#: Cells around what is in a grid: the widest neighbourhood that a search looks at.
+#: Border (cells): the widest neighbourhood of a search.
 MARGIN = 4
-#: How much larger a grid is made when it must grow (cells).
+#: Growth (cells) of a grid.
 _ROOM = 48
-#: A cell with so many readings forgets old ones.
+#: Number of readings from which a cell forgets old ones.
 _FULL = 30.0
 
 
 class SurfelGrid:
-    """Grows with what is put into it. All in one frame, the submap's own.
+    """A growing grid of surfels, in the submap's frame.
 
     ``surfels`` (H, W, 4) float32: mean of the readings in the cell (m; NOWHERE if none) and the surface's unit normal
-    (0, 0 where readings do not agree on one). Cell [i, j] covers x from ``(corner[0] + i) * CELL_M`` and y from
-    ``(corner[1] + j) * CELL_M``.
+    (0, 0 where readings disagree). Cell [i, j] covers x from ``(corner[0] + i) * CELL_M`` and y from ``(corner[1] + j)
+    * CELL_M``.
     """
 
     def __init__(self) -> None:
@@ -37,7 +37,7 @@ class SurfelGrid:
         self._sums = np.zeros((0, 0, 5), np.float32)
 
     def insert(self, points: NDArray[np.float32], X_SB: Pose2) -> None:
-        """Put ``points`` (N, 4) of a scan taken at ``X_SB`` of the submap into it."""
+        """Insert ``points`` (N, 4) of a scan taken at ``X_SB`` of the submap."""
         if not len(points):
             return
         self._make_room(points, X_SB)
@@ -53,7 +53,7 @@ class SurfelGrid:
             had_high = had_low + np.array([rows, columns])
             if (low >= had_low).all() and (high <= had_high).all():
                 return
-            # Only to the sides where it is too small, and there with room for what comes next.
+            # Grows only on the sides where it is too small, with room for the next scans.
             low = np.where(low < had_low, low - _ROOM, had_low)
             high = np.where(high > had_high, high + _ROOM, had_high)
         size = (int(high[0] - low[0]), int(high[1] - low[1]))
@@ -68,7 +68,7 @@ class SurfelGrid:
 
 
 def surfel_grid(scans: Iterable[tuple[NDArray[np.float32], Pose2]]) -> SurfelGrid:
-    """The grid of ``scans``: points (N, 4) and the pose in the grid's frame that each was taken at."""
+    """The grid of ``scans``: points (N, 4) and the pose of each in the grid's frame."""
     grid = SurfelGrid()
     for points, pose in scans:
         grid.insert(points, pose)
@@ -83,7 +83,7 @@ def _empty(size: tuple[int, int]) -> NDArray[np.float32]:
 
 @kernel("UniTuple(int64, 4)(float32[:, ::1], float64, float64, float64)")
 def _bounds(points: NDArray[np.float32], x: float, y: float, theta: float) -> tuple[int, int, int, int]:
-    """First and last cells (i, j, i, j) that the points lie in."""
+    """First and last cells (i, j, i, j) of the points."""
     c = math.cos(theta)
     s = math.sin(theta)
     low_x = low_y = 1e9
@@ -138,7 +138,7 @@ def _insert(
         surfel[0] = total[0] / n
         surfel[1] = total[1] / n
         length = math.sqrt(total[2] * total[2] + total[3] * total[3])
-        # Normals that cancel each other out are no surface's.
+        # Normals that cancel each other define no surface.
         agree = length > 0.5 * n
         surfel[2] = total[2] / length if agree else 0.0
         surfel[3] = total[3] / length if agree else 0.0

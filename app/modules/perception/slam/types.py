@@ -1,4 +1,4 @@
-"""What mapping takes and gives: keyframes, matches, edges, and the state of it all that can be kept."""
+"""Data types of mapping: keyframes, matches, edges, submaps, and the state that can be saved."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from app.modules.perception.slam.information import Information
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Keyframe:
-    """A scan that is part of the map; where it is on the map, ``Slam.pose(id)`` says, which may change.
+    """A scan that is part of the map; its pose on the map is ``Slam.pose(id)`` and may change.
 
-    All in ``base_link`` at ``stamp``, the sweep's motion taken out. ``points`` (N, 4) float32: x, y (m) and the unit
-    normal of the surface there, towards the laser, or 0, 0 where it is not known; thinned, what is matched. ``ends``
-    (K, 2) float32 m: where each ray ended; ``hits`` (K,) bool: whether on something, or just at the end of what the
-    laser sees. ``origin`` (2,) float32 m: where the rays began. ``travelled_m`` since mapping began, by odometry, and
-    more where scans did not fit: what the drift grows with.
+    All in ``base_link`` at ``stamp``, corrected for the motion during the sweep. ``points`` (N, 4) float32: x, y (m)
+    and the unit normal of the surface there, towards the laser, or 0, 0 if unknown; thinned, for matching. ``ends`` (K,
+    2) float32 m: the rays' ends; ``hits`` (K,) bool: whether there was a return, else the end of the laser's range.
+    ``origin`` (2,) float32 m: origin of the rays. ``travelled_m``: distance since mapping began, by odometry, plus a
+    surcharge where scans did not fit; the drift is proportional to it.
     """
 
     id: int
@@ -33,15 +33,15 @@ class Keyframe:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Match:
-    """Where the robot is, as one scan says.
+    """Pose of the robot by one scan.
 
     ``X_MB`` at the scan's stamp, ``X_MO`` = X_MB @ X_OB^-1. ``covariance`` (3, 3) float64 of X_MB's x, y (m^2) and
     theta (rad^2), along the map's axes. ``overlap`` is the share of the scan's points with anything of the map near
-    them, ``inliers`` the share that lies on it. ``matched`` is False where the scan did not fit, and odometry alone
-    led here. ``keyframe`` is the one this pose hangs on, ``X_KB`` the pose in it: after the graph was corrected, the
-    better pose is ``slam.pose(match.keyframe) @ match.X_KB``. ``added``: the scan became that keyframe. ``moved``:
-    the graph was corrected since the scan before, X_MO has jumped. ``off`` (m, rad): how far from where odometry led
-    the scan was matched.
+    them, ``inliers`` the share that lies on it. ``matched`` is False where the scan did not fit and the pose is
+    odometry's. ``keyframe``: the keyframe this pose is attached to, ``X_KB`` the pose in it: after a correction of the
+    graph the better pose is ``slam.pose(match.keyframe) @ match.X_KB``. ``added``: the scan became that keyframe.
+    ``moved``: the graph was corrected since the scan before, X_MO has jumped. ``off`` (m, rad): distance of the match
+    from odometry's prediction.
     """
 
     stamp: float
@@ -60,10 +60,10 @@ class Match:
 
 @dataclass(frozen=True, slots=True)
 class Edge:
-    """What was measured of keyframe ``b`` in the frame of ``a``: ``X_ab``.
+    """Measured pose of keyframe ``b`` in the frame of ``a``: ``X_ab``.
 
-    ``information`` is the inverse of its covariance along b's axes (``information.py``). A ``loop`` may be wrong (two
-    places may look the same), so that its weight falls with its error; others follow the robot's motion.
+    ``information`` is the inverse of its covariance along b's axes (``information.py``). A ``loop`` may be wrong
+    (similar places), so that its weight falls with its error; other edges follow the robot's motion.
     """
 
     a: int
@@ -75,7 +75,7 @@ class Edge:
 
 @dataclass(frozen=True, slots=True)
 class Submap:
-    """Keyframes next to each other, by id, that are looked at together; the first gives the frame."""
+    """Adjacent keyframes, by id, with a common surfel grid; the first defines the frame."""
 
     id: int
     keyframes: tuple[int, ...]
@@ -83,7 +83,7 @@ class Submap:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SlamState:
-    """What must be kept to go on mapping: ``poses`` on the map of ``keyframes``, one each; ``submaps`` list ids."""
+    """The state needed to resume mapping: ``poses`` on the map of ``keyframes``, one each; ``submaps`` list ids."""
 
     keyframes: tuple[Keyframe, ...]
     poses: tuple[Pose2, ...]

@@ -1,1 +1,1 @@
-"""Where voices come from, who of them speaks, and what each of them says by itself."""
+"""Voices: localization, tracking, speech detection and separation of sound sources with a microphone array."""

@@ -1,4 +1,4 @@
-"""Brings a source's sound to one level, however far away it is: slow automatic gain with a limiter."""
+"""Automatic gain control with a limiter: brings sources at any distance to one level."""
 
 from __future__ import annotations
 
@@ -14,11 +14,9 @@ _SILENCE = 1e-12
 
 @dataclass(frozen=True, slots=True)
 class GainSettings:
-    """``target_db``: root mean square (dB of full scale) to which a source's louder moments are brought.
-
-    ``most_db``: the sound is never made louder than by this. ``release_db_s``: how fast what was loud is forgotten.
-    ``attack``: how much of a louder piece is believed at once, in [0, 1]. ``peak``: no sample is louder than this.
-    """
+    """``target_db``: root mean square (dB of full scale) of a source's louder moments at the output. ``most_db``:
+    greatest gain. ``release_db_s``: decay of the tracked level (dB/s). ``attack``: weight of a louder piece in the
+    tracked level, in [0, 1]. ``peak``: limit of the samples."""
 
     target_db: float = -20.0
     most_db: float = 40.0
@@ -28,28 +26,29 @@ class GainSettings:
 
 
 class AutomaticGain:
-    """Follows how loud one source is in its louder moments, so that pauses between words are not raised to words."""
+    """Tracks the level of one source's louder moments, so that pauses between words are not amplified to the level of
+    words."""
 
     def __init__(self, rate: int, settings: GainSettings = GainSettings()) -> None:
         self._target = 10 ** (settings.target_db / 20)
         self._most = 10 ** (settings.most_db / 20)
-        self._forget = settings.release_db_s / rate / 10
+        self._decay = settings.release_db_s / rate / 10
         self._attack = settings.attack
         self._peak = settings.peak
-        #: Louder within 4 ms; softer at once, since a sudden sound must not be cut off.
+        #: Gain rises within 4 ms and falls at once, since a sudden sound must not clip.
         self._rise = np.linspace(0, 1, rate // 250, dtype=np.float32)
         self._loud: float | None = None
         self._gain = math.inf
 
     def apply(self, piece: Sound) -> tuple[Sound, float]:
-        """The next ``piece`` (N,) at the level wanted, and by how many dB it stood below the louder moments (>= 0)."""
+        """The next ``piece`` (N,) at the target level, and its level below the louder moments (dB, >= 0)."""
         power = float(np.dot(piece, piece)) / len(piece)
         if self._loud is None:
             self._loud = power
         elif power > self._loud:
             self._loud += self._attack * (power - self._loud)
         else:
-            self._loud = max(power, self._loud * 10 ** (-self._forget * len(piece)))
+            self._loud = max(power, self._loud * 10 ** (-self._decay * len(piece)))
         highest = max(float(piece.max()), -float(piece.min()))
         gain = min(
             self._target / math.sqrt(self._loud + _SILENCE), self._most, self._peak / max(highest, math.sqrt(_SILENCE))

@@ -1,17 +1,17 @@
-"""Whether the microphones are where they are said to be, judged by what they hear alone.
+"""Check of a microphone array's geometry by sound alone.
 
-Sound that reaches microphones i and j at times t_i and t_j makes their cross-correlation high at the lag t_i - t_j, and
-all pairs agree on M - 1 such differences, wherever the microphones are: around any three the lags add up to zero. So
-two figures can be had of one loud moment, both means over the pairs of correlations with phase transform:
+Sound that reaches microphones i and j at times t_i and t_j gives a peak of their cross-correlation at the lag t_i -
+t_j. All pairs agree on M - 1 such differences, wherever the microphones are: around any three the lags add up to zero.
+Two figures of one loud moment, both means over the pairs of correlations with phase transform, are compared:
 
-- *agreed*: the most over all sets of arrival times, of no geometry at all;
-- *explained*: the most over directions, each with the arrival times that the positions give it.
+- *agreed*: the maximum over all sets of arrival times, without any geometry;
+- *explained*: the maximum over directions, each with its arrival times by the configured positions.
 
 Their ratio is near 1 where the positions are right, in any room, with noise and with several talkers, since both are
 taken of the same correlations. With channels in another order, or positions of another scale, no direction has the
-arrival times that were heard. An order that is a rotation or a mirror image of the array itself keeps all distances: it
-hears everything turned or mirrored, and nobody can notice it by sound alone. How often wrong arrays are noticed is in
-docs/voices.md, measured by ``benchmarks/voice_arrays.py``.
+measured arrival times. An order that is a rotation or a mirror image of the array keeps all distances: its directions
+are turned or mirrored, and sound alone cannot reveal it. Detection rates of wrong arrays are in docs/voices.md,
+measured by ``benchmarks/voice_arrays.py``.
 """
 
 from __future__ import annotations
@@ -24,50 +24,50 @@ from numpy.typing import NDArray
 from app.modules.perception.voices.microphone_array import MicrophoneArray
 from app.modules.perception.voices.steering_vectors import SPEED_OF_SOUND, arrivals, search_grid, tangents
 
-#: Lags are looked at in steps of this (s): a quarter of a period at 7 kHz is 3.4 of them.
+#: Step of the lags (s): a quarter of a period at 7 kHz is 3.4 steps.
 LAG_STEP_S = 1 / 96_000
-#: Arrival times are looked for so many times as far apart as the array's size allows: it may be said too small.
+#: Range of the arrival times, as a multiple of the array's size: the configured size may be too small.
 _WIDER = 2.5
-#: ... but no farther apart than this share of a frame, beyond which frames have too little in common.
+#: ... and at most this share of a frame, beyond which frames have too little in common.
 _SHARE_OF_FRAME = 0.3
-#: What is heard by few of them, in its own place, begins the search for arrival times.
+#: Microphones whose pairs initialize the search for arrival times.
 _STARTS = 4
 _SWEEPS = 3
 _POINTS = 1200
 _LOWEST_DEG = -90.0
-#: Around the best point of the grid, in turn (rad).
+#: Refinements around the best point of the grid, in turn (rad).
 _CLOSER = (0.05, 0.025, 0.012, 0.006)
 _RANGE_M = 1.8
-#: A moment counts if the microphones agreed so much; of a few of them, noise alone agrees somewhat.
+#: Least agreement of a moment that counts; with few microphones noise alone agrees somewhat.
 _AGREED, _AGREED_OF_FEW = 0.08, 0.15
-#: The verdict is of so many moments at least; no more than the most are looked at.
+#: Least number of moments for a verdict, and greatest number evaluated.
 LEAST_MOMENTS, MOST_MOMENTS = 12, 60
-#: Right positions explain at least this share of what the microphones agree on, by the array's size (m): what small
-#: ones hear differs little from microphone to microphone, so that wrong positions explain much of it.
+#: Least explained share for correct positions, by the array's size (m): small arrays differ little between microphones,
+#: so that wrong positions explain much.
 _LEAST_SHARES, _SIZES_M = (0.9, 0.7), (0.1, 0.2)
 
 
 @dataclass(frozen=True, slots=True)
-class Moment:
-    """Of one moment: how much the microphones ``agreed`` on any arrival times, and on those of the best direction,
-    which is what the positions ``explained``; 0 <= explained <= agreed <= 1."""
+class ArrayAgreement:
+    """Result of one moment: ``agreed``, the agreement for any arrival times, and ``explained``, for those of the best
+    direction; 0 <= explained <= agreed <= 1."""
 
     agreed: float
     explained: float
 
 
 class ArrayCheck:
-    """Compares what is heard with where the microphones are, until it has heard enough.
+    """Compares sound with the microphones' positions until there are enough moments.
 
-    ``frequencies`` (B,) Hz are those of the cross spectra; ``frame_s``: the length of what was transformed (s).
-    ``moments``: how many were clear enough to count, at most :data:`MOST_MOMENTS`.
+    ``frequencies`` (B,) Hz of the cross spectra; ``frame_s``: length of the transformed frames (s). ``moments``: number
+    of evaluated moments, at most :data:`MOST_MOMENTS`.
     """
 
     def __init__(self, array: MicrophoneArray, frequencies: NDArray[np.float64], frame_s: float) -> None:
         self._array = array
         size_m = float(np.linalg.norm(array.positions[array.first] - array.positions[array.second], axis=1).max())
         size_s = size_m / SPEED_OF_SOUND
-        #: Right positions explain at least this share.
+        #: Least explained share for correct positions.
         self.least_share = float(np.interp(size_m, _SIZES_M, _LEAST_SHARES))
         self._longest = int(min(max(_WIDER * size_s, size_s + 0.0003), _SHARE_OF_FRAME * frame_s) / LAG_STEP_S) + 1
         self._width = 2 * self._longest + 1
@@ -86,42 +86,42 @@ class ArrayCheck:
 
     @property
     def done(self) -> bool:
-        """Whether enough has been heard: more changes nothing."""
+        """Whether there are enough moments; further ones change nothing."""
         return self.moments >= MOST_MOMENTS
 
     @property
     def share(self) -> float:
-        """The share in [0, 1] of what the microphones agreed on that their positions explain; 1 before anything."""
+        """The explained share of the agreement, in [0, 1]; 1 before the first moment."""
         return self._explained_in_all / self._agreed_in_all if self._agreed_in_all else 1.0
 
     @property
     def failed(self) -> bool:
-        """Whether the positions do not explain what was heard in moments enough for a verdict."""
+        """Whether the positions fail to explain the sound, in enough moments for a verdict."""
         return self.moments >= LEAST_MOMENTS and self.share < self.least_share
 
-    def hear(self, cross: NDArray[np.complex64]) -> None:
-        """Take one moment into account, as :meth:`look` does; nothing once it is :attr:`done`."""
+    def update(self, cross: NDArray[np.complex64]) -> None:
+        """Evaluate one moment as :meth:`agreement` does; no effect once :attr:`done`."""
         if self.done:
             return
-        moment = self.look(cross)
+        moment = self.agreement(cross)
         if moment.agreed >= self._least:
             self.moments += 1
             self._agreed_in_all += moment.agreed
             self._explained_in_all += moment.explained
 
-    def look(self, cross: NDArray[np.complex64]) -> Moment:
-        """One moment, by its cross spectra (P, B): of the first of each pair times the conjugate of the second's, each
-        frequency's absolute value at most 1."""
+    def agreement(self, cross: NDArray[np.complex64]) -> ArrayAgreement:
+        """Agreement of one moment, by its cross spectra (P, B): of the first of each pair times the conjugate of the
+        second's, each absolute value at most 1."""
         correlation = np.asarray(np.hstack([cross.real, cross.imag]) @ self._to_lags)
         delays, explained = self._best_direction(correlation)
         agreed = max(explained, *(self._agreed(correlation, start) for start in self._starts(correlation, delays)))
         pairs = len(cross)
-        return Moment(max(0.0, agreed) / pairs, max(0.0, explained) / pairs)
+        return ArrayAgreement(max(0.0, agreed) / pairs, max(0.0, explained) / pairs)
 
     # --- by the positions ---
 
     def _delays(self, directions: NDArray[np.float64]) -> NDArray[np.int64]:
-        """Arrival times (G, M) in steps of lags."""
+        """Arrival times (G, M) in steps of the lags."""
         array = self._array
         late = arrivals(array.offsets, directions, _RANGE_M, array.body_m)
         return np.asarray(np.rint(late / LAG_STEP_S), np.int64)
@@ -148,7 +148,7 @@ class ArrayCheck:
     # --- by no geometry ---
 
     def _starts(self, correlation: NDArray[np.float32], delays: NDArray[np.int64]) -> list[NDArray[np.int64]]:
-        """Arrival times (M,) to begin with: the best direction's, and by the pairs of some microphones each."""
+        """Initial arrival times (M,): of the best direction, and by the pairs of some microphones each."""
         count = len(self._array)
         peaks = np.zeros((count, count), np.int64)
         heights = np.zeros((count, count), np.float32)
@@ -160,7 +160,8 @@ class ArrayCheck:
         return [delays, *(peaks[:, microphone] for microphone in clearest.tolist())]
 
     def _agreed(self, correlation: NDArray[np.float32], start: NDArray[np.int64]) -> float:
-        """The sum over pairs at the arrival times to which one microphone after another climbs from ``start``."""
+        """The sum over pairs at the arrival times that coordinate ascent, microphone by microphone, reaches from
+        ``start``."""
         count = len(self._array)
         delays = start.copy()
         for _ in range(_SWEEPS):
@@ -175,7 +176,7 @@ class ArrayCheck:
         return float(correlation.reshape(-1)[lags + self._rows].sum())
 
     def _move(self, correlation: NDArray[np.float32], delays: NDArray[np.int64], moved: int) -> None:
-        """Give one microphone the arrival time that agrees best with all others'."""
+        """Set one microphone's arrival time to the one that agrees best with all others."""
         others = [(other, int(delay)) for other, delay in enumerate(delays.tolist()) if other != moved]
         low = max(delay for _, delay in others) - self._longest
         high = min(delay for _, delay in others) + self._longest
@@ -187,7 +188,7 @@ class ArrayCheck:
                 begin = low - delay + self._longest
                 total += correlation[self._pair[moved, other], begin : begin + len(total)]
             else:
-                # The lag of (other, moved) falls as this one comes later.
+                # The lag of (other, moved) decreases as the moved arrival time increases.
                 begin = delay - high + self._longest
                 total += correlation[self._pair[other, moved], begin : begin + len(total)][::-1]
         delays[moved] = low + int(total.argmax())

@@ -1,4 +1,4 @@
-"""How what moves on the sphere moves on: constant velocity, as a Kalman filter knows it."""
+"""Kalman filter of a direction with constant velocity on the sphere."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Motion:
-    """Constant velocity on the sphere: both tangents have the one covariance (rad^2, rad^2/s, rad^2/s^2)."""
+class DirectionState:
+    """Constant velocity on the sphere; both tangent axes share one covariance (rad^2, rad^2/s, rad^2/s^2)."""
 
     direction: Vector
     velocity: Vector
@@ -25,14 +25,14 @@ class Motion:
         """Direction and velocity in ``seconds``, along the great circle."""
         return along(self.direction, self.velocity, seconds)
 
-    def predicted(self, seconds: float, jerk: float, rest_s: float = math.inf) -> Motion:
-        """After ``seconds`` in which its velocity may have changed by ``jerk`` (rad/s in one second, standard
-        deviation, random walk), and in which it is supposed to come to rest with the time constant ``rest_s``."""
+    def predicted(self, seconds: float, jerk: float, rest_s: float = math.inf) -> DirectionState:
+        """The state after ``seconds``. ``jerk``: change of the velocity in one second (rad/s, standard deviation,
+        random walk); ``rest_s``: time constant with which the velocity decays (inf: constant)."""
         direction, velocity = self.ahead(seconds)
         noise = jerk**2
         keep = math.exp(-seconds / rest_s)
         a, b, c = self.position_variance, self.covariance, self.velocity_variance
-        return Motion(
+        return DirectionState(
             direction,
             velocity * keep,
             a + 2 * seconds * b + seconds**2 * c + noise * seconds**3 / 3,
@@ -40,8 +40,8 @@ class Motion:
             c + noise * seconds,
         )
 
-    def corrected(self, seen: Vector, variance: float) -> Motion:
-        """After a sighting of ``variance`` (rad^2) on each tangent."""
+    def corrected(self, seen: Vector, variance: float) -> DirectionState:
+        """The state after a measured direction of ``variance`` (rad^2) on each tangent axis."""
         offset = seen - (seen @ self.direction) * self.direction
         gain = self.position_variance / (self.position_variance + variance)
         gain_velocity = self.covariance / (self.position_variance + variance)
@@ -49,7 +49,7 @@ class Motion:
         velocity = carried(self.velocity, self.direction, direction) + gain_velocity * carried(
             offset, self.direction, direction
         )
-        return Motion(
+        return DirectionState(
             direction,
             velocity,
             (1 - gain) * self.position_variance,
@@ -57,10 +57,11 @@ class Motion:
             self.velocity_variance - gain_velocity * self.covariance,
         )
 
-    def going_on_as(self, old: Motion) -> Motion:
-        """Here, as ``old`` (near by) went: what was lost for a while is seen again, too briefly to say how it moves."""
+    def going_on_as(self, old: DirectionState) -> DirectionState:
+        """This direction with the velocity of ``old`` (near by), for a track found again: too few measurements for a
+        velocity of its own."""
         velocity = carried(old.velocity, old.direction, self.direction)
-        return Motion(self.direction, velocity, self.position_variance, 0.0, old.velocity_variance)
+        return DirectionState(self.direction, velocity, self.position_variance, 0.0, old.velocity_variance)
 
 
 def along(direction: Vector, velocity: Vector, seconds: float) -> tuple[Vector, Vector]:
@@ -85,5 +86,5 @@ def angle_deg(a: Vector, b: Vector) -> float:
 
 
 def angular_speed(velocity: Vector) -> float:
-    """Its length, rad/s."""
+    """Norm of ``velocity``, rad/s."""
     return math.sqrt(float(velocity @ velocity))

@@ -1,17 +1,17 @@
-"""Where sounds come from, by what the microphones' signals have in common.
+"""Sound source localization by the microphones' cross-correlations.
 
-Steered response power with phase transform (DiBiase 2000; Valin et al. 2004), with five changes that make several
-talkers at once and weak ones among them visible:
+Steered response power with phase transform (DiBiase 2000; Valin et al. 2004), with five changes for several
+simultaneous and weak talkers:
 
-* frequencies are weighted at each instant by how clearly they stand above background and reverberation
-  (:mod:`clarity`), and then, over the time of the mean, each counts alike: a frequency that one weak talker had for
-  himself for a moment says as much as one that a strong one always fills;
-* sources are looked for in a mean over half a second, and followed in one over a tenth of that;
-* what the microphones agree on in the background, as on the robot's own fans, is learnt and subtracted;
-* a source found is taken away frequency by frequency, by what the microphones agree on in its direction, before the
-  next is looked for; erasing the lags around it would take others with it;
-* waves are taken as spheres of a talker's usual distance, not as planes: within arm's reach of a 0.5 m array the
-  difference is a quarter of a period and more at speech frequencies.
+* frequencies are weighted at each instant by their level above background and reverberation (:mod:`spectral_mask`), and
+  then normalized over the time of the mean: a frequency that a weak talker dominates for a moment counts as much as one
+  that a strong talker always dominates;
+* sources are searched in a mean over half a second, and followed in a mean over a tenth of that;
+* the cross spectra of the background, as of the robot's own fans, are learnt and subtracted;
+* a found source is subtracted frequency by frequency, by the microphones' agreement in its direction, before the next
+  search; erasing the lags around it would erase others too;
+* wave fronts are spheres from a talker's usual distance, not planes: at 0.5 m from a 0.5 m array the difference is a
+  quarter of a period and more at speech frequencies.
 """
 
 from __future__ import annotations
@@ -25,45 +25,45 @@ from scipy import fft
 
 from app.modules.perception.voices.microphone_array import MicrophoneArray
 from app.modules.perception.voices.onsets import Onsets
-from app.modules.perception.voices.spectral_mask import Clarity
+from app.modules.perception.voices.spectral_mask import SpectralMask
 from app.modules.perception.voices.steering_vectors import SPEED_OF_SOUND, arrivals, search_grid, tangents
 
 _SMALL = 1e-12
-#: Directions of a step nearer together than this (cosine of 4 degrees) are one.
+#: Directions closer than this (cosine of 4 degrees) are one.
 _SAME = float(np.cos(np.radians(4.0)))
-#: What the search found so near (cosine of 8 degrees) to an expected direction is the source expected there.
+#: A direction found within this (cosine of 8 degrees) of an expected one is the same source.
 _NEAR = float(np.cos(np.radians(8.0)))
-#: How far (rad) a maximum may be from where it is looked for, at each look.
+#: Greatest distance (rad) of a maximum from its start, at each refinement.
 _LONGEST_STEP = float(np.radians(4.0))
-#: What is nearer to a peak (cosine of 20 degrees) than a lobe's width, and so much weaker, is a side lobe of it.
+#: A weaker peak within this (cosine of 20 degrees, a lobe's width), below this share, is a side lobe.
 _LOBE, _LOBE_SHARE = float(np.cos(np.radians(20.0))), 0.6
-#: A point of the grid has at least this share of the maximum beside it.
+#: Least value of the grid point nearest to a maximum, as a share of it.
 _GRID_SHARE = 0.35
-#: How much later than its source a first reflection comes, as far as frames and beams can tell (s).
+#: Greatest delay of a first reflection that frames and beams can resolve (s).
 _REFLECTION_S = (0.0008, 0.012)
-#: A mean over sound from an array that turned by this (rad, time constant) is too smeared to search.
+#: Rotation of the array (rad, time constant) over which a mean is too blurred for the search.
 _SMEARED = float(np.radians(6.0))
-#: The background is alone if nothing else sounds at this share of frequencies.
+#: Share of frequencies at background level for which only the background sounds.
 _ALONE = 0.9
-#: How often it is asked whether the background comes from anywhere at all.
+#: Period (steps) of the test whether the background has a direction.
 _JUDGE_STEPS = 12
-#: Of a background heard that long, half is believed.
+#: Observation time (s) after which half of a learnt background is subtracted.
 _UNSURE_S = 0.2
 _AROUND = np.array([-1, 0, 1])[:, None, None]
 
 
 @dataclass(frozen=True, slots=True)
 class LocalizerSettings:
-    """How sounds are looked for.
+    """Parameters of the localization.
 
-    ``frame`` samples are transformed at once, every ``frame / 2``; ``frames`` of them make one step. Every
-    ``search_every`` steps the whole sphere is searched in the mean over ``search_memory_s`` (time constant), for at
-    most ``sources``; at all other steps what was found, and what the caller expects, is followed in the mean over
-    ``follow_memory_s``. Frequencies in Hz. ``points``: directions on the whole sphere, of which those above
-    ``lowest_deg`` are looked at. ``range_m``: how far sounds are supposed to be. ``doubt``: how much weight a frequency
-    needs before it counts. ``tail``, ``tail_s`` and ``floor``: see :class:`Clarity`. ``still_s``: how long what the
-    background is like is remembered. ``least_power``: what is weaker is no peak, nor what is below ``least_share`` of
-    the strongest.
+    ``frame``: samples per transform, every ``frame / 2``; ``frames``: transforms per step. Every ``search_every`` steps
+    the sphere is searched for at most ``sources`` in the mean over ``search_memory_s`` (time constant); in all other
+    steps found and expected directions are followed in the mean over ``follow_memory_s``. ``lowest_hz``,
+    ``highest_hz``: used band (Hz). ``points``: directions on the whole sphere, of which those above ``lowest_deg`` are
+    searched. ``range_m``: assumed distance of sources. ``weight_offset``: added to the summed weight of a frequency
+    before the division, so that rarely weighted ones count little. ``tail``, ``tail_s``, ``floor``: see
+    :class:`SpectralMask`. ``still_s``: time constant of the learnt background. ``least_power``, ``least_share``: least
+    power of a peak, and least share of the strongest.
     """
 
     frame: int = 1024
@@ -77,7 +77,7 @@ class LocalizerSettings:
     points: int = 2400
     lowest_deg: float = -20.0
     range_m: float = 1.8
-    doubt: float = 0.05
+    weight_offset: float = 0.05
     tail: float = 0.45
     tail_s: float = 0.085
     floor: float = 0.01
@@ -88,15 +88,16 @@ class LocalizerSettings:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Peaks:
-    """Directions sound came from, as of one step, strongest first.
+    """Directions of sound in one step, strongest first.
 
-    ``directions`` (K, 3) float64, unit vectors from the array's middle in its axes; ``powers`` (K,) float64 in [0, 1]:
-    how strongly the microphones agree on it over the last half second; ``recent`` (K,): over the last moments.
-    ``echoes`` (K,), from 0 up: how well what comes from there is a later copy of what comes from a stronger peak. About
-    0.3 between two talkers, about 0.6 between one and his reflection in a wall; 0 for the strongest. ``steady`` (K, 3):
-    the direction over the last half second, each source heard apart from the others: better than ``directions`` for
-    those that stand still, and late for those that walk; NaN where the search found none. ``onsets`` (K, 4): how well
-    what began since the last step agrees with it, how well all that sounded, and the most that either could be.
+    - ``directions`` (K, 3) float64, unit vectors from the array's middle in its axes.
+    - ``powers`` (K,) float64 in [0, 1]: agreement of the microphones on it over the last half second; ``recent`` (K,):
+      over the last moments.
+    - ``echoes`` (K,) >= 0: greatest correlation with a delayed copy of a stronger peak's beam; about 0.3 between two
+      talkers, about 0.6 between a talker and a wall reflection; 0 for the strongest.
+    - ``steady`` (K, 3): direction over the last half second with the other sources subtracted; more accurate than
+      ``directions`` for standing sources, delayed for moving ones; NaN where the search found none.
+    - ``onsets`` (K, 4): see ``Onsets.agreement``.
     """
 
     directions: NDArray[np.float64]
@@ -107,15 +108,22 @@ class Peaks:
     onsets: NDArray[np.float64]
 
 
-NO_PEAKS = Peaks(np.zeros((0, 3)), np.zeros(0), np.zeros(0), np.zeros(0), np.zeros((0, 3)), np.zeros((0, 4)))
+NO_PEAKS = Peaks(
+    np.zeros((0, 3)),
+    np.zeros(0),
+    recent=np.zeros(0),
+    echoes=np.zeros(0),
+    steady=np.zeros((0, 3)),
+    onsets=np.zeros((0, 4)),
+)
 
 
 class Localizer:
-    """Finds the directions of sounds, step by step; all its state is the recent past of the sound itself.
+    """Finds the directions of sounds, step by step; its state is the recent past of the sound.
 
-    ``rate`` (Hz) is the samples'; ``step``: how many samples :meth:`process` takes at a time; ``hop``: from one frame
-    to the next. ``window`` (frame,) is the square root of a Hann window: its squares at hops add up to one.
-    ``spectra`` (F, M, frame / 2 + 1) complex64: the windowed spectra of the last step's frames, for a separator.
+    ``rate`` (Hz) of the samples; ``step``: samples per call of :meth:`process`; ``hop``: samples between frames.
+    ``window`` (frame,): square root of a Hann window, whose squares at hops add up to one. ``spectra`` (F, M, frame / 2
+    + 1) complex64: windowed spectra of the last step's frames, for a separator.
     """
 
     def __init__(self, array: MicrophoneArray, rate: int, settings: LocalizerSettings = LocalizerSettings()) -> None:
@@ -129,10 +137,10 @@ class Localizer:
         chosen = np.flatnonzero((self.frequencies >= settings.lowest_hz) & (self.frequencies <= settings.highest_hz))
         self._band = slice(int(chosen[0]), int(chosen[-1]) + 1)
         self._prepare(self.band)
-        self._clarity = Clarity(len(chosen), self.hop / rate, settings.tail, settings.tail_s, settings.floor)
+        self._clarity = SpectralMask(len(chosen), self.hop / rate, settings.tail, settings.tail_s, settings.floor)
         self._onsets = Onsets()
         pairs, bins = len(array.first), len(chosen)
-        # What the robot's own noise is like does not change when sound is lost: never forgotten.
+        # The robot's own noise does not change with lost samples: never reset.
         self._still = np.zeros((pairs, bins), np.complex64)
         self._still_weight = np.zeros(bins, np.float32)
         self._still_steps = 0
@@ -158,12 +166,12 @@ class Localizer:
         self._across = -(array.offsets[first] - array.offsets[second]).T * (self.rate / SPEED_OF_SOUND)
 
     def _lags(self, directions: NDArray[np.float64]) -> NDArray[np.float64]:
-        """How many samples later sound of ``directions`` (G, 3) comes to the first of each pair: (G, P)."""
+        """Delays (samples) of sound from ``directions`` (G, 3), first of each pair minus second: (G, P)."""
         delays = arrivals(self.array.offsets, directions, self.settings.range_m, self.array.body_m) * self.rate
         return np.asarray(delays[:, self.array.first] - delays[:, self.array.second])
 
     def reset(self) -> None:
-        """Forget the past: the next samples do not follow the last."""
+        """Discard the past: the next samples do not follow the last."""
         pairs, bins = len(self.array.first), self._band.stop - self._band.start
         self._past = np.zeros((self.hop, len(self.array)), np.float32)
         self.spectra = np.zeros((self.settings.frames, len(self.array), self.hop + 1), np.complex64)
@@ -180,15 +188,15 @@ class Localizer:
     def process(
         self, samples: NDArray[np.float32], expected: NDArray[np.float64] | None = None, turned: float = 0.0
     ) -> Peaks:
-        """Hear the next ``step`` samples (step, M), in [-1, 1), columns as the array's positions.
+        """Peaks of the next ``step`` samples (step, M), in [-1, 1), columns as the array's positions.
 
-        ``expected`` (E, 3): unit vectors near which sources are supposed to be now, by what the caller knows. Peaks
-        follow them without waiting for the next search. ``turned`` (rad, left positive): how far the array itself has
-        turned about its z since the last step; while it turns, the search remembers less, so that nothing is smeared.
+        ``expected`` (E, 3): unit vectors of expected sources, which are followed without waiting for the next search.
+        ``turned`` (rad, left positive): rotation of the array about its z since the last step; a rotation shortens the
+        search's mean, so that it does not blur.
         """
         if samples.shape != (self.step, len(self.array)):
             raise ValueError(f"samples are ({self.step}, {len(self.array)}), not {samples.shape}")
-        self._hear(samples, abs(turned) / _SMEARED)
+        self._update_means(samples, abs(turned) / _SMEARED)
         if turned:
             self._found = replace(self._found, directions=_turned(self._found.directions, -turned))
         self._steps += 1
@@ -202,15 +210,15 @@ class Localizer:
         return np.asarray(self.frequencies[self._band], np.float64)
 
     def clearness(self) -> float:
-        """How clearly what sounds now stands above the background and the room's answer, in [0, 1]: mean weight."""
+        """Mean weight of the current frequencies, in [0, 1]: level above background and reverberation."""
         return float(self._short_weight[0].mean())
 
     def cross_spectra(self) -> NDArray[np.complex64]:
-        """What each pair of microphones has in common now (P, B): the mean over the last moments, without the
-        background, each frequency's absolute value at most about 1."""
+        """Mean cross spectra of the pairs over the last moments (P, B), without the background, each absolute value at
+        most about 1."""
         return self._clear(self._short, self._short_weight)
 
-    def _hear(self, samples: NDArray[np.float32], smeared: float) -> None:
+    def _update_means(self, samples: NDArray[np.float32], smeared: float) -> None:
         settings, hop = self.settings, self.hop
         sound = np.concatenate([self._past, samples])
         self._past = sound[-hop:]
@@ -222,7 +230,7 @@ class Localizer:
         powers = squares.mean(axis=1)
         heard = [(self._clarity.weigh(power), self._clarity.background, self._clarity.quiet) for power in powers]
         weights = np.stack([weight for weight, _, _ in heard])
-        self._onsets.hear(phases, powers, weights)
+        self._onsets.update(phases, powers, weights)
         still = np.stack([weight * background for weight, background, _ in heard])
         quiet = float(np.min([alone.mean() for _, _, alone in heard]))
         weighted = phases * weights[:, None, :]
@@ -248,7 +256,7 @@ class Localizer:
             self._learn_still(cross, sums[0])
 
     def _learn_still(self, cross: NDArray[np.complex64], weight: NDArray[np.float32]) -> None:
-        """What the microphones agree on while nothing but the background sounds, weighted as all sound is."""
+        """Update the background's cross spectra while only the background sounds, weighted as all sound is."""
         keep = np.float32(np.exp(-self.step / self.rate / self.settings.still_s))
         self._still = self._still * keep + cross
         self._still_weight = self._still_weight * keep + weight
@@ -259,12 +267,12 @@ class Localizer:
             self._directed = bool(strength > self.settings.least_power)
 
     def _clear(self, mean: NDArray[np.complex64], weights: NDArray[np.float32]) -> NDArray[np.complex64]:
-        """The cross spectra (P, B) of a mean without those of the background, each frequency alike."""
+        """The cross spectra (P, B) of a mean without those of the background, normalized by frequency."""
         if not self._directed:
-            return np.asarray(mean / (weights[0] + np.float32(self.settings.doubt)))
+            return np.asarray(mean / (weights[0] + np.float32(self.settings.weight_offset)))
         trust = np.float32(self._still_steps / (self._still_steps + self._unsure_steps))
         still = self._still * (trust * weights[1] / (self._still_weight + np.float32(_SMALL)))
-        return np.asarray((mean - still) / (weights[0] + np.float32(self.settings.doubt)))
+        return np.asarray((mean - still) / (weights[0] + np.float32(self.settings.weight_offset)))
 
     def _correlation(self, cross: NDArray[np.complex64]) -> NDArray[np.float32]:
         """Correlations (P * W,) over lags of cross spectra (P, B)."""
@@ -307,26 +315,33 @@ class Localizer:
             return NO_PEAKS
         places = np.array(directions)
         nothing = np.zeros(len(powers))
-        return Peaks(places, np.array(powers), nothing, np.array(echoes), places, np.zeros((len(powers), 4)))
+        return Peaks(
+            places,
+            np.array(powers),
+            recent=nothing,
+            echoes=np.array(echoes),
+            steady=places,
+            onsets=np.zeros((len(powers), 4)),
+        )
 
     def _copy(self, cross: NDArray[np.complex64], beam: NDArray[np.complex64], later: NDArray[np.complex64]) -> float:
-        """The most that the second of two beams (M, B) has of the first at any delay of a first reflection.
+        """The greatest correlation of the second of two beams (M, B) with the first at any delay of a first reflection.
 
-        From cross spectra (P, B) alone: those of two beams are linear in the microphones'.
+        Computed from cross spectra (P, B) alone: those of two beams are linear in the microphones'.
         """
         first, second = self.array.first, self.array.second
         product = (cross * (beam[first] * later[second].conj())).sum(axis=0)
         product += (cross.conj() * (beam[second] * later[first].conj())).sum(axis=0)
         spectrum = np.zeros(self.settings.frame, np.complex64)
         spectrum[self._band] = product
-        # A copy later by n samples turns frequency k by exp(2j pi k n / frame): the forward transform finds n.
+        # A delay of n samples turns frequency k by exp(2j pi k n / frame): the forward transform finds n.
         sizes = np.abs(fft.fft(spectrum))
         pairs, bins = cross.shape
         begin, end = (round(seconds * self.rate) for seconds in _REFLECTION_S)
         return float(sizes[begin:end].max() / (2 * pairs * bins))
 
     def _steer(self, directions: NDArray[np.float64]) -> NDArray[np.complex64]:
-        """What brings sound from each of ``directions`` (K, 3) into phase at all microphones: (K, M, B)."""
+        """Phase factors that align sound from each of ``directions`` (K, 3) at all microphones: (K, M, B)."""
         array = self.array
         delays = arrivals(array.offsets, directions, self.settings.range_m, array.body_m) * self.rate
         angles = delays[:, :, None].astype(np.float32) * self._omega
@@ -339,7 +354,7 @@ class Localizer:
     def _climb(
         self, correlation: NDArray[np.float32], directions: NDArray[np.float64], rounds: int
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """From ``directions`` (K, 3) to the maxima of the response near them, by Newton's method; and their powers."""
+        """Maxima of the response near ``directions`` (K, 3), by Newton's method, and their powers."""
         for turn in range(rounds + 1):
             lags = self._lags(directions)
             nearest = np.rint(lags)
@@ -366,7 +381,7 @@ class Localizer:
                 nearness = expected @ starts.T
                 meant = np.where(nearness.max(axis=1) > _NEAR, nearness.argmax(axis=1), -1)
             known = meant >= 0
-            # What the caller expects is the better start, where it and the search mean the same source.
+            # An expected direction is the better start where it and the search mean the same source.
             taken = set(meant.tolist())
             new = [k for k in range(len(starts)) if k not in taken]
             of_expected = np.where(known, np.append(powers, 0)[meant], 0)
@@ -384,7 +399,7 @@ class Localizer:
             if not any(nearness[k, other] > _SAME for other in chosen):
                 chosen.append(k)
         chosen.sort(key=lambda k: -powers[k])
-        # Beside a strong source its side lobes rise and fall with it: nothing of their own.
+        # Side lobes of a strong source rise and fall with it.
         loud = recent.tolist()
         clear = [
             not any(loud[k] < _LOBE_SHARE * loud[other] and nearness[k, other] > _LOBE for other in chosen)
@@ -393,7 +408,14 @@ class Localizer:
         recent[chosen] = np.where(clear, recent[chosen], 0)
         directions = directions[chosen]
         onsets = self._onsets.agreement(self._steer(directions))
-        return Peaks(directions, powers[chosen], recent[chosen], echoes[chosen], steady[chosen], onsets)
+        return Peaks(
+            directions,
+            powers[chosen],
+            recent=recent[chosen],
+            echoes=echoes[chosen],
+            steady=steady[chosen],
+            onsets=onsets,
+        )
 
 
 def _turned(directions: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
@@ -403,7 +425,7 @@ def _turned(directions: NDArray[np.float64], angle: float) -> NDArray[np.float64
 
 
 def _newton_step(gradient: NDArray[np.float64], curving: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Where (K, 2) maxima are, by slopes (K, 2) and curvatures (K, 2, 2) that are never upward; damped, and short."""
+    """Steps (K, 2) to maxima by slopes (K, 2) and curvatures (K, 2, 2), made negative definite, damped and limited."""
     xx, xy, yy = curving[:, 0, 0], curving[:, 0, 1], curving[:, 1, 1]
     damping = 0.05 * (xx + yy) - _SMALL
     xx, yy = xx + damping, yy + damping

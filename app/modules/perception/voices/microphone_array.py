@@ -1,4 +1,4 @@
-"""Where microphones are, and how much of a direction so many of them can tell."""
+"""Geometry of a microphone array, and the directions it can resolve."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from app.base.yaml_source import parse
 
-#: Microphones nearer than this are one.
+#: Least distance between two microphones (m).
 _NEAREST_M = 0.005
-#: Sound crosses more than this in the time that is looked at at once.
+#: Greatest size (m): sound must cross the array within a frame.
 _FARTHEST_M = 5.0
-#: Below this share of the array's largest extent, an extent is none.
+#: Extents below this share of the largest count as zero.
 _FLAT = 0.05
 
 
 class MicrophoneArray:
     """Microphones at ``positions`` (M, 3) float64, m, x forward, y left, z up; M from 2 to 32.
 
-    ``channels`` (M,) names the columns of the sound that are theirs: 0, 1, ... except in a :meth:`subset`. ``body_m``
-    is the radius of the rigid body among them, taken as a sphere about their middle; sound goes round it. 0: they hang
-    in free air. Raises ValueError if there are fewer than two, two at one place, or two more than 5 m apart.
+    ``channels`` (M,): their columns in the sound: 0, 1, ... except in a :meth:`subset`. ``body_m``: radius of the rigid
+    body among them, modelled as a sphere about their middle that diffracts sound; 0: free field. Raises ValueError for
+    fewer than two, two at one place, or two more than 5 m apart.
     """
 
     def __init__(
@@ -56,7 +56,7 @@ class MicrophoneArray:
 
     @cached_property
     def middle(self) -> NDArray[np.float64]:
-        """The mean of the positions (3,): where directions are taken from."""
+        """The mean of the positions (3,): origin of all directions."""
         return np.asarray(self.positions.mean(axis=0))
 
     @cached_property
@@ -74,16 +74,16 @@ class MicrophoneArray:
 
     @property
     def dimensions(self) -> int:
-        """1: on a line, hears only the angle to it (a cone); 2: in a plane, mirror images are alike; 3: all."""
+        """1: a line, resolves only the angle to it (a cone); 2: a plane, mirror images are alike; 3: all directions."""
         sizes, _ = self.extents
         return int((sizes > _FLAT * sizes[0]).sum())
 
     def subset(self, count: int) -> MicrophoneArray:
-        """The ``count`` microphones that tell directions best; their ``channels`` say which.
+        """The ``count`` microphones that resolve directions best, with their ``channels``.
 
-        Two: the pair farthest apart from left to right, else the pair nearest to it, of equals the one in front and
-        above: it tells left from right. More: those spread most evenly over all axes (of a box's corners, four that
-        touch no common edge), of equals the first. Raises ValueError unless 2 <= count <= M.
+        Two: the pair farthest apart from left to right, else the pair nearest to it; among equals the one in front and
+        above. More: those spread most evenly over all axes (of a box's corners, four without a common edge); among
+        equals the first. Raises ValueError unless 2 <= count <= M.
         """
         if not 2 <= count <= len(self):
             raise ValueError(f"a subset has 2 to {len(self)} microphones, not {count}")

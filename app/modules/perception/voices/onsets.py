@@ -1,4 +1,4 @@
-"""Where sounds begin: what comes first comes from its source, and what a room adds comes after (precedence effect)."""
+"""Onset agreement: the onset of a sound arrives from its source, reverberation follows (precedence effect)."""
 
 from __future__ import annotations
 
@@ -9,21 +9,21 @@ _TINY = 1e-14
 
 
 class Onsets:
-    """How well what begins, and how well all that sounds, agrees with directions.
+    """Agreement of onsets, and of all sound, with directions.
 
-    A frequency begins to sound as far as its power rose from one frame to the next. Direct sound agrees best with where
-    it comes from just then, while no wall has answered yet; an echo agrees with what begins no better than with all the
-    rest.
+    The onset power of a frequency is the rise of its power from one frame to the next. At an onset direct sound arrives
+    before any reflection, so onsets agree best with the source's direction; an echo's direction agrees with onsets no
+    better than with all sound.
     """
 
     def __init__(self) -> None:
         self.reset()
 
     def reset(self) -> None:
-        """Forget the past."""
+        """Discard the past."""
         self._before: NDArray[np.float32] | None = None
 
-    def hear(self, phases: NDArray[np.complex64], powers: NDArray[np.float32], weights: NDArray[np.float32]) -> None:
+    def update(self, phases: NDArray[np.complex64], powers: NDArray[np.float32], weights: NDArray[np.float32]) -> None:
         """Take the next frames: ``phases`` (F, M, B) of absolute value 1; their ``powers`` and ``weights`` (F, B)."""
         before = powers[:1] if self._before is None else self._before
         self._before = powers[-1:]
@@ -32,10 +32,11 @@ class Onsets:
         self._weights = np.stack([(weights * rise).ravel(), weights.ravel()])
 
     def agreement(self, steering: NDArray[np.complex64]) -> NDArray[np.float64]:
-        """Of the frames heard last, for beams ``steering`` (K, M, B): (K, 4), what begins, all, and the most of both.
+        """Agreement of the last frames with beams ``steering`` (K, M, B): (K, 4), of onsets, of all sound, and the
+        greatest possible value of both.
 
-        A beam's agreement is 1 where all microphones agree on its direction, and 0 on average where they do not; summed
-        over frames and frequencies by their weights.
+        The agreement of a beam is 1 where all microphones agree on its direction and 0 on average where they do not; it
+        is summed over frames and frequencies by their weights.
         """
         beams = (self._phases[None] * steering[:, None]).sum(axis=2)
         count = self._phases.shape[1]

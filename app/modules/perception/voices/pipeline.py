@@ -1,4 +1,4 @@
-"""From the microphones' samples to voices: located, followed, judged, and each by itself (ManyEars' work, thesis 4.2).
+"""From microphone samples to voices: localization, tracking, speech detection, separation (as ManyEars, thesis 4.2).
 
 The functional core of VoiceLocalizer and of ``hbba detect voices``: knows no clock and no channel.
 """
@@ -20,38 +20,36 @@ from app.modules.perception.voices.localization import Localizer
 from app.modules.perception.voices.microphone_array import MicrophoneArray
 from app.modules.perception.voices.resampling import Resampler
 from app.modules.perception.voices.separation import Separated, Separator
-from app.modules.perception.voices.tracking import Track, Tracker
-from app.modules.perception.voices.voice_activity import SPEECH_RATE, SpeechJudge
+from app.modules.perception.voices.tracking import SoundTrack, Tracker
+from app.modules.perception.voices.voice_activity import SPEECH_RATE, VoiceActivityDetector
 
 _FULL_SCALE = 32768.0
 _QUIETEST = 1e-12
-#: The array is checked every so many blocks, at moments that are so clear: where nothing sounds it costs nothing.
+#: Period (blocks) of the array check, and least clearness of a checked moment, so that silence costs nothing.
 _CHECK_EVERY = 2
 _CHECK_CLEARNESS = 0.04
-#: How well elevations are known (rad), by the number of the array's dimensions: one on a line knows none.
+#: Standard deviation of elevations (rad) by the array's dimensions; a line gives none.
 _ELEVATION_SIGMA = {1: 1.0, 2: math.radians(8), 3: math.radians(2.5)}
 
 
 @dataclass(frozen=True, slots=True)
 class PipelineSettings:
-    """``separation`` of up to ``voices`` sources; whether they are speech is judged if ``speech``.
-
-    ``patience_s``: how long a silent source keeps its place among those that are separated when another sounds.
-    """
+    """``separation`` of up to ``voices`` sources; ``speech``: whether to compute speech probabilities. ``keep_s``: how
+    long a silent source keeps its output of the separation when another sounds."""
 
     separation: bool = True
     voices: int = 2
     speech: bool = True
-    patience_s: float = 0.5
+    keep_s: float = 0.5
 
 
 class VoicePipeline:
-    """Hears block by block.
+    """Processes sound block by block.
 
-    ``array`` are the microphones in ``base_link``, whose origin lies on the floor; all columns of the sound, or those
-    of its ``channels`` if it is a subset. ``rate`` from 16,000 up. ``step``: samples in one block. Tracks are numbered
-    from ``first_track`` and live in ``odom``'s axes, so that a robot that turns does not smear them. ``array_check``
-    says whether the microphones are where ``array`` says.
+    ``array``: microphones in ``base_link``, whose origin is on the floor; all columns of the sound, or its ``channels``
+    if it is a subset. ``rate``: from 16,000 up. ``step``: samples per block. Tracks are numbered from ``first_track``
+    and kept in ``odom``'s axes, so that a rotation of the robot does not blur them. ``array_check`` compares the sound
+    with the geometry of ``array``.
     """
 
     def __init__(
@@ -72,7 +70,7 @@ class VoicePipeline:
         self._tracker = Tracker()
         self._offset = first_track - 1
         self._beams = DelayAndSum(array, rate)
-        self._judge = SpeechJudge() if settings.speech else None
+        self._speech_detector = VoiceActivityDetector() if settings.speech else None
         self._separator = Separator(array, rate) if settings.separation else None
         self._elevation_sigma = _ELEVATION_SIGMA[array.dimensions]
         self._ranges: dict[int, tuple[float, float]] = {}
@@ -81,13 +79,13 @@ class VoicePipeline:
         self.reset()
 
     def reset(self) -> None:
-        """The next samples do not follow the last; sources that are still heard then keep their numbers."""
+        """The next samples do not follow the last; sources that are still heard keep their numbers."""
         self._localizer.reset()
         self._beams.reset()
         if self._separator is not None:
             self._separator.reset()
-        if self._judge is not None:
-            self._judge.reset()
+        if self._speech_detector is not None:
+            self._speech_detector.reset()
         self._resamplers: dict[int, Resampler] = {}
         self._powers: dict[int, float] = {}
         self._waiting = np.zeros((0, len(self.array)), np.float32)
@@ -98,11 +96,11 @@ class VoicePipeline:
 
     @property
     def next_track(self) -> int:
-        """A number that no source of this pipeline has had yet."""
+        """A number not yet used by this pipeline."""
         return self._newest + 1
 
     def instant(self, time_s: float) -> float:
-        """When, within the block that begins at ``time_s``, directions are taken: the middle of its last frame."""
+        """Time of the directions of the block that begins at ``time_s``: the middle of its last frame."""
         return time_s + (self.step - self._localizer.hop) / self.rate
 
     def process(
@@ -112,7 +110,7 @@ class VoicePipeline:
         first_sample: int = 0,
         heading: float = 0.0,
     ) -> tuple[SoundSources, SeparatedSound | None]:
-        """Hear one block: ``samples`` (step, C), of which the first is number ``first_sample``, taken at ``time_s``.
+        """Process one block: ``samples`` (step, C), of which the first is number ``first_sample``, taken at ``time_s``.
 
         ``heading`` (rad) is the robot's in ``odom`` at :meth:`instant`. The sources are those of then, in
         ``base_link``; what is separated comes every few blocks, and is older. Raises ValueError for samples of another
@@ -131,24 +129,24 @@ class VoicePipeline:
         self._heard += self.step
         self._listen(sound, tracks)
         separated = self._separate(sound, tracks, time_s)
-        if self._judge is not None:
-            self._judge.keep([track.id for track in tracks])
+        if self._speech_detector is not None:
+            self._speech_detector.keep([track.id for track in tracks])
         p_BA = tuple(self.array.middle.tolist())
         return SoundSources(instant, p_BA, tuple(self._source(track) for track in tracks)), separated
 
     def _restart(self) -> None:
-        """Time has gone back: nothing that is known holds any more, but numbers are not used again."""
+        """Reset after a jump back in time; track numbers are not reused."""
         first = self.next_track
         self._tracker, self._offset = Tracker(), first - 1
         began = self._began
         self.reset()
         self._began = began
 
-    def _follow(self, sound: NDArray[np.float32], instant: float, heading: float) -> tuple[Track, ...]:
+    def _follow(self, sound: NDArray[np.float32], instant: float, heading: float) -> tuple[SoundTrack, ...]:
         """Tracks in ``base_link``'s axes of that instant."""
         turned = 0.0 if self._heading is None else wrap_angle(heading - self._heading)
         self._heading = heading
-        # Peaks are of a mean over the last moments, of when the robot had not turned so far yet.
+        # Peaks are of a mean over the last moments, in which the robot had turned less.
         localizer = self._localizer
         mean_age = localizer.settings.follow_memory_s * localizer.rate / localizer.step
         R_OM = _turn(heading - turned * mean_age)
@@ -170,26 +168,28 @@ class VoicePipeline:
             and not self.array_check.done
             and self._localizer.clearness() > _CHECK_CLEARNESS
         ):
-            self.array_check.hear(self._localizer.cross_spectra())
+            self.array_check.update(self._localizer.cross_spectra())
 
-    def _listen(self, sound: NDArray[np.float32], tracks: tuple[Track, ...]) -> None:
-        """How loud each source is; and let the judge hear those that sound and are not separated."""
-        self._beams.hear(sound)
+    def _listen(self, sound: NDArray[np.float32], tracks: tuple[SoundTrack, ...]) -> None:
+        """Level of each source, and speech detection of active sources that are not separated."""
+        self._beams.update(sound)
         powers = {}
         voices = {}
         for track in tracks:
             beam = self._beams.beam(track.direction)
             power = float(np.mean(beam * beam))
             powers[track.id] = 0.5 * (power + self._powers.get(track.id, power))
-            if self._judge is not None and track.active and track.id not in self._separated:
+            if self._speech_detector is not None and track.active and track.id not in self._separated:
                 voices[track.id] = self._resampled(track.id, beam, self.rate)
         self._powers = powers
         alive = {track.id for track in tracks}
         self._resamplers = {track: known for track, known in self._resamplers.items() if track in alive}
-        if self._judge is not None:
-            self._judge.hear(voices)
+        if self._speech_detector is not None:
+            self._speech_detector.update(voices)
 
-    def _separate(self, sound: NDArray[np.float32], tracks: tuple[Track, ...], time_s: float) -> SeparatedSound | None:
+    def _separate(
+        self, sound: NDArray[np.float32], tracks: tuple[SoundTrack, ...], time_s: float
+    ) -> SeparatedSound | None:
         if self._separator is None:
             return None
         self._waiting = np.concatenate([self._waiting, sound])
@@ -202,10 +202,10 @@ class VoicePipeline:
         others = [track for track in tracks if track.id not in self._separated]
         known = [(track.id, track.direction) for track in (*chosen, *others)]
         out = self._separator.process(block, known, len(chosen))
-        if self._judge is not None:
-            # Of one that was not separated until now, the judge has heard this already.
+        if self._speech_detector is not None:
+            # The detector already has this sound of a source that was not separated until now.
             active = {track.id for track in chosen if track.active and track.id in before}
-            self._judge.hear(
+            self._speech_detector.update(
                 {
                     track: self._resampled(track, out.samples[:, column], self._separator.output_rate)
                     for column, track in enumerate(out.tracks)
@@ -214,13 +214,14 @@ class VoicePipeline:
             )
         return self._message(out, time_s)
 
-    def _chosen(self, tracks: tuple[Track, ...]) -> list[Track]:
-        """Who is separated: who was, while he sounds or was silent but a moment; then voices, and what is strong."""
-        patience = self.settings.patience_s
+    def _chosen(self, tracks: tuple[SoundTrack, ...]) -> list[SoundTrack]:
+        """Sources to separate: those separated so far while they sound or paused for a moment; then voices, then by
+        power."""
+        keep_s = self.settings.keep_s
 
-        def worth(track: Track) -> tuple[bool, bool, float]:
-            stays = track.id in self._separated and self._time - track.last_seen < patience
-            speech = self._judge is not None and self._judge.speech(track.id) > 0.5
+        def worth(track: SoundTrack) -> tuple[bool, bool, float]:
+            stays = track.id in self._separated and self._time - track.last_seen < keep_s
+            speech = self._speech_detector is not None and self._speech_detector.speech(track.id) > 0.5
             return (stays or (track.active and speech), track.active, track.power)
 
         return sorted(tracks, key=worth, reverse=True)[: self.settings.voices]
@@ -237,7 +238,7 @@ class VoicePipeline:
         return SeparatedSound(time_s - before / self.rate, out.tracks, read_only(samples), rate, first)
 
     def _resampled(self, track: int, sound: NDArray[np.float32], rate: int) -> NDArray[np.float32]:
-        """The source's sound at the judge's rate."""
+        """The source's sound at the speech detector's rate."""
         if rate == SPEECH_RATE:
             return np.ascontiguousarray(sound)
         known = self._resamplers.get(track)
@@ -245,7 +246,7 @@ class VoicePipeline:
             known = self._resamplers[track] = Resampler(rate, SPEECH_RATE)
         return known.process(np.ascontiguousarray(sound))
 
-    def _source(self, track: Track) -> SoundSource:
+    def _source(self, track: SoundTrack) -> SoundSource:
         x, y, z = track.direction.tolist()
         range_m, range_sigma_m = self._range(z)
         return SoundSource(
@@ -254,13 +255,13 @@ class VoicePipeline:
             power=min(1.0, max(0.0, float(track.power))),
             level_db=10 * math.log10(max(self._powers.get(track.id, 0.0), _QUIETEST)),
             active=track.active,
-            speech=math.nan if self._judge is None else self._judge.speech(track.id),
+            speech=math.nan if self._speech_detector is None else self._speech_detector.speech(track.id),
             range_m=range_m,
             range_sigma_m=range_sigma_m,
         )
 
     def _range(self, rise: float) -> tuple[float, float]:
-        """Distance of a mouth, and its deviation, along a ray of that sine of the elevation; kept in steps of 0.005."""
+        """Distance of a mouth, and its deviation, for a sine of the elevation; cached in steps of 0.005."""
         step = round(rise * 200)
         if (known := self._ranges.get(step)) is None:
             sine = step / 200

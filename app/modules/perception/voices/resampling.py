@@ -1,4 +1,4 @@
-"""Sound at another rate, as it comes."""
+"""Streaming sample-rate conversion."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Resampler:
         self.reset()
 
     def reset(self) -> None:
-        """Forget the past: the next samples do not follow the last."""
+        """Discard the past: the next samples do not follow the last."""
         self._past = np.zeros(self._taps - 1, np.float32)
         self._due = 0
 

@@ -1,9 +1,9 @@
-"""What each source says by itself: masks told by direction, and the linear filter that predicts what they leave.
+"""Source separation: spatial masks by direction, and the multichannel Wiener filter that predicts the masked sound.
 
-Each frame's spectrum x(f) of all microphones is one talker's, another's, or the room's: x(f) is supposed to be
-Gaussian with the covariance a aᴴ + N for the talker of direction d, of which a(f) is the delays alone, and N for the
-room, N = δ Γ + ε I being diffuse sound and the microphones' own noise. How likely each is, whatever the loudness
-(Tyler 1987's angular Gaussian; Ito, Araki and Nakatani 2016)::
+Model: each frame's spectrum x(f) of all microphones belongs to one talker or to the room. x(f) is Gaussian with the
+covariance a aᴴ + N for a talker of direction d, a(f) being the steering vector of pure delays, and N for the room, N =
+δ Γ + ε I being diffuse sound and the microphones' own noise. The likelihood of each, independent of loudness (Tyler
+1987's angular Gaussian; Ito, Araki and Nakatani 2016)::
 
     p_k = c_k / (1 - c_k |aᴴ N⁻¹ x|² / xᴴ N⁻¹ x)^M      c_k = 1 / (1 + aᴴ N⁻¹ a)      γ_k = p_k / (ν + Σ_j p_j)
 
@@ -12,9 +12,9 @@ them, in the least squares of the last seconds, is the multichannel Wiener filte
 
     w_k = (E[x xᴴ] + λ I)⁻¹ E[γ_k x x_ref*]        y_k = w_kᴴ x · max(floor, |w_kᴴ x|² / Σ_j |w_jᴴ x|²)
 
-It needs no steering to be exact: the room's echoes of a voice help to predict it, where a beam would take them for
-noise; and since the voice is what is predicted, its being in the covariance does not cancel it, as it does in a
-minimum variance beam. The result is the voice as that microphone hears it.
+The filter does not need exact steering: echoes of a voice help to predict it, whereas a beamformer treats them as
+noise; and the voice's presence in the covariance does not cancel it, as in a minimum variance beamformer. The result is
+the voice at that microphone.
 """
 
 from __future__ import annotations
@@ -30,18 +30,18 @@ from app.modules.perception.voices.microphone_array import MicrophoneArray
 from app.modules.perception.voices.steering_vectors import SPEED_OF_SOUND, arrivals
 
 Spectra = NDArray[np.complex64]
-#: Rates below twice this are not made.
+#: Half of the least output rate (Hz).
 OUTPUT_RATE = 16_000
 
 
 @dataclass(frozen=True, slots=True)
 class SeparatorSettings:
-    """How sources are told apart.
+    """Parameters of the separation.
 
-    ``frame`` output samples are transformed at once, every ``frame / 2``; ``frames`` of them make one block.
-    Frequencies in Hz. ``memory_s``: time constant of what the filters are learnt from. ``diffuse`` (δ), ``noise`` (ε)
-    and ``room`` (ν): the room's part. ``load`` (λ) is a share of the mean power. ``reference`` is the microphone whose
-    sound is predicted. ``range_m``: how far sources are supposed to be.
+    ``frame``: output samples per transform, every ``frame / 2``; ``frames``: transforms per block. Frequencies in Hz.
+    ``memory_s``: time constant of the filters' statistics. ``diffuse`` (δ), ``noise`` (ε), ``room`` (ν): the room's
+    part. ``load`` (λ): diagonal loading as a share of the mean power. ``reference``: the predicted microphone.
+    ``range_m``: assumed distance of sources.
     """
 
     frame: int = 1024
@@ -71,10 +71,10 @@ class Separated:
 
 
 class Separator:
-    """Gives each of several sources by itself, block by block.
+    """Separates several sources, block by block.
 
-    ``rate`` (Hz, from 16,000 up) of the microphones; ``output_rate`` of what comes out, a whole fraction of it between
-    16 and 32 kHz; ``step``: how many samples :meth:`process` takes at a time.
+    ``rate`` (Hz, from 16,000 up) of the microphones; ``output_rate``: an integer fraction of it between 16 and 32 kHz;
+    ``step``: samples per call of :meth:`process`.
     """
 
     def __init__(self, array: MicrophoneArray, rate: int, settings: SeparatorSettings = SeparatorSettings()) -> None:
@@ -97,7 +97,7 @@ class Separator:
         self.reset()
 
     def reset(self) -> None:
-        """Forget the past: the next samples do not follow the last."""
+        """Discard the past: the next samples do not follow the last."""
         microphones, bins = len(self.array), len(self._frequencies)
         hop = self._hop * self.ratio
         #: The last hop of the block before, and the block.
@@ -113,9 +113,8 @@ class Separator:
     ) -> Separated:
         """Separate the next ``step`` samples (step, M), in [-1, 1), columns as the array's positions.
 
-        ``sources`` are the tracks that are known and their directions (3,) in the array's axes, those wanted most
-        first; the first ``outputs`` come out. What comes out ends half a frame before what went in. A source that is
-        no longer among them fades out.
+        ``sources``: known tracks with their directions (3,) in the array's axes, by priority; the first ``outputs`` are
+        separated. The output ends half a frame before the input. A source that is no longer among them fades out.
         """
         if samples.shape != (self.step, len(self.array)):
             raise ValueError(f"samples are ({self.step}, {len(self.array)}), not {samples.shape}")
@@ -136,7 +135,7 @@ class Separator:
             voices *= np.maximum(gains, np.float32(self.settings.floor))
         return self._overlap(wanted, voices.transpose(1, 2, 0))
 
-    # --- what the room and the sources look like ---
+    # --- models of room and sources ---
 
     def _room_covariance(self) -> NDArray[np.float64]:
         offsets = self.array.offsets
@@ -169,7 +168,7 @@ class Separator:
         likelihoods = strengths * np.exp(-len(self.array) * np.log(np.maximum(rest, np.float32(1e-3))))
         return np.asarray(likelihoods / (np.float32(self.settings.room) + likelihoods.sum(axis=1, keepdims=True)))
 
-    # --- what the filters are learnt from ---
+    # --- statistics of the filters ---
 
     @property
     def _keep(self) -> np.float32:
@@ -197,7 +196,7 @@ class Separator:
 
     def _transform(self, samples: NDArray[np.float32]) -> Spectra:
         """Spectra (F, M, T) of the block's frames."""
-        # In arrays that stay: as large as they are, new ones cost as much as the transform.
+        # In preallocated arrays: at their size, allocation costs as much as the transform.
         hop, sound = self._hop * self.ratio, self._sound
         sound[:, :hop] = sound[:, -hop:]
         sound[:, hop:] = samples.T
@@ -207,7 +206,7 @@ class Separator:
         return np.ascontiguousarray(spectra.transpose(2, 0, 1), np.complex64)
 
     def _overlap(self, tracks: tuple[int, ...], voices: Spectra) -> Separated:
-        """Sound (N, K) of the spectra ``voices`` (K, T, F), and of those that fade out."""
+        """Sound (N, K) of the spectra ``voices`` (K, T, F), and of sources that fade out, by overlap-add."""
         settings, hop = self.settings, self._hop
         full = np.zeros((len(tracks), settings.frames, settings.frame // 2 + 1), np.complex64)
         full[..., self._band] = voices
@@ -221,16 +220,16 @@ class Separator:
             sound[number * hop : number * hop + settings.frame, : len(tracks)] += frames[:, number].T
         self._tails = {track: sound[-hop:, column].copy() for column, track in enumerate(tracks)}
         first, self._next = self._next, self._next + settings.frames * hop
-        # What comes before the first sample there was is none.
+        # There is no sound before the first sample.
         missing = max(0, -first)
         return Separated((*tracks, *leaving), sound[missing:-hop], first + missing)
 
 
 def solved(matrices: Spectra, sides: Spectra) -> Spectra:
-    """x (F, M, K) of ``matrices`` (F, M, M) x = ``sides`` (F, M, K), for Hermitian matrices that are positive definite.
+    """x (F, M, K) of ``matrices`` (F, M, M) x = ``sides`` (F, M, K), for Hermitian positive definite matrices.
 
-    Gauss's elimination of all at once: for many small systems a third of what they cost one after the other. It needs
-    no pivots, since the matrices are definite.
+    Gauss elimination of all matrices at once: for many small systems a third of the time of one after another. Without
+    pivoting, since the matrices are definite.
     """
     size = matrices.shape[1]
     rows = np.concatenate([matrices, sides], axis=2).transpose(1, 2, 0).copy()
@@ -244,5 +243,5 @@ def solved(matrices: Spectra, sides: Spectra) -> Spectra:
 
 
 def _root_hann(size: int) -> NDArray[np.float32]:
-    """Square root of a Hann window, periodic: its square at hops of half of it adds up to one."""
+    """Square root of a periodic Hann window: its squares at hops of half its length add up to one."""
     return np.sqrt(np.hanning(size + 1)[:-1]).astype(np.float32)

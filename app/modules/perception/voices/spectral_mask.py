@@ -1,29 +1,28 @@
-"""Which parts of a spectrum are worth listening to: neither background nor the tail of what was said before."""
+"""Spectral mask: weights of frequencies by their level above background and reverberation."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-#: A background's lowest smoothed power lies that much below its mean.
+#: Bias of the minimum of the smoothed power below the mean (minimum statistics).
 _BIAS = 1.6
-#: Power of a frame so many times the background's lowest is the background's alone; smoothed, so many times.
+#: Factor over the background's minimum up to which a frame's power is background alone; the same for smoothed power.
 _ALONE, _ALONE_SMOOTH = 8.0, 3.2
 _SMOOTHING_S = 0.05
 _WINDOW_S = 1.0
 _TINY = 1e-14
 
 
-class Clarity:
-    """Weighs frequencies by how far they stand above the background and the room's answer to what came before.
+class SpectralMask:
+    """Weights frequencies by their level above background and reverberation.
 
-    The background is the lowest smoothed power of the last one to two seconds (minimum statistics, Martin 2001). The
-    room's answer is taken as ``tail`` times the mean power of the last ``tail_s``: reverberation follows what was
-    loud, and direct sound, which alone comes from where its source is, stands out of it at onsets. A weight is never
-    below ``floor``.
+    Background: the minimum of the smoothed power over the last one to two seconds (minimum statistics, Martin 2001).
+    Reverberation: ``tail`` times the mean power of the last ``tail_s``; it follows loud sound, so direct sound exceeds
+    it at onsets. No weight is below ``floor``.
 
-    Of the last frame: ``background`` (B,) float32 is how much of the power may be the background's, ``quiet`` (B,) bool
-    whether nothing else sounded; ``settled``: the background is known, for the first second is over.
+    Of the last frame: ``background`` (B,) float32: upper bound of the background's share of the power; ``quiet`` (B,)
+    bool: whether only background sounded; ``settled``: whether the first second is over.
     """
 
     def __init__(self, bins: int, hop_s: float, tail: float, tail_s: float, floor: float) -> None:
@@ -36,7 +35,7 @@ class Clarity:
         self.reset()
 
     def reset(self) -> None:
-        """Forget the past."""
+        """Discard the past."""
         self._count = 0
         zeros = np.zeros(self._bins, np.float32)
         self._smooth, self._room, self._lowest, self._lowest_now = zeros, zeros, zeros, zeros
@@ -45,7 +44,7 @@ class Clarity:
 
     @property
     def settled(self) -> bool:
-        """Whether the lowest power is of a second and more."""
+        """Whether the minimum covers at least a second."""
         return self._count > self._window
 
     def weigh(self, power: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -1,4 +1,4 @@
-"""When sound of a direction reaches which microphone, and the directions worth looking at."""
+"""Steering vectors: arrival times of sound by direction, and the grid of searched directions."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from app.modules.perception.voices.microphone_array import MicrophoneArray
 
-#: In air of about 20 degrees Celsius (m/s).
+#: Speed of sound in air at about 20 degrees Celsius (m/s).
 SPEED_OF_SOUND = 343.0
 _LINE_STEP_DEG = 2.0
 
@@ -22,12 +22,11 @@ def sphere(points: int) -> NDArray[np.float64]:
 
 
 def search_grid(array: MicrophoneArray, points: int, lowest_deg: float) -> NDArray[np.float64]:
-    """The directions (G, 3) that ``array`` can tell apart, out of ``points`` on the whole sphere.
+    """The directions (G, 3) that ``array`` can distinguish, out of ``points`` on the whole sphere.
 
-    An array in space tells all of them, those below an elevation of ``lowest_deg`` left out. One in a plane hears
-    mirror images alike: of each pair, the direction on the side of the plane that looks up, or forward if it stands
-    upright. One on a line hears the angle to the line alone: the directions of the level half circle in front of it
-    (to the left if the line itself points forward).
+    In space: all, except those below an elevation of ``lowest_deg``. In a plane, mirror images are alike: of each pair,
+    the direction on the plane's upper side, or the front side of a vertical plane. On a line only the angle to it
+    counts: the directions of the level half circle in front of it (to the left if the line points forward).
     """
     _, axes = array.extents
     if array.dimensions == 1:
@@ -50,11 +49,11 @@ def search_grid(array: MicrophoneArray, points: int, lowest_deg: float) -> NDArr
 def arrivals(
     offsets: NDArray[np.float64], directions: NDArray[np.float64], range_m: float, body_m: float = 0.0
 ) -> NDArray[np.float64]:
-    """How much later (s) than in the middle sound of ``directions`` (G, 3), ``range_m`` away, comes to each microphone.
+    """Delay (s), relative to the middle, of sound from ``directions`` (G, 3), ``range_m`` away, at each microphone.
 
-    ``offsets`` (M, 3) m about the middle; the result is (G, M). An infinite range makes the waves plane. Behind a body
-    (a sphere of radius ``body_m``) sound comes by the shortest way round it: straight to its edge, along its surface
-    and on (Woodworth 1938).
+    ``offsets`` (M, 3) m about the middle; the result is (G, M). An infinite range gives plane waves. Behind a body (a
+    sphere of radius ``body_m``) sound takes the shortest path around it: straight to its edge, then along its surface
+    (Woodworth 1938).
     """
     radius = body_m
     if np.isinf(range_m):

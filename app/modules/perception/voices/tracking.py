@@ -1,4 +1,4 @@
-"""Who is who among the directions that sound comes from: tracks, from birth to death."""
+"""Multi-target tracking of sound sources: assignment of peaks, birth and death of tracks."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from app.modules.perception.voices.confirmation import Source, TrackerSettings, confirm, reported
-from app.modules.perception.voices.kalman import Motion, Vector, along, angle_deg, angular_speed
+from app.modules.perception.voices.confirmation import TrackCandidate, TrackerSettings, confirm, reported
+from app.modules.perception.voices.kalman import DirectionState, Vector, along, angle_deg, angular_speed
 from app.modules.perception.voices.localization import Peaks
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Track:
-    """A source of sound followed over time.
+class SoundTrack:
+    """A tracked sound source.
 
-    ``id`` is its number, from 1, never used again. ``direction`` (3,) float64 unit vector, ``velocity`` (3,) rad/s on
-    the sphere (at right angles to it), in the axes the peaks were given in. ``power`` in [0, 1] of its last sighting.
-    ``active``: heard just now; ``born`` and ``last_seen``: s.
+    ``id``: its number, from 1, never reused. ``direction`` (3,) float64 unit vector, ``velocity`` (3,) rad/s tangent to
+    the sphere, in the axes of the peaks. ``power`` in [0, 1] of its last peak. ``active``: whether it sounds now;
+    ``born``, ``last_seen``: s.
     """
 
     id: int
@@ -33,11 +33,11 @@ class Track:
 
 
 class Tracker:
-    """Follows sources; knows no time but the one it is given."""
+    """Tracks sources; the only clock is the ``time_s`` of :meth:`update`."""
 
     def __init__(self, settings: TrackerSettings | None = None) -> None:
         self.settings = settings or TrackerSettings()
-        self._sources: list[Source] = []
+        self._sources: list[TrackCandidate] = []
         self._next = 1
         self._time: float | None = None
         self._strongest = 0.0
@@ -45,11 +45,11 @@ class Tracker:
 
     @property
     def expected(self) -> NDArray[np.float64]:
-        """Where every track is supposed to be when peaks come next (E, 3), for :meth:`Localizer.process`."""
+        """Predicted directions of all tracks (E, 3), for :meth:`Localizer.process`."""
         return np.array([source.motion.direction for source in self._sources if source.id]).reshape(-1, 3)
 
-    def update(self, time_s: float, peaks: Peaks) -> tuple[Track, ...]:
-        """Take the peaks of ``time_s`` (s, never going back); the tracks as they stand, oldest first."""
+    def update(self, time_s: float, peaks: Peaks) -> tuple[SoundTrack, ...]:
+        """Take the peaks at ``time_s`` (s, monotonic); returns the reported tracks, oldest first."""
         settings = self.settings
         passed = 0.0 if self._time is None else max(0.0, time_s - self._time)
         self._time = time_s
@@ -89,7 +89,7 @@ class Tracker:
         )
 
     def _replace(self, time_s: float) -> None:
-        """Let go of tracks that fell silent as another began near by: the same talker, or what was between two."""
+        """End tracks that fell silent as another began near by: the same talker, or a phantom between two."""
         settings = self.settings
         begun = [
             source
@@ -123,7 +123,7 @@ class Tracker:
 
         def echoes(k: int, other: int) -> bool:
             aside = abs((azimuths[k] - azimuths[other] + 180) % 360 - 180)
-            # Near the zenith azimuths say little.
+            # Near the zenith differences of azimuth are small angles.
             aside *= math.cos(math.radians(max(elevations[k], elevations[other])))
             return bool(
                 peaks.powers[k] < settings.echo_share * peaks.powers[other]
@@ -133,8 +133,11 @@ class Tracker:
 
         return [k for k in loud if not any(echoes(k, other) for other in loud)]
 
-    def _assign(self, sources: list[Source], free: list[int], peaks: Peaks, passed: float, time_s: float) -> list[int]:
-        """Give each of ``sources`` at most one of the peaks ``free``, the nearest in all; the peaks left over."""
+    def _assign(
+        self, sources: list[TrackCandidate], free: list[int], peaks: Peaks, passed: float, time_s: float
+    ) -> list[int]:
+        """Assign at most one of the peaks ``free`` to each of ``sources`` with the least sum of angles; returns the
+        others."""
         settings = self.settings
         if not sources or not free:
             return free
@@ -156,7 +159,7 @@ class Tracker:
                 source.recent = float(peaks.recent[k])
                 source.level = max(source.level, source.recent)
                 source.share = float(peaks.powers[k]) / max(self._strongest, settings.keep_power)
-                source.hear(peaks.onsets[k], math.exp(-passed / settings.lead_s))
+                source.add_onsets(peaks.onsets[k], math.exp(-passed / settings.lead_s))
                 self._sight(source, peaks, k, passed)
                 if source.recent >= settings.heard_power:
                     source.last_seen = time_s
@@ -164,13 +167,13 @@ class Tracker:
                     source.last_sure = time_s
                     source.heard_s += passed
                     source.unconfirmed_s += passed
-                    source.since_loud_s += passed
+                    source.since_moment_s += passed
                     source.speed_radps = max(source.speed_radps, angular_speed(source.motion.velocity))
                 if source.recent >= settings.active_power:
                     source.last_active = time_s
         return [k for k in free if k not in taken]
 
-    def _sight(self, source: Source, peaks: Peaks, k: int, passed: float) -> None:
+    def _sight(self, source: TrackCandidate, peaks: Peaks, k: int, passed: float) -> None:
         settings = self.settings
         recent = float(peaks.recent[k])
         if recent < settings.heard_power:
@@ -180,8 +183,8 @@ class Tracker:
             source.power = float(peaks.powers[k])
             source.echo += min(1.0, passed / settings.echo_s) * (float(peaks.echoes[k]) - source.echo)
             evidence = source.evidence + self._evidence(peaks, k, passed, source.leads)
-            source.evidence = min(evidence, settings.most_evidence)
-        # Two that pass one another are one peak for a while: each goes on as it went.
+            source.evidence = min(evidence, settings.max_evidence)
+        # Two crossing sources are one peak for a while: each keeps its own motion.
         crowded = any(
             other.id
             and other is not source
@@ -190,22 +193,22 @@ class Tracker:
         )
         softer = max(source.level, recent) / recent
         if sure and recent >= settings.keep_power:
-            # What is weak is pulled toward what is strong, in this mean of all sources together.
-            doubt = max(0.5, 0.06 / recent) * max(1.0, settings.pull * float(peaks.recent.max()) / recent)
-            error = math.radians(settings.error_deg) * softer * doubt * (settings.crowd_doubt if crowded else 1.0)
+            # A mean over all sources biases a weak peak toward a strong one.
+            factor = max(0.5, 0.06 / recent) * max(1.0, settings.pull * float(peaks.recent.max()) / recent)
+            error = math.radians(settings.error_deg) * softer * factor * (settings.crowded_factor if crowded else 1.0)
             source.motion = source.motion.corrected(peaks.directions[k], error**2)
         steady = peaks.steady[k]
         if sure and peaks.powers[k] >= settings.keep_power and not math.isnan(steady[0]) and not crowded:
-            # Of old: supposed to have moved since as the source does.
+            # The long mean is old: moved on by the source's velocity.
             speed = angular_speed(source.motion.velocity)
             since = settings.steady_lag_s - settings.lag_s
             now, _ = along(steady, source.motion.velocity, since)
             if angle_deg(now, source.motion.direction) < settings.gate_deg:
-                error = math.radians(settings.steady_error_deg) + settings.steady_doubt * speed
+                error = math.radians(settings.steady_error_deg) + settings.steady_error_s * speed
                 source.motion = source.motion.corrected(now, (softer * error) ** 2)
 
-    def _sure(self, source: Source) -> bool:
-        """Whether what is heard of it now is itself, not what the room and others leave there when it is silent."""
+    def _sure(self, source: TrackCandidate) -> bool:
+        """Whether the current sound of ``source`` is direct, not reverberation or a remnant of other sources."""
         settings = self.settings
         own = source.recent >= max(settings.heard_power, settings.sure_level * source.level)
         return own and source.share >= settings.sure_share
@@ -216,23 +219,29 @@ class Tracker:
         unlike, alike = settings.echo
         least, plain = settings.birth_leads
         own = min(1.0, max(0.0, (alike - echo) / (alike - unlike), (leads - least) / (plain - least)))
-        # What is plainly no copy of the strongest may be much weaker.
+        # A peak that is no copy of the strongest may be much weaker.
         share = settings.birth_share * min(1.0, max(0.5, echo / unlike))
         if leads > plain:
             share = min(share, settings.birth_lead_share)
         strength = min(power / settings.birth_power, power / strongest / share)
         gain = own * strength**3 - 1
-        return gain * passed / (settings.patience_s if gain > 0 else settings.mercy_s)
+        return gain * passed / (settings.birth_s if gain > 0 else settings.birth_decay_s)
 
-    def _begin(self, time_s: float, peaks: Peaks, k: int, passed: float) -> Source:
+    def _begin(self, time_s: float, peaks: Peaks, k: int, passed: float) -> TrackCandidate:
         direction, power = peaks.directions[k], float(peaks.powers[k])
-        motion = Motion(direction, np.zeros(3), math.radians(5.0) ** 2, 0.0, math.radians(10.0) ** 2)
-        return Source(
-            motion, power, max(0.0, self._evidence(peaks, k, passed)), time_s, time_s, time_s, last_sure=time_s
+        motion = DirectionState(direction, np.zeros(3), math.radians(5.0) ** 2, 0.0, math.radians(10.0) ** 2)
+        return TrackCandidate(
+            motion,
+            power,
+            evidence=max(0.0, self._evidence(peaks, k, passed)),
+            born=time_s,
+            last_seen=time_s,
+            last_active=time_s,
+            last_sure=time_s,
         )
 
     def _end_lost(self, time_s: float) -> None:
-        def lives(source: Source) -> bool:
+        def alive(source: TrackCandidate) -> bool:
             if not source.id:
                 source.evidence = max(0.0, source.evidence)
                 return time_s - source.last_seen <= 0.2
@@ -242,17 +251,18 @@ class Tracker:
             longest = self.settings.silence_s / (1 + speed / self.settings.walking_degps)
             return time_s - source.last_seen <= min(longest, 0.3 + 0.4 * source.evidence)
 
-        self._sources = [source for source in self._sources if lives(source)]
+        self._sources = [source for source in self._sources if alive(source)]
 
     def _number_born(self, time_s: float) -> None:
-        """Number what has shown itself long enough, the strongest first, as far as there is room."""
+        """Turn candidates with enough evidence into tracks, the strongest first, up to the greatest number."""
         ready = [source for source in self._sources if not source.id and source.evidence >= 1]
         for source in sorted(ready, key=lambda source: -source.power):
             tracks = [other for other in self._sources if other.id]
             lost = self._lost(source, tracks, time_s)
             if lost is not None:
                 if not reported(lost, self._sources, time_s, self.settings):
-                    # It may as well be an echo near where he fell silent: no credit of his.
+                    # It may be an echo near the track's last direction: it takes the number, but must be confirmed
+                    # again.
                     lost.restart_trial(time_s)
                     lost.echo = source.echo
                 lost.motion = source.motion.going_on_as(lost.motion)
@@ -275,8 +285,8 @@ class Tracker:
             self._next += 1
             self._sources.sort(key=lambda source: (not source.id, source.id))
 
-    def _lost(self, source: Source, tracks: list[Source], time_s: float) -> Source | None:
-        """The track that walked on unheard and is heard again as ``source``, if there is one."""
+    def _lost(self, source: TrackCandidate, tracks: list[TrackCandidate], time_s: float) -> TrackCandidate | None:
+        """The silent track that ``source`` probably continues, by its speed and silence; None if there is none."""
         found, nearest = None, math.inf
         for track in tracks:
             silent = time_s - track.last_sure
@@ -286,7 +296,15 @@ class Tracker:
                 found, nearest = track, angle
         return found
 
-    def _track(self, source: Source, time_s: float) -> Track:
+    def _track(self, source: TrackCandidate, time_s: float) -> SoundTrack:
         active = time_s - source.last_active <= self.settings.active_s
         direction, velocity = source.motion.ahead(self.settings.lag_s if active else 0.0)
-        return Track(source.id, direction, velocity, source.power, active, source.born, source.last_seen)
+        return SoundTrack(
+            source.id,
+            direction,
+            velocity=velocity,
+            power=source.power,
+            active=active,
+            born=source.born,
+            last_seen=source.last_seen,
+        )

@@ -1,4 +1,4 @@
-"""Is it a voice: Silero VAD, a small recurrent network, on each source's own sound (see SILERO_VAD.md beside this)."""
+"""Voice activity detection: Silero VAD, a small recurrent network, on each separated source (see SILERO_VAD.md)."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from app.modules.perception.voices.agc import AutomaticGain
 
 Sound = NDArray[np.float32]
 MODEL = Path(__file__).with_name("silero_vad_16k_op15.onnx")
-#: What the network was trained on: samples a second, samples in one judgement, and of those before it.
+#: Input of the network: sample rate (Hz), samples per judgement, and samples of context before.
 SPEECH_RATE = 16_000
 CHUNK = 512
 CONTEXT = 64
-#: A source's first moment counts as so many judgements that it is no voice: a single sound is not enough.
+#: Weight, in judgements, of a prior "no voice" at a source's start: a single sound is not enough.
 _DOUBT = 2.0
-#: What is so far (dB) below the source's louder moments, as the pauses between words are, says nothing.
+#: Level (dB) below the source's louder moments, as in pauses between words, at which a judgement has no weight.
 _PAUSE_DB = 20.0
-#: The quiet the network hears before every source: its root mean square (dB of full scale), and for how many chunks.
+#: Silence before every source: root mean square (dB of full scale), and number of chunks.
 _QUIET_DB, _QUIET_CHUNKS = -50.0, 16
 
 
 @dataclass(slots=True)
 class _Stream:
-    """One source's sound as the network hears it."""
+    """State of the network for one source."""
 
     context: Sound
     state: Sound
@@ -40,13 +40,13 @@ class _Stream:
     speech: float = float("nan")
 
 
-class SpeechJudge:
-    """How probably each of several sources is speech, from its sound at 16 kHz.
+class VoiceActivityDetector:
+    """Speech probability of each of several sources, from its sound at 16 kHz.
 
-    The network judges quiet speech less surely than loud, and speech that it hears from its middle on less surely than
-    after a silence. So each source is brought to one level (AutomaticGain), and begins after half a second of quiet.
-    About ``window`` judgements (32 ms each) are averaged, each by how much it stands out of the source's own pauses:
-    a voice stays one between its words.
+    The network is less certain about quiet speech, and about speech that starts without silence before. So each source
+    is brought to one level (AutomaticGain) and preceded by half a second of silence. About ``window`` judgements (32 ms
+    each) are averaged, weighted by their level above the source's pauses, so that a voice remains a voice between its
+    words.
     """
 
     def __init__(self, window: int = 8) -> None:
@@ -55,20 +55,20 @@ class SpeechJudge:
         self._streams: dict[int, _Stream] = {}
 
     def reset(self) -> None:
-        """Forget all sources."""
+        """Drop all sources."""
         self._streams.clear()
 
     def keep(self, tracks: Collection[int]) -> None:
-        """Forget all but these sources."""
+        """Drop all other sources."""
         self._streams = {track: stream for track, stream in self._streams.items() if track in tracks}
 
     def speech(self, track: int) -> float:
-        """Probability in [0, 1] that the source is a voice, NaN before 32 ms of it were heard."""
+        """Probability in [0, 1] that the source is a voice, NaN before its first 32 ms."""
         stream = self._streams.get(track)
         return float("nan") if stream is None else stream.speech
 
-    def hear(self, sounds: Mapping[int, Sound]) -> None:
-        """Take what each source, by its track, says next: (N,) float32, in [-1, 1), 16,000 samples a second."""
+    def update(self, sounds: Mapping[int, Sound]) -> None:
+        """Take the next sound of each source, by track: (N,) float32, in [-1, 1), at 16 kHz."""
         streams = []
         for track, sound in sounds.items():
             stream = self._streams.get(track)
@@ -77,9 +77,9 @@ class SpeechJudge:
             stream.waiting = np.concatenate([stream.waiting, sound])
             streams.append(stream)
         while ready := [stream for stream in streams if len(stream.waiting) >= CHUNK]:
-            self._judge(ready)
+            self._speech_detector(ready)
 
-    def _judge(self, streams: list[_Stream]) -> None:
+    def _speech_detector(self, streams: list[_Stream]) -> None:
         levelled = [stream.gain.apply(stream.waiting[:CHUNK]) for stream in streams]
         chunks = np.stack(
             [np.concatenate([stream.context, sound]) for stream, (sound, _) in zip(streams, levelled, strict=True)]
@@ -96,7 +96,7 @@ class SpeechJudge:
             stream.speech = before + (float(probabilities[index, 0]) - before) * min(1.0, counts / stream.judged)
 
 
-class _Network:
+class _SileroNetwork:
     """The network: chunks (B, 576) and states (2, B, 128) in, probabilities (B, 1) and new states out."""
 
     def __init__(self, session: Any) -> None:
@@ -109,7 +109,7 @@ class _Network:
             quiet = rng.normal(0, 10 ** (_QUIET_DB / 20), (1, CHUNK)).astype(np.float32)
             chunk = np.concatenate([chunk[:, -CONTEXT:], quiet], axis=1)
             _, state = self(chunk, state)
-        #: Context (64,) and state (2, 128) with which a source begins.
+        #: Initial context (64,) and state (2, 128) of a source.
         self.after_quiet = chunk[0, -CONTEXT:], state[:, 0]
 
     def __call__(self, chunks: Sound, states: Sound) -> tuple[Sound, Sound]:
@@ -118,13 +118,13 @@ class _Network:
 
 
 @cache
-def _load() -> _Network:
-    """The network, read once for the whole process: it keeps no state of its own."""
+def _load() -> _SileroNetwork:
+    """The network, loaded once per process: it has no state of its own."""
     import onnxruntime
 
     options = onnxruntime.SessionOptions()
-    # In the thread that calls, so that the work is counted where it is done, and without waiting in circles.
+    # Runs in the calling thread, so that CPU time is measured there, without spinning.
     options.intra_op_num_threads = options.inter_op_num_threads = 1
     options.add_session_config_entry("session.intra_op.allow_spinning", "0")
     options.log_severity_level = 3
-    return _Network(onnxruntime.InferenceSession(MODEL, options, providers=["CPUExecutionProvider"]))
+    return _SileroNetwork(onnxruntime.InferenceSession(MODEL, options, providers=["CPUExecutionProvider"]))

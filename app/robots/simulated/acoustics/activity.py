@@ -1,4 +1,4 @@
-"""When a sound is louder than its own pauses, in steps of 10 ms."""
+"""Activity of a sound: louder than its own pauses, in steps of 10 ms."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 ACTIVITY_S = 0.01
 _GAP = 4
-"""Pauses up to so many steps are none."""
+"""Greatest number of steps of an ignored pause."""
 
 
 def activity(samples: NDArray[np.float32], rate: int, below_db: float = 30.0) -> NDArray[np.bool_]:

@@ -1,7 +1,7 @@
-"""Two bands, split about ``CROSSOVER_HZ``: enough for what walls, air, mouths and doors do to sound.
+"""Two frequency bands, split about ``CROSSOVER_HZ``: enough for absorption by walls and air, doors and mouths.
 
-The low band is a first-order low-pass, the high band what is left, so the two always add up to the whole, and whatever
-is done to them leaves the delays between microphones alone.
+The low band is a first-order low-pass, the high band the rest, so their sum is the original, and processing of the
+bands preserves the delays between microphones.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 CROSSOVER_HZ = 2000.0
 TAPS = 36
-#: What air takes, dB per metre at 500 Hz and 6 kHz, 20 degrees Celsius, 50 % humidity (ISO 9613-1).
+#: Absorption of air, dB per metre at 500 Hz and 6 kHz, 20 degrees Celsius, 50 % humidity (ISO 9613-1).
 AIR_DB_PER_M = np.array([0.003, 0.06])
 
 Samples = NDArray[np.float32]
@@ -37,5 +37,5 @@ def low_pass(rate: int) -> Samples:
 
 
 def fast_length(length: int) -> int:
-    """A length that FFTs like, not shorter."""
+    """A length with a fast FFT, not shorter."""
     return min((1 << (length - 1).bit_length()), 3 << (max(length - 1, 3) // 3).bit_length())

@@ -1,9 +1,9 @@
-"""The rooms of a world and the doors between them: how a sound in one room comes to a listener in another.
+"""Rooms of a world and the doors between them: sound paths between rooms.
 
-Within a room sound goes straight. From another it comes through the doors, by the shortest way: the listener hears it
-from the last opening, spread over the whole length, bent round every edge on its way (Z. Maekawa, "Noise reduction by
-screens", Applied Acoustics 1, 1968), and some of the other room's reverberation with it. Walls let nothing through that
-matters beside that (35 dB and more).
+Within a room sound travels straight. From another room it passes the doors on the shortest path: the listener hears it
+from the last opening, with spreading over the whole length, diffracted around every edge (Z. Maekawa, "Noise reduction
+by screens", Applied Acoustics 1, 1968), with some of the other room's reverberation. Transmission through walls is
+negligible beside that (35 dB and more).
 """
 
 from __future__ import annotations
@@ -17,21 +17,21 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from app.robots.simulated.acoustics.auralization import SoundPath
 from app.robots.simulated.acoustics.diffraction import SPEED_OF_SOUND_MPS
-from app.robots.simulated.acoustics.hearing import Way
 from app.robots.simulated.acoustics.room import Shoebox
 from app.robots.simulated.world_config import DoorConfig, RoomConfig, WallConfig, WorldConfig
 
 BAND_HZ = (700.0, 4000.0)
 """Middles of the two bands, for diffraction."""
-#: How much of sound's energy surfaces swallow, low and high band, by pattern: after H. Kuttruff, "Room Acoustics".
+#: Absorbed share of sound energy of surfaces, low and high band, by pattern: after H. Kuttruff, "Room Acoustics".
 ABSORPTION = {
     "plain": (0.06, 0.06), "plaster": (0.04, 0.05), "brick": (0.03, 0.05), "wood": (0.10, 0.08),
     "planks": (0.08, 0.07), "carpet": (0.20, 0.45), "tiles": (0.02, 0.03), "terrazzo": (0.02, 0.02),
     "concrete": (0.03, 0.04), "ceiling": (0.45, 0.60), "books": (0.30, 0.40), "window": (0.10, 0.04),
 }  # fmt: skip
 FURNITURE_ABSORPTION = 0.12
-"""Of what stands in a room, per square metre of its floor."""
+"""Absorption of furniture, per square metre of floor."""
 _AT_DOOR_M = 0.15
 
 
@@ -58,7 +58,7 @@ class Opening:
 
 
 class Building:
-    """Rooms and openings of one world; a listener or source in none of the rooms counts to the nearest."""
+    """Rooms and openings of one world; a listener or source outside all rooms counts to the nearest."""
 
     def __init__(self, rooms: Sequence[Shoebox], openings: Sequence[Opening] = ()) -> None:
         self.rooms = tuple(rooms)
@@ -71,7 +71,7 @@ class Building:
         self._middles = [((o.start[0] + o.end[0]) / 2, (o.start[1] + o.end[1]) / 2) for o in openings]
 
     def room_at(self, p_W: Sequence[float]) -> int:
-        """Number of the room that holds the point (m, world), else of the nearest."""
+        """Number of the room that contains the point (m, world), else of the nearest."""
         x, y = float(p_W[0]), float(p_W[1])
         best, nearest = 0, math.inf
         for number, (x0, y0, x1, y1) in enumerate(self._plans):
@@ -82,17 +82,17 @@ class Building:
                     break
         return best
 
-    def way(self, p_WS: NDArray[np.float64], p_WA: NDArray[np.float64]) -> Way:
-        """As ``Surroundings`` says."""
-        # In plain numbers: for a few points numpy would take ten times as long
+    def way(self, p_WS: NDArray[np.float64], p_WA: NDArray[np.float64]) -> SoundPath:
+        """See ``AcousticSpace``."""
+        # In plain floats: numpy is ten times slower for a few points
         source, listener = _point(p_WS), _point(p_WA)
         here, there = self.room_at(listener), self.room_at(source)
         room = self.rooms[here]
         if here == there:
-            return Way(room, room.clamp(p_WS))
+            return SoundPath(room, room.clamp(p_WS))
         through = self._shortest(source, there, listener, here)
         if through is None:
-            return Way(room, room.clamp(p_WS), gains=(1e-3, 1e-4), late=0.0)
+            return SoundPath(room, room.clamp(p_WS), gains=(1e-3, 1e-4), late=0.0)
         points = self._pull(source, listener, through)
         whole = sum(math.dist(a, b) for a, b in itertools.pairwise(points))
         low, high, late = 1.0, 1.0, 1.0
@@ -102,7 +102,7 @@ class Building:
             low, high = low * bent[0], high * bent[1]
             opening = self.openings[number]
             inside = opening.beyond(inside)
-            # What of one room's diffuse sound the next one gets: the opening's share of the absorption there
+            # Transfer of diffuse sound to the next room: the opening's share of its absorption
             absorbing = 0.161 * self.rooms[inside].volume_m3 / self.rooms[inside].rt60_s[0]
             late *= math.sqrt(min(1.0, opening.area_m2 / absorbing))
         last = points[-2]
@@ -111,7 +111,7 @@ class Building:
         nudge = min(_AT_DOOR_M, 0.5 * rest) / max(rest, 1e-9)
         p_W = room.clamp([a + nudge * (b - a) for a, b in zip(last, listener, strict=True)])
         before = max(0.0, whole - math.dist(_point(p_W), listener))
-        return Way(room, p_W, before, (low, high), late)
+        return SoundPath(room, p_W, before, (low, high), late)
 
     def _shortest(self, source: Point, there: int, listener: Point, here: int) -> tuple[int, ...] | None:
         """Openings on the shortest way from source to listener, by their middles; None if there is none."""
@@ -136,7 +136,7 @@ class Building:
         return None
 
     def _pull(self, source: Point, listener: Point, through: Sequence[int]) -> list[Point]:
-        """The way drawn taut through the openings."""
+        """The shortest path through the given openings."""
         flat = [source[:2], *(self._middles[number] for number in through), listener[:2]]
         for _ in range(6 if len(through) > 1 else 1):
             for index, number in enumerate(through, 1):
@@ -167,7 +167,7 @@ def _cross(a: tuple[float, float], b: tuple[float, float], opening: Opening) -> 
 
 
 def _bent(a: Point, edge: Point, b: Point) -> tuple[float, float]:
-    """What is left of amplitude, by band, after going from ``a`` round ``edge`` to ``b``."""
+    """Remaining amplitude, by band, after diffraction from ``a`` around ``edge`` to ``b``."""
     detour = math.dist(a, edge) + math.dist(edge, b) - math.dist(a, b)
     # Maekawa's 10 log10(3 + 20 N), without the 5 dB that it has already where the line of sight grazes the edge
     low, high = (
@@ -178,7 +178,7 @@ def _bent(a: Point, edge: Point, b: Point) -> tuple[float, float]:
 
 
 def build(world: WorldConfig) -> Building:
-    """The rooms and openings that ``world`` lists; without a list, one room as large as the world."""
+    """The rooms and openings listed in ``world``; without a list, one room as large as the world."""
     listed = world.rooms or (RoomConfig.model_validate({"name": world.name, "from": (0, 0), "to": world.size}),)
     rooms = [_shoebox(world, room) for room in listed]
     openings = []
@@ -226,7 +226,7 @@ def _shoebox(world: WorldConfig, room: RoomConfig) -> Shoebox:
 
 
 def _usual(world: WorldConfig, corner: tuple[float, float], size: tuple[float, float, float]) -> tuple[float, float]:
-    """Reverberation times by Sabine from the size and the world's materials."""
+    """Reverberation times by Sabine's formula from the size and the world's materials."""
     x, y, z = size
     floor = next((a.material for a in world.areas if _covers(a.start, a.end, corner, size)), world.floor)
     walls = [_absorption(world, wall.material) for wall in world.walls] or [np.array(ABSORPTION["plaster"])]

@@ -1,4 +1,5 @@
-"""The control loop's end of the microphones: starts their process when somebody listens, tells it of the world."""
+"""Client of the microphones' process in the control loop: starts the process on demand and sends it the world's
+state."""
 
 from __future__ import annotations
 
@@ -13,23 +14,22 @@ from typing import Any
 from app.base.child_processes import python
 from app.base.geometry import Pose2
 from app.messages import Audio
-from app.robots.simulated.acoustics.ipc import Heard, Played
+from app.robots.simulated.acoustics.ipc import LoudspeakerFrame, MicrophoneFrame
 from app.robots.simulated.acoustics.soundscape import Soundscape
 from app.robots.simulated.image_ring import create_memory
-from app.robots.simulated.scenery.scenario_state import Stage
+from app.robots.simulated.scenery.scenario_state import ScenarioState
 from app.robots.simulated.wire import Socket
 
 _LATE_S = 0.1
-"""So far behind the world sound may be, s: before the microphones' process leaves out what it cannot make up for."""
+"""Greatest delay (s) of sound behind the world, below the delay at which the microphones' process drops frames."""
 _PAUSE_S = 0.3
 _RESTART_S = 2.0
-_TELL_S = 10.0
+_UPDATE_S = 10.0
 
 
-class Acoustics:
-    """Has ``soundscape`` heard in a process of its own; never waits. Call :meth:`tell` often and :meth:`receive` when
-    :attr:`descriptors` can be read.
-    """
+class AcousticsClient:
+    """Renders ``soundscape`` in a process of its own; never waits. Call :meth:`update` often and :meth:`receive` when
+    :attr:`descriptors` are readable."""
 
     def __init__(self, soundscape: Soundscape) -> None:
         self._soundscape = soundscape
@@ -41,34 +41,36 @@ class Acoustics:
         self._process: subprocess.Popen[bytes] | None = None
         self._not_before_s = 0.0
         self._lost = 0
-        self._told_s = -_TELL_S
+        self._updated_s = -_UPDATE_S
         self._scene_s = 0.0
         self._heard_s: float | None = None
 
     @property
     def descriptors(self) -> list[int]:
-        """What to wait for with ``select``; none while nobody listens."""
+        """Descriptors for ``select``; none without the process."""
         return [] if self._socket is None else [self._socket.fileno()]
 
-    def tell(self, time_s: float, stamp: float, X_WB: Pose2, rims_mps: tuple[float, float], stage: Stage) -> None:
-        """Tell how the world is at ``time_s`` (simulated); starts the process if it does not run."""
+    def update(
+        self, time_s: float, stamp: float, X_WB: Pose2, rims_mps: tuple[float, float], scenario_state: ScenarioState
+    ) -> None:
+        """Send the world's state at ``time_s`` (simulated); starts the process if it does not run."""
         if self._socket is None:
             if time_s < self._not_before_s:
                 return
             self._start()
             assert self._socket is not None
-        if time_s - self._scene_s > _PAUSE_S:  # nobody listened meanwhile
+        if time_s - self._scene_s > _PAUSE_S:  # there was no demand meanwhile
             self._heard_s = None
         self._scene_s = time_s
-        self._socket.send(self._soundscape.scene(time_s, stamp, X_WB, rims_mps, stage))
+        self._socket.send(self._soundscape.scene(time_s, stamp, X_WB, rims_mps, scenario_state))
         self._socket.flush()
         if self._socket.closed:
             self._lose(time_s)
 
     def play(self, audio: Audio) -> None:
-        """Sound for the loudspeaker; swallowed while nobody listens, for then nobody hears it."""
+        """Sound for the loudspeaker; dropped without the process."""
         if self._socket is not None and audio.samples.size:
-            self._socket.send(Played(audio))
+            self._socket.send(LoudspeakerFrame(audio))
             self._socket.flush()
 
     def receive(self, time_s: float) -> list[Audio]:
@@ -77,20 +79,20 @@ class Acoustics:
             return []
         frames: list[Audio] = []
         for heard in self._socket.receive():
-            if isinstance(heard, Heard):
+            if isinstance(heard, MicrophoneFrame):
                 frames.append(heard.audio)
                 self._heard_s = (heard.audio.first_sample + len(heard.audio.samples)) / heard.audio.rate
                 self._lost += heard.lost
-        if self._lost and time_s - self._told_s > _TELL_S:
+        if self._lost and time_s - self._updated_s > _UPDATE_S:
             print(f"the microphones lost {self._lost} frames: the computer is too slow", file=sys.stderr, flush=True)
-            self._told_s, self._lost = time_s, 0
+            self._updated_s, self._lost = time_s, 0
         if self._socket.closed:
             self._lose(time_s)
         return frames
 
     @property
     def late(self) -> bool:
-        """Whether what has been told is not heard yet, though it should be."""
+        """Whether sound is overdue for the states sent so far."""
         return self._socket is not None and self._heard_s is not None and self._scene_s - self._heard_s > _LATE_S
 
     def close(self) -> None:

@@ -1,7 +1,7 @@
-"""Convolution of sound that comes in blocks with impulse responses that change: partitioned, by FFT, cross-faded.
+"""Block convolution with changing impulse responses: partitioned, by FFT, with cross-fades.
 
 Uniform partitions with overlap-save (G. Garcia, "Optimal filter partition for efficient convolution with short
-input/output delay", AES 113th Convention, 2002); one inverse FFT serves all that is summed before it.
+input/output delay", AES 113th Convention, 2002); one inverse FFT serves all sums before it.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class Partitions:
         self._silent_blocks = count + 1
 
     def set_kernel(self, kernel: Spectra) -> None:
-        """Go over to ``kernel`` (of :func:`transform`) during the next block; at once, while no sound has come yet."""
+        """Cross-fade to ``kernel`` (of :func:`transform`) during the next block; at once before the first sound."""
         if not self.silent:
             self._next = kernel
         else:
@@ -34,7 +34,7 @@ class Partitions:
 
     @property
     def silent(self) -> bool:
-        """Whether there is nothing left to come out."""
+        """Whether no output is left."""
         return self._silent_blocks > self.count
 
     def feed(self, samples: Samples) -> None:
@@ -73,7 +73,7 @@ def transform(impulses: Samples, block: int, count: int) -> Spectra:
 
 
 def finish(before: Spectra, after: Spectra, faded: bool) -> Samples:
-    """The block (M, block) that the summed spectra make, going from ``before`` to ``after`` where ``faded``."""
+    """The block (M, block) of the summed spectra, cross-faded from ``before`` to ``after`` where ``faded``."""
     block = before.shape[1] - 1
     end: Samples = np.fft.irfft(after, axis=-1)[:, block:].astype(np.float32, copy=False)
     if not faded:
@@ -85,7 +85,7 @@ def finish(before: Spectra, after: Spectra, faded: bool) -> Samples:
 
 
 class Tail:
-    """A long response computed in larger blocks of ``step`` frames, begun early enough to be on time.
+    """A long response computed in larger blocks of ``step`` frames, started early enough to be on time.
 
     Its kernel begins ``step * frame`` samples after the input. Feed one frame, take one frame.
     """
@@ -107,11 +107,11 @@ class Tail:
         return self._partitions.count
 
     def kernel(self, impulses: Samples) -> Spectra:
-        """The response ``impulses`` (M, up to count * delay) as :meth:`set_kernel` wants it."""
+        """The response ``impulses`` (M, up to count * delay) in the form of :meth:`set_kernel`."""
         return transform(impulses, self._partitions.block, self._partitions.count)
 
     def set_kernel(self, kernel: Spectra) -> None:
-        """Go over to ``kernel`` with the next large block."""
+        """Change to ``kernel`` with the next large block."""
         self._partitions.set_kernel(kernel)
 
     def process(self, samples: Samples) -> Samples:

@@ -1,4 +1,4 @@
-"""How the torso changes what microphones on it hear: the exact response of a rigid sphere, and tables of it.
+"""Diffraction by the torso: the exact response of a rigid sphere at microphones on its surface, and tables of it.
 
 Phase convention ``exp(+j w t)``, as numpy's FFTs have it: a delay of tau is ``exp(-j w tau)``. Responses are relative
 to the free field that the same source would make at the sphere's middle, so they tend to 1 (and the right phase) where
@@ -26,7 +26,7 @@ _FRACTIONS = 32
 _ANGLE_STEP_DEG = 2.5
 _FREE_M, _NEAREST_M = 0.02, 0.05
 _PASS, _STOP = 0.80, 0.98
-"""Responses fall to nothing between these shares of half the sampling rate, so that they stay short."""
+"""Band, as shares of half the sampling rate, in which responses fade to zero, so that they stay short."""
 
 
 def sphere_response(
@@ -78,7 +78,7 @@ def _first_hankels(x: NDArray[np.float64]) -> tuple[NDArray[np.complex128], NDAr
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Table:
+class ResponseTable:
     """Impulse responses with the travel time taken out, by angle and by fraction of a sample.
 
     ``responses`` (angles, fractions, TAPS) float32: row ``[i, j]`` arrives ``LEAD + j / fractions`` samples after its
@@ -90,7 +90,7 @@ class Table:
 
 
 @lru_cache(maxsize=16)
-def response_table(radius_m: float, rate: int) -> Table:
+def response_table(radius_m: float, rate: int) -> ResponseTable:
     """The table of a microphone on a rigid sphere of ``radius_m``; 0 for a microphone in the free field."""
     size = 2 * TAPS
     frequencies = np.fft.rfftfreq(size, 1 / rate)
@@ -108,11 +108,11 @@ def response_table(radius_m: float, rate: int) -> Table:
     responses = np.fft.irfft(spectra[:, None, :] * shifts[None], size)[..., :TAPS]
     fade = np.ones(TAPS)
     fade[-16:] = np.cos(0.5 * math.pi * (np.arange(16) + 0.5) / 16) ** 2
-    return Table(np.ascontiguousarray(responses * fade, dtype=np.float32), math.radians(_ANGLE_STEP_DEG))
+    return ResponseTable(np.ascontiguousarray(responses * fade, dtype=np.float32), math.radians(_ANGLE_STEP_DEG))
 
 
 def plane_path(radius_m: float, angles: NDArray[np.float64]) -> NDArray[np.float64]:
-    """How much farther (m) than to the middle a plane wave goes, round the sphere, to its surface at ``angles``."""
+    """Additional path (m) of a plane wave, relative to the middle, around the sphere to its surface at ``angles``."""
     lit: NDArray[np.float64] = np.where(
         angles <= math.pi / 2, -radius_m * np.cos(angles), radius_m * (angles - math.pi / 2)
     )
@@ -120,7 +120,7 @@ def plane_path(radius_m: float, angles: NDArray[np.float64]) -> NDArray[np.float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Microphones:
+class BaffledMicrophones:
     """Microphones around a middle A, each on a rigid sphere about A through itself, or in the free field.
 
     ``p_AM`` (M, 3) float64 m in the axes of the body; ``rate`` samples per second; ``shadow`` whether the sphere is
@@ -143,7 +143,7 @@ class Microphones:
 
         ``p_AS`` (S, 3) m. In the light the angle is that between the microphone's normal and the way to the source;
         beyond the edge of the shadow it grows with the arc that the wave creeps. A source within the sphere (the
-        robot's own loudspeaker) is heard through the free field.
+        robot's own loudspeaker) is in the free field.
         """
         straight = np.linalg.norm(p_AS[:, None, :] - self.p_AM, axis=2)
         if not self.shadow:
@@ -161,19 +161,19 @@ class Microphones:
             creeping = np.sqrt(np.maximum(distances**2 - on_sphere**2, 0.0)) + on_sphere * beyond
         shaded = outside & (beyond > 0) & (radii > _FREE_M)
         incidence = np.arccos(np.clip((distances * cos - on_sphere) / np.maximum(straight, 1e-9), -1.0, 1.0))
-        # The far pole stays the far pole, where the ways round both sides meet
+        # The far pole is fixed, where the paths around both sides meet
         shade_angle = math.pi / 2 * (1 + beyond / np.maximum(math.pi - edge, 1e-9))
         table_angle = np.where(shaded, shade_angle, incidence)
         return np.where(shaded, creeping, straight), np.where(outside, table_angle, 0.0)
 
-    def tables(self, near: bool = False) -> list[tuple[NDArray[np.intp], Table]]:
+    def tables(self, near: bool = False) -> list[tuple[NDArray[np.intp], ResponseTable]]:
         """Microphones (their numbers) that share a table, with it; ``near``: for sources within the sphere."""
         return [(numbers, response_table(radius, self.rate)) for numbers, radius in self._groups[near]]
 
     def impulses(
         self, p_AS: NDArray[np.float64], gains: NDArray[np.float64], length: int, start_s: float = 0.0, taps: int = TAPS
     ) -> NDArray[np.float32]:
-        """What unit impulses given off at ``p_AS`` (S, 3) m at time 0 make of the microphones: (B, M, length) float32.
+        """Response of the microphones to unit impulses at ``p_AS`` (S, 3) m at time 0: (B, M, length) float32.
 
         ``gains`` (S, B): amplitudes at 1 m in each of B bands (they fall with the length of the way). Sample 0 is at
         ``start_s`` (s); arrivals are true to 1/64 of a sample; what falls outside is cut off. ``taps`` shortens the
@@ -190,14 +190,23 @@ class Microphones:
             if not chosen.any():
                 continue
             for microphones, table in self.tables(near):
-                self._add(out, microphones, table, ways[chosen], angles[chosen], gains[chosen], start_s, taps)
+                self._add(
+                    out,
+                    microphones,
+                    table=table,
+                    ways=ways[chosen],
+                    angles=angles[chosen],
+                    gains=gains[chosen],
+                    start_s=start_s,
+                    taps=taps,
+                )
         return out
 
     def _add(
         self,
         out: NDArray[np.float32],
         microphones: NDArray[np.intp],
-        table: Table,
+        table: ResponseTable,
         ways: NDArray[np.float64],
         angles: NDArray[np.float64],
         gains: NDArray[np.float64],

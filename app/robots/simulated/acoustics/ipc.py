@@ -1,4 +1,4 @@
-"""What goes between the link's process and the process of its microphones."""
+"""Messages between the link's process and its microphones' process."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ Vector = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Setup:
-    """All that does not change: ``X_BM`` and ``X_BS`` are the poses of the microphones' and the loudspeaker's links.
+class AcousticsSetup:
+    """Constants: ``X_BM`` and ``X_BS`` are the poses of the microphones' and the loudspeaker's links.
 
-    ``clips`` are samples (N,) float32 with their levels; ``p_BW`` the middles of the left and the right wheel.
+    ``clips``: samples (N,) float32 with their levels; ``p_BW``: middles of the left and the right wheel.
     """
 
     config: MicrophonesConfig
@@ -35,8 +35,8 @@ class Setup:
 
 
 @dataclass(frozen=True, slots=True)
-class Sounding:
-    """A scripted sound as it is now: ``p_W`` m; ``looks`` (rad), the heading of the mouth it comes from, or None."""
+class ActiveSound:
+    """The state of a scripted sound: ``p_W`` m; ``looks`` (rad): heading of its mouth, or None."""
 
     name: str
     key: Key
@@ -48,26 +48,26 @@ class Sounding:
 
 
 @dataclass(frozen=True, slots=True)
-class Scene:
+class SoundScene:
     """The world at ``time_s`` (simulated), ``stamp`` by the robot's clock. ``rims_mps``: left and right wheel."""
 
     time_s: float
     stamp: float
     X_WB: Pose2
     rims_mps: tuple[float, float]
-    sounds: tuple[Sounding, ...]
+    sounds: tuple[ActiveSound, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Played:
+class LoudspeakerFrame:
     """Sound for the loudspeaker."""
 
     audio: Audio
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Heard:
-    """One frame of the microphones; ``lost`` frames were left out just before it."""
+class MicrophoneFrame:
+    """One frame of the microphones; ``lost``: number of frames dropped just before it."""
 
     audio: Audio
     lost: int

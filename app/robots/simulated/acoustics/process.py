@@ -1,7 +1,7 @@
 """The microphones' process: ``python -m app.robots.simulated.acoustics.process SOCKET SETUP`` (inherited descriptors).
 
-A process of its own, because sound is a third of a processor in bursts of milliseconds, and the control loop beside it
-must decide about the wheels every four. It ends when the other end of the socket closes or its parent dies.
+A separate process, because sound takes a third of a core in bursts of milliseconds, and the control loop must decide
+about the wheels every 4 ms. It ends when the other end of the socket closes or its parent dies.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ from app.base.child_processes import end_with_parent
 
 
 def main(arguments: list[str]) -> int:
-    """Run the microphones until told to end; 0."""
+    """Run the microphones until the end; returns 0."""
     parent = os.getppid()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     end_with_parent(signal.SIGKILL)
     if sys.platform == "linux":
-        if os.getpriority(os.PRIO_PROCESS, 0) < 0:  # the control loop's, not ours
+        if os.getpriority(os.PRIO_PROCESS, 0) < 0:  # this priority is for the control loop alone
             os.setpriority(os.PRIO_PROCESS, 0, 0)
     if parent != os.getppid():
         return 0

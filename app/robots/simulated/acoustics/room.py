@@ -2,9 +2,9 @@
 
 Early sound is exact: the images of J. B. Allen and D. A. Berkley, "Image method for efficiently simulating small-room
 acoustics", JASA 65, 1979, each through the torso's response for its own direction. Late sound is statistical: waves
-from everywhere, as many as there are images by then, dying away with the reverberation time asked for; what two
-microphones get of it is as alike as in a diffuse field, torso included. Reflections are specular; frequency enters in
-two bands (``bands.py``).
+from all directions, with the density of the images, decaying with the configured reverberation time; its coherence
+between microphones is that of a diffuse field, torso included. Reflections are specular; frequency enters in two bands
+(``bands.py``).
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from app.base.geometry import Pose3
 from app.robots.simulated.acoustics.bands import AIR_DB_PER_M, fast_length, join, low_pass
-from app.robots.simulated.acoustics.diffraction import SPEED_OF_SOUND_MPS, TAPS, Microphones
+from app.robots.simulated.acoustics.diffraction import SPEED_OF_SOUND_MPS, TAPS, BaffledMicrophones
 
 Vector = tuple[float, float, float]
 Impulses = NDArray[np.float32]
@@ -36,18 +36,18 @@ class Shoebox:
 
     @property
     def volume_m3(self) -> float:
-        """Its volume."""
+        """Volume (m^3)."""
         return math.prod(self.size)
 
     @property
     def surface_m2(self) -> float:
-        """Of all six walls."""
+        """Area of all six walls (m^2)."""
         x, y, z = self.size
         return 2 * (x * y + y * z + z * x)
 
     @property
     def reflection(self) -> NDArray[np.float64]:
-        """What of a wave's amplitude a wall throws back, by band: Eyring's for ``rt60_s``, less what the air takes."""
+        """Amplitude reflected by a wall, by band: by Eyring's formula for ``rt60_s``, less the absorption of air."""
         air = np.log(10) / 10 * AIR_DB_PER_M * SPEED_OF_SOUND_MPS  # of energy, 1/s
         decay = np.maximum(6 * math.log(10) / np.array(self.rt60_s) - air, 0.5)
         hits_per_s = SPEED_OF_SOUND_MPS * self.surface_m2 / (4 * self.volume_m3)
@@ -67,8 +67,8 @@ class Shoebox:
     def late_power(self, after_s: ArrayLike) -> NDArray[np.float64]:
         """Energy of late sound per second, ``after_s`` (n,) s after an impulse of 1 at 1 m, by band: (n, 2).
 
-        As many images arrive as fill the sphere's shell, each with the square of its way's inverse and what the walls
-        left of it.
+        Images fill the spherical shell with constant density; each contributes the inverse square of its path's length,
+        less the walls' absorption.
         """
         after = np.atleast_1d(np.asarray(after_s, dtype=np.float64))[:, None]
         density = 4 * math.pi * SPEED_OF_SOUND_MPS / self.volume_m3
@@ -96,14 +96,14 @@ def _lattice(size: Vector, reach_m: float) -> tuple[NDArray[np.float64], NDArray
     for length in size:
         n = math.ceil(reach_m / (2 * length)) + 1
         r = np.arange(-n, n + 1)
-        # Of an even image |2 r| walls were hit on this axis, of a mirrored one |2 r - 1|
+        # An even image has |2 r| reflections on this axis, a mirrored one |2 r - 1|
         signs = np.concatenate([np.ones(r.size), -np.ones(r.size)])
         shifts = np.concatenate([2 * length * r, 2 * length * r])
         hits = np.concatenate([np.abs(2 * r), np.abs(2 * r - 1)])
         axes.append((signs, shifts, hits))
     grids = [np.stack(np.meshgrid(*parts, indexing="ij"), -1).reshape(-1, 3) for parts in zip(*axes, strict=True)]
     signs, shifts, hits = grids
-    # The nearest that the image of any source can come to any listener in the room
+    # Least distance of the image of any source to any listener in the room
     gap = np.maximum(np.abs(shifts) - np.where(signs > 0, 1.0, 2.0) * np.array(size), 0.0)
     keep = np.linalg.norm(gap, axis=1) <= reach_m
     return signs[keep], shifts[keep], hits[keep].sum(1).astype(np.int64)
@@ -127,9 +127,9 @@ def images(room: Shoebox, p_WS: ArrayLike, p_WA: ArrayLike, reach_m: float) -> I
 
 
 def mouth(departures: NDArray[np.float64], looks: ArrayLike) -> NDArray[np.float64]:
-    """What a mouth that ``looks`` (3,) along a unit vector gives off along ``departures`` (K, 3): (K, 2) by band.
+    """Directivity of a mouth with direction ``looks`` (3,) (unit vector) along ``departures`` (K, 3): (K, 2) by band.
 
-    1 in front; behind, 4 dB less low and 14 dB less high, a smooth fit to what talkers show (W. T. Chu and A. C. C.
+    1 in front; behind, 4 dB less low and 14 dB less high, a smooth fit to measured talkers (W. T. Chu and A. C. C.
     Warnock, "Detailed directivity of sound fields around human talkers", NRC Canada IRC-RR-104, 2002).
     """
     cos = (departures @ np.asarray(looks, dtype=np.float64))[:, None]
@@ -138,12 +138,12 @@ def mouth(departures: NDArray[np.float64], looks: ArrayLike) -> NDArray[np.float
 
 
 MOUTH_FRONT = np.array([0.815, 0.6])
-#: Root mean square of :func:`mouth` over all directions, by band: what a mouth gives to a room's reverberation.
+#: Root mean square of :func:`mouth` over all directions, by band: excitation of a room's reverberation by a mouth.
 MOUTH_MEAN = np.sqrt(MOUTH_FRONT**2 + (1 - MOUTH_FRONT) ** 2 / 3)
 
 
 def early(
-    microphones: Microphones,
+    microphones: BaffledMicrophones,
     X_WA: Pose3,
     found: Images,
     length: int,
@@ -153,8 +153,8 @@ def early(
 ) -> Impulses:
     """The microphones' responses (M, length) to images: ``X_WA`` is the pose of their middle; sample 0 at ``start_s``.
 
-    ``looks``: the unit vector along which a talker's mouth points; None for a source that is alike in all directions.
-    ``taps`` shortens the torso's response to all but the source itself.
+    ``looks``: the unit vector along which a talker's mouth points; None for an omnidirectional source. ``taps``
+    shortens the torso's response to all images but the source itself.
     """
     gains = found.gains if looks is None else found.gains * mouth(found.departures, looks)
     p_AS = (found.p_W - X_WA.translation) @ X_WA.rotation
@@ -163,10 +163,9 @@ def early(
     return join(bands[0], bands[1], microphones.rate)
 
 
-def diffuse_noise(microphones: Microphones, length: int, seed: int) -> NDArray[np.float32]:
-    """What the microphones hear of white noise of variance 1 from all directions: (2, M, length), low and high band.
-
-    Plane waves from 64 evenly spread directions, each unlike the others. Cyclic where ``length`` is a power of two.
+def diffuse_noise(microphones: BaffledMicrophones, length: int, seed: int) -> NDArray[np.float32]:
+    """Diffuse white noise of variance 1 at the microphones: (2, M, length), low and high band. Independent plane waves
+    from 64 evenly spread directions. Cyclic where ``length`` is a power of two.
     """
     rng = np.random.default_rng(seed)
     number = np.arange(_DIRECTIONS) + 0.5
@@ -205,7 +204,7 @@ def response(
     room: Shoebox | None,
     p_WS: ArrayLike,
     X_WA: Pose3,
-    microphones: Microphones,
+    microphones: BaffledMicrophones,
     seconds: float | None = None,
     early_s: float = 0.08,
     looks: ArrayLike | None = None,
@@ -227,13 +226,15 @@ def response(
             np.atleast_2d(X_WA.translation - np.asarray(p_WS)) / max(direct_m, 1e-9),
             np.array([direct_m]),
         )
-        return early(microphones, X_WA, alone, length, 0.0, looks)
+        return early(microphones, X_WA, found=alone, length=length, start_s=0.0, looks=looks)
     length = round((seconds if seconds is not None else 1.1 * max(room.rt60_s)) * rate)
     mixed_s = direct_m / SPEED_OF_SOUND_MPS + early_s
     mixed = round(mixed_s * rate)
     reach_m = mixed_s * SPEED_OF_SOUND_MPS
-    impulses = early(microphones, X_WA, images(room, p_WS, X_WA.translation, reach_m), length, 0.0, looks)
-    # Early sound leaves as the late comes in, so that their sum stays even
+    impulses = early(
+        microphones, X_WA, found=images(room, p_WS, X_WA.translation, reach_m), length=length, start_s=0.0, looks=looks
+    )
+    # Early sound fades out as late sound fades in, so that the sum is even
     fade = max(1, round(_FADE_S * rate))
     impulses[:, mixed : mixed + fade] *= np.cos(0.5 * math.pi * (np.arange(fade) + 0.5) / fade)[
         : max(0, length - mixed)

@@ -1,8 +1,8 @@
-"""What the robot hears of itself: fans in the torso, wheels and drives below, and the microphones' own noise.
+"""Self-noise of the robot: fans in the torso, wheels and drives below, and the microphones' own noise.
 
-Each is a stretch of noise made once and played round and round: the fans reach the microphones partly alike (the air
-and the shell carry them) and partly not (each microphone's own turbulence), the wheels from where they are, each as
-loud as it turns. The microphones' own noise is cut from a long stretch at a random place for every frame.
+Fans and wheels are cyclic noise, computed once. Fan noise is partly coherent between microphones (through air and
+shell) and partly not (turbulence at each microphone); wheel noise comes from the wheels' places, with a level by their
+speed. The microphones' own noise is a random part of a long noise for every frame.
 """
 
 from __future__ import annotations
@@ -12,27 +12,27 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from app.robots.simulated.acoustics.diffraction import Microphones
-from app.robots.simulated.acoustics.source import ramp
+from app.robots.simulated.acoustics.diffraction import BaffledMicrophones
+from app.robots.simulated.acoustics.dry_sound import ramp
 
 Samples = NDArray[np.float32]
 _LENGTH = 1 << 16
 _ALIKE = 0.6
-"""Share of the fans' energy that all microphones have in common."""
+"""Coherent share of the fans' energy."""
 WHEELS_AT_MPS = 0.4
-"""Rim speed at which the wheels are as loud as configured."""
+"""Rim speed at which the wheels have the configured level."""
 
 
 class SelfNoise:
-    """Gives frame after frame. Levels are root mean squares over the array, full scale 1.
+    """Gives consecutive frames. Levels are root mean squares over the array, full scale 1.
 
-    ``p_AF`` (3,) m is the fans' place about the array's middle, ``p_AL`` and ``p_AR`` the wheels'; ``wheels`` is the
-    level of both at 0.4 m/s.
+    ``p_AF`` (3,) m: the fans' place about the array's middle; ``p_AL``, ``p_AR``: the wheels'; ``wheels``: level of
+    both at 0.4 m/s.
     """
 
     def __init__(
         self,
-        microphones: Microphones,
+        microphones: BaffledMicrophones,
         fans: float,
         wheels: float,
         own: float,
@@ -86,9 +86,9 @@ def _shaped(shape: NDArray[np.float64], channels: int, rng: np.random.Generator)
 
 
 def _heard(
-    microphones: Microphones, p_AS: NDArray[np.float64], shape: NDArray[np.float64], seed: np.random.SeedSequence
+    microphones: BaffledMicrophones, p_AS: NDArray[np.float64], shape: NDArray[np.float64], seed: np.random.SeedSequence
 ) -> Samples:
-    """Noise of one place as the microphones hear it, cyclic, mean level 1."""
+    """Noise of one place at the microphones, cyclic, mean level 1."""
     noise = _shaped(shape, 1, np.random.default_rng(seed))
     responses = microphones.impulses(p_AS[None], np.ones((1, 1)), 1024)[0]
     heard = np.fft.irfft(np.fft.rfft(noise) * np.fft.rfft(responses, _LENGTH), _LENGTH)
@@ -96,7 +96,7 @@ def _heard(
 
 
 def _hum(hz: float, rate: int) -> Samples:
-    turns = round(hz * _LENGTH / rate)  # whole ones, so that the loop closes
+    turns = round(hz * _LENGTH / rate)  # whole turns, so that the loop closes
     phase = 2 * math.pi * turns / _LENGTH * np.arange(_LENGTH)
     return np.asarray(np.sin(phase) + 0.5 * np.sin(2 * phase) + 0.25 * np.sin(3 * phase), dtype=np.float32)
 

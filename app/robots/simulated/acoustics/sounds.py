@@ -1,4 +1,4 @@
-"""The library of sounds: recorded speech, sounds made by rule, files, and spoken text, each as loud as it is in life.
+"""The library of sounds: recorded speech, sounds made by rule, files, and spoken text, each at its natural level.
 
 Levels are sound pressure levels at 1 m, tied to the microphones by ``MicrophonesConfig.sensitivity_db``: that many dB
 of full scale are the 65 dB of a talker of ordinary loudness.
@@ -27,7 +27,7 @@ TALKER_DB_SPL = 65.0
 SPEECH = Path(__file__).parent / "speech"
 FILES = (".wav", ".flac", ".ogg")
 
-#: What recorded speech is called, and its file.
+#: Names of recorded speech, with their files.
 RECORDINGS = MappingProxyType(
     {
         "hello": "kennedy_1",
@@ -41,7 +41,7 @@ RECORDINGS = MappingProxyType(
 #: Sounds made by rule: dB SPL at 1 m, of the loudest sample (a blow) or of the mean (what lasts).
 PEAK_DB_SPL = MappingProxyType({"clap": 94.0, "knock": 88.0, "door": 92.0, "step": 72.0})
 MEAN_DB_SPL = MappingProxyType({"alarm": 80.0, "music": 65.0, "fan": 42.0})
-#: Every sound the library has of its own.
+#: Names of all sounds of the library.
 NAMES = (*sorted(RECORDINGS), *sorted(MAKERS))
 VARIANTS = 8
 Key = tuple[str, int]
@@ -61,11 +61,11 @@ class Clip:
 
     @property
     def seconds(self) -> float:
-        """How long it lasts."""
+        """Duration (s)."""
         return self.samples.size / self.rate
 
     def active(self, after_s: float, loop: bool = False) -> bool:
-        """Whether it sounds ``after_s`` (s) after its beginning."""
+        """Whether it is active ``after_s`` (s) after its begin."""
         if after_s < 0 or not self.activity.size:
             return False
         at = int(after_s / ACTIVITY_S)
@@ -74,8 +74,8 @@ class Clip:
         )
 
 
-class Library:
-    """Gives clips by name at one ``rate``; ``sensitivity_db`` as in MicrophonesConfig."""
+class ClipLibrary:
+    """Clips by name at one ``rate``; ``sensitivity_db`` as in MicrophonesConfig."""
 
     def __init__(self, rate: int, sensitivity_db: float) -> None:
         self._rate = rate
@@ -84,20 +84,20 @@ class Library:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Every sound it has of its own."""
+        """Names of all sounds of the library."""
         return NAMES
 
     def key(self, clip: str, by: str = "") -> Key:
-        """Which sound of all that :meth:`get` can give it gives for these."""
+        """Key of the sound that :meth:`get` returns for these arguments."""
         varied = clip in PEAK_DB_SPL or (clip not in RECORDINGS and clip not in MAKERS and not _is_file(clip))
         return clip, zlib.crc32(by.encode()) % VARIANTS if varied and by else 0
 
     def get(self, clip: str, by: str = "") -> Clip:
         """The sound called ``clip``: one of ``names``, an absolute path of a sound file, or text to be spoken.
 
-        What has a space in it and is no file is text. ``by`` picks a variant: no two claps are alike, nor two people's
-        spoken voices. Raises ConfigError for a name there is not, a file that is no sound, and text where no speech
-        synthesis is installed.
+        A name with a space that is no file is text. ``by`` selects a variant, so that claps and voices of people
+        differ. Raises ConfigError for an unknown name, a file without sound, and text without an installed speech
+        synthesis.
         """
         return self.at(self.key(clip, by))
 
@@ -129,7 +129,7 @@ class Library:
         return float(10 ** ((db_spl - TALKER_DB_SPL + self._sensitivity_db) / 20))
 
     def _talk(self, samples: Samples, rate: int) -> Clip:
-        """Speech or a file, brought to the level of an ordinary talker."""
+        """Speech or a file, scaled to the level of an ordinary talker."""
         whole = _resampled(samples, rate, self._rate)
         level = self._clip(whole).level
         return self._clip(whole * np.float32(self._amplitude(TALKER_DB_SPL) / level) if level > 0 else whole)
@@ -141,7 +141,7 @@ class Library:
         return Clip(samples.astype(np.float32, copy=False), active, level, self._rate)
 
 
-#: A sound file has no more samples, all channels together (four bytes of memory each), and a rate (Hz) that sound has.
+#: Greatest number of samples of a file, all channels together (four bytes of memory each), and plausible rates (Hz).
 _MOST_SAMPLES = 60_000_000
 _RATES = (1_000, 384_000)
 
@@ -171,7 +171,7 @@ def _read(path: Path) -> tuple[Samples, int]:
 
 
 def _resampled(samples: Samples, rate: int, wanted: int) -> Samples:
-    """``samples`` at another rate, by its spectrum; silence around it takes what would run round the ends."""
+    """``samples`` at another rate, by its spectrum; padded with silence against wrap-around."""
     if rate == wanted:
         return samples.astype(np.float32, copy=False)
     around = rate // 100

@@ -1,4 +1,4 @@
-"""What there is to be heard in the simulated world, told for its microphones: scenes, and the truth about them."""
+"""Sounds of the simulated world for its microphones: scenes, and their ground truth."""
 
 from __future__ import annotations
 
@@ -8,26 +8,25 @@ from app.base.errors import ConfigError
 from app.base.geometry import Pose2, Pose3
 from app.messages import SoundTruth
 from app.robots.config import LoudspeakerConfig, MicrophonesConfig
-from app.robots.model import RobotModel
-from app.robots.simulated.acoustics.ipc import Scene, Setup, Sounding
-from app.robots.simulated.acoustics.sounds import PEAK_DB_SPL, VARIANTS, Key, Library
+from app.robots.model import KinematicModel
+from app.robots.simulated.acoustics.ipc import AcousticsSetup, ActiveSound, SoundScene
+from app.robots.simulated.acoustics.sounds import PEAK_DB_SPL, VARIANTS, ClipLibrary, Key
 from app.robots.simulated.acoustics.synthesis import MAKERS
 from app.robots.simulated.scenery.scenario_config import LONGEST_SOUND_S, ScenarioConfig
-from app.robots.simulated.scenery.scenario_state import Cue, Stage
+from app.robots.simulated.scenery.scenario_state import Cue, ScenarioState
 from app.robots.simulated.world_config import WorldConfig
 
 AFTER_S = 0.3
-"""How long a sound is told of after its end: its way, of up to 100 m."""
+"""Time (s) that a sound stays in the scene after its end: travel time over up to 100 m."""
 SCENES_HZ = 100.0
-"""So often the microphones are to be told of the world."""
+"""Rate (Hz) of the scenes."""
 
 
 class Soundscape:
-    """Every sound of ``scenario``; ``setup`` is what
-    an :class:`~app.robots.simulated.acoustics.microphone_array.Ear` is
-    made from.
+    """Every sound of ``scenario``; ``setup`` is the argument of a
+    :class:`~app.robots.simulated.acoustics.microphone_simulator.MicrophoneSimulator`.
 
-    Raises ConfigError for a sound there is not, or that would be cut off.
+    Raises ConfigError for an unknown sound, or one that would be cut off.
     """
 
     def __init__(
@@ -35,12 +34,12 @@ class Soundscape:
         config: MicrophonesConfig,
         loudspeaker: LoudspeakerConfig | None,
         world: WorldConfig,
-        model: RobotModel,
+        model: KinematicModel,
         scenario: ScenarioConfig | None,
         wheels: tuple[str, str],
         seed: int,
     ) -> None:
-        self._library = Library(config.rate, config.sensitivity_db)
+        self._library = ClipLibrary(config.rate, config.sensitivity_db)
         try:
             clips = (
                 {key: self._library.at(key) for key in _keys(self._library, scenario)} if scenario is not None else {}
@@ -54,7 +53,7 @@ class Soundscape:
                 raise ConfigError(
                     f"{name!r} lasts {clip.seconds:.0f} s; {LONGEST_SOUND_S:g} s are the most without a loop"
                 )
-        self.setup = Setup(
+        self.setup = AcousticsSetup(
             config=config,
             loudspeaker=loudspeaker,
             world=world,
@@ -65,30 +64,38 @@ class Soundscape:
             seed=seed,
         )
 
-    def scene(self, time_s: float, stamp: float, X_WB: Pose2, rims_mps: tuple[float, float], stage: Stage) -> Scene:
-        """How the world is at ``time_s`` (simulated, s), ``stamp`` by the robot's clock."""
-        headings = {person.name: person.heading for person in stage.people}
+    def scene(
+        self, time_s: float, stamp: float, X_WB: Pose2, rims_mps: tuple[float, float], scenario_state: ScenarioState
+    ) -> SoundScene:
+        """The world's state at ``time_s`` (simulated, s), ``stamp`` by the robot's clock."""
+        headings = {person.name: person.heading for person in scenario_state.people}
         sounds = tuple(
-            Sounding(
-                cue.name, self._key(cue), cue.begin_s, cue.gain_db, cue.loop, stage.place(cue), _mouth(cue, headings)
+            ActiveSound(
+                cue.name,
+                self._key(cue),
+                begin_s=cue.begin_s,
+                gain_db=cue.gain_db,
+                loop=cue.loop,
+                p_W=scenario_state.place(cue),
+                looks=_mouth(cue, headings),
             )
-            for cue in stage.cues
+            for cue in scenario_state.cues
             if self._heard_still(cue, time_s)
         )
-        return Scene(time_s, stamp, X_WB, rims_mps, sounds)
+        return SoundScene(time_s, stamp, X_WB, rims_mps, sounds)
 
-    def truth(self, time_s: float, stamp: float, stage: Stage) -> tuple[SoundTruth, ...]:
-        """Every scripted sound that is being given off."""
+    def truth(self, time_s: float, stamp: float, scenario_state: ScenarioState) -> tuple[SoundTruth, ...]:
+        """Every scripted sound in progress."""
         return tuple(
             SoundTruth(
                 name=cue.name,
                 kind=cue.kind,
                 person=cue.person,
-                p_WS=stage.place(cue),
+                p_WS=scenario_state.place(cue),
                 began=stamp - (time_s - cue.begin_s),
                 active=self._library.at(self._key(cue)).active(time_s - cue.begin_s, cue.loop),
             )
-            for cue in stage.cues
+            for cue in scenario_state.cues
             if self._heard_still(cue, time_s, 0.0)
         )
 
@@ -101,8 +108,8 @@ class Soundscape:
         return cue.loop or time_s < cue.begin_s + self._library.at(self._key(cue)).seconds + after_s
 
 
-def _keys(library: Library, scenario: ScenarioConfig) -> Iterator[Key]:
-    """Every sound that ``scenario`` can ask for."""
+def _keys(library: ClipLibrary, scenario: ScenarioConfig) -> Iterator[Key]:
+    """Keys of all sounds of ``scenario``."""
     names = {sound.clip for sound in scenario.sounds} | ({scenario.footsteps.clip} if scenario.footsteps else set())
     for person in scenario.people:
         if any(step.clap is not None for step in person.script):

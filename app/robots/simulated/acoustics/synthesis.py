@@ -108,12 +108,19 @@ def music(rate: int, rng: Generator) -> Samples:
     place = 5
     for beat in range(32):
         if beat % 8 == 0:
-            _pluck(out, beat * beat_s, 98.0 * 2 ** (scale[int(rng.integers(3))] / 12), 1.6, 0.8, rate)
+            _pluck(
+                out,
+                beat * beat_s,
+                hz=98.0 * 2 ** (scale[int(rng.integers(3))] / 12),
+                seconds=1.6,
+                loudness=0.8,
+                rate=rate,
+            )
         if rng.random() < 0.2:
             continue
         place = int(np.clip(place + rng.integers(-2, 3), 0, 9))
         hz = 261.63 * 2 ** (scale[place % 5] / 12 + place // 5)
-        _pluck(out, beat * beat_s, hz, 0.7, rng.uniform(0.5, 0.9), rate)
+        _pluck(out, beat * beat_s, hz=hz, seconds=0.7, loudness=rng.uniform(0.5, 0.9), rate=rate)
     whole = round(32 * beat_s * rate)
     out[: out.size - whole] += out[whole:]  # the last notes ring on into the beginning of the next turn
     return out[:whole].astype(np.float32)

@@ -1,7 +1,7 @@
-"""One person playing a script: where they stand and walk, where they look, how limbs swing, when they clap.
+"""One person playing a script: position and walk, gaze, limbs, claps.
 
-Plain kinematics: speeds and turns are limited so that it looks right, nobody walks through the robot, and everything
-follows from the script, the time and where the robot is.
+Plain kinematics with limited speeds and turns; people do not walk through the robot; everything is determined by the
+script, the time and the robot's pose.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ HEAD_YAW, HEAD_PITCH = math.radians(65), math.radians(20)
 CLAP_RAISE_S = 0.35
 REACHED_M = 0.004
 BACK_M, BACK_S = 1.0, 5.0
-"""Who gives way to the robot goes back so far along the way they came, and tries again after so long."""
+"""Giving way to the robot: distance (m) back along the path, and time (s) before the next try."""
 ALMOST_THERE_M = 0.4
-"""Nearer than that to where a walk began, going back there makes no room."""
+"""Least distance (m) to the begin of a walk for giving way in that direction."""
 
 
 @dataclass(frozen=True, slots=True)
-class Happening:
-    """Something heard that a person begins to do: ``kind`` and ``clip`` as in ``Cue``."""
+class ActorSound:
+    """A sound that a person starts to make: ``kind`` and ``clip`` as in ``Cue``."""
 
     kind: str
     clip: str
@@ -39,7 +39,7 @@ class Happening:
 
 
 class Actor:
-    """A person; :meth:`tick` goes on by a little time. ``x``, ``y`` (m), ``heading`` (rad) of the body in the world."""
+    """A person; :meth:`tick` advances by a time step. ``x``, ``y`` (m), ``heading`` (rad) of the body in the world."""
 
     def __init__(self, config: PersonConfig, height_m: float) -> None:
         self.config = config
@@ -67,24 +67,26 @@ class Actor:
 
     @property
     def posture(self) -> Posture:
-        """How the limbs are held now."""
+        """The current posture of the limbs."""
         raised, apart = self._clapping()
-        return Posture(self._gait, self._stride, raised, apart, self._head_yaw, self._head_pitch)
+        return Posture(
+            self._gait, self._stride, clap=raised, apart=apart, head_yaw=self._head_yaw, head_pitch=self._head_pitch
+        )
 
     @property
     def gaze(self) -> float:
-        """Direction (rad) in which the face looks, in the world."""
+        """Direction (rad) of the face, in the world."""
         return wrap_angle(self.heading + self._head_yaw)
 
     @property
     def mouth(self) -> tuple[float, float, float]:
-        """Where the mouth is in the world (m)."""
+        """Position of the mouth in the world (m)."""
         ahead, up = (self.height_m * share for share in gait.mouth(self.posture))
         return (self.x + ahead * math.cos(self.gaze), self.y + ahead * math.sin(self.gaze), up)
 
     @property
     def hands(self) -> tuple[float, float, float]:
-        """Where the palms meet when clapping (m, world)."""
+        """Meeting point of the palms when clapping (m, world)."""
         ahead = gait.HANDS_AHEAD * self.height_m
         return (
             self.x + ahead * math.cos(self.heading),
@@ -94,18 +96,18 @@ class Actor:
 
     @property
     def truth(self) -> PersonTruth:
-        """As the program's tests are told."""
-        return PersonTruth(self.name, self.x, self.y, self.gaze, self.height_m, self.mouth)
+        """The ground truth message."""
+        return PersonTruth(self.name, self.x, y=self.y, heading=self.gaze, height_m=self.height_m, mouth=self.mouth)
 
     def clap_at(self, time_s: float) -> None:
-        """Have the palms meet at ``time_s``, which should not be nearer than the arms take to be raised."""
+        """Schedule a clap at ``time_s``, which should leave time to raise the arms."""
         self._claps.append(time_s)
 
-    def tick(self, dt: float, now: float, X_WB: Pose2, before: Sequence[Actor]) -> list[Happening]:
-        """Go on by ``dt`` to ``now``; ``before`` are those whom this person lets pass. Returns what begins to sound."""
+    def tick(self, dt: float, now: float, X_WB: Pose2, before: Sequence[Actor]) -> list[ActorSound]:
+        """Advance by ``dt`` to ``now``; ``before``: people with right of way. Returns sounds that start."""
         self._now = now
         self._claps = [time for time in self._claps if now - time < 2 * CLAP_RAISE_S]
-        happenings: list[Happening] = []
+        happenings: list[ActorSound] = []
         look: Look = "ahead"
         wanted_speed = 0.0
         for _ in range(len(self.config.script) + 1):  # steps that take no time are done in one tick
@@ -127,7 +129,7 @@ class Actor:
                 break
             self._next()
         change = ACCELERATION_MPS2 * dt
-        braking = 3 * change  # one stops quicker than one sets off
+        braking = 3 * change  # people stop faster than they start
         self.speed += min(max(wanted_speed - self.speed, -braking), change)
         if self.speed > 0 and not self._done and self.config.script[self._step].walk is not None:
             happenings += self._walk(self._going, dt, now)
@@ -137,13 +139,13 @@ class Actor:
         self._look(look, dt, X_WB)
         return happenings
 
-    def _begin(self, step: StepConfig, now: float) -> list[Happening]:
+    def _begin(self, step: StepConfig, now: float) -> list[ActorSound]:
         if step.say is not None:
-            return [Happening("speech", step.say, step.gain_db, now)]
+            return [ActorSound("speech", step.say, step.gain_db, now)]
         if step.clap is not None:
             times = [now + CLAP_RAISE_S + number * step.every for number in range(step.clap)]
             self._claps += times
-            return [Happening("clap", "clap", step.gain_db, time) for time in times]
+            return [ActorSound("clap", "clap", step.gain_db, time) for time in times]
         return []
 
     def _finished(self, step: StepConfig, now: float, X_WB: Pose2) -> bool:
@@ -167,7 +169,7 @@ class Actor:
             self._done = not self.config.repeat
 
     def _place_to_go(self, walk: tuple[float, float], dt: float, now: float) -> tuple[float, float]:
-        """The step's point ``walk``, or a place back along the way they came, for who gives way to the robot."""
+        """The step's point ``walk``, or a place back along the path when giving way to the robot."""
         if self._back is not None and now < self._back_until:
             return self._back
         self._back = None
@@ -188,7 +190,7 @@ class Actor:
     def _steer(
         self, place: tuple[float, float], speed: float, dt: float, X_WB: Pose2, before: Sequence[Actor]
     ) -> float:
-        """Turn towards ``place``; return the speed to walk at now, ``speed`` at most."""
+        """Turn towards ``place``; return the current walking speed, ``speed`` at most."""
         dx, dy = place[0] - self.x, place[1] - self.y
         left = math.hypot(dx, dy)
         direction = math.atan2(dy, dx)
@@ -208,7 +210,7 @@ class Actor:
         across = dy * math.cos(direction) - dx * math.sin(direction)
         return 0.0 < along < ahead and abs(across) < aside
 
-    def _walk(self, target: tuple[float, float], dt: float, now: float) -> list[Happening]:
+    def _walk(self, target: tuple[float, float], dt: float, now: float) -> list[ActorSound]:
         left = math.dist(target, (self.x, self.y))
         if left < 1e-9:
             return []
@@ -218,7 +220,7 @@ class Actor:
         step_m = gait.STEP * self.height_m * (0.4 + 0.6 * min(1.0, self.speed / 1.3))
         before = math.floor(self._gait / math.pi)
         self._gait += math.pi * way / step_m
-        return [Happening("steps", "", 0.0, now)] if math.floor(self._gait / math.pi) > before else []
+        return [ActorSound("steps", "", 0.0, now)] if math.floor(self._gait / math.pi) > before else []
 
     def _look(self, look: Look, dt: float, X_WB: Pose2) -> None:
         yaw = pitch = 0.0
@@ -237,7 +239,7 @@ class Actor:
         self._head_pitch += min(max(pitch - self._head_pitch, -turn / 2), turn / 2)
 
     def _turn_body(self, error: float, dt: float) -> float:
-        """Let the body follow the eyes where the neck alone would have to turn far; return what is left to turn."""
+        """Turn the body where the neck alone would turn too far; return the remaining angle."""
         if abs(error) > math.radians(35):
             self._turning = True
         elif abs(error) < math.radians(5):

@@ -19,7 +19,7 @@ Shape = Literal["box", "cylinder", "ellipsoid"]
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """One shape: ``size`` is its full extent along x, y, z (a cylinder stands along its z); ``rpy`` turns it (rad).
+    """One shape: ``size`` is its full extent along x, y, z (a cylinder's axis is z); ``rpy`` turns it (rad).
 
     ``material`` names a material of the world or is an RGB colour in 0..1; ``solid`` parts are touched by the physics.
     """
@@ -34,7 +34,7 @@ class Part:
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """What is asked of a kind: its size, the material of its main surface, and a source of chance for variety."""
+    """Arguments of a kind: size, material of its main surface, and a random generator for variety."""
 
     size: Vector
     material: str | Vector
@@ -221,7 +221,7 @@ def _suitcase(o: Order) -> list[Part]:
 
 
 def _flat(o: Order) -> list[Part]:
-    """A picture, board or window: stands on its lower edge at the piece's z, its face to -y."""
+    """A picture, board or window: its lower edge at the piece's z, its face to -y."""
     length, depth, height = o.size
     face = (0.0, -depth / 2 - 0.002, height / 2)
     return [

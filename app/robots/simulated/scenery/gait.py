@@ -1,4 +1,4 @@
-"""How a person holds their limbs: the posture, where its joints are, and how walking and clapping move them.
+"""Posture of a person: joints of the limbs, and their motion when walking and clapping.
 
 Lengths are shares of the person's height. Proportions: Drillis and Contini 1966 (in Winter, *Biomechanics and Motor
 Control of Human Movement*, figure 4.1); the mouth's height is that of ``app/modules/perception/height_prior.py``.
@@ -22,7 +22,7 @@ _ANKLE = HIP_SHARE - THIGH - SHIN
 
 @dataclass(frozen=True, slots=True)
 class Posture:
-    """How limbs are held: ``gait`` phase (rad) and ``stride`` (0 standing, 1 a full step); ``clap`` 0 arms down, 1
+    """Posture of the limbs: ``gait`` phase (rad) and ``stride`` (0 standing, 1 a full step); ``clap`` 0 arms down, 1
     raised with the palms ``apart`` (0 together, 1 wide); ``head_yaw``, ``head_pitch`` (rad, up positive) on the body.
     """
 
@@ -35,7 +35,7 @@ class Posture:
 
 
 @dataclass(frozen=True, slots=True)
-class Joint:
+class LimbJoint:
     """A limb's upper joint in the person's own frame (feet at the origin, x forward) and its angles (rad): ``pitch``
     about y (positive swings a hanging limb backward), then ``yaw`` about z.
     """
@@ -46,33 +46,33 @@ class Joint:
 
 
 def drop(posture: Posture) -> float:
-    """How much lower the trunk is than standing: legs apart reach less far down."""
+    """Lowering of the trunk relative to standing: spread legs reach less far down."""
     return HIP_SHARE - _ANKLE - max(_reach(leg) for leg in _legs(posture))
 
 
-def joints(posture: Posture) -> dict[str, Joint]:
+def joints(posture: Posture) -> dict[str, LimbJoint]:
     """Every limb's joint in ``posture``."""
     lower = drop(posture)
     hip = HIP_SHARE - lower
     legs = _legs(posture)
     found = {
-        "trunk": Joint((0.0, 0.0, hip), pitch=0.03 * posture.stride),
-        "head": Joint((0.0, 0.0, NECK_SHARE - lower), -posture.head_pitch, posture.head_yaw),
+        "trunk": LimbJoint((0.0, 0.0, hip), pitch=0.03 * posture.stride),
+        "head": LimbJoint((0.0, 0.0, NECK_SHARE - lower), -posture.head_pitch, posture.head_yaw),
     }
     for side, sign, (thigh, shin) in zip(("left", "right"), (1, -1), legs, strict=True):
         knee = (-THIGH * math.sin(thigh), sign * HIP_ASIDE, hip - THIGH * math.cos(thigh))
-        found[f"{side}_thigh"] = Joint((0.0, sign * HIP_ASIDE, hip), thigh)
-        found[f"{side}_shin"] = Joint(knee, shin)
+        found[f"{side}_thigh"] = LimbJoint((0.0, sign * HIP_ASIDE, hip), thigh)
+        found[f"{side}_shin"] = LimbJoint(knee, shin)
         upper, lower_arm, inward = _arm(-0.8 * thigh * posture.stride, posture)
         shoulder = (0.0, sign * SHOULDER_ASIDE, SHOULDER_SHARE - lower)
         elbow = (-UPPER_ARM * math.sin(upper), shoulder[1], shoulder[2] - UPPER_ARM * math.cos(upper))
-        found[f"{side}_upper_arm"] = Joint(shoulder, upper)
-        found[f"{side}_forearm"] = Joint(elbow, lower_arm, -sign * inward)
+        found[f"{side}_upper_arm"] = LimbJoint(shoulder, upper)
+        found[f"{side}_forearm"] = LimbJoint(elbow, lower_arm, -sign * inward)
     return found
 
 
 def mouth(posture: Posture) -> tuple[float, float]:
-    """How far ahead of the neck the mouth is, along the gaze, and how high above the floor."""
+    """Position of the mouth: ahead of the neck along the gaze, and height above the floor."""
     up = MOUTH_SHARE - NECK_SHARE
     c, s = math.cos(posture.head_pitch), math.sin(posture.head_pitch)
     return MOUTH_AHEAD * c - up * s, NECK_SHARE - drop(posture) + MOUTH_AHEAD * s + up * c

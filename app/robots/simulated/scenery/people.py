@@ -1,7 +1,7 @@
-"""The people's bodies in MuJoCo: one kinematic ("mocap") body a limb, posed from what the stage says.
+"""The people's bodies in MuJoCo: one kinematic ("mocap") body per limb, posed by the scenario's state.
 
-Such bodies weigh nothing and follow no forces: physics only feels the upright cylinder around each person, which the
-robot can bump into. The laser sees legs, cameras see everything.
+Such bodies have no mass and follow no forces: only the upright cylinder around each person has contacts, so that the
+robot can touch it. The laser sees legs, cameras see everything.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from app.robots.simulated.scenery import gait, person_mesh
 from app.robots.simulated.scenery.actor import Actor
-from app.robots.simulated.scenery.gait import Joint
+from app.robots.simulated.scenery.gait import LimbJoint
 from app.robots.simulated.scenery.scenario_config import Color
 from app.robots.simulated.scenery.textures import Texture
 from app.robots.simulated.world import OUT_OF_REACH_GROUP, ROBOT_CONTACT, WORLD_CONTACT
@@ -98,7 +98,7 @@ def _meshes(face: str) -> dict[str, person_mesh.Mesh]:
     }
 
 
-class People:
+class PersonBodies:
     """Poses the bodies of ``actors`` in a compiled model."""
 
     def __init__(self, model: mujoco.MjModel, actors: Sequence[Actor]) -> None:
@@ -111,7 +111,7 @@ class People:
         self._ids = np.array(ids, dtype=np.intp).reshape(len(self._actors), len(LIMBS))
 
     def pose(self, data: mujoco.MjData) -> None:
-        """Put every limb where the actors are now; physics takes it up with its next step."""
+        """Set every limb to the actors' current pose, effective with the next step of the physics."""
         for ids, actor in zip(self._ids, self._actors, strict=True):
             poses = limb_poses(actor)
             data.mocap_pos[ids] = poses[:, :3]
@@ -123,7 +123,7 @@ def limb_poses(actor: Actor) -> NDArray[np.float64]:
     return _placed(gait.joints(actor.posture), actor)
 
 
-def _placed(frames: dict[str, Joint], actor: Actor) -> NDArray[np.float64]:
+def _placed(frames: dict[str, LimbJoint], actor: Actor) -> NDArray[np.float64]:
     poses = np.empty((len(LIMBS), 7))
     c, s = math.cos(actor.heading), math.sin(actor.heading)
     for row, limb in zip(poses, LIMBS, strict=True):

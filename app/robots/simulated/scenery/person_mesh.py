@@ -1,4 +1,4 @@
-"""The shape of a person: meshes of limbs and head, and one picture of their colours with the photograph they wear.
+"""The shape of a person: meshes of limbs and head, and one texture with colours and the face's photograph.
 
 Lengths are shares of the person's height; a limb's frame is at its upper joint, x forward, y to the left, z up, the
 limb hanging down. Shapes are few and coarse: with several people in view, drawing must still keep the camera's rate.
@@ -102,7 +102,7 @@ def lathe(rings: Sequence[Ring], color: PaletteColor, around: int = 8) -> Mesh:
 
 
 def joined(*meshes: Mesh) -> Mesh:
-    """Several meshes as one: each shape that is drawn costs, however small."""
+    """Several meshes as one: each drawn shape has a cost."""
     offsets = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])])
     return Mesh(
         np.concatenate([mesh.vertices for mesh in meshes]),
@@ -112,7 +112,7 @@ def joined(*meshes: Mesh) -> Mesh:
 
 
 def head(face: str) -> Mesh:
-    """The head in the neck's frame, rounder than an egg, with hair as ``face`` wears it."""
+    """The head in the neck's frame, with hair as in ``face``."""
     azimuths = 2 * math.pi * (np.arange(_AROUND + 1) / _AROUND - 0.5)
     levels = np.sin(math.pi * (np.arange(_UP + 1) / _UP - 0.5))
     level, azimuth = np.meshgrid(levels, azimuths, indexing="ij")
@@ -149,7 +149,7 @@ def head_surface(
 
 
 def hairiness(face: str, azimuth: NDArray[np.float64], level: NDArray[np.float64]) -> NDArray[np.float64]:
-    """0 where there is skin, 1 where there is hair, beyond what the photograph shows."""
+    """0 on skin, 1 on hair, beyond the photograph."""
     aside = np.abs(azimuth)
     down = FACES[face].hair_to
     line = np.interp(aside, np.radians([0, 55, 75, 100, 125, 180]), [0.72, 0.55, 0.2, 0.02, down, down])

@@ -1,4 +1,4 @@
-"""The models of ``config/scenarios/*.yaml``: who and what else is in the world, what they do, and how the robot drives.
+"""The models of ``config/scenarios/*.yaml``: people and sounds in the world, their scripts, and the robot's drive.
 
 Everything is in the world's frame W (m, x east, y north, z up; degrees from east, counter-clockwise) and in simulated
 seconds since the start.
@@ -39,9 +39,9 @@ def _look(value: object) -> object:
 Look = Annotated[Literal["ahead", "robot"] | Point, PlainValidator(_look)]
 SOUND_FILES = (".wav", ".flac", ".ogg")
 SHORTEST_SCRIPT_S = 0.5
-"""Of a script gone through again and again: else what is said in it would be said a hundred times a second."""
+"""Least duration (s) of a repeated script: else its sounds would start a hundred times a second."""
 LONGEST_SOUND_S = 120.0
-"""Of a sound that does not loop: the stage forgets it soon after."""
+"""Greatest duration (s) of a sound without loop: the scenario's state drops it after that."""
 ACTIONS = ("walk", "wait", "wait_for_robot", "say", "clap")
 
 
@@ -54,8 +54,8 @@ class StepConfig(_Model):
 
     ``walk`` straight to a point at ``speed``; ``wait`` some seconds; ``wait_for_robot`` until the robot comes
     ``within`` metres of a point, or for ``at_most`` seconds; ``say`` a sound of the library or a file; ``clap`` the
-    hands so many times, one each ``every`` seconds. ``say`` does not wait for the sound's end: that is the next step's
-    matter. ``look`` is where the face turns meanwhile: ``ahead``, at the ``robot``, or at a point.
+    hands so many times, one each ``every`` seconds. ``say`` does not wait for the sound's end. ``look``: direction of
+    the face meanwhile: ``ahead``, at the ``robot``, or at a point.
     """
 
     walk: Point | None = None
@@ -81,8 +81,8 @@ class StepConfig(_Model):
 class PersonConfig(_Model):
     """One person: looks, place at the start, and a ``script`` gone through once, or again and again (``repeat``).
 
-    Without ``height_m`` the height is drawn from the scenario's seed. Who has waited for the robot to get out of their
-    way for ``gives_way_s`` goes back a metre the way they came, and tries again after a while; None: they wait.
+    Without ``height_m`` the height is drawn from the scenario's seed. After waiting ``gives_way_s`` for the robot to
+    move out of the way the person goes back a metre, and tries again after a time; None: the person waits.
     """
 
     name: Annotated[str, Field(min_length=1, max_length=40)]
@@ -114,8 +114,7 @@ class PersonConfig(_Model):
         return self
 
     def _least_s(self) -> float:
-        """How long (s) the script takes at least when it is gone through again: the robot may be where it is waited
-        for, and a sound is not."""
+        """Least duration (s) of a repetition of the script: waits for the robot and sounds may take no time."""
         goals = [step for step in self.script if step.walk is not None]
         walks = sum(
             math.dist(before.walk, step.walk) / step.speed
@@ -183,7 +182,7 @@ class WaypointConfig(_Model):
 
 
 class StartConfig(_Model):
-    """Where the robot begins, in place of its own configuration's ``start``."""
+    """Start pose of the robot, in place of its own configuration's ``start``."""
 
     x: float
     y: float
@@ -191,7 +190,7 @@ class StartConfig(_Model):
 
 
 class ScenarioConfig(_Model):
-    """Who and what else is in the world. The same scenario with the same seed goes the same way."""
+    """People and sounds in the world. The same scenario with the same seed gives the same events."""
 
     name: str
     seed: int = 1
@@ -216,8 +215,8 @@ class ScenarioConfig(_Model):
 def load_scenario(path: Path | str) -> ScenarioConfig:
     """Read ``config/scenarios/<name>.yaml``, with the sound files it names as absolute paths.
 
-    Raises ConfigError (file, line, key), also for a sound that there is not, in the library or as a file, and for a
-    file that is no sound or lasts longer than :data:`LONGEST_SOUND_S` without being a ``loop``.
+    Raises ConfigError (file, line, key), also for an unknown sound, and for a file without sound or longer than
+    :data:`LONGEST_SOUND_S` without being a ``loop``.
     """
     document = load_yaml(path)
     config = document.validate(ScenarioConfig)
@@ -262,7 +261,7 @@ def load_scenario(path: Path | str) -> ScenarioConfig:
 
 
 def _seconds(file: Path) -> float:
-    """How long a sound file lasts, by its header. Raises ValueError, in words, for one without sound."""
+    """Duration of a sound file, by its header. Raises ValueError, in words, for a file without sound."""
     import soundfile
 
     try:

@@ -1,8 +1,6 @@
-"""The stage: what the people of a scenario do now, and every scripted sound with its place. Pure bookkeeping.
-
-It knows nothing of physics, pictures or sound; the world's loop advances it, bodies and acoustics read it. Time passes
-in fixed ticks, so that the same scenario and the same motion of the robot give the same people, however often
-``advance`` is called.
+"""State of a scenario: current actions of its people, and scripted sounds with their places. Pure bookkeeping, without
+physics, images or sound; the world's loop advances it, bodies and acoustics read it. Time advances in fixed ticks, so
+that the same scenario and the same motion of the robot give the same people, however often ``advance`` is called.
 """
 
 from __future__ import annotations
@@ -14,17 +12,17 @@ import numpy as np
 
 from app.base.geometry import Pose2
 from app.messages import PersonTruth
-from app.robots.simulated.scenery.actor import Actor, Happening
+from app.robots.simulated.scenery.actor import Actor, ActorSound
 from app.robots.simulated.scenery.scenario_config import LONGEST_SOUND_S, ScenarioConfig, SoundConfig
 
 TICK_S = 0.01
 LOOKAHEAD_S = 2.0
-"""How long before it begins a timed sound appears among the cues."""
+"""Lead time (s) with which a timed sound appears among the cues."""
 KEEP_S = LONGEST_SOUND_S + 1.0
-"""How long after it began a sound stays there; nobody's clip is longer, and it has a way to go."""
+"""Time (s) after its begin that a sound stays there: the longest clip, plus travel time."""
 STEPS_KEEP_S = 2.0
 HEIGHT_MEAN_M, HEIGHT_SIGMA_M = 1.71, 0.10
-"""Of standing adults in shoes (Fryar et al., Vital and Health Statistics 3(46), 2021), as the perceptions suppose in
+"""Heights of standing adults in shoes (Fryar et al., Vital and Health Statistics 3(46), 2021), as in the prior of
 ``app/modules/perception/height_prior.py``; a test holds both together."""
 HEIGHT_RANGE_M = (1.45, 1.97)
 
@@ -33,7 +31,7 @@ HEIGHT_RANGE_M = (1.45, 1.97)
 class Cue:
     """One sound, once (or for ever: ``loop``), from ``begin_s`` (simulated s) on. ``name`` is unique.
 
-    ``kind`` as in ``SoundTruth``; ``person`` who gives it off, "" for nobody; ``clip`` a sound of the library, or an
+    ``kind`` as in ``SoundTruth``; ``person``: name of its person, "" for none; ``clip`` a sound of the library, or an
     absolute path of a file; ``gain_db`` relative to the clip's own level.
     """
 
@@ -46,7 +44,7 @@ class Cue:
     loop: bool
 
 
-class Stage:
+class ScenarioState:
     """Plays a scenario. Attributes are read between calls of :meth:`advance`."""
 
     def __init__(self, scenario: ScenarioConfig) -> None:
@@ -77,16 +75,16 @@ class Stage:
 
     @property
     def cues(self) -> tuple[Cue, ...]:
-        """Every sound that goes on for ever, began in the last two minutes or begins in the next two seconds."""
+        """Every endless sound, and those that began in the last two minutes or begin in the next two seconds."""
         return (*self._loops, *self._cues)
 
     @property
     def people(self) -> tuple[PersonTruth, ...]:
-        """Everybody, as of now."""
+        """All people now."""
         return tuple(actor.truth for actor in self.actors)
 
     def place(self, cue: Cue) -> tuple[float, float, float]:
-        """Where in the world (m) the sound of ``cue`` is now: its fixed place, or its person's mouth, hands or feet."""
+        """Current place (m, world) of the sound of ``cue``: its fixed place, or its person's mouth, hands or feet."""
         if not cue.person:
             place = self._places[self._of[cue.name]]
             assert place is not None
@@ -99,7 +97,7 @@ class Stage:
         return actor.mouth
 
     def advance(self, time_s: float, X_WB: Pose2) -> bool:
-        """Let the people go on to ``time_s`` (simulated s), the robot being at ``X_WB``; True if a tick passed."""
+        """Advance the people to ``time_s`` (simulated s), the robot being at ``X_WB``; True if a tick passed."""
         before = self._ticks
         while (self._ticks + 1) * TICK_S <= time_s + 1e-9:
             self._ticks += 1
@@ -111,7 +109,7 @@ class Stage:
             self._update_cues()
         return self._ticks > before
 
-    def _happened(self, actor: Actor, what: Happening) -> None:
+    def _happened(self, actor: Actor, what: ActorSound) -> None:
         clip, gain_db = what.clip, what.gain_db
         if what.kind == "steps":
             if self._footsteps is None:
@@ -119,7 +117,9 @@ class Stage:
             clip, gain_db = self._footsteps.clip, self._footsteps.gain_db
         self._numbers += 1
         name = f"{actor.name}: {what.kind} {self._numbers}"
-        self._cues.append(Cue(name, what.kind, actor.name, clip, gain_db, what.begin_s, loop=False))
+        self._cues.append(
+            Cue(name, what.kind, person=actor.name, clip=clip, gain_db=gain_db, begin_s=what.begin_s, loop=False)
+        )
 
     def _update_cues(self) -> None:
         now = self.time_s
@@ -129,22 +129,30 @@ class Stage:
                 self._numbers += 1
                 name = sound.name if sound.every_s is None else f"{sound.name} {timed.done + 1}"
                 self._of[name] = sound.name
-                cue = Cue(name, sound.kind, sound.person, sound.clip, sound.gain_db, begin, sound.loop)
+                cue = Cue(
+                    name,
+                    sound.kind,
+                    person=sound.person,
+                    clip=sound.clip,
+                    gain_db=sound.gain_db,
+                    begin_s=begin,
+                    loop=sound.loop,
+                )
                 (self._loops if sound.loop else self._cues).append(cue)
                 if sound.kind == "clap" and sound.person:
                     self._by_name[sound.person].clap_at(begin)
                 timed.take()
-        self._cues = deque(cue for cue in self._cues if self._still_told(cue, now))
+        self._cues = deque(cue for cue in self._cues if self._still_active(cue, now))
         told = {cue.name for cue in self.cues}
         self._of = {name: sound for name, sound in self._of.items() if name in told}
 
     @staticmethod
-    def _still_told(cue: Cue, now: float) -> bool:
+    def _still_active(cue: Cue, now: float) -> bool:
         return now - cue.begin_s < (STEPS_KEEP_S if cue.kind == "steps" else KEEP_S)
 
 
 class _Timed:
-    """When a sound of the list comes next."""
+    """Schedule of a timed sound."""
 
     def __init__(self, sound: SoundConfig, rng: np.random.Generator) -> None:
         self.sound = sound
@@ -153,7 +161,7 @@ class _Timed:
         self.next_s: float | None = self._jittered(sound.begin_s)
 
     def take(self) -> None:
-        """The next time has been told; work out the one after."""
+        """Take the next time and compute the one after."""
         self.done += 1
         sound = self.sound
         again = sound.every_s is not None and (sound.count is None or self.done < sound.count)
@@ -164,6 +172,6 @@ class _Timed:
 
 
 def draw_heights(rng: np.random.Generator, count: int) -> list[float]:
-    """``count`` heights (m) of standing people, without dwarfs and giants."""
+    """``count`` heights (m) of standing people, without extremes."""
     heights = HEIGHT_MEAN_M + HEIGHT_SIGMA_M * rng.standard_normal(count)
     return [float(height) for height in np.clip(heights, *HEIGHT_RANGE_M)]

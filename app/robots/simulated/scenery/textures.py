@@ -1,4 +1,4 @@
-"""Procedural textures: what walls, floors and furniture look like. Pure functions of a seed.
+"""Procedural textures of walls, floors and furniture. Pure functions of a seed.
 
 Every pattern returns (H, W, 3) uint8 RGB, row 0 at the top. All but the pictures tile without a seam.
 """

@@ -71,12 +71,12 @@ class World:
         directions = np.stack((np.cos(angles), np.sin(angles), np.zeros(rays)), axis=-1)
         ranges = self.hit(np.array([[pose.x, pose.y, height_m] for pose in poses]), directions)
         rng = np.random.default_rng((self.seed, int(1e6 * stamp)))
-        ranges = np.where(ranges < 30.0, ranges + noise_m * rng.standard_normal(rays), np.inf).astype(np.float32)
+        noisy = np.where(ranges < 30.0, ranges + noise_m * rng.standard_normal(rays), np.inf).astype(np.float32)
         return LaserScan(
             stamp,
             "laser",
-            ranges,
-            np.zeros_like(ranges),
+            noisy,
+            np.zeros_like(noisy),
             -0.5 * fov,
             fov / (rays - 1),
             0.1,

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from app.base.geometry import Pose2
 from app.link import BaseLimits
-from app.modules.behaviors.navigation.controller import Body, Choice, Field, Motion, Way
-from app.modules.behaviors.navigation.planning.reference_path import Track
+from app.modules.behaviors.navigation.controller import BodyModel, DistanceField, LocalPath, MotionState, VelocityChoice
+from app.modules.behaviors.navigation.planning.reference_path import ReferencePath
 
 LIMITS = BaseLimits(0.40, 1.00, 0.40, 4.00)
 SQUARE = ((0.25, -0.25), (0.25, 0.25), (-0.25, 0.25), (-0.25, -0.25))
@@ -19,7 +19,7 @@ FAST = BaseLimits(2.0, 4.0, 4.0, 12.0)
 LONG = ((0.254, -0.215), (0.254, 0.215), (-0.254, 0.215), (-0.254, -0.215))
 
 
-def field_of(obstacles: NDArray[np.float64], size_m: float = 6.0, resolution_m: float = 0.025) -> Field:
+def field_of(obstacles: NDArray[np.float64], size_m: float = 6.0, resolution_m: float = 0.025) -> DistanceField:
     """The field around (0, 0) of point obstacles (N, 2) m."""
     cells = round(size_m / resolution_m)
     free = np.ones((cells, cells), dtype=np.uint8)
@@ -29,7 +29,7 @@ def field_of(obstacles: NDArray[np.float64], size_m: float = 6.0, resolution_m: 
     distances = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE) * np.float32(resolution_m)
     if free.all():
         distances = np.full_like(distances, size_m)
-    return Field(np.ascontiguousarray(distances), (-size_m / 2, -size_m / 2), resolution_m)
+    return DistanceField(np.ascontiguousarray(distances), (-size_m / 2, -size_m / 2), resolution_m)
 
 
 def wall(x0: float, y0: float, x1: float, y1: float) -> NDArray[np.float64]:
@@ -38,9 +38,9 @@ def wall(x0: float, y0: float, x1: float, y1: float) -> NDArray[np.float64]:
     return np.stack((np.linspace(x0, x1, count), np.linspace(y0, y1, count)), axis=1)
 
 
-def way_along(points: list[tuple[float, float]], pose: Pose2, limits: BaseLimits, length_m: float = 6.0) -> Way:
+def way_along(points: list[tuple[float, float]], pose: Pose2, limits: BaseLimits, length_m: float = 6.0) -> LocalPath:
     """The way along ``points`` from beside ``pose`` on."""
-    track = Track(np.array(points), speed_mps=limits.linear_mps, braking_mps2=limits.linear_mps2)
+    track = ReferencePath(np.array(points), speed_mps=limits.linear_mps, braking_mps2=limits.linear_mps2)
     track.come_to(pose)
     return track.ahead(Pose2(), length_m)
 
@@ -54,7 +54,7 @@ def distance_to(obstacles: NDArray[np.float64], pose: Pose2, half_x: float, half
     return float(np.where(outside > 0, outside, np.maximum(ahead, aside)).min())
 
 
-def driven(motion: Motion, linear: float, angular: float, limits: BaseLimits, time_s: float) -> Motion:
+def driven(motion: MotionState, linear: float, angular: float, limits: BaseLimits, time_s: float) -> MotionState:
     """What a body with these limits does, in steps of 5 ms."""
     pose, v, w = motion.pose, motion.linear_mps, motion.angular_radps
     for _ in range(max(1, round(time_s / 0.005))):
@@ -64,14 +64,14 @@ def driven(motion: Motion, linear: float, angular: float, limits: BaseLimits, ti
         pose = Pose2(
             pose.x + v * math.cos(middle) * 0.005, pose.y + v * math.sin(middle) * 0.005, pose.theta + w * 0.005
         )
-    return Motion(pose, v, w)
+    return MotionState(pose, v, w)
 
 
-def body_of(limits: BaseLimits, footprint: tuple[tuple[float, float], ...]) -> Body:
+def body_of(limits: BaseLimits, footprint: tuple[tuple[float, float], ...]) -> BodyModel:
     """A body to be driven."""
-    return Body.of(footprint, limits)
+    return BodyModel.of(footprint, limits)
 
 
-def is_still(choice: Choice) -> bool:
+def is_still(choice: VelocityChoice) -> bool:
     """Whether it commands to stand."""
     return choice.linear_mps == 0.0 and choice.angular_radps == 0.0

@@ -41,7 +41,8 @@ def test_through_every_field_there_is_a_way_as_short_as_the_published_one_and_wi
         found = np.floor((circles.reshape(-1, 2) - np.array(grid.origin)) / 0.05).astype(int)
         inside = ((found >= 0) & (found < (160, 320))).all(axis=1)
         cells[found[inside, 1], found[inside, 0]] = 100
-        way = plan(cost_field(grid, OBLONG), Pose2(*world["start"]), Pose2(*world["goal"], math.nan))
+        goal = Pose2(world["goal"][0], world["goal"][1], math.nan)
+        way = plan(cost_field(grid, OBLONG), Pose2(*world["start"]), goal)
         assert way.code == "way", world["id"]
         assert way.length_m < 1.03 * world["path_length"]
         nearest = np.linalg.norm(way.poses[:, None, :2] - cylinders[None], axis=-1).min()

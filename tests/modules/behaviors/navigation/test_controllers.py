@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from app.base.geometry import Pose2
 from app.link import BaseLimits
-from app.modules.behaviors.navigation.controller import Body, Motion
-from app.modules.behaviors.navigation.planning.reference_path import Track
+from app.modules.behaviors.navigation.controller import BodyModel, MotionState
+from app.modules.behaviors.navigation.planning.reference_path import ReferencePath
 from app.modules.behaviors.navigation.tracking.control_cycle import CONTROLLERS, controller_named
 from tests.modules.behaviors.navigation.scenes import (
     FAST,
@@ -44,15 +44,15 @@ def kind(request: pytest.FixtureRequest) -> str:
 @settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
 def test_never_into_what_it_could_not_stop_before(name: str, kind: str, data: st.DataObject) -> None:
-    """Whatever stands about and however it moves: if it could still stop before, it can after the next command."""
+    """For any obstacles and any motion: if it could still stop before, it can after the next command."""
     limits, footprint, period_s = BODIES[kind]
     half_x, half_y = footprint[0][0], abs(footprint[0][1])
     random = np.random.default_rng(data.draw(st.integers(0, 2**32 - 1)))
     obstacles = random.uniform(-2.5, 2.5, (data.draw(st.integers(1, 60)), 2))
     pose = Pose2(0.0, 0.0, data.draw(st.floats(-3, 3)))
-    motion = Motion(pose, data.draw(st.floats(0, limits.linear_mps)), data.draw(st.floats(-1, 1)))
+    motion = MotionState(pose, data.draw(st.floats(0, limits.linear_mps)), data.draw(st.floats(-1, 1)))
 
-    def stopped(start: Motion) -> float:
+    def stopped(start: MotionState) -> float:
         """The least distance while braking from there."""
         least = distance_to(obstacles, start.pose, half_x, half_y)
         while abs(start.linear_mps) > 1e-3 or abs(start.angular_radps) > 1e-2:
@@ -76,15 +76,15 @@ def test_never_into_what_it_could_not_stop_before(name: str, kind: str, data: st
 
 def follow(
     name: str, kind: str, obstacles: np.ndarray, points: list[tuple[float, float]], limit_s: float = 60.0
-) -> tuple[float, float, list[Motion]]:
+) -> tuple[float, float, list[MotionState]]:
     """Drive along ``points``: time needed (inf: never there), least distance to obstacles, and every cycle's motion."""
     limits, footprint, period_s = BODIES[kind]
     half_x, half_y = footprint[0][0], abs(footprint[0][1])
     controller, field = controller_named(name), field_of(obstacles, 12.0)
-    body = Body.of(footprint, limits, padding_m=0.03 if name == "dwa_published" else 0.0)
-    track = Track(np.array(points), speed_mps=limits.linear_mps, braking_mps2=limits.linear_mps2)
+    body = BodyModel.of(footprint, limits, padding_m=0.03 if name == "dwa_published" else 0.0)
+    track = ReferencePath(np.array(points), speed_mps=limits.linear_mps, braking_mps2=limits.linear_mps2)
     start = points[0]
-    motion = Motion(Pose2(*start, math.atan2(points[1][1] - start[1], points[1][0] - start[0])), 0.0, 0.0)
+    motion = MotionState(Pose2(*start, math.atan2(points[1][1] - start[1], points[1][0] - start[0])), 0.0, 0.0)
     least, time, driven_so_far = math.inf, 0.0, [motion]
     while time < limit_s:
         remaining, _ = track.come_to(motion.pose)
@@ -136,7 +136,7 @@ def test_equal_inputs_give_equal_commands(name: str) -> None:
     obstacles = obstacles[np.hypot(*obstacles.T) > 0.6]
     runs = []
     for _ in range(2):
-        controller, motion = controller_named(name), Motion(Pose2(), 0.3, 0.0)
+        controller, motion = controller_named(name), MotionState(Pose2(), 0.3, 0.0)
         field, body = field_of(obstacles), body_of(LIMITS, SQUARE)
         for _ in range(5):
             choice = controller.choose(

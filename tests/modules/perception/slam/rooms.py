@@ -9,16 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.base.geometry import Pose2
-from app.modules.perception.slam.offline import Sweep
-from app.modules.perception.slam.scans import Beams
+from app.modules.perception.slam.offline_mapping import Sweep
+from app.modules.perception.slam.scans import BeamGeometry
 
 Walls = NDArray[np.float64]
 RANGE_MAX_M = 30.0
 
 
-def half_circle(rays: int = 181) -> Beams:
+def half_circle(rays: int = 181) -> BeamGeometry:
     """A laser that looks 180° ahead."""
-    return Beams(np.linspace(-math.pi / 2, math.pi / 2, rays), 0.05, RANGE_MAX_M)
+    return BeamGeometry(np.linspace(-math.pi / 2, math.pi / 2, rays), 0.05, RANGE_MAX_M)
 
 
 def box(left: float, low: float, right: float, high: float) -> list[tuple[float, float, float, float]]:
@@ -52,15 +52,15 @@ def ring(side: float = 18.0, width: float = 2.5, seed: int = 3) -> Walls:
     return np.array(walls)
 
 
-def seen(walls: Walls, beams: Beams, poses: Sequence[Pose2] | Pose2) -> NDArray[np.float64]:
+def seen(walls: Walls, beams: BeamGeometry, poses: Sequence[Pose2] | Pose2) -> NDArray[np.float64]:
     """Ranges (N,) m of all ``beams``, each from its own pose (or all from one); inf where nothing is near enough."""
     each = [poses] * len(beams.angles) if isinstance(poses, Pose2) else poses
     lasers = [pose @ beams.X_BL for pose in each]
-    eyes = np.array([(p.x, p.y) for p in lasers])
+    sensors_xy = np.array([(p.x, p.y) for p in lasers])
     angles = np.array([p.theta for p in lasers]) + beams.angles
     direction = np.stack((np.cos(angles), np.sin(angles)), axis=1)
     start, along = walls[:, :2], walls[:, 2:] - walls[:, :2]
-    to = start[None] - eyes[:, None]
+    to = start[None] - sensors_xy[:, None]
     across = direction[:, None, 0] * along[None, :, 1] - direction[:, None, 1] * along[None, :, 0]
     across = np.where(np.abs(across) < 1e-12, 1e-12, across)
     distance = (to[..., 0] * along[None, :, 1] - to[..., 1] * along[None, :, 0]) / across
@@ -88,7 +88,13 @@ def around(side: float, step: float = 0.15, laps: float = 1.0) -> list[Pose2]:
 
 
 def driven(
-    walls: Walls, poses: Sequence[Pose2], beams: Beams, *, noise_m: float = 0.01, slip: float = 0.03, seed: int = 0
+    walls: Walls,
+    poses: Sequence[Pose2],
+    beams: BeamGeometry,
+    *,
+    noise_m: float = 0.01,
+    slip: float = 0.03,
+    seed: int = 0,
 ) -> Iterator[Sweep]:
     """The sweeps of a drive along ``poses``; odometry is too long by ``slip``, turns as much too little, and shakes."""
     rng = np.random.default_rng(seed)

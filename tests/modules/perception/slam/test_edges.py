@@ -8,11 +8,11 @@ import pytest
 from app.base.geometry import Pose2
 from app.modules.perception.slam.edges import edge_information
 from app.modules.perception.slam.information import Information, variance_m2
-from app.modules.perception.slam.scan_matching import Fit
+from app.modules.perception.slam.scan_matching import ScanFit
 
 
 def of(inliers: float, sigma_m: float = 0.1) -> Information:
-    fit = Fit(Pose2(), inliers, 1.0, 0.01, np.diag([1e4, 1e4, 1e5]))
+    fit = ScanFit(Pose2(), inliers, 1.0, 0.01, np.diag([1e4, 1e4, 1e5]))
     return edge_information(fit, (0.1, 0.1), np.diag([sigma_m**2, sigma_m**2, 0.01]), 0.25)
 
 

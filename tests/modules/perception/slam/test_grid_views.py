@@ -11,7 +11,7 @@ from app.base.geometry import Pose2
 from app.messages import OccupancyGrid
 from app.modules.perception.slam.grid_views import cast_grid, state_of
 from app.modules.perception.slam.mapper import Slam
-from app.modules.perception.slam.scans import Beams
+from app.modules.perception.slam.scans import BeamGeometry
 from tests.modules.perception.slam.places import ANGLES, HALL, drawn, scan, way
 
 
@@ -32,7 +32,7 @@ def test_the_robot_is_followed_on_it_within_the_size_of_its_cells() -> None:
     state = state_of(drawn(HALL, (12, 8)))
     assert len(state.keyframes) > 30
     slam = Slam(state=state, X_MB=Pose2(1.1, 3.4, 0.05), frozen=True)
-    beams = Beams(ANGLES, 0.1, 30.0, Pose2(0.2, 0.0, 0.0))
+    beams = BeamGeometry(ANGLES, 0.1, 30.0, Pose2(0.2, 0.0, 0.0))
     errors = []
     for number, pose in enumerate(way((1.0, 3.5), (8.0, 3.5), (8.0, 6.5), (11.0, 6.5))):
         match = slam.add(0.1 * number, scan(HALL, pose, seed=number).ranges, beams, pose)

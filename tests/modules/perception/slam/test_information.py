@@ -50,9 +50,9 @@ def test_a_chain_is_as_unsure_as_its_samples(one: Information, other: Informatio
     ]
     X_ac = X_ab @ X_bc
     ends = [X_ac.inverse() @ X_ab @ Pose2(*a) @ X_bc @ Pose2(*b) for a, b in zip(*draws, strict=True)]
-    told = 1e-4 * np.linalg.inv(matrix(chained(one, other, X_bc)))
-    sigmas = np.sqrt(np.diag(told))
-    assert np.allclose(spread(ends) / np.outer(sigmas, sigmas), told / np.outer(sigmas, sigmas), atol=0.2)
+    explained_each = 1e-4 * np.linalg.inv(matrix(chained(one, other, X_bc)))
+    sigmas = np.sqrt(np.diag(explained_each))
+    assert np.allclose(spread(ends) / np.outer(sigmas, sigmas), explained_each / np.outer(sigmas, sigmas), atol=0.2)
 
 
 def test_a_turn_changes_axes_and_no_amount() -> None:

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from app.base.geometry import Pose2
-from app.modules.perception.slam.map_rendering import GLANCES, Glance, MapDrawing
-from app.modules.perception.slam.occupancy import OccupancyCounts, View, view_of
+from app.modules.perception.slam.map_rendering import GLANCES, ExtraView, MapRenderer
+from app.modules.perception.slam.occupancy import OccupancyCounts, ScanView, view_of
 from app.modules.perception.slam.types import Keyframe
 from tests.modules.perception.slam.places import HALL, scan, way
 
@@ -19,24 +19,24 @@ WAY = way((1.5, 3.0), (10.0, 3.0), step_m=0.5)
 def keyframe(number: int, pose: Pose2) -> Keyframe:
     view = view_of(scan(HALL, pose, seed=number))
     points = np.zeros((0, 4), np.float32)
-    return Keyframe(number, 0.0, points, view.ends, view.met, np.array(view.eye, np.float32), 0.0)
+    return Keyframe(number, 0.0, points, view.ends, view.met, np.array(view.sensor_xy, np.float32), 0.0)
 
 
 KEYFRAMES = {number: keyframe(number, pose) for number, pose in enumerate(WAY)}
 POSES = dict(enumerate(WAY))
 
 
-def drawing() -> MapDrawing:
-    return MapDrawing(OccupancyCounts(side_m=30))
+def drawing() -> MapRenderer:
+    return MapRenderer(OccupancyCounts(side_m=30))
 
 
-def fresh(poses: dict[int, Pose2]) -> MapDrawing:
+def fresh(poses: dict[int, Pose2]) -> MapRenderer:
     made = drawing()
     assert not made.update(KEYFRAMES, poses, 1000)
     return made
 
 
-def same(one: MapDrawing, other: MapDrawing) -> bool:
+def same(one: MapRenderer, other: MapRenderer) -> bool:
     return np.array_equal(one.counts.hits, other.counts.hits) and np.array_equal(one.counts.misses, other.counts.misses)
 
 
@@ -78,10 +78,10 @@ def test_less_than_half_a_cell_is_not_drawn_again_unless_it_turns() -> None:
 def test_glances_move_with_their_keyframe_and_the_oldest_goes() -> None:
     made = fresh(POSES)
     before = made.counts.hits.sum()
-    one = View(np.array([[0.5, 0.0]], np.float32), np.array([True]), (0.0, 0.0))
+    one = ScanView(np.array([[0.5, 0.0]], np.float32), np.array([True]), (0.0, 0.0))
     for _ in range(GLANCES + 5):
-        made.glance(Glance(3, Pose2(0.1), one))
-    made.glance(Glance(999, Pose2(), one))
+        made.extra_view(ExtraView(3, Pose2(0.1), one))
+    made.extra_view(ExtraView(999, Pose2(), one))
     assert made.counts.hits.sum() - before == GLANCES
     shifted = {id: Pose2(p.x, p.y + 1.0, p.theta) for id, p in POSES.items()}
     made.update(KEYFRAMES, shifted, 1000)

@@ -11,7 +11,7 @@ import pytest
 
 from app.base.geometry import Pose2
 from app.modules.perception.slam.mapper import Slam
-from app.modules.perception.slam.offline import MappedLog, Sweep, mapped
+from app.modules.perception.slam.offline_mapping import MappedLog, Sweep, mapped
 from app.modules.perception.slam.settings import SlamSettings
 from app.modules.perception.slam.types import SlamState
 from tests.modules.perception.slam.rooms import around, driven, half_circle, ring, room, seen
@@ -106,7 +106,7 @@ def test_what_was_mapped_in_one_direction_is_followed_in_the_other(lap: tuple[Ma
 
 
 def _crowded(state: SlamState) -> SlamState:
-    """``state`` with keyframes of the next room about its own: all headings, and a wall that nobody else sees."""
+    """``state`` with keyframes of the next room about its own: all headings, and a wall that no other keyframe sees."""
     wall = np.array([[0.1 * k, 0.0, 0.0, 1.0] for k in range(5)], np.float32)
     keyframes, poses = list(state.keyframes), list(state.poses)
     number = max(keyframe.id for keyframe in keyframes) + 1
@@ -139,7 +139,7 @@ def test_mapping_goes_on_where_it_was_left() -> None:
 
 
 def test_a_job_runs_in_another_thread_while_scans_go_on() -> None:
-    """What comes meanwhile stands behind what the job knew."""
+    """Additions during the job follow the entries it knew."""
     true = around(SIDE, 0.25, laps=1.25)
     slam = Slam()
     running = None

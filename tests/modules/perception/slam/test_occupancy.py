@@ -11,10 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from app.base.geometry import Pose2
-from app.modules.perception.slam.occupancy import REACH_M, OccupancyCounts, View, cropped, view_of
+from app.modules.perception.slam.occupancy import REACH_M, OccupancyCounts, ScanView, cropped, view_of
 from tests.modules.perception.slam.places import HALL, scan
 
-AHEAD = View(np.array([[2.0, 0.0]], np.float32), np.array([True]), (0.0, 0.0))
+AHEAD = ScanView(np.array([[2.0, 0.0]], np.float32), np.array([True]), (0.0, 0.0))
 NOTHING_AHEAD = replace(AHEAD, ends=np.array([[29.0, 0.0]], np.float32), met=np.array([False]))
 HERE = Pose2(0.025, 0.025, 0.0)
 
@@ -22,11 +22,11 @@ poses = st.builds(Pose2, st.floats(-40, 40), st.floats(-40, 40), st.floats(-4, 4
 
 
 @st.composite
-def views(draw: st.DrawFn) -> View:
+def views(draw: st.DrawFn) -> ScanView:
     count = draw(st.integers(0, 20))
     rng = np.random.default_rng(draw(st.integers(0, 2**32)))
     ends = rng.uniform(-15, 15, (count, 2)).astype(np.float32)
-    return View(ends, rng.random(count) < 0.7, (draw(st.floats(-0.5, 0.5)), 0.1))
+    return ScanView(ends, rng.random(count) < 0.7, (draw(st.floats(-0.5, 0.5)), 0.1))
 
 
 def value(counts: OccupancyCounts, x: float, y: float) -> int:
@@ -39,7 +39,7 @@ def value(counts: OccupancyCounts, x: float, y: float) -> int:
 @settings(max_examples=50)
 @given(st.lists(st.tuples(views(), poses), max_size=6), st.randoms())
 def test_what_is_taken_out_again_leaves_no_trace_whatever_the_grid_grew_meanwhile(
-    taken: list[tuple[View, Pose2]], random: object
+    taken: list[tuple[ScanView, Pose2]], random: object
 ) -> None:
     counts = OccupancyCounts(side_m=10)
     for view, pose in taken:
@@ -56,7 +56,7 @@ def test_what_is_taken_out_again_leaves_no_trace_whatever_the_grid_grew_meanwhil
 
 @settings(max_examples=30)
 @given(st.lists(st.tuples(views(), poses), min_size=1, max_size=4))
-def test_every_view_counts_once_in_a_cell_and_hits_come_before_misses(taken: list[tuple[View, Pose2]]) -> None:
+def test_every_view_counts_once_in_a_cell_and_hits_come_before_misses(taken: list[tuple[ScanView, Pose2]]) -> None:
     counts = OccupancyCounts(side_m=10)
     for view, pose in taken:
         counts.add(view, pose)
@@ -81,20 +81,20 @@ def test_who_walked_by_is_gone_after_a_few_looks_and_what_stands_stays() -> None
     counts = OccupancyCounts()
     behind = replace(AHEAD, ends=np.array([[4.0, 0.0]], np.float32))
     counts.add(AHEAD, HERE)
-    shown = []
+    last_published = []
     for _ in range(20):
         counts.add(behind, HERE)
-        shown.append(value(counts, 2.03, 0.025))
-    assert shown == sorted(shown, reverse=True)
-    assert shown[3] < 50
-    assert shown[-1] == 0
+        last_published.append(value(counts, 2.03, 0.025))
+    assert last_published == sorted(last_published, reverse=True)
+    assert last_published[3] < 50
+    assert last_published[-1] == 0
     assert value(counts, 4.03, 0.025) == 100
 
 
 def test_a_wall_seen_along_itself_is_not_worn_away() -> None:
     counts = OccupancyCounts()
     x = np.linspace(0.5, 4.0, 200)
-    along = View(np.stack((x, np.full_like(x, 0.1)), axis=1).astype(np.float32), np.ones(200, bool), (0.0, 0.2))
+    along = ScanView(np.stack((x, np.full_like(x, 0.1)), axis=1).astype(np.float32), np.ones(200, bool), (0.0, 0.2))
     for _ in range(10):
         counts.add(along, Pose2())
     counts.refresh()
@@ -133,7 +133,7 @@ def test_the_view_of_a_scan_is_in_the_bodys_frame_and_leaves_out_what_says_nothi
     view = view_of(replace(seen, ranges=values))
     assert len(view.ends) == len(values) - 2
     assert view.met.tolist() == [False] + [True] * (len(values) - 3)
-    assert view.eye == (0.2, 0.0)
+    assert view.sensor_xy == (0.2, 0.0)
     middle = len(view.ends) // 2
     assert view.ends[middle] + (1.0, 3.0) == pytest.approx((12.0, 3.0), abs=0.1)
 

@@ -27,7 +27,7 @@ def test_ratios_come_to_what_the_robot_does(length: float, turn: float, said: fl
     assert ratios.turn == pytest.approx(turn, abs=0.003)
 
 
-def test_nothing_is_learnt_where_scans_tell_nothing_nor_from_a_slip() -> None:
+def test_nothing_is_learnt_where_scans_report_nothing_nor_from_a_slip() -> None:
     ratios = OdometryRatios()
     step = Pose2(0.1, 0.0, 0.1)
     for _ in range(100):

@@ -10,24 +10,24 @@ import pytest
 
 from app.base.geometry import Pose2
 from app.messages import OccupancyGrid
-from app.modules.perception.slam.likelihood_field import PlaceField
+from app.modules.perception.slam.likelihood_field import LikelihoodField
 from app.modules.perception.slam.occupancy import view_of
-from app.modules.perception.slam.relocalization import PlaceSearch, Sighting, spread
+from app.modules.perception.slam.relocalization import PoseSearch, SearchScan, spread
 from tests.modules.perception.slam.places import HALL, Segment, box, drawn, polygon, scan, way
 
 #: Where odometry is in the world: nothing that a map could know.
 X_WO = Pose2(-3.0, 7.0, 2.0)
 
 
-def sighting(walls: Sequence[Segment], X_WB: Pose2, seed: int, drift: Pose2 | None = None) -> Sighting:
+def sighting(walls: Sequence[Segment], X_WB: Pose2, seed: int, drift: Pose2 | None = None) -> SearchScan:
     view = view_of(scan(walls, X_WB, seed=seed))
     X_OB = X_WO.inverse() @ X_WB
-    return Sighting(view.ends[view.met].astype(np.float64), np.array(view.eye), X_OB @ drift if drift else X_OB)
+    return SearchScan(view.ends[view.met].astype(np.float64), np.array(view.sensor_xy), X_OB @ drift if drift else X_OB)
 
 
 def sought(grid: OccupancyGrid, walls: Sequence[Segment], poses: Sequence[Pose2]) -> tuple[float, Pose2] | None:
     """How far the robot went until it believed a place, and where it believed to be; None if it never did."""
-    search = PlaceSearch(PlaceField(grid))
+    search = PoseSearch(LikelihoodField(grid))
     gone = 0.0
     for number, (before, pose) in enumerate(zip((poses[0], *poses), poses, strict=False)):
         gone += math.dist((before.x, before.y), (pose.x, pose.y))
@@ -66,12 +66,12 @@ def test_it_is_found_where_it_is_within_a_few_metres(hall: OccupancyGrid, name: 
 
 
 def test_nothing_is_believed_before_it_moved(hall: OccupancyGrid) -> None:
-    search = PlaceSearch(PlaceField(hall))
+    search = PoseSearch(LikelihoodField(hall))
     pose = WAYS["along"][0]
     for number in range(50):
         assert search.see(sighting(HALL, pose, number)) is None
-    assert search.places, "though it has an idea"
-    best = search.places[0].X_MO @ (X_WO.inverse() @ pose)
+    assert search.hypotheses, "though it has an idea"
+    best = search.hypotheses[0].X_MO @ (X_WO.inverse() @ pose)
     assert math.dist((best.x, best.y), (pose.x, pose.y)) < 0.1
 
 
@@ -94,10 +94,10 @@ def test_of_two_corridors_that_look_alike_none_is_believed_until_they_differ() -
     grid = drawn(TWINS, (14, 6))
     # Facing away from where they differ, all the way.
     westward = [Pose2(x, y, math.pi) for x, y in ((12.0 - 0.2 * n, 5.0) for n in range(50))]
-    search = PlaceSearch(PlaceField(grid))
+    search = PoseSearch(LikelihoodField(grid))
     for number, pose in enumerate(westward):
         assert search.see(sighting(TWINS, pose, number)) is None
-    at = [place.X_MO @ (X_WO.inverse() @ westward[-1]) for place in search.places]
+    at = [place.X_MO @ (X_WO.inverse() @ westward[-1]) for place in search.hypotheses]
     assert {round(pose.y) for pose in at[:4]} >= {1, 5}, "both stay possible"
     # Turning round, it sees the far end: there is no box.
     turn = [Pose2(westward[-1].x, 5.0, math.pi - 0.4 * n) for n in range(8)]
@@ -113,7 +113,7 @@ def test_of_two_corridors_that_look_alike_none_is_believed_until_they_differ() -
 
 def test_people_around_it_do_not_hide_where_it_is(hall: OccupancyGrid) -> None:
     rng = np.random.default_rng(5)
-    search = PlaceSearch(PlaceField(hall))
+    search = PoseSearch(LikelihoodField(hall))
     for number, pose in enumerate(WAYS["along"]):
         legs = [piece for x, y in rng.uniform((1, 2), (10, 5), (3, 2)) for piece in box(x, y, 0.3, 0.3)]
         seen = sighting([*HALL, *legs], pose, number)
@@ -126,9 +126,9 @@ def test_people_around_it_do_not_hide_where_it_is(hall: OccupancyGrid) -> None:
 
 def test_an_empty_map_has_no_places() -> None:
     grid = OccupancyGrid(0.0, "map", np.full((100, 100), -1, np.int8), 0.05, (0.0, 0.0), 1)
-    search = PlaceSearch(PlaceField(grid))
+    search = PoseSearch(LikelihoodField(grid))
     assert search.see(sighting(HALL, WAYS["along"][0], 0)) is None
-    assert search.places == ()
+    assert search.hypotheses == ()
 
 
 def test_spread_points_stand_for_the_near_and_the_far() -> None:

@@ -101,7 +101,7 @@ def test_a_grid_grows_to_all_sides_and_keeps_what_it_has() -> None:
     assert math.dist((fit.X_SB.x, fit.X_SB.y), (0, 1)) < 0.01
 
 
-def test_noise_tells_nothing_along_a_bare_corridor_and_does_not_carry_the_robot() -> None:
+def test_noise_reports_nothing_along_a_bare_corridor_and_does_not_carry_the_robot() -> None:
     ahead = half_circle(180)
     rng = np.random.default_rng(5)
 

@@ -10,10 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from app.base.geometry import Pose2
-from app.modules.perception.slam.scans import Beams, prepared
+from app.modules.perception.slam.scans import BeamGeometry, prepared
 from tests.modules.perception.slam.rooms import half_circle, room, seen
 
-LASER = Beams(half_circle(541).angles, 0.05, 30.0, Pose2(0.2, 0.05, 0.1))
+LASER = BeamGeometry(half_circle(541).angles, 0.05, 30.0, Pose2(0.2, 0.05, 0.1))
 
 
 def after(twist: tuple[float, float], elapsed: float) -> Pose2:
@@ -30,7 +30,7 @@ def test_a_moving_body_sees_the_room_as_one_that_stands(speed: float, turning: f
     start, sweep_s = Pose2(0, 1, 0.5), 0.1
     count = len(LASER.angles)
     poses = [start @ after((speed, turning), sweep_s * k / (count - 1)) for k in range(0, count, 20)]
-    some = Beams(LASER.angles[::20], 0.05, 30.0, LASER.X_BL)
+    some = BeamGeometry(LASER.angles[::20], 0.05, 30.0, LASER.X_BL)
     moving = prepared(seen(room(), some, poses), some, (speed, turning), sweep_s, 25.0, 0.0)
     # Every end lies on a wall, seen from where the sweep began.
     on_walls = [start @ Pose2(float(x), float(y)) for x, y in moving.ends]
@@ -39,7 +39,7 @@ def test_a_moving_body_sees_the_room_as_one_that_stands(speed: float, turning: f
 
 def test_without_the_twist_they_do_not() -> None:
     """What the test above would see if nothing were taken out."""
-    some = Beams(LASER.angles[::20], 0.05, 30.0, LASER.X_BL)
+    some = BeamGeometry(LASER.angles[::20], 0.05, 30.0, LASER.X_BL)
     start = Pose2(0, 1, 0.5)
     poses = [start @ after((1.0, 1.5), 0.1 * k / (len(some.angles) - 1)) for k in range(len(some.angles))]
     still = prepared(seen(room(), some, poses), some, (0.0, 0.0), 0.0, 25.0, 0.0)
@@ -65,7 +65,7 @@ def test_what_was_not_measured_is_no_point() -> None:
 
 
 def test_a_laser_that_names_no_greatest_range_has_ends_all_the_same() -> None:
-    beams = Beams(np.linspace(-1.0, 1.0, 5), 0.05, math.inf)
+    beams = BeamGeometry(np.linspace(-1.0, 1.0, 5), 0.05, math.inf)
     scan = prepared(np.array([1.0, math.inf, math.nan, 2.0, 3.0]), beams, (0.0, 0.0), 0.0, 25.0, 0.0)
     assert np.isfinite(scan.ends).all()
     assert scan.hits.tolist() == [True, False, True, True]

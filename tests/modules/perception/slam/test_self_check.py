@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from app.base.geometry import Pose2
-from app.modules.perception.slam.offline import MappedLog, Sweep, mapped
+from app.modules.perception.slam.offline_mapping import MappedLog, Sweep, mapped
 from app.modules.perception.slam.scan_overlap import Pairs
 from app.modules.perception.slam.self_check import CheckSettings, checked, cuts_of
 from tests.modules.perception.slam.rooms import around, driven, half_circle, ring
@@ -60,7 +60,7 @@ def test_a_whole_map_is_intact(sweeps: list[Sweep]) -> None:
     log = mapped(sweeps)
     assert farthest_off(log, WAY) < 0.3
     check = checked(log)
-    assert (check.intact, check.doubts) == ("yes", ())
+    assert (check.intact, check.inconsistencies) == ("yes", ())
     assert set(check.sigmas_m) == set(log.slam.keyframes)
     assert max(check.sigmas_m.values()) < 0.5
 
@@ -71,7 +71,7 @@ def test_a_robot_that_was_carried_leaves_no_intact_map_unless_it_is_whole(sweeps
     check = checked(log)
     assert farthest_off(log, [WAY[k] for k in kept]) > 0.5
     assert check.intact != "yes"
-    assert check.doubts
+    assert check.inconsistencies
 
 
 def test_a_hole_that_nothing_bridges_is_not_known(sweeps: list[Sweep]) -> None:
@@ -79,8 +79,10 @@ def test_a_hole_that_nothing_bridges_is_not_known(sweeps: list[Sweep]) -> None:
     log = mapped(without(sweeps[: 3 * side], side // 2, 2 * side, known=True))
     check = checked(log)
     assert check.intact == "unknown"
-    assert any("odometry alone holds what was seen before and after together" in doubt for doubt in check.doubts)
-    assert any(f"at scan {side // 2} " in doubt for doubt in check.doubts)
+    assert any(
+        "odometry alone holds what was seen before and after together" in doubt for doubt in check.inconsistencies
+    )
+    assert any(f"at scan {side // 2} " in doubt for doubt in check.inconsistencies)
     # What is not known of the way over the hole is in how surely keyframes are known.
     assert max(check.sigmas_m.values()) > 1.0
 
@@ -90,7 +92,7 @@ def test_a_wheel_that_slipped_far_is_doubted_until_a_later_visit_confirms_it(swe
     early, whole = mapped(slipped[: 3 * LAP // 4]), mapped(slipped)
     assert farthest_off(whole, WAY) < 0.3
     assert checked(whole).intact == "yes"
-    (doubt,) = checked(early).doubts
+    (doubt,) = checked(early).inconsistencies
     assert "no later visit confirms it" in doubt
 
 
@@ -104,7 +106,7 @@ def test_scans_that_do_not_fit_are_said(sweeps: list[Sweep]) -> None:
     check = checked(log, CheckSettings(unmatched_share=0.5 * log.unmatched() / len(log.rows)))
     assert check.intact == "unknown"
     share = 100 * log.unmatched() / len(log.rows)
-    assert f"{log.unmatched()} scans ({share:.1f} %) did not fit the map" in check.doubts
+    assert f"{log.unmatched()} scans ({share:.1f} %) did not fit the map" in check.inconsistencies
 
 
 def test_a_cut_counts_the_pairs_that_reach_over_it() -> None:

@@ -16,7 +16,7 @@ from app.base.errors import ConfigError
 from app.base.geometry import Pose2
 from app.modules.perception.slam.information import diagonal
 from app.modules.perception.slam.mapper import Slam
-from app.modules.perception.slam.scans import Beams
+from app.modules.perception.slam.scans import BeamGeometry
 from app.modules.perception.slam.storage import read_state, write_state
 from app.modules.perception.slam.types import Edge, Keyframe, SlamState
 from tests.modules.perception.slam.places import ANGLES, HALL, X_BL, scan, way
@@ -76,7 +76,7 @@ def test_there_and_back(state: SlamState, tmp_path_factory: pytest.TempPathFacto
 
 def mapped() -> Slam:
     slam = Slam()
-    beams = Beams(ANGLES, 0.1, 30.0, Pose2(float(X_BL.translation[0]), 0.0, 0.0))
+    beams = BeamGeometry(ANGLES, 0.1, 30.0, Pose2(float(X_BL.translation[0]), 0.0, 0.0))
     start = Pose2(1.5, 3.0)
     for number, pose in enumerate(way((1.5, 3.0), (6.0, 3.0))):
         slam.add(number * 0.1, scan(HALL, pose, seed=number).ranges, beams, start.inverse() @ pose)
@@ -93,8 +93,8 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_mapping_goes_on_from_what_was_kept(written: Path) -> None:
     state = read_state(written)
     slam = Slam(state=state, X_MB=Pose2(4.5, 0.0, 0.0))
-    beams = Beams(ANGLES, 0.1, 30.0, Pose2(0.2, 0.0, 0.0))
-    # Odometry begins anew, elsewhere.
+    beams = BeamGeometry(ANGLES, 0.1, 30.0, Pose2(0.2, 0.0, 0.0))
+    # Odometry restarts, elsewhere.
     for number, pose in enumerate(way((6.0, 3.0), (8.0, 3.0))):
         match = slam.add(100.0 + number, scan(HALL, pose, seed=99 + number).ranges, beams, Pose2(5, 5) @ Pose2(pose.x))
     assert len(slam.keyframes) > len(state.keyframes)
@@ -132,14 +132,14 @@ def changed(written: Path, tmp_path: Path, **arrays: Any) -> Path:
         ({"submap": np.array([10**9]), "submap_of": np.array([0, 1])}, "keyframes that it does not have"),
     ],
 )
-def test_a_graph_that_cannot_be_is_told(written: Path, tmp_path: Path, arrays: dict[str, Any], words: str) -> None:
+def test_a_graph_that_cannot_be_is_reported(written: Path, tmp_path: Path, arrays: dict[str, Any], words: str) -> None:
     path = changed(written, tmp_path, **arrays)
     with pytest.raises(ConfigError, match=words) as damage:
         read_state(path)
     assert damage.value.file == str(path)
 
 
-def test_numbers_that_are_none_are_told(written: Path, tmp_path: Path) -> None:
+def test_numbers_that_are_none_are_reported(written: Path, tmp_path: Path) -> None:
     with np.load(written) as archive:
         poses = archive["pose"].copy()
     poses[0, 0] = np.nan
@@ -149,7 +149,7 @@ def test_numbers_that_are_none_are_told(written: Path, tmp_path: Path) -> None:
 
 @settings(max_examples=30)
 @given(data=st.data())
-def test_any_damaged_byte_is_told_or_harmless(data: st.DataObject, written: Path, tmp_path_factory: Any) -> None:
+def test_any_damaged_byte_is_reported_or_harmless(data: st.DataObject, written: Path, tmp_path_factory: Any) -> None:
     content = bytearray(written.read_bytes())
     at = data.draw(st.integers(0, len(content) - 1))
     content[at] ^= data.draw(st.integers(1, 255))
@@ -160,7 +160,7 @@ def test_any_damaged_byte_is_told_or_harmless(data: st.DataObject, written: Path
 
 
 @pytest.mark.parametrize("content", [b"", b"no archive", b"PK\x03\x04"])
-def test_what_is_no_graph_is_told(tmp_path: Path, content: bytes) -> None:
+def test_what_is_no_graph_is_reported(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "graph.npz"
     path.write_bytes(content)
     with pytest.raises(ConfigError, match="graph"):

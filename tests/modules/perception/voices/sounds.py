@@ -42,7 +42,7 @@ def heard(sound: NDArray[np.float32], direction: NDArray[np.float64], rate: int 
 
 
 def heard_turning(sound: NDArray[np.float32], azimuth_deg: float, turning_degps: float) -> NDArray[np.float32]:
-    """As ``heard``, for microphones that turn left in front of a source that stands still."""
+    """As ``heard``, for microphones that turn left in front of a source at rest."""
     times = np.arange(len(sound)) / RATE
     at = np.arange(0, len(sound) + 480, 480)
     directions = np.array([toward(azimuth_deg - turning_degps * t / RATE) for t in at])

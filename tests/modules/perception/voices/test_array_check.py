@@ -76,11 +76,11 @@ def test_one_clear_sound_is_agreed_on_wherever_the_microphones_are() -> None:
     rng = np.random.default_rng(2)
     for _ in range(5):
         direction = toward(rng.uniform(-180, 180), rng.uniform(-20, 60))
-        right = check.look(spectra(-(CORNERS @ direction) / SPEED_OF_SOUND))
+        right = check.agreement(spectra(-(CORNERS @ direction) / SPEED_OF_SOUND))
         # The nearest lags on a raster of 10 µs, and waves taken as spheres.
         assert right.agreed > 0.9
         assert right.explained > 0.85
-        anything = check.look(spectra(rng.uniform(-5e-4, 5e-4, 8)))
+        anything = check.agreement(spectra(rng.uniform(-5e-4, 5e-4, 8)))
         assert anything.agreed > 0.9
         assert anything.explained < 0.6
 
@@ -88,7 +88,7 @@ def test_one_clear_sound_is_agreed_on_wherever_the_microphones_are() -> None:
 def test_of_a_pair_only_what_comes_too_late_for_its_size_can_be_noticed() -> None:
     pair = MicrophoneArray(np.array([[0, 0.05, 0], [0, -0.05, 0]]))
     check = ArrayCheck(pair, FREQUENCIES, 1024 / RATE)
-    within, beyond = (check.look(spectra(np.array([0.0, late]))) for late in (0.08 / 343, 0.2 / 343))
+    within, beyond = (check.agreement(spectra(np.array([0.0, late]))) for late in (0.08 / 343, 0.2 / 343))
     assert within.explained > 0.95 * within.agreed
     assert beyond.agreed > 0.9
     assert beyond.explained < 0.3
@@ -101,7 +101,7 @@ def test_small_arrays_must_explain_more() -> None:
     swapped = ArrayCheck(MicrophoneArray(cross[[0, 2, 1, 3]]), FREQUENCIES, 1024 / RATE)
     for check in (right, swapped):
         for _ in range(LEAST_MOMENTS):
-            check.hear(spectra(-(cross @ direction) / SPEED_OF_SOUND))
+            check.update(spectra(-(cross @ direction) / SPEED_OF_SOUND))
     assert right.least_share == 0.9
     assert not right.failed
     assert swapped.failed
@@ -112,8 +112,8 @@ def test_it_hears_no_more_than_enough() -> None:
     right, wrong = spectra(-(CORNERS @ toward(10)) / SPEED_OF_SOUND), spectra(np.linspace(0, 1e-3, 8) ** 2 * 1e3)
     for _ in range(MOST_MOMENTS):
         assert not check.done
-        check.hear(right)
+        check.update(right)
     assert check.done
     share = check.share
-    check.hear(wrong)
+    check.update(wrong)
     assert (check.moments, check.share) == (MOST_MOMENTS, share)

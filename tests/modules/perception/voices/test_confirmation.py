@@ -7,15 +7,15 @@ import math
 import numpy as np
 import pytest
 
-from app.modules.perception.voices.confirmation import Source, TrackerSettings, confirm, reported
-from app.modules.perception.voices.kalman import Motion
+from app.modules.perception.voices.confirmation import TrackCandidate, TrackerSettings, confirm, reported
+from app.modules.perception.voices.kalman import DirectionState
 
 SETTINGS = TrackerSettings()
 
 
-def source(recent: float, share: float, number: int = 1) -> Source:
-    motion = Motion(np.array([1.0, 0.0, 0.0]), np.zeros(3), 0.01, 0.0, 0.01)
-    return Source(
+def source(recent: float, share: float, number: int = 1) -> TrackCandidate:
+    motion = DirectionState(np.array([1.0, 0.0, 0.0]), np.zeros(3), 0.01, 0.0, 0.01)
+    return TrackCandidate(
         motion, 0.2, 5.0, 0.0, 0.0, 0.0, id=number, recent=recent, share=share, level=recent, heard_s=5.0, last_sure=9.0
     )
 
@@ -31,19 +31,19 @@ def test_proof_takes_a_share_and_a_loud_moment(recent: float, share: float, conf
 
 def test_a_loud_moment_is_remembered_as_long_as_proof_is() -> None:
     talker = source(0.1, 0.5)
-    talker.since_loud_s = SETTINGS.trust_s - 0.1
+    talker.since_moment_s = SETTINGS.confirmed_s - 0.1
     confirm([talker], 0.4, 9.0, SETTINGS)
     assert reported(talker, [talker], 9.0, SETTINGS)
-    talker.since_loud_s = SETTINGS.trust_s
+    talker.since_moment_s = SETTINGS.confirmed_s
     assert not reported(talker, [talker], 9.0, SETTINGS)
 
 
-def test_who_is_tried_anew_is_told_of_for_the_trial_and_no_longer() -> None:
+def test_who_is_tried_again_is_reported_for_the_trial_and_no_longer() -> None:
     talker = source(0.3, 1.0)
     confirm([talker], 0.3, 9.0, SETTINGS)
     talker.restart_trial(9.0)
     assert not talker.confirmed
-    assert math.isinf(talker.since_loud_s)
+    assert math.isinf(talker.since_moment_s)
     talker.last_sure = 9.0 + 0.9 * SETTINGS.trial_s
     assert reported(talker, [talker], talker.last_sure, SETTINGS)
     talker.last_sure = 9.0 + 1.1 * SETTINGS.trial_s
@@ -53,7 +53,7 @@ def test_who_is_tried_anew_is_told_of_for_the_trial_and_no_longer() -> None:
 @pytest.mark.parametrize(("echo", "recent", "trusted"), [(0.1, 0.17, True), (0.5, 0.17, False), (0.5, 0.27, True)])
 def test_who_may_be_a_copy_needs_a_louder_moment(echo: float, recent: float, trusted: bool) -> None:
     talker = source(recent, 1.0)
-    talker.echo, talker.broken = echo, 9.0
+    talker.echo, talker.last_gap = echo, 9.0
     confirm([talker], 0.4, 9.0, SETTINGS)
     assert talker.confirmed
     assert reported(talker, [talker], 9.0, SETTINGS) is trusted
@@ -73,10 +73,10 @@ def test_who_may_be_a_copy_but_sounds_without_a_break_is_trusted(breaks: bool) -
     assert reported(talker, [talker], float(times[-1]), SETTINGS) is not breaks
 
 
-def leading(recent: float, leads: float, share: float = 1.0, number: int = 1) -> Source:
+def leading(recent: float, leads: float, share: float = 1.0, number: int = 1) -> TrackCandidate:
     """One that agrees with what begins so many times as well as with the rest."""
     heard = source(recent, share, number)
-    heard.hear(np.array([0.1 * leads, 0.1, 1.0, 1.0]), 0.0)
+    heard.add_onsets(np.array([0.1 * leads, 0.1, 1.0, 1.0]), 0.0)
     return heard
 
 
@@ -87,12 +87,12 @@ def leading(recent: float, leads: float, share: float = 1.0, number: int = 1) ->
         (1.07, 0.15, 1.4, True),  # surely no copy
         (1.15, 0.35, 1.4, True),
         (1.15, 0.5, 1.4, False),  # a copy, probably
-        (1.3, 0.65, 1.4, False),  # a copy too soon after its source to be told from it by when it begins
+        (1.3, 0.65, 1.4, False),  # a copy too soon after its source for its onsets to differ
         (1.15, 0.35, 1.8, False),  # what is heard beside it leads by far more
-        (0.95, 0.5, 1.2, True),  # too dry a room for echoes, or a sound that never begins anew, as a fan's
+        (0.95, 0.5, 1.2, True),  # too dry a room for echoes, or a sound without onsets, as a fan's
     ],
 )
-def test_beside_a_louder_one_only_who_leads_is_told_of(leads: float, echo: float, other: float, trusted: bool) -> None:
+def test_beside_a_louder_one_only_who_leads_is_reported(leads: float, echo: float, other: float, trusted: bool) -> None:
     weak, strong = leading(0.3, leads), leading(0.4, other, number=2)
     weak.echo = echo
     confirm([weak, strong], 0.4, 9.0, SETTINGS)
@@ -108,7 +108,7 @@ def test_who_leads_plainly_need_not_be_loud_for_long(leads: float, echo: float, 
     confirm([weak, strong], 0.4, 9.0, SETTINGS)
     assert not weak.confirmed
     assert reported(weak, [weak, strong], 9.0, SETTINGS) is trusted
-    weak.since_loud_s = SETTINGS.trust_s
+    weak.since_moment_s = SETTINGS.confirmed_s
     assert not reported(weak, [weak, strong], 9.0, SETTINGS)
 
 
@@ -119,7 +119,7 @@ def test_who_is_loudest_need_not_lead() -> None:
 
 
 @pytest.mark.parametrize(("sounded", "trusted"), [(0.9, True), (1.1, False)])
-def test_what_only_follows_is_told_of_for_a_moment(sounded: float, trusted: bool) -> None:
+def test_what_only_follows_is_reported_for_a_moment(sounded: float, trusted: bool) -> None:
     weak, strong = leading(0.3, 1.0), leading(0.4, 1.4, number=2)
     weak.restart_trial(9.0)
     weak.heard_s = sounded * SETTINGS.soon_s
@@ -131,7 +131,7 @@ def test_what_only_follows_is_told_of_for_a_moment(sounded: float, trusted: bool
 def test_nothing_heard_yet_does_not_lead() -> None:
     new = source(0.2, 1.0)
     assert new.leads == 1
-    new.hear(np.array([0.2, -0.1, 1.0, 1.0]), 1.0)
+    new.add_onsets(np.array([0.2, -0.1, 1.0, 1.0]), 1.0)
     assert new.leads == 1
-    new.hear(np.array([0.0, 0.3, 1.0, 1.0]), 0.5)
+    new.add_onsets(np.array([0.0, 0.3, 1.0, 1.0]), 0.5)
     assert new.leads == pytest.approx(0.1 / 1.5 / (0.25 / 1.5))

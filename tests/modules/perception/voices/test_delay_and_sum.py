@@ -30,7 +30,7 @@ def test_what_comes_from_anywhere_adds_up_to_itself(body_m: float) -> None:
         click = np.zeros((2048, len(array)), np.float32)
         click[1000 + late, np.arange(len(array))] = 1
         beams.reset()
-        beams.hear(click)
+        beams.update(click)
         heard = beams.beam(direction)
         assert heard.shape == (2048,)
         assert heard.argmax() == 1000 + beams.latency

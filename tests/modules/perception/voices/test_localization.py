@@ -127,7 +127,7 @@ def test_samples_of_another_shape_are_refused(far: Localizer) -> None:
         far.process(np.zeros((512, 8), np.float32))
 
 
-def test_two_microphones_tell_the_angle_to_their_line() -> None:
+def test_two_microphones_report_the_angle_to_their_line() -> None:
     pair = ARRAY.subset(2)
     localizer = Localizer(pair, RATE, LocalizerSettings(range_m=np.inf))
     rng = np.random.default_rng(8)
@@ -140,7 +140,7 @@ def test_two_microphones_tell_the_angle_to_their_line() -> None:
         assert degrees(peaks.directions[0], unit(azimuth, 0)) < 2
 
 
-def test_a_grid_has_what_an_array_can_tell() -> None:
+def test_a_grid_has_what_an_array_can_report() -> None:
     assert (search_grid(ARRAY, 2000, -20)[:, 2] > np.sin(np.radians(-20))).all()
     flat = MicrophoneArray(ARRAY.positions[:4])
     assert (search_grid(flat, 2000, -90)[:, 2] >= -1e-9).all()

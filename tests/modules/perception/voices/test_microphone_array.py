@@ -1,4 +1,4 @@
-"""Arrays: their geometry, what they can tell, and the best few of their microphones."""
+"""Arrays: their geometry, the directions they resolve, and the best subsets of their microphones."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def test_other_counts_are_refused(count: int) -> None:
         ([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0.0], [0, 0, 0.1]], 3),
     ],
 )
-def test_how_much_of_a_direction_an_array_tells(positions: list[list[float]], dimensions: int) -> None:
+def test_how_much_of_a_direction_an_array_reports(positions: list[list[float]], dimensions: int) -> None:
     assert MicrophoneArray(np.array(positions)).dimensions == dimensions
 
 

@@ -43,7 +43,7 @@ def test_agreement_is_full_for_what_all_microphones_hear_alike() -> None:
     phases = np.ones((2, 4, 3), np.complex64)
     weights = np.ones((2, 3), np.float32)
     powers = np.array([[1.0, 1.0, 1.0], [1.0, 2.0, 4.0]], np.float32)
-    onsets.hear(phases, powers, weights)
+    onsets.update(phases, powers, weights)
     alike = np.ones((1, 4, 3), np.complex64)
     unlike = np.tile(np.array([1, -1, 1, -1], np.complex64)[:, None], (1, 1, 3))
     begun, all_, most_begun, most = onsets.agreement(np.concatenate([alike, unlike])).T
@@ -58,8 +58,8 @@ def test_frames_follow_one_another_until_the_past_is_forgotten() -> None:
     onsets = Onsets()
     one = np.ones((1, 2, 1), np.complex64)
     for power, begun in ((1.0, 0.0), (4.0, 0.75), (2.0, 0.0)):
-        onsets.hear(one, np.full((1, 1), power, np.float32), np.ones((1, 1), np.float32))
+        onsets.update(one, np.full((1, 1), power, np.float32), np.ones((1, 1), np.float32))
         assert onsets.agreement(one)[0, 2] == pytest.approx(begun)
     onsets.reset()
-    onsets.hear(one, np.full((1, 1), 8.0, np.float32), np.ones((1, 1), np.float32))
+    onsets.update(one, np.full((1, 1), 8.0, np.float32), np.ones((1, 1), np.float32))
     assert onsets.agreement(one)[0, 2] == 0

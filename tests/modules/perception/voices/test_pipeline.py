@@ -11,12 +11,12 @@ from app.messages import SeparatedSound, SoundSources
 from app.modules.perception.voices.microphone_array import MicrophoneArray
 from app.modules.perception.voices.pipeline import PipelineSettings, VoicePipeline
 from app.robots.config import MicrophonesConfig
-from app.robots.simulated.acoustics.diffraction import Microphones
-from app.robots.simulated.acoustics.offline import Source, render_scene
+from app.robots.simulated.acoustics.diffraction import BaffledMicrophones
+from app.robots.simulated.acoustics.offline_rendering import OfflineSource, render_scene
 from app.robots.simulated.acoustics.room import Shoebox
-from app.robots.simulated.acoustics.sounds import Library
-from benchmarks.bss_eval import bss_eval
+from app.robots.simulated.acoustics.sounds import ClipLibrary
 from tests.modules.perception.voices.sounds import ARRAY, RATE, as_int16, babble, heard, heard_turning, toward
+from tests.scenery.bss_eval import bss_eval
 
 #: As on the robot: the middle 0.8 m above the floor.
 PLACED = MicrophoneArray(ARRAY.positions + np.array([0.0, 0.0, 0.8]))
@@ -142,15 +142,15 @@ def test_subsets_take_their_own_columns_and_two_microphones_know_no_height() -> 
 def test_someone_who_says_hello_two_metres_away_is_a_voice_soon_and_until_he_ends(separation: bool) -> None:
     config = MicrophonesConfig()
     positions = np.array(config.positions) - np.mean(config.positions, axis=0)
-    clip = Library(RATE, config.sensitivity_db).get("hello")
+    clip = ClipLibrary(RATE, config.sensitivity_db).get("hello")
     place = toward(30, 15) * 2.0 + (3, 2.6, 0.9)
     room = Shoebox((0.0, 0.0, 0.0), (7.0, 6.0, 3.0), (0.5, 0.4))
     sound, truths = render_scene(
-        [Source(clip.samples, place, begin_s=0.5, looks="listener")],
+        [OfflineSource(clip.samples, place, begin_s=0.5, looks="listener")],
         Pose3.from_translation_rpy((3.0, 2.6, 0.9)),
         room,
         clip.seconds + 0.6,
-        Microphones(positions, RATE, shadow=True),
+        BaffledMicrophones(positions, RATE, shadow=True),
         early_s=0.021,
         noise=10 ** (config.fans_db / 20),
     )

@@ -9,7 +9,7 @@ from app.modules.perception.voices.resampling import Resampler
 
 
 @pytest.mark.parametrize("rate", [16_000, 22_050, 44_100, 48_000, 96_000])
-def test_a_tone_keeps_its_pitch_size_and_time_and_what_cannot_be_told_is_left_out(rate: int) -> None:
+def test_a_tone_keeps_its_pitch_size_and_time_and_what_cannot_be_reported_is_left_out(rate: int) -> None:
     resampler = Resampler(rate, 16_000)
     times = np.arange(rate // 2) / rate
     out = resampler.process(np.sin(2 * np.pi * 1000 * times).astype(np.float32))

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from app.modules.perception.voices.separation import Separator, SeparatorSettings
-from benchmarks.bss_eval import bss_eval
 from tests.modules.perception.voices.sounds import ARRAY, RATE, babble, heard, toward
+from tests.scenery.bss_eval import bss_eval
 
 
 def separate(

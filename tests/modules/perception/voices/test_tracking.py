@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from app.modules.perception.voices.localization import NO_PEAKS, Peaks
-from app.modules.perception.voices.tracking import Track, Tracker
+from app.modules.perception.voices.tracking import SoundTrack, Tracker
 
 STEP_S = 2048 / 48_000
 
@@ -74,7 +74,7 @@ def with_second(powers: tuple[float, float], recents: tuple[float, float], leads
 
 @settings(max_examples=10, deadline=None)
 @given(st.integers(0, 1000))
-def test_what_only_ever_follows_another_is_not_told_of_for_long(seed: int) -> None:
+def test_what_only_ever_follows_another_is_not_reported_for_long(seed: int) -> None:
     rng = np.random.default_rng(seed)
     tracker = Tracker()
     loud = 0.1 + 0.3 * np.repeat(rng.uniform(size=40), 4)
@@ -82,13 +82,13 @@ def test_what_only_ever_follows_another_is_not_told_of_for_long(seed: int) -> No
     for k, power in enumerate(loud):
         # As loud in each syllable as its source lets it be; where that is silent, so is this.
         tracks = tracker.update(k * STEP_S, with_second((0.3, 0.1), (power, 0.5 * power), 1.0))
-        told += sum(track.direction @ unit(150) > 0.9 for track in tracks)
+        told += sum(bool(track.direction @ unit(150) > 0.9) for track in tracks)
     assert tracks[0].direction @ unit(30) > 0.9
     assert told * STEP_S < 1
 
 
 @pytest.mark.parametrize(("leads", "told"), [(1.0, False), (1.4, True)])
-def test_an_echo_that_is_loud_at_times_is_not_told_of_for_long(leads: float, told: bool) -> None:
+def test_an_echo_that_is_loud_at_times_is_not_reported_for_long(leads: float, told: bool) -> None:
     tracker = Tracker()
     for k in range(40):
         # Between two walls it goes on when its source is silent for a moment, and is then louder.
@@ -97,7 +97,7 @@ def test_an_echo_that_is_loud_at_times_is_not_told_of_for_long(leads: float, tol
     assert (len(tracks) == 2) is told
 
 
-def test_a_weak_one_who_sounds_in_anothers_pauses_is_told_of() -> None:
+def test_a_weak_one_who_sounds_in_anothers_pauses_is_reported() -> None:
     tracker = Tracker()
     for k in range(100):
         pause = k % 12 < 2
@@ -105,7 +105,7 @@ def test_a_weak_one_who_sounds_in_anothers_pauses_is_told_of() -> None:
     assert [track.id for track in tracks] == [1, 2]
 
 
-def test_what_a_room_leaves_in_a_talkers_pauses_is_not_told_of_for_long() -> None:
+def test_what_a_room_leaves_in_a_talkers_pauses_is_not_reported_for_long() -> None:
     tracker = Tracker()
     told = 0
     for k in range(200):
@@ -113,7 +113,7 @@ def test_what_a_room_leaves_in_a_talkers_pauses_is_not_told_of_for_long() -> Non
         # Louder than the talker in his pauses, since he says nothing then, but never as loud as he was.
         powers, recents = ((0.03, 0.04), (0.0, 0.05)) if pause else ((0.3, 0.05), (0.3, 0.05))
         tracks = tracker.update(k * STEP_S, with_second(powers, recents, 1.0))
-        told += sum(track.direction @ unit(150) > 0.9 for track in tracks)
+        told += sum(bool(track.direction @ unit(150) > 0.9) for track in tracks)
     assert [track.id for track in tracks] == [1]
     assert told * STEP_S < 1
 
@@ -125,13 +125,13 @@ def with_third(azimuth: float, powers: tuple[float, float], recents: tuple[float
     return Peaks(directions, np.array(powers), np.array(recents), echoes, directions, leading(1.4, 1.4))
 
 
-def test_what_never_has_a_loud_moment_is_not_told_of_for_long() -> None:
+def test_what_never_has_a_loud_moment_is_not_reported_for_long() -> None:
     tracker = Tracker()
     told = 0
     for k in range(150):
         # The search finds it half as strong as the talker, as a wall in a live room; it never sounds louder by itself.
         tracks = tracker.update(k * STEP_S, with_second((0.3, 0.16), (0.3 if k % 10 else 0.15, 0.1)))
-        told += sum(track.direction @ unit(150) > 0.9 for track in tracks)
+        told += sum(bool(track.direction @ unit(150) > 0.9) for track in tracks)
     assert [track.id for track in tracks] == [1]
     assert told * STEP_S < 1
 
@@ -144,7 +144,7 @@ def test_what_takes_a_silent_tracks_number_does_not_take_its_credit() -> None:
         if k < 40:
             peaks = seen(12 * now, 120) if k >= 26 else seen(120)
         elif 66 <= k < 72:
-            # He is silent and no longer told of when a wall sounds aside of him for a moment.
+            # The talker is silent and no longer reported when a wall sounds aside for a moment.
             peaks = with_third(12 * 66 * STEP_S + 18, (0.3, 0.15), (0.3, 0.1))
         else:
             peaks = seen(120)
@@ -180,14 +180,14 @@ def test_a_walker_who_paused_has_one_track_where_he_goes_on() -> None:
     for k in range(140):
         now = k * STEP_S
         pauses = 50 <= k < 68
-        # What is left in his pause stands where he was.
+        # Reverberation in the pause is where the talker was.
         peaks = seen(12 * 50 * STEP_S, power=0.03, recent=0.02) if pauses else seen(12 * now)
         tracks = tracker.update(now, peaks)
     assert [track.id for track in tracks] == [1]
     assert angle(tracks[0].direction, unit(12 * now)) < 3
 
 
-def speed_radps(track: Track) -> float:
+def speed_radps(track: SoundTrack) -> float:
     """To the left, degrees a second."""
     return float(np.degrees(np.cross([0, 0, 1], track.direction) @ track.velocity))
 
@@ -198,7 +198,7 @@ def test_what_a_walkers_pause_leaves_beside_another_does_not_turn_him_round() ->
     for k in range(65):
         now = k * STEP_S
         pauses = k >= 50
-        # An echo of whoever walks the other way goes as he does, a third as loud as the walker was.
+        # An echo of a person who walks the other way moves along, a third as loud as the walker was.
         azimuth = 12 * 50 * STEP_S - 4 * (k - 50) * STEP_S if pauses else 12 * now
         powers, recents = np.array([0.12 if pauses else 0.3, 0.3]), np.array([0.12 if pauses else 0.35, 0.3])
         directions = np.array([unit(azimuth), unit(120)])
@@ -212,7 +212,7 @@ def test_a_walker_lost_and_heard_again_goes_on_as_he_went() -> None:
     tracker = Tracker()
     for k in range(78):
         now = k * STEP_S
-        # Farther on than where he was expected, too far to be told at once for the same.
+        # Farther on than predicted, too far to count at once as the same source.
         peaks = NO_PEAKS if 50 <= k < 75 else seen(12 * now + 25 * (k >= 75))
         tracks = tracker.update(now, peaks)
     assert [track.id for track in tracks] == [1]

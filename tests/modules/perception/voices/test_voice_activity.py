@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from app.modules.perception.voices.resampling import Resampler
-from app.modules.perception.voices.voice_activity import CHUNK, MODEL, SPEECH_RATE, SpeechJudge
+from app.modules.perception.voices.voice_activity import CHUNK, MODEL, SPEECH_RATE, VoiceActivityDetector
 
 
 def reference_speech() -> Path:
@@ -28,11 +28,11 @@ def read(path: Path) -> NDArray[np.float32]:
 
 def judged(sound: NDArray[np.float32]) -> NDArray[np.float64]:
     """Every single judgement of a sound."""
-    judge = SpeechJudge(window=1)
+    detector = VoiceActivityDetector(window=1)
     found = []
     for begin in range(0, len(sound) - CHUNK + 1, CHUNK):
-        judge.hear({1: sound[begin : begin + CHUNK]})
-        found.append(judge.speech(1))
+        detector.update({1: sound[begin : begin + CHUNK]})
+        found.append(detector.speech(1))
     return np.array(found)
 
 
@@ -64,13 +64,13 @@ def test_how_loud_a_voice_is_does_not_matter() -> None:
 
 def test_a_voice_remains_one_between_its_words() -> None:
     sound = read(reference_speech() / "librivox_sense_0870.wav")[: 3 * SPEECH_RATE]
-    judge = SpeechJudge()
-    judge.hear({1: sound})
-    before = judge.speech(1)
+    detector = VoiceActivityDetector()
+    detector.update({1: sound})
+    before = detector.speech(1)
     assert before > 0.7
     pause = np.random.default_rng(4).normal(0, 1e-3, SPEECH_RATE // CHUNK * CHUNK).astype(np.float32)
-    judge.hear({1: pause})
-    assert judge.speech(1) > 0.5
+    detector.update({1: pause})
+    assert detector.speech(1) > 0.5
 
 
 def test_recorded_claps_and_dishes_are_none() -> None:
@@ -82,27 +82,27 @@ def test_recorded_claps_and_dishes_are_none() -> None:
 def test_sources_are_judged_each_by_itself_together_or_apart() -> None:
     rng = np.random.default_rng(2)
     sounds = {track: rng.normal(0, 0.02 * track, 1300).astype(np.float32) for track in (1, 2, 3)}
-    together = SpeechJudge()
-    together.hear(sounds)
+    together = VoiceActivityDetector()
+    together.update(sounds)
     for track, sound in sounds.items():
-        alone = SpeechJudge()
+        alone = VoiceActivityDetector()
         for piece in np.split(sound, [200, 900]):
-            alone.hear({track: piece})
+            alone.update({track: piece})
         assert together.speech(track) == pytest.approx(alone.speech(track), abs=1e-5)
 
 
 def test_nobody_is_judged_before_a_chunk_was_heard_or_after_being_forgotten() -> None:
-    judge = SpeechJudge()
-    assert math.isnan(judge.speech(1))
-    judge.hear({1: np.zeros(CHUNK - 1, np.float32), 2: np.zeros(CHUNK, np.float32)})
-    assert math.isnan(judge.speech(1))
-    assert 0 <= judge.speech(2) <= 1
-    judge.hear({1: np.zeros(1, np.float32)})
-    assert 0 <= judge.speech(1) <= 1
-    judge.keep([1])
-    assert math.isnan(judge.speech(2))
-    judge.reset()
-    assert math.isnan(judge.speech(1))
+    detector = VoiceActivityDetector()
+    assert math.isnan(detector.speech(1))
+    detector.update({1: np.zeros(CHUNK - 1, np.float32), 2: np.zeros(CHUNK, np.float32)})
+    assert math.isnan(detector.speech(1))
+    assert 0 <= detector.speech(2) <= 1
+    detector.update({1: np.zeros(1, np.float32)})
+    assert 0 <= detector.speech(1) <= 1
+    detector.keep([1])
+    assert math.isnan(detector.speech(2))
+    detector.reset()
+    assert math.isnan(detector.speech(1))
 
 
 def test_the_model_goes_with_its_licence() -> None:

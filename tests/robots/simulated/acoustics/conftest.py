@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from app.robots.config import MicrophonesConfig
-from app.robots.simulated.acoustics.diffraction import Microphones
+from app.robots.simulated.acoustics.diffraction import BaffledMicrophones
 
 RATE = 48000
 
@@ -21,12 +21,12 @@ def positions() -> NDArray[np.float64]:
 
 
 @pytest.fixture(scope="session")
-def shaded(positions: NDArray[np.float64]) -> Microphones:
+def shaded(positions: NDArray[np.float64]) -> BaffledMicrophones:
     """The array on its torso."""
-    return Microphones(positions, RATE)
+    return BaffledMicrophones(positions, RATE)
 
 
 @pytest.fixture(scope="session")
-def free(positions: NDArray[np.float64]) -> Microphones:
+def free(positions: NDArray[np.float64]) -> BaffledMicrophones:
     """The array in the free field."""
-    return Microphones(positions, RATE, shadow=False)
+    return BaffledMicrophones(positions, RATE, shadow=False)

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from app.robots.simulated.acoustics.auralization import SoundPath
 from app.robots.simulated.acoustics.building import Building, Opening, build
-from app.robots.simulated.acoustics.hearing import Way
 from app.robots.simulated.acoustics.room import Shoebox
 from app.robots.simulated.world_config import WorldConfig
 from tests.robots.conftest import make_hall
@@ -26,7 +26,7 @@ def p(x: float, y: float, z: float = 1.5) -> NDArray[np.float64]:
     return np.array([x, y, z])
 
 
-def whole_m(way: Way, listener: NDArray[np.float64]) -> float:
+def whole_m(way: SoundPath, listener: NDArray[np.float64]) -> float:
     return way.before_m + float(np.linalg.norm(way.p_W - listener))
 
 

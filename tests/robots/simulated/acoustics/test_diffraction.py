@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from app.robots.simulated.acoustics.diffraction import (
     SPEED_OF_SOUND_MPS,
     TAPS,
-    Microphones,
+    BaffledMicrophones,
     sphere_response,
 )
 
@@ -68,7 +68,7 @@ def test_tables_are_true_to_the_exact_series(seed: int) -> None:
     rng = np.random.default_rng(seed)
     d, azimuth, up = rng.uniform(1.0, 10.0), rng.uniform(-math.pi, math.pi), rng.uniform(-1.0, 1.2)
     corner = np.array([0.085, 0.11, 0.105])
-    array = Microphones(np.array([corner * s for s in ((1, 1, 1), (1, -1, -1), (-1, 1, 1))]), RATE)
+    array = BaffledMicrophones(np.array([corner * s for s in ((1, 1, 1), (1, -1, -1), (-1, 1, 1))]), RATE)
     direction = np.array([math.cos(up) * math.cos(azimuth), math.cos(up) * math.sin(azimuth), math.sin(up)])
     impulses = array.impulses(d * direction[None], np.ones((1, 1)), 2048)[0]
     f = np.fft.rfftfreq(2048, 1 / RATE)
@@ -96,13 +96,13 @@ def arrival(impulse: NDArray[np.float32]) -> float:
 @given(st.tuples(*[st.floats(-4, 4)] * 3).filter(lambda p: math.hypot(*p) > 0.5))
 def test_in_the_free_field_delays_are_those_of_the_way_to_a_twentieth_of_a_sample(place: tuple[float, ...]) -> None:
     p_AM = np.array([[0.1, 0.2, 0.1], [-0.1, 0.05, 0.3]])
-    impulses = Microphones(p_AM, RATE, shadow=False).impulses(np.array([place]), np.ones((1, 1)), 2048)[0]
+    impulses = BaffledMicrophones(p_AM, RATE, shadow=False).impulses(np.array([place]), np.ones((1, 1)), 2048)[0]
     ways = np.linalg.norm(np.array(place) - p_AM, axis=1)
     for impulse, way in zip(impulses, ways, strict=True):
         assert arrival(impulse) == pytest.approx(way / SPEED_OF_SOUND_MPS * RATE, abs=0.05)
 
 
-def test_in_the_light_delays_between_microphones_are_those_of_the_ways(shaded: Microphones) -> None:
+def test_in_the_light_delays_between_microphones_are_those_of_the_ways(shaded: BaffledMicrophones) -> None:
     place = np.array([2.0, 0.1, 0.2])
     impulses = shaded.impulses(place[None], np.ones((1, 1)), 1024)[0]
     front = np.flatnonzero(shaded.p_AM[:, 0] > 0)
@@ -113,7 +113,7 @@ def test_in_the_light_delays_between_microphones_are_those_of_the_ways(shaded: M
 
 @pytest.mark.parametrize("shadow", [False, True])
 def test_twice_as_far_is_six_decibels_less(positions: NDArray[np.float64], shadow: bool) -> None:
-    array = Microphones(positions, RATE, shadow)
+    array = BaffledMicrophones(positions, RATE, shadow)
     energies = [
         float(np.sum(array.impulses(np.array([[d, 0.0, 0.0]]), np.ones((1, 1)), 4096)[0, :, :] ** 2))
         for d in (4.0, 8.0)
@@ -121,7 +121,7 @@ def test_twice_as_far_is_six_decibels_less(positions: NDArray[np.float64], shado
     assert 10 * math.log10(energies[0] / energies[1]) == pytest.approx(6.02, abs=0.1)
 
 
-def test_the_torso_shades_what_is_behind_it(shaded: Microphones, free: Microphones) -> None:
+def test_the_torso_shades_what_is_behind_it(shaded: BaffledMicrophones, free: BaffledMicrophones) -> None:
     place = np.array([[3.0, 0.0, 0.0]])
     with_torso, without = (np.sum(a.impulses(place, np.ones((1, 1)), 1024)[0] ** 2, axis=1) for a in (shaded, free))
     gain_db = 10 * np.log10(with_torso / without)
@@ -130,7 +130,7 @@ def test_the_torso_shades_what_is_behind_it(shaded: Microphones, free: Microphon
     assert np.all(gain_db[~front] < -2.0)
 
 
-def test_what_falls_outside_the_response_is_cut_off(free: Microphones) -> None:
+def test_what_falls_outside_the_response_is_cut_off(free: BaffledMicrophones) -> None:
     places = np.array([[1.0, 0.0, 0.0], [500.0, 0.0, 0.0]])
     impulses = free.impulses(places, np.ones((2, 1)), 512)
     assert impulses.shape == (1, 8, 512)
@@ -138,7 +138,7 @@ def test_what_falls_outside_the_response_is_cut_off(free: Microphones) -> None:
     assert not free.impulses(np.zeros((0, 3)), np.zeros((0, 2)), 64).any()
 
 
-def test_the_loudspeaker_on_the_torso_reaches_every_microphone(shaded: Microphones) -> None:
+def test_the_loudspeaker_on_the_torso_reaches_every_microphone(shaded: BaffledMicrophones) -> None:
     impulses = shaded.impulses(np.array([[0.1, 0.0, 0.005]]), np.ones((1, 1)), 256)[0]
     assert np.isfinite(impulses).all()
     assert np.all(np.abs(impulses).max(1) > 1.0)

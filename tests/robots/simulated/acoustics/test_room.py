@@ -9,7 +9,7 @@ import pytest
 from scipy.signal import butter, sosfilt
 
 from app.base.geometry import Pose3
-from app.robots.simulated.acoustics.diffraction import SPEED_OF_SOUND_MPS, Microphones
+from app.robots.simulated.acoustics.diffraction import SPEED_OF_SOUND_MPS, BaffledMicrophones
 from app.robots.simulated.acoustics.room import (
     MOUTH_MEAN,
     Shoebox,
@@ -50,13 +50,15 @@ def test_images_fill_space_as_rooms_fill_it() -> None:
 
 @pytest.mark.parametrize("rt60_s", [0.3, 0.6])
 @pytest.mark.parametrize("shadow", [False, True])
-def test_reverberation_dies_away_as_asked(shaded: Microphones, free: Microphones, rt60_s: float, shadow: bool) -> None:
+def test_reverberation_dies_away_as_asked(
+    shaded: BaffledMicrophones, free: BaffledMicrophones, rt60_s: float, shadow: bool
+) -> None:
     room = Shoebox(ROOM.corner, ROOM.size, (rt60_s, rt60_s))
     impulses = response(room, P_WS, X_WA, shaded if shadow else free, early_s=0.03)
     assert reverberation_time(impulses, RATE) == pytest.approx(rt60_s, rel=0.15)
 
 
-def test_the_handover_from_images_to_statistics_keeps_the_energy(free: Microphones) -> None:
+def test_the_handover_from_images_to_statistics_keeps_the_energy(free: BaffledMicrophones) -> None:
     soon, later = (response(ROOM, P_WS, X_WA, free, early_s=s) for s in (0.02, 0.1))
     # Above the room's single modes, where images still add up in step
     soon, later = (sosfilt(butter(4, 200, "high", fs=RATE, output="sos"), h) for h in (soon, later))
@@ -68,7 +70,7 @@ def test_the_handover_from_images_to_statistics_keeps_the_energy(free: Microphon
 
 def test_the_late_field_is_as_alike_between_microphones_as_a_diffuse_one() -> None:
     apart = 0.2
-    pair = Microphones(np.array([[-apart / 2, 0, 0], [apart / 2, 0, 0]]), RATE, shadow=False)
+    pair = BaffledMicrophones(np.array([[-apart / 2, 0, 0], [apart / 2, 0, 0]]), RATE, shadow=False)
     noise = diffuse_noise(pair, 1 << 17, 3).sum(0)
     frames = np.fft.rfft(noise.reshape(2, -1, 512) * np.hanning(512))
     cross = np.mean(frames[0] * np.conj(frames[1]), axis=0).real
@@ -79,7 +81,7 @@ def test_the_late_field_is_as_alike_between_microphones_as_a_diffuse_one() -> No
     assert np.sqrt(np.mean((coherence - expected)[band] ** 2)) < 0.12
 
 
-def test_delays_and_levels_of_the_direct_sound_do_not_depend_on_the_room(free: Microphones) -> None:
+def test_delays_and_levels_of_the_direct_sound_do_not_depend_on_the_room(free: BaffledMicrophones) -> None:
     outdoors, indoors = response(None, P_WS, X_WA, free), response(ROOM, P_WS, X_WA, free)
     direct = round(float(np.linalg.norm(np.array(P_WS) - X_WA.translation)) / SPEED_OF_SOUND_MPS * RATE)
     np.testing.assert_allclose(indoors[:, : direct + 40], outdoors[:, : direct + 40], atol=1e-5)

@@ -12,7 +12,7 @@ import soundfile
 
 from app.base.errors import ConfigError
 from app.robots.simulated.acoustics import espeak, sounds
-from app.robots.simulated.acoustics.sounds import MEAN_DB_SPL, PEAK_DB_SPL, RECORDINGS, SPEECH, Library
+from app.robots.simulated.acoustics.sounds import MEAN_DB_SPL, PEAK_DB_SPL, RECORDINGS, SPEECH, ClipLibrary
 from app.robots.simulated.acoustics.synthesis import MAKERS
 
 RATE = 48000
@@ -20,8 +20,8 @@ SENSITIVITY_DB = -32.0
 
 
 @pytest.fixture(scope="module")
-def library() -> Library:
-    return Library(RATE, SENSITIVITY_DB)
+def library() -> ClipLibrary:
+    return ClipLibrary(RATE, SENSITIVITY_DB)
 
 
 def db(amplitude: float) -> float:
@@ -29,7 +29,7 @@ def db(amplitude: float) -> float:
 
 
 @pytest.mark.parametrize("name", sorted(RECORDINGS))
-def test_speech_is_as_loud_as_a_talker_and_has_its_pauses(library: Library, name: str) -> None:
+def test_speech_is_as_loud_as_a_talker_and_has_its_pauses(library: ClipLibrary, name: str) -> None:
     clip = library.get(name)
     assert db(clip.level) == pytest.approx(SENSITIVITY_DB, abs=0.1)
     assert 1.5 < clip.seconds < 7.0
@@ -41,18 +41,18 @@ def test_speech_is_as_loud_as_a_talker_and_has_its_pauses(library: Library, name
 
 
 @pytest.mark.parametrize("name", sorted(MAKERS))
-def test_sounds_made_by_rule_have_their_levels_and_are_the_same_each_time(library: Library, name: str) -> None:
+def test_sounds_made_by_rule_have_their_levels_and_are_the_same_each_time(library: ClipLibrary, name: str) -> None:
     clip = library.get(name)
     if name in PEAK_DB_SPL:
         assert db(np.abs(clip.samples).max()) == pytest.approx(PEAK_DB_SPL[name] - 65 + SENSITIVITY_DB, abs=0.1)
     else:
         assert db(clip.samples.std()) == pytest.approx(MEAN_DB_SPL[name] - 65 + SENSITIVITY_DB, abs=0.1)
-    np.testing.assert_array_equal(clip.samples, Library(RATE, SENSITIVITY_DB).get(name).samples)
+    np.testing.assert_array_equal(clip.samples, ClipLibrary(RATE, SENSITIVITY_DB).get(name).samples)
     assert clip.samples.dtype == np.float32
     assert np.abs(clip.samples[-1]) < 0.3 * np.abs(clip.samples).max()
 
 
-def test_a_clap_is_short_and_begins_at_once_and_no_two_are_alike(library: Library) -> None:
+def test_a_clap_is_short_and_begins_at_once_and_no_two_are_alike(library: ClipLibrary) -> None:
     one, other = library.get("clap", "operator: clap 1"), library.get("clap", "operator: clap 2")
     assert not np.array_equal(one.samples, other.samples)
     for clip in (one, other):
@@ -62,7 +62,7 @@ def test_a_clap_is_short_and_begins_at_once_and_no_two_are_alike(library: Librar
         assert loud[0] < 0.003 * RATE
 
 
-def test_it_tells_when_a_sound_is_active(library: Library) -> None:
+def test_it_reports_when_a_sound_is_active(library: ClipLibrary) -> None:
     clip = library.get("question")
     assert not clip.active(-0.1)
     assert not clip.active(clip.seconds + 0.1)
@@ -71,7 +71,7 @@ def test_it_tells_when_a_sound_is_active(library: Library) -> None:
     np.testing.assert_array_equal(told, clip.activity)
 
 
-def test_files_of_any_rate_become_speech_of_ordinary_loudness(library: Library, tmp_path: Path) -> None:
+def test_files_of_any_rate_become_speech_of_ordinary_loudness(library: ClipLibrary, tmp_path: Path) -> None:
     times = np.arange(22050) / 22050
     soundfile.write(tmp_path / "tone.wav", np.column_stack([np.sin(2 * np.pi * 440 * times)] * 2) * 0.01, 22050)
     clip = library.get(str(tmp_path / "tone.wav"))
@@ -81,7 +81,7 @@ def test_files_of_any_rate_become_speech_of_ordinary_loudness(library: Library, 
     assert np.fft.rfftfreq(clip.samples.size, 1 / RATE)[np.argmax(spectrum)] == pytest.approx(440, abs=1)
 
 
-def test_what_there_is_not_is_said_in_a_sentence(library: Library, tmp_path: Path) -> None:
+def test_what_there_is_not_is_said_in_a_sentence(library: ClipLibrary, tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match=r"there is no sound 'clapp'.*clap"):
         library.get("clapp")
     (tmp_path / "no.wav").write_text("no sound")
@@ -90,18 +90,18 @@ def test_what_there_is_not_is_said_in_a_sentence(library: Library, tmp_path: Pat
 
 
 def test_text_without_a_synthesizer_is_refused_with_the_remedy(
-    library: Library, monkeypatch: pytest.MonkeyPatch
+    library: ClipLibrary, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def missing() -> None:
         raise espeak.NoSpeechSynthesis("speaking text needs espeak-ng: pip install 'hbba[speech]'")
 
     monkeypatch.setattr(espeak, "_library", missing)
     with pytest.raises(ConfigError, match=r"'come here, robot' cannot be said.*hbba\[speech\]"):
-        Library(RATE, SENSITIVITY_DB).get("come here, robot")
+        ClipLibrary(RATE, SENSITIVITY_DB).get("come here, robot")
 
 
 @pytest.mark.skipif(importlib.util.find_spec("espeakng_loader") is None, reason="the extra 'speech' is not installed")
-def test_text_is_spoken_by_each_person_in_a_voice_of_their_own(library: Library) -> None:
+def test_text_is_spoken_by_each_person_in_a_voice_of_their_own(library: ClipLibrary) -> None:
     one, other = library.get("come here, robot", "person 1"), library.get("come here, robot", "person 2")
     assert 0.5 < one.seconds < 4.0
     assert db(one.level) == pytest.approx(SENSITIVITY_DB, abs=0.1)

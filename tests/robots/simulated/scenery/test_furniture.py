@@ -1,4 +1,4 @@
-"""Furniture: every kind stands on the floor and keeps, roughly, to its size."""
+"""Furniture: every kind is on the floor and keeps, roughly, to its size."""
 
 from __future__ import annotations
 

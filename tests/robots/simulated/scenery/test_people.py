@@ -17,20 +17,20 @@ from app.base.geometry import Pose2
 from app.messages import SceneTruth
 from app.modules.perception.faces import yunet
 from app.robots.config import KinectConfig, RobotConfig, StartPose
-from app.robots.guard import Velocity
+from app.robots.guard import BaseVelocity
 from app.robots.model import load_model
-from app.robots.simulated.body import Simulation, build_simulation
-from app.robots.simulated.camera_rendering import KinectEye
-from app.robots.simulated.kinect import camera_model
+from app.robots.simulated.body import RobotSimulation, build_simulation
+from app.robots.simulated.camera_rendering import KinectRenderer
+from app.robots.simulated.kinect_noise import camera_model
 from app.robots.simulated.laser import Laser
 from app.robots.simulated.link import SimulatedLink
 from app.robots.simulated.odometry import TrueBase
-from app.robots.simulated.renderer import Painter, Snapshot, mocap_poses
+from app.robots.simulated.renderer import Renderer, WorldSnapshot, mocap_poses
 from app.robots.simulated.scenery import gait
 from app.robots.simulated.scenery.faces import FACES
-from app.robots.simulated.scenery.people import People, limb_poses
+from app.robots.simulated.scenery.people import PersonBodies, limb_poses
 from app.robots.simulated.scenery.scenario_config import ScenarioConfig
-from app.robots.simulated.scenery.scenario_state import Stage
+from app.robots.simulated.scenery.scenario_state import ScenarioState
 from app.robots.simulated.world_config import WorldConfig
 from tests.patience import PATIENCE_S
 from tests.robots.conftest import needs_gl
@@ -40,23 +40,23 @@ MODEL = camera_model(KinectConfig())
 START = StartPose(x=10.0, y=10.0, heading_deg=0.0)
 
 
-def stage(*people: dict[str, Any]) -> Stage:
+def scenario_state(*people: dict[str, Any]) -> ScenarioState:
     named = [{"name": f"person {i}", "face": "pilot", **person} for i, person in enumerate(people)]
-    return Stage(ScenarioConfig.model_validate({"name": "test", "people": named}))
+    return ScenarioState(ScenarioConfig.model_validate({"name": "test", "people": named}))
 
 
 class Scene:
     """The robot in the hall with people, who can be put anywhere."""
 
-    def __init__(self, robot: RobotConfig, world: WorldConfig, people: Stage) -> None:
-        self.stage = people
+    def __init__(self, robot: RobotConfig, world: WorldConfig, people: ScenarioState) -> None:
+        self.scenario_state = people
         start = robot.model_copy(update={"start": START})
-        self.simulation: Simulation = build_simulation(start, world, TrueBase(0.10, 0.10, 0.44), people.actors)
-        self.people = People(self.simulation.model, people.actors)
+        self.simulation: RobotSimulation = build_simulation(start, world, TrueBase(0.10, 0.10, 0.44), people.actors)
+        self.people = PersonBodies(self.simulation.model, people.actors)
 
     def put(self, number: int, distance: float, aside: float, facing_deg: float) -> None:
         """Person ``number`` ``distance`` ahead of the camera, looking ``facing_deg`` away from the robot's face."""
-        actor = self.stage.actors[number]
+        actor = self.scenario_state.actors[number]
         actor.x, actor.y = START.x + 0.035 + distance, START.y + aside
         actor.heading = math.atan2(START.y - actor.y, START.x - actor.x) + math.radians(facing_deg)
         self.people.pose(self.simulation.data)
@@ -64,19 +64,21 @@ class Scene:
 
 
 @pytest.fixture(scope="module")
-def gallery(robot: RobotConfig, lab: WorldConfig, hall: WorldConfig) -> Iterator[tuple[Scene, Painter, KinectEye]]:
+def gallery(
+    robot: RobotConfig, lab: WorldConfig, hall: WorldConfig
+) -> Iterator[tuple[Scene, Renderer, KinectRenderer]]:
     """One person for each face, all far away."""
-    scene = Scene(robot, hall, stage(*({"face": face, "at": (3, 1 + i), "height_m": 1.6 + 0.08 * i}
+    scene = Scene(robot, hall, scenario_state(*({"face": face, "at": (3, 1 + i), "height_m": 1.6 + 0.08 * i}
                                        for i, face in enumerate(FACES))))  # fmt: skip
-    painter = Painter(scene.simulation.model)
-    yield scene, painter, KinectEye(painter, scene.simulation.model, KinectConfig(), np.random.default_rng(1))
-    painter.close()
+    renderer = Renderer(scene.simulation.model)
+    yield scene, renderer, KinectRenderer(renderer, scene.simulation.model, KinectConfig(), np.random.default_rng(1))
+    renderer.close()
 
 
-def look(scene: Scene, eye: KinectEye, robot: RobotConfig) -> NDArray[np.uint8]:
+def look(scene: Scene, eye: KinectRenderer, robot: RobotConfig) -> NDArray[np.uint8]:
     data = scene.simulation.data
     X_BC = load_model(robot.model).pose(KinectConfig().link)
-    for _ in eye.draw(Snapshot(0.0, data.qpos.copy(), mocap_poses(data), X_BC)):
+    for _ in eye.draw(WorldSnapshot(0.0, data.qpos.copy(), mocap_poses(data), X_BC)):
         pass
     return np.ascontiguousarray(eye.picture[0])
 
@@ -84,20 +86,20 @@ def look(scene: Scene, eye: KinectEye, robot: RobotConfig) -> NDArray[np.uint8]:
 def faces(picture: NDArray[np.uint8]) -> NDArray[np.float32]:
     """YuNet's rows (n, 15) at the threshold that perceptions use."""
     detector = cv2.FaceDetectorYN.create(str(yunet.MODEL), "", (MODEL.width, MODEL.height), 0.8)
-    _, found = detector.detect(cv2.cvtColor(picture, cv2.COLOR_RGB2BGR))
+    found: object = detector.detect(cv2.cvtColor(picture, cv2.COLOR_RGB2BGR))[1]  # None of none, whatever the stubs say
     return np.zeros((0, 15), np.float32) if found is None else np.asarray(found, np.float32)
 
 
 def projected_mouth(scene: Scene, number: int, robot: RobotConfig) -> NDArray[np.float64]:
     X_WC = scene.simulation.true_pose().to_pose3() @ load_model(robot.model).pose(KinectConfig().link)
-    p_C = X_WC.inverse().transform(np.array(scene.stage.actors[number].mouth))
+    p_C = X_WC.inverse().transform(np.array(scene.scenario_state.actors[number].mouth))
     return np.array([MODEL.cx + MODEL.fx * p_C[0] / p_C[2], MODEL.cy + MODEL.fy * p_C[1] / p_C[2]])
 
 
 @needs_gl
 @pytest.mark.parametrize("face", FACES)
 def test_a_face_is_found_where_the_truth_says_and_none_from_behind(
-    gallery: tuple[Scene, Painter, KinectEye], robot: RobotConfig, face: str
+    gallery: tuple[Scene, Renderer, KinectRenderer], robot: RobotConfig, face: str
 ) -> None:
     scene, _, eye = gallery
     number = list(FACES).index(face)
@@ -109,7 +111,7 @@ def test_a_face_is_found_where_the_truth_says_and_none_from_behind(
         assert len(found) == 1, (distance, facing)
         mouth = (found[0, 10:12] + found[0, 12:14]) / 2
         size = gait.EYES_SHARE - gait.MOUTH_SHARE
-        tolerance = 0.5 * size * scene.stage.actors[number].height_m * MODEL.fy / distance + 1.0
+        tolerance = 0.5 * size * scene.scenario_state.actors[number].height_m * MODEL.fy / distance + 1.0
         assert math.dist(mouth, projected_mouth(scene, number, robot)) < tolerance, (distance, facing)
     for facing in (180, 140):
         scene.put(number, 2.0, 0.0, facing)
@@ -119,7 +121,7 @@ def test_a_face_is_found_where_the_truth_says_and_none_from_behind(
 
 @needs_gl
 def test_who_moves_is_seen_to_move_though_the_robot_stands(
-    gallery: tuple[Scene, Painter, KinectEye], robot: RobotConfig
+    gallery: tuple[Scene, Renderer, KinectRenderer], robot: RobotConfig
 ) -> None:
     scene, _, eye = gallery
     scene.put(0, 2.0, 0.0, 0)
@@ -150,35 +152,37 @@ def scan(scene: Scene, robot: RobotConfig) -> NDArray[np.float64]:
 
 
 def test_the_laser_sees_two_legs_where_the_truth_says(robot: RobotConfig, hall: WorldConfig) -> None:
-    scene = Scene(robot, hall, stage({"at": (12.5, 10.7), "heading_deg": 180.0, "height_m": 1.75}))
+    scene = Scene(robot, hall, scenario_state({"at": (12.5, 10.7), "heading_deg": 180.0, "height_m": 1.75}))
     scene.simulation.step()
     points = scan(scene, robot)
     assert len(points) > 6
-    actor = scene.stage.actors[0]
+    actor = scene.scenario_state.actors[0]
     for side in (1, -1):
         leg = (actor.x, actor.y - side * gait.HIP_ASIDE * 1.75)  # facing west: the left leg is in the south
         mine = points[(points[:, 1] - actor.y) * -side > 0]
         assert len(mine) > 2
         assert np.hypot(*(mine.mean(axis=0) - leg)) < 0.09
-    walked = Scene(robot, hall, stage({"at": (12.5, 10.7), "script": [{"walk": (12.5, 8.0)}], "repeat": False}))
-    walked.stage.advance(2.5, AWAY)
+    walked = Scene(
+        robot, hall, scenario_state({"at": (12.5, 10.7), "script": [{"walk": (12.5, 8.0)}], "repeat": False})
+    )
+    walked.scenario_state.advance(2.5, AWAY)
     walked.people.pose(walked.simulation.data)
     walked.simulation.step()
     middle = scan(walked, robot).mean(axis=0)
-    assert math.dist(middle, (walked.stage.actors[0].x, walked.stage.actors[0].y)) < 0.2
-    assert walked.stage.actors[0].y < 9.5
+    assert math.dist(middle, (walked.scenario_state.actors[0].x, walked.scenario_state.actors[0].y)) < 0.2
+    assert walked.scenario_state.actors[0].y < 9.5
 
 
 def test_the_robot_cannot_drive_through_a_person(robot: RobotConfig, hall: WorldConfig) -> None:
-    scene = Scene(robot, hall, stage({"at": (11.2, 10.0), "heading_deg": 180.0}))
+    scene = Scene(robot, hall, scenario_state({"at": (11.2, 10.0), "heading_deg": 180.0}))
     for _ in range(2500):
-        scene.simulation.drive(Velocity(0.3, 0.0))
+        scene.simulation.drive(BaseVelocity(0.3, 0.0))
         scene.simulation.step()
     assert 10.2 < scene.simulation.true_pose().x < 10.85
 
 
 def test_limbs_hang_together_in_every_posture() -> None:
-    actor = stage({"at": (0, 0), "height_m": 1.7}).actors[0]
+    actor = scenario_state({"at": (0, 0), "height_m": 1.7}).actors[0]
     for gait_phase in np.linspace(0, 2 * math.pi, 9):
         for clap in (0.0, 1.0):
             joints = gait.joints(gait.Posture(gait=float(gait_phase), stride=1.0, clap=clap, apart=0.5))
@@ -200,7 +204,8 @@ def test_limbs_hang_together_in_every_posture() -> None:
 
 @pytest.mark.slow
 async def test_the_truth_of_a_running_world_is_the_scenarios(robot: RobotConfig, hall: WorldConfig) -> None:
-    """Across the link's process: who walks is told walking, at the height given, looking along the way."""
+    """Across the link's process: a walking person is reported as walking, at the given height, looking along the
+    path."""
     blind = robot.streams.model_copy(update={"kinect": None, "imv": None, "microphones": None, "hokuyo": None})
     walker = {"name": "walker", "face": "pilot", "at": (3, 3), "height_m": 1.81, "script": [{"walk": (9, 3)}]}
     scenario = ScenarioConfig.model_validate({"name": "test", "people": [walker | {"repeat": False}]})

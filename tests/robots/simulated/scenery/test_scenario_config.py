@@ -12,7 +12,7 @@ from app.base import paths
 from app.base.errors import ConfigError
 from app.base.geometry import Pose2
 from app.robots.simulated.scenery.scenario_config import load_scenario
-from app.robots.simulated.scenery.scenario_state import Stage
+from app.robots.simulated.scenery.scenario_state import ScenarioState
 
 PERSON = "people:\n  - name: person 1\n    face: pilot\n    at: [1, 2]\n"
 
@@ -111,11 +111,11 @@ def test_a_long_file_may_loop_and_one_of_two_minutes_is_kept_to_its_end(tmp_path
         "name: test\nsounds:\n  - {name: a, kind: music, clip: long.wav, at: [0, 0, 1], loop: true}\n"
         "  - {name: b, kind: music, clip: fits.wav, at: [0, 0, 1]}\n"
     )
-    stage = Stage(load_scenario(file))
-    stage.advance(120.3, Pose2())  # with the sound's own way
-    assert [cue.name for cue in stage.cues] == ["a", "b"]
-    stage.advance(122.0, Pose2())
-    assert [cue.name for cue in stage.cues] == ["a"]
+    scenario_state = ScenarioState(load_scenario(file))
+    scenario_state.advance(120.3, Pose2())  # with the sound's own way
+    assert [cue.name for cue in scenario_state.cues] == ["a", "b"]
+    scenario_state.advance(122.0, Pose2())
+    assert [cue.name for cue in scenario_state.cues] == ["a"]
 
 
 def test_sound_files_are_found_beside_the_scenario(tmp_path: Path) -> None:

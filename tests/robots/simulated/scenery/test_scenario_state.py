@@ -1,4 +1,5 @@
-"""The stage: people follow their scripts, wait for the robot, look where they are told; sounds come at their times."""
+"""State of a scenario: people follow their scripts, wait for the robot, look in the given direction; sounds come at
+their times."""
 
 from __future__ import annotations
 
@@ -23,7 +24,7 @@ from app.robots.simulated.scenery.scenario_state import (
     HEIGHT_SIGMA_M,
     LOOKAHEAD_S,
     Cue,
-    Stage,
+    ScenarioState,
     draw_heights,
 )
 from app.robots.simulated.world_config import WallConfig, WorldConfig
@@ -35,8 +36,8 @@ def person(name: str = "person 1", at: tuple[float, float] = (0.0, 0.0), **more:
     return {"name": name, "face": "pilot", "at": at, **more}
 
 
-def stage(*people: dict[str, Any], seed: int = 1, **more: Any) -> Stage:
-    return Stage(ScenarioConfig.model_validate({"name": "test", "seed": seed, "people": people, **more}))
+def scenario_state(*people: dict[str, Any], seed: int = 1, **more: Any) -> ScenarioState:
+    return ScenarioState(ScenarioConfig.model_validate({"name": "test", "seed": seed, "people": people, **more}))
 
 
 def test_heights_are_drawn_from_the_gaussian_that_perceptions_suppose() -> None:
@@ -50,14 +51,14 @@ def test_heights_are_drawn_from_the_gaussian_that_perceptions_suppose() -> None:
 
 def test_the_seed_draws_the_heights_and_a_given_height_stands() -> None:
     three = [person(f"person {i}", (i, 0)) for i in range(3)]
-    one, again, other = stage(*three), stage(*three), stage(*three, seed=2)
+    one, again, other = scenario_state(*three), scenario_state(*three), scenario_state(*three, seed=2)
     assert [p.height_m for p in one.people] == [p.height_m for p in again.people]
     assert [p.height_m for p in one.people] != [p.height_m for p in other.people]
-    assert stage(person(height_m=1.52)).people[0].height_m == 1.52
+    assert scenario_state(person(height_m=1.52)).people[0].height_m == 1.52
 
 
 def test_a_walk_takes_its_time_and_ends_at_its_point() -> None:
-    walk = stage(person(script=[{"walk": (3, 0), "speed": 1.2}], repeat=False))
+    walk = scenario_state(person(script=[{"walk": (3, 0), "speed": 1.2}], repeat=False))
     speeds = []
     for i in range(1, 500):
         before = walk.people[0].x
@@ -66,11 +67,11 @@ def test_a_walk_takes_its_time_and_ends_at_its_point() -> None:
     assert walk.people[0].x == pytest.approx(3.0, abs=0.02)
     assert walk.people[0].y == pytest.approx(0.0, abs=1e-9)
     assert max(speeds) == pytest.approx(1.2, abs=0.01)
-    assert max(abs(b - a) for a, b in itertools.pairwise(speeds)) < 0.16  # nobody starts or stops in an instant
+    assert max(abs(b - a) for a, b in itertools.pairwise(speeds)) < 0.16  # no person starts or stops in an instant
 
 
 def test_a_person_waits_before_the_robot_and_goes_on_when_it_is_gone() -> None:
-    walk = stage(person(script=[{"walk": (6, 0), "speed": 1.2}], repeat=False))
+    walk = scenario_state(person(script=[{"walk": (6, 0), "speed": 1.2}], repeat=False))
     robot = Pose2(3.0, 0.1, math.pi)
     nearest = math.inf
     for i in range(1, 1000):
@@ -84,7 +85,7 @@ def test_a_person_waits_before_the_robot_and_goes_on_when_it_is_gone() -> None:
 
 
 def test_who_gives_way_goes_back_the_way_they_came_and_tries_again() -> None:
-    walk = stage(person(script=[{"walk": (6, 0), "speed": 1.2}], repeat=False, gives_way_s=4))
+    walk = scenario_state(person(script=[{"walk": (6, 0), "speed": 1.2}], repeat=False, gives_way_s=4))
     robot = Pose2(3.0, 0.1, math.pi)
     xs = []
     for i in range(1, 1400):
@@ -101,7 +102,7 @@ def test_who_gives_way_goes_back_the_way_they_came_and_tries_again() -> None:
 
 def test_who_has_just_turned_a_corner_gives_way_round_it() -> None:
     script = [{"walk": (3, 0), "speed": 1.2}, {"walk": (3, 6), "speed": 1.2}]
-    walk = stage(person(script=script, repeat=False, gives_way_s=4))
+    walk = scenario_state(person(script=script, repeat=False, gives_way_s=4))
     robot, least = Pose2(3.0, 1.2, 0.0), math.inf
     for i in range(1, 1300):
         walk.advance(i * 0.01, robot)
@@ -110,14 +111,14 @@ def test_who_has_just_turned_a_corner_gives_way_round_it() -> None:
 
 
 def test_passing_beside_the_robot_is_no_reason_to_wait() -> None:
-    walk = stage(person(script=[{"walk": (6, 0), "speed": 1.2}], repeat=False))
+    walk = scenario_state(person(script=[{"walk": (6, 0), "speed": 1.2}], repeat=False))
     walk.advance(7.0, Pose2(3.0, 0.8, 0.0))
     assert walk.people[0].x == pytest.approx(6.0, abs=0.02)
 
 
 @pytest.mark.parametrize("bearing_deg", [20.0, -80.0, 150.0, 179.0])
 def test_who_looks_at_the_robot_turns_head_and_body_to_it(bearing_deg: float) -> None:
-    look = stage(person(script=[{"wait": 60, "look": "robot"}]))
+    look = scenario_state(person(script=[{"wait": 60, "look": "robot"}]))
     bearing = math.radians(bearing_deg)
     robot = Pose2(3 * math.cos(bearing), 3 * math.sin(bearing), 0.0)
     look.advance(6.0, robot)
@@ -125,20 +126,20 @@ def test_who_looks_at_the_robot_turns_head_and_body_to_it(bearing_deg: float) ->
     assert abs(wrap_angle(look.actors[0].heading - bearing)) < math.radians(40)  # no owl
 
 
-def test_nobody_looks_at_the_robot_unless_told() -> None:
-    look = stage(person(heading_deg=90, script=[{"wait": 60}]))
+def test_nobody_looks_at_the_robot_unless_reported() -> None:
+    look = scenario_state(person(heading_deg=90, script=[{"wait": 60}]))
     look.advance(6.0, Pose2(3.0, 0.0, 0.0))
     assert look.people[0].heading == pytest.approx(math.pi / 2)
 
 
 def test_waiting_for_the_robot_ends_when_it_comes_or_the_time_is_over() -> None:
     script = [{"wait_for_robot": (5, 5), "within": 1.0, "at_most": 4.0}, {"walk": (1, 0)}]
-    waits = stage(person(script=script, repeat=False))
+    waits = scenario_state(person(script=script, repeat=False))
     waits.advance(3.9, AWAY)
     assert waits.people[0].x == 0.0
     waits.advance(7.0, AWAY)
     assert waits.people[0].x > 0.9
-    comes = stage(person(script=script, repeat=False))
+    comes = scenario_state(person(script=script, repeat=False))
     comes.advance(1.0, Pose2(5.5, 5.0, 0.0))
     comes.advance(3.5, AWAY)
     assert comes.people[0].x > 0.9
@@ -146,7 +147,7 @@ def test_waiting_for_the_robot_ends_when_it_comes_or_the_time_is_over() -> None:
 
 def test_what_is_said_comes_from_the_mouth_and_moves_with_it() -> None:
     script = [{"wait": 1}, {"say": "hello", "gain_db": 3}, {"walk": (4, 0), "speed": 1.0}]
-    says = stage(person(script=script, repeat=False, height_m=1.8))
+    says = scenario_state(person(script=script, repeat=False, height_m=1.8))
     says.advance(1.5, AWAY)
     [cue] = says.cues
     assert (cue.kind, cue.person, cue.clip, cue.gain_db, cue.loop) == ("speech", "person 1", "hello", 3.0, False)
@@ -158,8 +159,8 @@ def test_what_is_said_comes_from_the_mouth_and_moves_with_it() -> None:
     assert says.place(cue)[0] > begin[0] + 1.5
 
 
-def test_claps_are_told_before_they_sound_and_the_palms_meet_then() -> None:
-    claps = stage(person(script=[{"wait": 1}, {"clap": 3, "every": 0.5}, {"wait": 60}]))
+def test_claps_are_reported_before_they_sound_and_the_palms_meet_then() -> None:
+    claps = scenario_state(person(script=[{"wait": 1}, {"clap": 3, "every": 0.5}, {"wait": 60}]))
     apart: dict[int, float] = {}
     seen: dict[str, Cue] = {}
     for i in range(1, 400):
@@ -180,7 +181,7 @@ def test_claps_are_told_before_they_sound_and_the_palms_meet_then() -> None:
 
 
 def test_steps_are_heard_while_walking_only() -> None:
-    walks = stage(person(script=[{"walk": (4, 0), "speed": 1.2}], repeat=False), footsteps={"clip": "step"})
+    walks = scenario_state(person(script=[{"walk": (4, 0), "speed": 1.2}], repeat=False), footsteps={"clip": "step"})
     steps: dict[str, float] = {}
     for i in range(1, 800):
         walks.advance(i * 0.01, AWAY)
@@ -192,12 +193,12 @@ def test_steps_are_heard_while_walking_only() -> None:
 def sounds(seed: int) -> list[tuple[str, float]]:
     door = {"name": "door", "kind": "door", "clip": "door", "at": (1, 2, 1), "begin_s": 3, "every_s": 10, "jitter_s": 5}
     alarm = {"name": "alarm", "kind": "alarm", "clip": "alarm", "at": (0, 0, 2), "begin_s": 1, "loop": True}
-    many = stage(sounds=[door | {"count": 4}, alarm], seed=seed)
+    many = scenario_state(sounds=[door | {"count": 4}, alarm], seed=seed)
     found: dict[str, float] = {}
     for i in range(100):
         many.advance(i * 1.0, AWAY)
         for cue in many.cues:
-            assert cue.name in found or cue.begin_s >= many.time_s - 1.0  # nothing is told too late
+            assert cue.name in found or cue.begin_s >= many.time_s - 1.0  # no sound is added too late
             assert cue.begin_s <= many.time_s + LOOKAHEAD_S
             found[cue.name] = cue.begin_s
             assert many.place(cue) == ((1, 2, 1) if cue.name.startswith("door") else (0, 0, 2))
@@ -221,10 +222,10 @@ def test_sounds_come_at_their_times_with_jitter_from_the_seed() -> None:
     cuts=st.lists(st.floats(0.001, 0.5), min_size=1, max_size=60),
     robot=st.tuples(st.floats(-3, 5), st.floats(-3, 3)),
 )
-def test_how_often_time_is_told_changes_nothing(cuts: list[float], robot: tuple[float, float]) -> None:
+def test_how_often_time_is_reported_changes_nothing(cuts: list[float], robot: tuple[float, float]) -> None:
     script = [{"walk": (2, 1)}, {"clap": 1, "look": "robot"}, {"say": "hello"}, {"walk": (0, 0), "look": "robot"}]
     pose = Pose2(*robot, 0.0)
-    one, other = (stage(person(script=script), footsteps={}) for _ in range(2))
+    one, other = (scenario_state(person(script=script), footsteps={}) for _ in range(2))
     time = 0.0
     for cut in cuts:
         time += cut
@@ -241,7 +242,7 @@ def test_the_shipped_people_keep_off_walls_posters_each_other_and_the_start(name
     scenario = load_scenario(folder / "scenarios" / f"{name}.yaml")
     start = scenario.start or load_robot_config(folder / "robots" / "irl1_tr.yaml").start
     robot = Pose2(start.x, start.y, math.radians(start.heading_deg))
-    life = Stage(scenario)
+    life = ScenarioState(scenario)
     before_a_poster = dict.fromkeys((poster.text for poster in world.posters), 0.0)
     moved = dict.fromkeys((p.name for p in life.people), 0.0)
     seconds, period = 200.0, 0.4

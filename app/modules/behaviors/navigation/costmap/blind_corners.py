@@ -1,5 +1,4 @@
-"""Where somebody may come from unseen: edges between what is free and what was never seen, as behind a corner or a
-door."""
+"""Blind corners: edges between free and never seen cells, from which a person may appear, as behind a door."""
 
 from __future__ import annotations
 
@@ -7,15 +6,15 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from app.modules.behaviors.navigation.controller import Field, Way
+from app.modules.behaviors.navigation.controller import DistanceField, LocalPath
 
-#: Specks of unseen cells up to this many across are gaps between rays, not corners.
+#: Unseen regions up to this many cells across are gaps between rays, not corners.
 _SPECK = 5
 
 
 def hidden_distance(cells: NDArray[np.int8], resolution_m: float) -> NDArray[np.float32]:
-    """Distance (m) from each cell's middle to the nearest unseen place that borders on a free one; ``cells`` (H, W)
-    as of an occupancy grid. What is unseen behind a wall does not count; nor do specks. Where there is none: 1e3."""
+    """Distance (m) from each cell's middle to the nearest unseen cell that borders on a free one; ``cells`` (H, W) as
+    of an occupancy grid. Unseen cells behind a wall and small gaps do not count. 1e3 where there is none."""
     unseen = cv2.morphologyEx((cells < 0).astype(np.uint8), cv2.MORPH_OPEN, np.ones((_SPECK, _SPECK), np.uint8))
     beside_free = cv2.dilate((cells == 0).astype(np.uint8), np.ones((3, 3), np.uint8))
     edges = cv2.bitwise_and(unseen, beside_free)
@@ -28,9 +27,11 @@ def hidden_distance(cells: NDArray[np.int8], resolution_m: float) -> NDArray[np.
     )
 
 
-def careful(way: Way, field: Field, hidden: NDArray[np.float32], speed_mps: float, share: float, reach_m: float) -> Way:
-    """``way`` with its speed lowered to ``share`` of ``speed_mps`` beside what is hidden, less and less to
-    ``reach_m``."""
+def careful(
+    way: LocalPath, field: DistanceField, hidden: NDArray[np.float32], speed_mps: float, share: float, reach_m: float
+) -> LocalPath:
+    """``way`` with its speed lowered to ``share`` of ``speed_mps`` beside blind corners; the reduction fades out
+    linearly at ``reach_m``."""
     points = way.points.copy()
     rows, columns = hidden.shape
     at = np.floor((points[:, :2] - np.array(field.origin)) / field.resolution_m).astype(np.int64)
@@ -38,4 +39,4 @@ def careful(way: Way, field: Field, hidden: NDArray[np.float32], speed_mps: floa
     away = np.full(len(points), np.inf)
     away[inside] = hidden[at[inside, 1], at[inside, 0]]
     points[:, 4] = np.minimum(points[:, 4], speed_mps * np.minimum(1.0, share + (1.0 - share) * away / reach_m))
-    return Way(points, way.spacing)
+    return LocalPath(points, way.spacing)

@@ -1,4 +1,4 @@
-"""Compiled kernel: how near a body comes to obstacles."""
+"""Compiled kernel: clearance of a body from obstacles."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def body_clearances(
         if middle >= 2.0 * radii[1]:
             out[k] = middle - radii[1]
             continue
-        # What is within the inscribed circle touches, whatever the samples say; so does what is right at a sample.
+        # An obstacle within the inscribed circle, or right at a sample, is contact whatever the other samples give.
         least = middle - radii[0]
         if least > 0.0:
             c, s = math.cos(poses[k, 2]), math.sin(poses[k, 2])

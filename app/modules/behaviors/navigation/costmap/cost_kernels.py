@@ -1,4 +1,4 @@
-"""Compiled kernels: what a metre costs, from distances. Layers, settings and units as in ``inflation``."""
+"""Compiled kernels: cost per metre from distances. Layers, settings and units as in ``inflation``."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def price(
     closeness: float,
     unknown_cost: float,
 ) -> float:
-    """Of a metre at ``clearance`` (m)."""
+    """Cost of a metre at ``clearance`` (m)."""
     if clearance < lethal:
         return math.inf
     cost = 1.0 / max(share, 0.02)
@@ -48,9 +48,10 @@ def lay(
     closeness: float,
     unknown_cost: float,
 ) -> None:
-    """Fill ``clearance`` and ``cost`` and set what cells are too near to, from ``distances`` to what is occupied.
+    """Fill ``clearance`` and ``cost``, and set the layers each cell is too near to, from ``distances`` to occupied
+    cells.
 
-    All arrays (H, W); ``zone``, distances to zones to keep out of, and ``share`` are (0, 0) without zones.
+    All arrays (H, W); ``zone`` (distances to keep-out zones) and ``share`` are (0, 0) without zones.
     """
     rows, columns = distances.shape
     zoned, slow = zone.size > 0, share.size > 0
@@ -84,7 +85,7 @@ def overlay(
     closeness: float,
     unknown_cost: float,
 ) -> None:
-    """Bring ``distances`` (H, W) to temporary obstacles into a field that knows all others."""
+    """Merge ``distances`` (H, W) to transient obstacles into a field of the map's obstacles."""
     rows, columns = distances.shape
     slow = share.size > 0
     for i in range(rows):

@@ -1,7 +1,7 @@
-"""Compiled kernels: a depth picture on a grid in ``odom``, with the heights at which something stands.
+"""Compiled kernels: depth images on a grid in ``odom``, with the heights of obstacles.
 
-A cell's heights are 16 bands (bits of a uint16) from the floor to the body's height: a ray that passes over a box does
-not clear it, one that passes where it was does.
+Heights of a cell are 16 bands (bits of a uint16) from the floor to the body's height: a ray that passes over a box does
+not clear it, a ray through the box's place does.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from app.base.compiled import kernel
 
 NEVER = -(2**30)
 _BANDS = 16
-#: A single pixel may be noise; so many within a cell are something.
+#: Least number of pixels in a cell that make an obstacle; a single one may be noise.
 _ENOUGH = 2
 
 
@@ -37,11 +37,12 @@ def mark(
     last: NDArray[np.int32],
     bands: NDArray[np.uint16],
 ) -> None:
-    """Mark what ``depth`` (H, W) mm shows between the floor and the body's height.
+    """Mark obstacles of ``depth`` (H, W) mm between the floor and the body's height.
 
     ``lens``: fx, fy, cx, cy (px). ``X_BC`` (3, 4): rotation and translation. ``pose``: x, y, theta of the robot in
-    ``odom``. ``edges`` and ``frame`` as in ``rays``. ``limits``: the lowest height that counts (m) and its growth with
-    distance, the body's height, the furthest depth, and how far below the floor a drop is (infinite: none counts).
+    ``odom``. ``edges`` and ``frame`` as in ``raytrace_kernels``. ``limits``: lowest height that counts (m) and its
+    growth with distance, the body's height, the greatest depth, and the depth of a drop below the floor (inf: drops do
+    not count).
     """
     rows, columns = last.shape
     height, width = depth.shape
@@ -67,7 +68,7 @@ def mark(
             if up < floor + slope * math.hypot(px, py):
                 if up > -drop:
                     continue
-                # The edge is where the ray goes below the floor.
+                # The edge is where the ray crosses the floor.
                 share = X_BC[2, 3] / (X_BC[2, 3] - up)
                 px, py = X_BC[0, 3] + share * (px - X_BC[0, 3]), X_BC[1, 3] + share * (py - X_BC[1, 3])
                 up = 0.0
@@ -116,9 +117,9 @@ def clear(
     last: NDArray[np.int32],
     bands: NDArray[np.uint16],
 ) -> None:
-    """Clear bands that the camera looks through: along the very ray to each, the picture is further away than it.
+    """Clear bands that the camera looks through: along the ray to a band the measured depth is greater than the band's.
 
-    Only what was not hit for ``clear_ms``. A band out of the picture stays, and so does one whose ray measured nothing.
+    Only bands not hit for ``clear_ms``. Bands outside the image, and bands whose ray measured nothing, stay.
     """
     rows, columns = last.shape
     height, width = depth.shape
@@ -135,7 +136,7 @@ def clear(
                 if not left & (1 << band):
                     continue
                 passed, met = False, False
-                # Foot, middle and head of the band: a thin thing may be at any of them.
+                # Foot, middle and head of the band: a thin obstacle may be at any of them.
                 for k in range(3):
                     pz = (band + 0.1 + 0.4 * k) * top / _BANDS - X_BC[2, 3]
                     z = X_BC[0, 2] * px + X_BC[1, 2] * py + X_BC[2, 2] * pz

@@ -1,4 +1,4 @@
-"""What a body covers of the floor, and how near it comes to what stands there."""
+"""Footprint of a body on the floor, and its clearance from obstacles."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from app.link import RobotDescription
 class Footprint:
     """A convex polygon about ``base_link``: ``corners`` (N, 2) float64 m, counter-clockwise, N >= 3.
 
-    ``inscribed_m`` is the radius of the largest circle about ``base_link`` that the polygon covers, ``circumscribed_m``
-    of the smallest that covers it: whatever its heading, the body touches what is nearer than the first and nothing
-    that is further than the second.
+    ``inscribed_m``: radius of the largest circle about ``base_link`` within the polygon; ``circumscribed_m``: of the
+    smallest around it. At any heading the body touches an obstacle nearer than the first, and none further than the
+    second.
     """
 
     corners: NDArray[np.float64]
@@ -26,7 +26,7 @@ class Footprint:
 
     @staticmethod
     def of(description: RobotDescription) -> Footprint:
-        """The footprint of a body. Raises ValueError, naming the body, for one that does not move."""
+        """The footprint of a body. Raises ValueError, naming the body, for a body that does not move."""
         if not description.footprint:
             raise ValueError(f"{description.name} has no footprint: it does not move, and no way can be planned for it")
         return Footprint.polygon(np.array(description.footprint, dtype=np.float64))
@@ -48,7 +48,7 @@ class Footprint:
 
     def samples(self, spacing_m: float) -> NDArray[np.float64]:
         """Points (P, 2) float64 m in ``base_link``, at most ``spacing_m`` apart, of the edge (corners included) and of
-        the inside beyond the inscribed circle: nothing larger than that hides in the body between them."""
+        the inside beyond the inscribed circle, so that a larger obstacle meets at least one of them."""
         pieces = []
         for begin, end in zip(self.corners, np.roll(self.corners, -1, axis=0), strict=True):
             count = max(1, math.ceil(float(np.linalg.norm(end - begin)) / spacing_m - 1e-9))
@@ -59,7 +59,7 @@ class Footprint:
             for begin, end in zip(low, high, strict=True)
         ]
         inside = np.stack(np.meshgrid(*steps), axis=-1).reshape(-1, 2)
-        # What lies just beyond the circle may have its nearest point just within.
+        # A point just beyond the circle may have its nearest sample just within.
         beyond = np.hypot(inside[:, 0], inside[:, 1]) > self.inscribed_m - spacing_m * math.sqrt(0.5)
         return np.concatenate((*pieces, inside[beyond & self.contains(inside)]))
 
@@ -80,11 +80,12 @@ def clearances(
     footprint: Footprint,
     poses: NDArray[np.float64],
 ) -> NDArray[np.float32]:
-    """How far (m) the body's edge is from the nearest obstacle at each of ``poses`` (P, 3) x, y, heading; (P,) float32.
+    """Distance (m) of the body's edge from the nearest obstacle at each of ``poses`` (P, 3) x, y, heading; (P,)
+    float32.
 
-    ``distance`` (H, W) float32: from each cell's middle to the nearest obstacle's (m), the lower left corner of the
-    grid at ``origin``; poses in the grid's frame. Exact to a cell where the body is near; further off than the body is
-    large, a lower bound. Less than half a cell: it touches. Places outside the grid read as the nearest inside.
+    ``distance`` (H, W) float32: m from each cell's middle to the nearest obstacle's, the lower left corner of the grid
+    at ``origin``; poses in the grid's frame. Exact to a cell near obstacles; a lower bound at distances beyond the
+    body's size. Less than half a cell is contact. Places outside the grid read as the nearest cell inside.
     """
     from app.modules.behaviors.navigation.costmap.clearance_kernels import body_clearances
 

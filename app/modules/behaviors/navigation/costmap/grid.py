@@ -1,4 +1,4 @@
-"""Where the cells of a grid lie: between metres in a frame and rows and columns of an array."""
+"""Geometry of grids: conversion between metres in a frame and rows and columns of an array."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ class GridFrame:
 
     @staticmethod
     def of(grid: OccupancyGrid) -> GridFrame:
-        """Where the cells of ``grid`` lie, in its own frame."""
+        """The geometry of ``grid``, in its own frame."""
         rows, columns = grid.cells.shape
         return GridFrame(grid.origin[0], grid.origin[1], grid.resolution_m, rows, columns)
 
     def cell(self, x: float, y: float) -> tuple[int, int] | None:
-        """Row and column of the cell around the place (m); None outside the grid, or if it is no place (NaN)."""
+        """Row and column of the cell that contains the place (m); None outside the grid or for NaN."""
         if not (math.isfinite(x) and math.isfinite(y)):
             return None
         row = math.floor((y - self.y) / self.resolution_m)

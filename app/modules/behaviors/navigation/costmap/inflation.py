@@ -1,7 +1,7 @@
-"""What a metre of way costs everywhere on the map: obstacles inflated by the footprint, zones, unknown space.
+"""Cost per metre on the map: obstacles inflated by the footprint, zones, unknown space.
 
-The field is made anew only where its map changed (``previous``); what stands in the way but not on the map is laid over
-it (:func:`with_obstacles`).
+Only changed parts of the map are computed again (``previous``). Obstacles that are not on the map are overlaid
+(:func:`with_obstacles`).
 """
 
 from __future__ import annotations
@@ -19,25 +19,27 @@ from app.modules.behaviors.navigation.costmap.footprint import Footprint
 from app.modules.behaviors.navigation.costmap.grid import GridFrame
 from app.modules.behaviors.navigation.costmap.zone_layer import rasterize
 
-#: What a cell is, and what it is too near to (bits of :attr:`CostField.layers`).
+#: Kinds of a cell, and of the obstacles it is too near to (bits of :attr:`CostField.layers`).
 OCCUPIED, KEEP_OUT, TEMPORARY, UNKNOWN, AT_OCCUPIED, AT_KEEP_OUT, AT_TEMPORARY = (1 << bit for bit in range(7))
 
-#: Changes are looked for, and mended, in squares of so many cells.
+#: Side of the squares (cells) in which changes are detected and recomputed.
 _TILE = 64
-#: In cells: no map is as large.
+#: Distance (cells) greater than any on a map.
 _VERY_FAR = np.float32(1e6)
-#: Cells are unknown where most in such a square are.
+#: Side of the square (cells) whose majority decides whether a cell is unknown.
 _AROUND = (5, 5)
 
 
 @dataclass(frozen=True, slots=True)
 class CostSettings:
-    """What is dear. A metre in the open costs 1, in a slow zone 1 / its share of speed (the time it takes).
+    """Parameters of the costs. A metre of open floor costs 1, in a slow zone 1 / its share of speed (the time it
+    takes).
 
-    Nearer to an obstacle than the inscribed radius no way leads; there a metre costs ``closeness`` more, and less and
-    less (quadratically) to ``reach_m`` beyond the circumscribed radius: ways keep to the middle of corridors narrower
-    than twice that. ``unknown`` space, where most cells around are unknown, is ``free``, ``costly`` (``unknown_cost``
-    more a metre: a last resort) or ``blocked``.
+    Cells nearer to an obstacle than the inscribed radius are lethal. At that radius a metre costs ``closeness`` more;
+    the surcharge falls quadratically to zero at ``reach_m`` beyond the circumscribed radius, so that paths keep to the
+    middle of corridors narrower than twice that. ``unknown`` space (most cells around are unknown) is ``free``,
+    ``costly`` (``unknown_cost`` more per metre, a last resort) or ``blocked``.
+
     Cells of at least ``occupied_from`` (0 to 100) are obstacles.
     """
 
@@ -50,13 +52,12 @@ class CostSettings:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CostField:
-    """What going costs on the map. Arrays are not to be written to.
+    """Cost per metre on the map. The arrays are read-only.
 
-    ``layers`` (H, W) uint8: what each cell is, and which obstacles, zones or temporary obstacles are nearer to it than
-    the inscribed radius. ``clearance`` (H, W) float32: m from its middle to that of the nearest obstacle (or zone to
-    keep out of), at most ``reach_m`` beyond the circumscribed radius. ``cost`` (H, W) float32: of a metre, >= 1, +inf
-    where the middle of the body may not be (lethal). ``known`` is the field without temporary obstacles, None if it
-    is this one.
+    ``layers`` (H, W) uint8: kind of each cell, and which obstacles, zones or transient obstacles are nearer than the
+    inscribed radius. ``clearance`` (H, W) float32: m from its middle to that of the nearest obstacle (or keep-out
+    zone), at most ``reach_m`` beyond the circumscribed radius. ``cost`` (H, W) float32: of a metre, >= 1, +inf where
+    the body's middle may not be (lethal). ``known``: the field without transient obstacles, None if it is this one.
     """
 
     frame: GridFrame
@@ -72,13 +73,13 @@ class CostField:
 
     @property
     def reach_m(self) -> float:
-        """From where on clearance costs nothing."""
+        """Clearance from which on there is no surcharge."""
         return self.footprint.circumscribed_m + self.settings.reach_m
 
     @property
     def lethal_m(self) -> float:
-        """Under what clearance no way leads."""
-        # A little over one cell at least: no way slips through a wall between two cells that touch by their corners.
+        """Clearance below which a cell is lethal."""
+        # A little over one cell at least: no path passes a wall between two cells that touch by their corners.
         return max(self.footprint.inscribed_m, 1.01 * self.frame.resolution_m)
 
 
@@ -89,8 +90,8 @@ def cost_field(
     settings: CostSettings | None = None,
     previous: CostField | None = None,
 ) -> CostField:
-    """The field of a map and its zones. ``previous``, of an earlier version of the same map, saves the work where
-    nothing changed; the result is the same without it."""
+    """The field of a map and its zones. ``previous``: the field of an earlier version of the same map, to compute only
+    the changes; the result is the same without it."""
     settings = settings or CostSettings()
     frame = GridFrame.of(grid)
     old = (previous.known or previous) if previous is not None else None
@@ -109,7 +110,17 @@ def cost_field(
         old = None
     if old is None:
         clearance, cost = np.empty(layers.shape, dtype=np.float32), np.empty(layers.shape, dtype=np.float32)
-        field = CostField(frame, layers, clearance, cost, footprint, settings, zones, zone_clearance, share)
+        field = CostField(
+            frame,
+            layers,
+            clearance=clearance,
+            cost=cost,
+            footprint=footprint,
+            settings=settings,
+            zones=zones,
+            zone_clearance=zone_clearance,
+            share=share,
+        )
         _fill(field, (slice(0, frame.rows), slice(0, frame.columns)))
         return field
     itself = np.uint8(OCCUPIED | UNKNOWN)
@@ -118,7 +129,15 @@ def cost_field(
         return old
     layers |= old.layers & np.uint8(AT_OCCUPIED | AT_KEEP_OUT)
     field = CostField(
-        frame, layers, old.clearance.copy(), old.cost.copy(), footprint, settings, zones, zone_clearance, share
+        frame,
+        layers,
+        clearance=old.clearance.copy(),
+        cost=old.cost.copy(),
+        footprint=footprint,
+        settings=settings,
+        zones=zones,
+        zone_clearance=zone_clearance,
+        share=share,
     )
     for box in boxes:
         _fill(field, box)
@@ -126,8 +145,8 @@ def cost_field(
 
 
 def with_obstacles(field: CostField, points: NDArray[np.float64]) -> CostField:
-    """``field`` with obstacles at ``points`` (N, 2), m on the map, that the map does not know: in place of those it had
-    before."""
+    """``field`` with obstacles at ``points`` (N, 2), m on the map, that the map does not have; they replace earlier
+    ones."""
     from app.modules.behaviors.navigation.costmap.cost_kernels import overlay
 
     known = field.known or field
@@ -140,14 +159,14 @@ def with_obstacles(field: CostField, points: NDArray[np.float64]) -> CostField:
     result = CostField(
         known.frame,
         known.layers | there * np.uint8(TEMPORARY),
-        known.clearance.copy(),
-        known.cost.copy(),
-        known.footprint,
-        known.settings,
-        known.zones,
-        known.zone_clearance,
-        known.share,
-        known,
+        clearance=known.clearance.copy(),
+        cost=known.cost.copy(),
+        footprint=known.footprint,
+        settings=known.settings,
+        zones=known.zones,
+        zone_clearance=known.zone_clearance,
+        share=known.share,
+        known=known,
     )
     reach = _reach_cells(known)
     for box in _boxes(there, reach):
@@ -168,7 +187,7 @@ def _layers(grid: OccupancyGrid, settings: CostSettings) -> NDArray[np.uint8]:
     what[values >= settings.occupied_from] = OCCUPIED
     what[values < 0] = UNKNOWN
     layers = np.asarray(cv2.LUT(np.ascontiguousarray(grid.cells).view(np.uint8), what), dtype=np.uint8)
-    # Rays leave single cells out, and beyond a window there are single rays: what most cells around are counts.
+    # Rays miss single cells, and single rays reach beyond a window: the majority of the cells around counts.
     marked = (layers & np.uint8(UNKNOWN)) * np.uint8(255 // UNKNOWN)
     unknown = cv2.blur(marked, _AROUND, borderType=cv2.BORDER_REPLICATE)
     layers &= np.uint8(OCCUPIED)
@@ -187,16 +206,16 @@ def _fill(field: CostField, box: _Box) -> None:
 
 
 def _prices(field: CostField) -> tuple[float, float, float, float]:
-    """What the kernels of ``costing`` price by: lethal and reach (m), closeness, unknown."""
+    """Arguments of the kernels in ``cost_kernels``: lethal and reach (m), closeness, unknown."""
     unknown = {"free": 0.0, "costly": field.settings.unknown_cost, "blocked": math.inf}[field.settings.unknown]
     return field.lethal_m, field.reach_m, field.settings.closeness, unknown
 
 
 def _distances(free: NDArray[np.bool_], resolution_m: float) -> NDArray[np.float32]:
-    """m from each cell's middle to that of the nearest that is not free; very far where all are."""
+    """m from each cell's middle to that of the nearest cell that is not free; very large where all are free."""
     distances = np.asarray(cv2.distanceTransform(free.view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE))
-    # Squares of distances between cells are whole numbers. OpenCV's roots are right to a last bit that depends on how
-    # its threads share the rows, and on that bit which of two ways is taken.
+    # Squared distances between cells are whole numbers. The last bit of OpenCV's roots depends on how its threads share
+    # the rows, and the choice between two equal paths would depend on it.
     np.minimum(distances, _VERY_FAR, out=distances)
     np.sqrt(np.rint(np.square(distances, out=distances), out=distances), out=distances)
     return np.asarray(distances * np.float32(resolution_m), dtype=np.float32)
@@ -207,7 +226,7 @@ def _reach_cells(field: CostField) -> int:
 
 
 def _boxes(changed: NDArray[np.generic], reach: int) -> Iterator[_Box]:
-    """Boxes that together hold all cells within ``reach`` of a changed one, and do not overlap much."""
+    """Boxes that together contain all cells within ``reach`` of a changed one, with little overlap."""
     rows, columns = changed.shape
     rows_at, columns_at = np.arange(0, rows, _TILE), np.arange(0, columns, _TILE)
     tiles = np.logical_or.reduceat(np.logical_or.reduceat(changed, rows_at, axis=0), columns_at, axis=1)
@@ -225,7 +244,7 @@ def _boxes(changed: NDArray[np.generic], reach: int) -> Iterator[_Box]:
 
 
 def _widened(box: _Box, reach: int, shape: tuple[int, ...]) -> tuple[_Box, _Box]:
-    """The box with a margin of ``reach`` within the array, and where in that the box itself is."""
+    """The box with a margin of ``reach`` within the array, and the box's own place in it."""
     around, inner = [], []
     for side, length in zip(box, shape, strict=True):
         begin, end = max(side.start - reach, 0), min(side.stop + reach, length)

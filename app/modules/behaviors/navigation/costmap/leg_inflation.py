@@ -1,7 +1,7 @@
-"""People are wider than the legs that a laser sees: where room is to be left beside what may be legs.
+"""Leg inflation: room beside what may be legs, for people are wider than their legs in the scan.
 
-A leg is a short run of neighbouring rays that lies before what is beside it, no wider than ``WIDEST_M``. What the map
-has at that place (a table's leg, a post) is none.
+A leg candidate is a short run of neighbouring rays in front of its background, at most ``WIDEST_M`` wide. Runs at
+obstacles of the map (a table's leg, a post) are not candidates.
 """
 
 from __future__ import annotations
@@ -14,20 +14,20 @@ from numpy.typing import NDArray
 from app.base.geometry import Pose2
 from app.messages import LaserScan, OccupancyGrid
 
-#: Two shins that cover each other, at 0.4 m above the floor, are no wider; nor is one narrower.
+#: Width of a candidate (m): two shins that cover each other, 0.4 m above the floor, are no wider; one is no narrower.
 NARROWEST_M, WIDEST_M = 0.04, 0.35
-#: Neighbouring rays further apart than that meet different things, and so much further behind is what is beside a leg.
+#: Jump of range (m) between neighbouring rays that separates two objects, and a leg from its background.
 _APART_M = 0.12
-#: Beyond, too few rays meet one, and nobody comes near soon.
+#: Range (m) beyond which too few rays meet a leg, and people are too far to matter.
 _FURTHEST_M = 3.0
-#: What stands so near to an obstacle of the map is that.
+#: Distance (m) from an obstacle of the map within which a run counts as that obstacle.
 _ON_MAP_M = 0.15
 _OCCUPIED = 65
 _RING = 12
 
 
 def legs(scan: LaserScan) -> NDArray[np.float64]:
-    """The middles (N, 2) of what may be legs, m in the laser's frame."""
+    """The middles (N, 2) of leg candidates, m in the laser's frame."""
     ranges = np.where(scan.ranges >= scan.range_min, scan.ranges, np.inf).astype(np.float64)
     ranges[ranges >= scan.range_max] = np.inf
     with np.errstate(invalid="ignore"):
@@ -45,14 +45,14 @@ def legs(scan: LaserScan) -> NDArray[np.float64]:
         left = ranges[begin - 1] if begin > 0 else math.inf
         right = ranges[end] if end < len(ranges) else math.inf
         if left < run[0] or right < run[-1]:
-            continue  # something before it hides the rest
+            continue  # a nearer object hides the rest
         angle = scan.angle_min + scan.angle_increment * (begin + end - 1) / 2
         found.append((run.min() * math.cos(angle), run.min() * math.sin(angle)))
     return np.array(found, dtype=np.float64).reshape(-1, 2)
 
 
 def unknown_to(grid: OccupancyGrid, points: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Which of ``points`` (N, 2), m on the map, lie away from what the map has."""
+    """Which of ``points`` (N, 2), m on the map, are away from the map's obstacles."""
     reach = math.ceil(_ON_MAP_M / grid.resolution_m)
     rows, columns = grid.cells.shape
     away = np.ones(len(points), dtype=np.bool_)
@@ -65,7 +65,7 @@ def unknown_to(grid: OccupancyGrid, points: NDArray[np.float64]) -> NDArray[np.b
 
 
 def beside(scan: LaserScan, X_OB: Pose2, X_MO: Pose2, grid: OccupancyGrid, room_m: float) -> NDArray[np.float64]:
-    """Points (N, 2), m in ``odom``, around each leg that the map does not have, ``room_m`` from its middle."""
+    """Points (N, 2), m in ``odom``, on a circle of ``room_m`` around each leg candidate that the map does not have."""
     found = legs(scan)
     in_space = np.column_stack((found, np.zeros(len(found))))
     middles = np.asarray((X_OB.to_pose3() @ scan.X_BL).transform(in_space)[:, :2], dtype=np.float64)

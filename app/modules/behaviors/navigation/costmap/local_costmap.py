@@ -1,6 +1,6 @@
-"""What stands around the robot just now: a grid that rolls along in ``odom``, from laser and depth (thesis 4.2.2).
+"""Local costmap: a rolling grid in ``odom`` from laser and depth camera (thesis 4.2.2).
 
-What the laser saw and what the camera saw are kept apart: a ray of the laser, which passes over a box, cannot clear it.
+Laser and camera have layers of their own: a laser ray, which passes over a box, cannot clear it.
 """
 
 from __future__ import annotations
@@ -17,20 +17,23 @@ from app.messages import Image, LaserScan, OccupancyGrid
 from app.modules.behaviors.navigation.costmap.footprint import Footprint
 
 _NEVER = -(2**30)
-#: How far the robot goes before the grid rolls on, and how much larger than itself it is not seen.
+#: Travel (m) before the grid rolls, and margin (m) around the footprint for returns from the robot itself.
 _ROLL_M = 0.25
 _ITSELF_M = 0.02
-#: Times are kept in ms of 32 bits, above ``_NEVER``: they are counted anew after this long (s).
+#: Times are int32 ms above ``_NEVER``, with a new epoch after this long (s).
 _COUNTED_S = 1e6
 
 
 @dataclass(frozen=True, slots=True)
 class CostmapSettings:
-    """``size_m`` is the side of what is given out; within ``memory_m`` obstacles are kept, so that what a camera saw
-    from afar is still there when it looks over it. ``clear_s`` after the last hit, a ray that passes clears a cell;
-    unseen, it is forgotten after ``forget_s``, or ``keep_s`` if it stood there for ``steady_s`` at least. Depth counts
-    between ``floor_m`` + ``floor_slope`` * distance above the floor and the body's height, up to ``depth_m`` away, on
-    every ``depth_step``-th pixel. With ``drop_m`` an edge counts, beyond which the floor is further below than that.
+    """Parameters of the local costmap.
+
+    ``size_m``: side of the published window. ``memory_m``: side of the square within which obstacles are kept, so that
+    an obstacle seen from afar is still there when the camera looks over it. ``clear_s``: time after the last hit from
+    which a ray that passes clears a cell. Unseen cells are dropped after ``forget_s``, or after ``keep_s`` if they were
+    hit for ``steady_s`` at least. Depth counts between ``floor_m`` + ``floor_slope`` * distance above the floor and the
+    body's height, up to ``depth_m`` away, on every ``depth_step``-th pixel. ``drop_m``: a drop of the floor by more
+    than this counts as an obstacle at its edge.
     """
 
     size_m: float = 4.0
@@ -48,13 +51,13 @@ class CostmapSettings:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Surroundings:
-    """What stands around the robot at ``stamp``, in ``odom``.
+class CostmapWindow:
+    """The costmap around the robot at ``stamp``, in ``odom``.
 
     ``cells`` (N, N) int8: -1 never seen, 0 free, 100 occupied. ``distance`` (N, N) float32: m from each cell's middle
-    to that of the nearest occupied cell (0 in one), those around the window counted; ``memory_m`` at most. ``origin``:
-    x, y (m) of the lower left corner, of cell [0, 0]. ``obstacles`` (M, 2) float64: the middles of all occupied cells
-    that are remembered, also around the window, within the square from ``known_from`` of the side ``known_m``.
+    to that of the nearest occupied cell (0 in one), including those around the window; ``memory_m`` at most.
+    ``origin``: x, y (m) of the lower left corner of cell [0, 0]. ``obstacles`` (M, 2) float64: the middles of all
+    occupied cells, also around the window, within the square from ``known_from`` of the side ``known_m``.
     """
 
     stamp: float
@@ -68,13 +71,15 @@ class Surroundings:
 
     def to_message(self, version: int) -> OccupancyGrid:
         """As a message in ``odom``."""
-        return OccupancyGrid(self.stamp, "odom", self.cells, self.resolution_m, self.origin, version)
+        return OccupancyGrid(
+            self.stamp, "odom", cells=self.cells, resolution_m=self.resolution_m, origin=self.origin, version=version
+        )
 
 
 class LocalCostmap:
-    """Remembers obstacles around the robot. Not for two threads at once; every method computes for a few ms at most.
+    """Keeps obstacles around the robot. Used by one thread at a time; every method computes for a few ms at most.
 
-    Messages come in the order of their stamps, those of a sensor at least.
+    Messages of one sensor come in the order of their stamps.
     """
 
     def __init__(self, footprint: Footprint, height_m: float, settings: CostmapSettings | None = None) -> None:
@@ -89,7 +94,7 @@ class LocalCostmap:
         self.clear()
 
     def clear(self) -> None:
-        """Forget everything: a recovery."""
+        """Drop all obstacles, as a recovery action."""
         shape = (self._side, self._side)
         self._laser_first, self._laser_last, self._seen, self._depth_first, self._depth_last = (
             np.full(shape, _NEVER, dtype=np.int32) for _ in range(5)
@@ -97,15 +102,15 @@ class LocalCostmap:
         self._bands = np.zeros(shape, dtype=np.uint16)
 
     def add_scan(self, scan: LaserScan, X_OB: Pose2, X_OB_end: Pose2 | None = None) -> None:
-        """Mark and clear by a scan. ``X_OB``: the robot at its stamp; ``X_OB_end`` when its last ray was measured
-        (default: the same), between which each ray is placed."""
+        """Mark and clear by a scan. ``X_OB``: the robot at its stamp; ``X_OB_end``: at its last ray (default: the
+        same); the rays between are interpolated."""
         from app.modules.behaviors.navigation.costmap.raytrace_kernels import free_body, sweep
 
         end = X_OB_end or X_OB
         self._roll(end)
         R, t = scan.X_BL.rotation, scan.X_BL.translation
         X_BL = Pose2(float(t[0]), float(t[1]), math.atan2(R[1, 0], R[0, 0]))
-        # Mounted upside down, it turns the other way round.
+        # A laser mounted upside down sweeps the other way.
         way = 1.0 if R[2, 2] >= 0.0 else -1.0
         turn = wrap_angle(end.theta - X_OB.theta)
         begin_L, end_L = X_OB @ X_BL, end @ X_BL
@@ -134,9 +139,9 @@ class LocalCostmap:
         free_body(_row(end), self._edges, self._frame(), self._laser_last, self._depth_last)
 
     def add_depth(self, image: Image, X_OB: Pose2) -> None:
-        """Mark and clear by a depth picture, ``X_OB`` being the robot at its stamp.
+        """Mark and clear by a depth image; ``X_OB``: the robot at its stamp.
 
-        Raises ValueError for a picture without depth or from a camera that is not a pinhole.
+        Raises ValueError for an image without depth or from a camera that is not a pinhole.
         """
         from app.modules.behaviors.navigation.costmap.depth_kernels import clear, mark
 
@@ -168,10 +173,10 @@ class LocalCostmap:
             depth, lens, X_BC, _row(X_OB), frame, self._height_m, now, _ms(s.clear_s), self._depth_last, self._bands
         )  # fmt: skip
 
-    def around(self, X_OB: Pose2, stamp: float, known: NDArray[np.float64] | None = None) -> Surroundings:
-        """What stands around the robot at ``stamp``, not before the newest message; the middle is within a cell
-        of ``X_OB``. Something stands at ``known`` (N, 2), m in ``odom``, as well, seen or not, but never where the body
-        itself stands: what it is in already would count for the nearest, and nothing else keep it from moving."""
+    def around(self, X_OB: Pose2, stamp: float, known: NDArray[np.float64] | None = None) -> CostmapWindow:
+        """The window at ``stamp``, not before the newest message; its middle is within a cell of ``X_OB``. ``known``
+        (N, 2), m in ``odom``: further obstacles, except under the body itself: an obstacle under the body would be the
+        nearest everywhere and hide all others."""
         from app.modules.behaviors.navigation.costmap.raytrace_kernels import standing
 
         self._roll(X_OB)
@@ -196,19 +201,19 @@ class LocalCostmap:
             free[window] == 0, np.int8(100), np.where(self._seen[window] == _NEVER, np.int8(-1), np.int8(0))
         )
         rows, columns = np.nonzero(free == 0)
-        return Surroundings(
+        return CostmapWindow(
             stamp,
             (float(frame[0]) + column * resolution, float(frame[1]) + row * resolution),
-            resolution,
-            cells,
-            np.minimum(distance[window] * np.float32(resolution), np.float32(self._side * resolution)),
-            np.stack((columns, rows), axis=-1) * resolution + (frame[:2] + 0.5 * resolution),
-            (float(frame[0]), float(frame[1])),
-            self._side * resolution,
+            resolution_m=resolution,
+            cells=cells,
+            distance=np.minimum(distance[window] * np.float32(resolution), np.float32(self._side * resolution)),
+            obstacles=np.stack((columns, rows), axis=-1) * resolution + (frame[:2] + 0.5 * resolution),
+            known_from=(float(frame[0]), float(frame[1])),
+            known_m=self._side * resolution,
         )
 
     def _in_body(self, points: NDArray[np.float64], X_OB: Pose2) -> NDArray[np.bool_]:
-        """Which of ``points`` (N, 2), m in ``odom``, lie within the body at ``X_OB``, or too near for its clearance."""
+        """Which of ``points`` (N, 2), m in ``odom``, are within the body at ``X_OB``, or too near for its clearance."""
         beside = points - np.array([X_OB.x, X_OB.y])
         c, s = math.cos(X_OB.theta), math.sin(X_OB.theta)
         reach = (beside @ np.array([[c, -s], [s, c]])) @ self._edges[:, :2].T
@@ -233,7 +238,7 @@ class LocalCostmap:
         return np.array([column * resolution, row * resolution, resolution])
 
     def _ms(self, stamp: float) -> int:
-        """Counted from a message not too long ago."""
+        """Milliseconds since the epoch of the grid."""
         if self._epoch is None:
             self._epoch = stamp
         if stamp - self._epoch > _COUNTED_S:
@@ -246,7 +251,7 @@ class LocalCostmap:
 
 
 def _shift(grid: NDArray[np.generic], down: int, right: int) -> None:
-    """Move the contents of ``grid`` towards its beginning; what comes in is empty."""
+    """Move the contents of ``grid`` towards its beginning; new cells are empty."""
     side = len(grid)
     before = grid.copy()
     grid.fill(0 if grid.dtype == np.uint16 else _NEVER)
@@ -261,7 +266,7 @@ def _overlap(by: int, side: int) -> tuple[slice, slice]:
 
 
 def _edges(footprint: Footprint, margin_m: float) -> NDArray[np.float64]:
-    """The edges (E, 3): x and y of each one's outward normal, and how far (m) from ``base_link`` it is."""
+    """The edges (E, 3): x and y of each outward normal, and its distance (m) from ``base_link``."""
     sides = np.roll(footprint.corners, -1, axis=0) - footprint.corners
     normals = np.stack((sides[:, 1], -sides[:, 0]), axis=-1) / np.linalg.norm(sides, axis=1, keepdims=True)
     return np.column_stack((normals, (normals * footprint.corners).sum(axis=1) + margin_m))

@@ -1,11 +1,12 @@
-"""What the camera saw and the laser never will: low and overhanging things, kept on the map until seen to be gone.
+"""Persistent obstacles: low and overhanging objects that the camera sees and the laser does not, kept on the map.
 
-A camera at head height that looks straight ahead sees a low box from 3 m on and looks over it from there: whoever turns
-beside one, or comes back to it from elsewhere, must have kept it. The costmap, which rolls along in ``odom``, forgets
-what it leaves behind; this lies in ``map``, for the whole of it, and is kept with the map.
+A camera at head height that looks straight ahead sees a low box up to a distance of 3 m and looks over it from there
+on. A robot that turns beside the box, or comes back to it, needs the earlier observation. The local costmap rolls along
+in ``odom`` and drops cells behind it; this layer is in ``map``, covers all of it, and is saved with the map.
 
-What stands where the laser sees something needs no memory: walls and furniture the map has, and people go away. So
-nothing is taken within ``laser_m`` of what the laser sees just then, nor what was not seen to stand for ``steady_s``.
+Obstacles that the laser sees are not kept: walls and furniture are on the map, and people leave. A cell is not taken
+within ``laser_m`` of the current scan's points, nor before it was hit for ``steady_s``. It is removed when the camera
+looks through it.
 """
 
 from __future__ import annotations
@@ -20,22 +21,22 @@ from numpy.typing import NDArray
 from app.base.geometry import CameraModel, Pose2
 from app.messages import Image
 from app.modules.behaviors.navigation.costmap.footprint import Footprint
-from app.modules.behaviors.navigation.costmap.persistent_obstacle_file import Things
-from app.modules.behaviors.navigation.costmap.tiled_grid import NEVER, TILE, Box, Cells, Tiles
+from app.modules.behaviors.navigation.costmap.persistent_obstacle_file import PersistentObstacles
+from app.modules.behaviors.navigation.costmap.tiled_grid import NEVER, TILE, Box, CellBlock, TiledGrid
 
-#: Times are kept in ms of 32 bits, counted anew after this long (s).
+#: Times are int32 ms, with a new epoch after this long (s).
 _COUNTED_S = 1e6
-#: Where the body has been, nothing stands; so much (m) of its edge is left to what its place on the map is unsure by.
+#: The robot's own path is free of obstacles; this much (m) of the footprint's edge is left out, for the error of its
+#: pose.
 _UNSURE_M = 0.04
-#: The bands of height (of 16) that something felt by the base is taken to stand at.
+#: Height bands (of 16) of an obstacle that the base touched.
 _FELT_BANDS = 0b111
 
 
 @dataclass(frozen=True, slots=True)
-class MemorySettings:
-    """Depth counts as in ``CostmapSettings``, within ``reach_m`` of the camera; each cell of ``resolution_m`` is kept
-    once it was hit for ``steady_s`` with no gap of ``again_s``. Pictures closer together than ``every_s`` are passed
-    over."""
+class PersistentObstacleSettings:
+    """Depth counts as in ``CostmapSettings``, within ``reach_m`` of the camera. A cell of ``resolution_m`` is kept once
+    it was hit for ``steady_s`` without a gap of ``again_s``. Images less than ``every_s`` apart are skipped."""
 
     resolution_m: float = 0.05
     every_s: float = 0.15
@@ -49,42 +50,44 @@ class MemorySettings:
     depth_step: int = 4
 
 
-class ThingsMemory:
-    """Keeps things on the map. Not for two threads at once; every method computes for a few ms at most."""
+class PersistentObstacleLayer:
+    """Persistent obstacles on the map. Used by one thread at a time; every method computes for a few ms at most."""
 
-    def __init__(self, footprint: Footprint, height_m: float, settings: MemorySettings | None = None) -> None:
-        self.settings = settings or MemorySettings()
+    def __init__(
+        self, footprint: Footprint, height_m: float, settings: PersistentObstacleSettings | None = None
+    ) -> None:
+        self.settings = settings or PersistentObstacleSettings()
         self._height_m = height_m
         sides = np.roll(footprint.corners, -1, axis=0) - footprint.corners
         normals = np.stack((sides[:, 1], -sides[:, 0]), axis=-1) / np.linalg.norm(sides, axis=1, keepdims=True)
         reach = (normals * footprint.corners).sum(axis=1)
         self._itself = np.column_stack((normals, reach))
         self._inside = np.column_stack((normals, reach - _UNSURE_M))
-        #: Grows with every change of what is kept, also to another map's.
+        #: Incremented with every change of the kept cells, and with a change of the map.
         self.version = 0
-        self.forget()
+        self.clear()
 
-    def forget(self) -> None:
-        """Another map."""
-        self._tiles = Tiles()
+    def clear(self) -> None:
+        """Drop all cells, for another map."""
+        self._grid = TiledGrid()
         self._epoch: float | None = None
         self._looked_at = -math.inf
         self.version += 1
 
     @property
     def points(self) -> NDArray[np.float64]:
-        """The middles (N, 2) of the cells that are kept, m on the map."""
-        return self._middles(self._tiles.kept())
+        """The middles (N, 2) of the kept cells, m on the map."""
+        return self._middles(self._grid.kept())
 
     @property
     def cells_held(self) -> int:
         """For how many cells there is memory: what is kept, and around the robot. Tests hold its bound by it."""
-        return len(self._tiles) * TILE**2
+        return len(self._grid) * TILE**2
 
     def near(self, X_MO: Pose2, X_OB: Pose2, within_m: float) -> NDArray[np.float64]:
-        """What is kept within a square around the robot: points (N, 2) m in ``odom``, two by two in each cell."""
+        """Kept cells within a square around the robot: points (N, 2) m in ``odom``, four in each cell."""
         place = X_MO @ X_OB
-        middles = self._middles(self._tiles.kept(self._box(place, within_m)))
+        middles = self._middles(self._grid.kept(self._box(place, within_m)))
         if not len(middles):
             return middles
         quarter = 0.25 * self.settings.resolution_m
@@ -92,8 +95,8 @@ class ThingsMemory:
         return X_MO.inverse().transform((middles[:, None, :] + corners).reshape(-1, 2))
 
     def look(self, image: Image, X_MB: Pose2, laser: NDArray[np.float64]) -> None:
-        """Take a depth picture, the robot being at ``X_MB`` at its stamp; ``laser`` (N, 2): what the laser sees about
-        then, m on the map. Raises ValueError for a picture without depth or from a camera that is not a pinhole."""
+        """Take a depth image; ``X_MB``: the robot at its stamp; ``laser`` (N, 2): points of a scan of about that time,
+        m on the map. Raises ValueError for an image without depth or from a camera that is not a pinhole."""
         from app.modules.behaviors.navigation.costmap.depth_kernels import clear, mark
         from app.modules.behaviors.navigation.costmap.raytrace_kernels import free_body
 
@@ -106,7 +109,7 @@ class ThingsMemory:
         now = self._ms(image.stamp)
         box = self._box(X_MB, s.reach_m + 0.5)
         frame = np.array([box[2] * s.resolution_m, box[0] * s.resolution_m, s.resolution_m])
-        former = self._tiles.read(box)
+        former = self._grid.read(box)
         first, last, bands, kept = former.first.copy(), former.last.copy(), former.bands.copy(), former.kept
         lens = np.array([camera.fx, camera.fy, camera.cx, camera.cy])
         X_BC = np.column_stack((image.X_BC.rotation, image.X_BC.translation))
@@ -127,26 +130,26 @@ class ThingsMemory:
         stands &= last != NEVER
         if (stands != kept).any():
             self.version += 1
-        self._tiles.write(box, Cells(first, last, bands, stands))
+        self._grid.write(box, CellBlock(first, last, bands, stands))
 
-    def felt(self, points: NDArray[np.float64], stamp: float) -> None:
-        """The base ran into something at ``points`` (N, 2) m on the map."""
+    def add_contacts(self, points: NDArray[np.float64], stamp: float) -> None:
+        """Take places (N, 2), m on the map, where the base was stopped by an obstacle."""
         if not len(points):
             return
         now = self._ms(stamp)
         cells = np.floor(points[:, ::-1] / self.settings.resolution_m).astype(np.int64)
-        self._tiles.keep(cells, np.full(len(cells), _FELT_BANDS, dtype=np.uint16), now)
+        self._grid.keep(cells, np.full(len(cells), _FELT_BANDS, dtype=np.uint16), now)
         self.version += 1
 
-    def snapshot(self) -> Things:
-        """What is kept."""
-        return Things(self._tiles.kept(), self._tiles.bands())
+    def snapshot(self) -> PersistentObstacles:
+        """The kept cells."""
+        return PersistentObstacles(self._grid.kept(), self._grid.bands())
 
-    def take(self, things: Things) -> None:
-        """Take what was kept with a map in place of what is known."""
-        self.forget()
-        if len(things.cells):
-            self._tiles.keep(things.cells, things.bands, 0)
+    def take(self, obstacles: PersistentObstacles) -> None:
+        """Replace all cells by those saved with a map."""
+        self.clear()
+        if len(obstacles.cells):
+            self._grid.keep(obstacles.cells, obstacles.bands, 0)
 
     def _middles(self, cells: NDArray[np.int64]) -> NDArray[np.float64]:
         return np.asarray((cells[:, ::-1] + 0.5) * self.settings.resolution_m)
@@ -154,7 +157,7 @@ class ThingsMemory:
     def _beside(
         self, points: NDArray[np.float64], frame: NDArray[np.float64], shape: tuple[int, ...]
     ) -> NDArray[np.bool_]:
-        """Which cells of a window lie within ``laser_m`` of ``points``."""
+        """Which cells of a window are within ``laser_m`` of ``points``."""
         there = np.zeros(shape, dtype=np.uint8)
         cells = np.floor((points - frame[:2]) / frame[2]).astype(np.int64)
         cells = cells[((cells >= 0) & (cells < np.array(shape)[::-1])).all(axis=1)]
@@ -171,12 +174,12 @@ class ThingsMemory:
         )  # fmt: skip
 
     def _ms(self, stamp: float) -> int:
-        """Counted from a picture not too long ago; what was kept before the first one is as old as that."""
+        """Milliseconds since the epoch; cells kept before the first image are at the epoch."""
         if self._epoch is None:
             self._epoch = stamp - 1.0
         if stamp - self._epoch > _COUNTED_S:
             self._epoch = stamp - 1.0
-            self._tiles.count_anew()
+            self._grid.recount()
         return round(1000.0 * (stamp - self._epoch))
 
 

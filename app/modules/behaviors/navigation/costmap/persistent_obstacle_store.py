@@ -1,4 +1,4 @@
-"""What the camera knows of a place, kept with its map: ``things.npz`` in the map's folder."""
+"""Saving of persistent obstacles with their map: ``obstacles.npz`` in the map's folder."""
 
 from __future__ import annotations
 
@@ -11,25 +11,29 @@ from typing import Any
 from app.base.errors import ConfigError
 from app.maps.control import Files
 from app.maps.library import MapLibrary
-from app.modules.behaviors.navigation.costmap.persistent_obstacle_file import Things, read_things, write_things
-from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import ThingsMemory
+from app.modules.behaviors.navigation.costmap.persistent_obstacle_file import (
+    PersistentObstacles,
+    read_obstacles,
+    write_obstacles,
+)
+from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import PersistentObstacleLayer
 
-THINGS = "things.npz"
+OBSTACLES_FILE = "obstacles.npz"
 
 
-class ThingsKept:
-    """Implements :class:`app.maps.control.MapLayer` for a memory that one thread uses: ``compute`` calls in it, and
-    ``behind`` in another, where the disk may take its time."""
+class PersistentObstacleStore:
+    """Implements :class:`app.maps.control.MapLayer` for a layer that one thread uses: ``compute`` calls in that thread,
+    ``behind`` in another, where the disk may block."""
 
     def __init__(
         self,
-        things: ThingsMemory,
+        layer: PersistentObstacleLayer,
         library: MapLibrary,
         compute: Callable[..., Awaitable[Any]],
         behind: Callable[..., Awaitable[Any]],
         log: logging.Logger | logging.LoggerAdapter[logging.Logger],
     ) -> None:
-        self._things = things
+        self._layer = layer
         self._library = library
         self._compute = compute
         self._behind = behind
@@ -37,28 +41,32 @@ class ThingsKept:
         self._one = asyncio.Lock()
 
     async def files(self) -> Files:
-        """Its file beside the map's."""
+        """The layer's file, for the folder of the map."""
         async with self._one:
-            things: Things = await self._compute(self._things.snapshot)
-        return {THINGS: partial(write_things, things=things, resolution_m=self._things.settings.resolution_m)}
+            obstacles: PersistentObstacles = await self._compute(self._layer.snapshot)
+        return {
+            OBSTACLES_FILE: partial(
+                write_obstacles, obstacles=obstacles, resolution_m=self._layer.settings.resolution_m
+            )
+        }
 
     async def load(self, name: str) -> None:
-        """Take what was kept; what is damaged or gone is said, and the map is used without. Raises MapUnavailable where
-        there is no such map."""
+        """Load the obstacles of map ``name``. A damaged or missing file is logged, and the map is used without. Raises
+        MapUnavailable where there is no such map."""
         async with self._one:
-            # Whatever comes of it, this is another map.
-            await self._compute(self._things.forget)
+            # The map changed, whether or not its file can be read.
+            await self._compute(self._layer.clear)
             try:
-                things = await self._behind(self._read, name)
+                obstacles = await self._behind(self._read, name)
             except (ConfigError, OSError) as failure:
-                self._log.warning("low things on the map %s are not known: %s", name, failure)
+                self._log.warning("low obstacles on the map %s are not known: %s", name, failure)
                 return
-            await self._compute(self._things.take, things)
+            await self._compute(self._layer.take, obstacles)
 
-    async def forget(self) -> None:
-        """Begin anew."""
+    async def clear(self) -> None:
+        """Drop all obstacles, for an empty map."""
         async with self._one:
-            await self._compute(self._things.forget)
+            await self._compute(self._layer.clear)
 
-    def _read(self, name: str) -> Things:
-        return read_things(self._library.existing(name) / THINGS, self._things.settings.resolution_m)
+    def _read(self, name: str) -> PersistentObstacles:
+        return read_obstacles(self._library.existing(name) / OBSTACLES_FILE, self._layer.settings.resolution_m)

@@ -31,12 +31,12 @@ def sweep(
     last: NDArray[np.int32],
     seen: NDArray[np.int32],
 ) -> None:
-    """Mark where ``ranges`` (N,) m end, and clear where they pass what was not hit for ``clear_ms``.
+    """Mark the ends of ``ranges`` (N,) m, and clear the cells that rays pass and that were not hit for ``clear_ms``.
 
     ``poses`` (2, 5): of the laser in ``odom`` at the first and the last ray (x, y, theta), then x and y of the robot.
-    ``body`` (E, 3): its edges in ``base_link`` as outward normals and distances, the first row its heading at both ends
-    and nothing: what a ray meets within them is the robot itself. ``frame``: x, y (m) of the grid's lower left corner
-    and the resolution. ``first``, ``last``, ``seen`` (H, W): when a cell was hit first and last, and last looked at.
+    ``body`` (E, 3): its edges in ``base_link`` as outward normals and distances; the first row holds its heading at
+    both ends and 0. Returns within the body are the robot itself. ``frame``: x, y (m) of the grid's lower left corner
+    and the resolution. ``first``, ``last``, ``seen`` (H, W): times of the first and last hit and of the last look.
     """
     rows, columns = last.shape
     n = len(ranges)
@@ -44,7 +44,7 @@ def sweep(
     for marking in (True, False):
         for k in range(n):
             distance = float(ranges[k])
-            # Not a number, or nearer than can be measured: nothing was.
+            # NaN, or below the least range: no return.
             if not distance >= range_min:
                 continue
             hit = distance < range_max
@@ -77,7 +77,7 @@ def sweep(
                 last[i, j] = now
                 seen[i, j] = now
                 continue
-            # A cell and a half short of what was hit: there it may be the thing itself.
+            # A cell and a half before the hit: the cell there may belong to the same obstacle.
             length = (min(distance, range_max) - (1.5 * frame[2] if hit else 0.0)) * inverse
             u, v = (x - frame[0]) * inverse, (y - frame[1]) * inverse
             i, j = math.floor(v), math.floor(u)
@@ -106,7 +106,7 @@ def free_body(
     depth: NDArray[np.int32],
 ) -> None:
     """Free the cells under the robot at ``pose`` (x, y, theta), whose ``edges`` (E, 3) are outward normals and
-    distances (m): where it stands, nothing else does."""
+    distances (m): no obstacle is under the robot."""
     reach = 0.0
     rows, columns = laser.shape
     for e in range(len(edges)):
@@ -140,7 +140,7 @@ def standing(
     keep_ms: int,
     free: NDArray[np.uint8],
 ) -> None:
-    """Set ``free`` (H, W) to 0 where something stands, and forget what was not seen for too long."""
+    """Set ``free`` (H, W) to 0 in occupied cells, and drop cells that were not seen for too long."""
     rows, columns = last.shape
     for i in range(rows):
         for j in range(columns):

@@ -1,4 +1,4 @@
-"""What one scan shows, as a field to drive in, without memory: cheap, and blind where the laser does not look now."""
+"""Distance field of one scan, without memory: cheap, and blind outside the current field of view."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from numpy.typing import NDArray
 
 from app.base.geometry import Pose2
 from app.messages import LaserScan, Zone
-from app.modules.behaviors.navigation.controller import Field
+from app.modules.behaviors.navigation.controller import DistanceField
 from app.modules.behaviors.navigation.costmap.grid import GridFrame
 from app.modules.behaviors.navigation.costmap.zone_layer import rasterize
 
 
 def points_of(scan: LaserScan, X_FB: Pose2) -> NDArray[np.float64]:
-    """Where in F the scan's rays ended (N, 2), ``X_FB`` being the body at its stamp; those that met nothing are left
+    """End points (N, 2) of the scan's rays in F, ``X_FB`` being the body at its stamp; rays without a return are left
     out."""
     angles = scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))
     hit = (scan.ranges >= scan.range_min) & (scan.ranges < scan.range_max)
@@ -30,8 +30,8 @@ def scan_field(
     *,
     size_m: float = 4.0,
     resolution_m: float = 0.05,
-) -> Field:
-    """Distances to ``points`` (N, 2) and to zones to keep out of, all on the map, in a window around ``middle``."""
+) -> DistanceField:
+    """Distances to ``points`` (N, 2) and to keep-out zones, all on the map, in a window around ``middle``."""
     cells = round(size_m / resolution_m)
     frame = GridFrame(middle.x - size_m / 2, middle.y - size_m / 2, resolution_m, cells, cells)
     free = np.ones((cells, cells), dtype=np.uint8)
@@ -44,4 +44,4 @@ def scan_field(
         distances = np.full((cells, cells), size_m, dtype=np.float32)
     else:
         distances = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE) * np.float32(resolution_m)
-    return Field(np.ascontiguousarray(distances, dtype=np.float32), (frame.x, frame.y), resolution_m)
+    return DistanceField(np.ascontiguousarray(distances, dtype=np.float32), (frame.x, frame.y), resolution_m)

@@ -1,4 +1,5 @@
-"""Obstacles that the map does not know, remembered on the map for a while so that ways lead around them."""
+"""Transient obstacles: obstacles that the map does not have, kept on the map for a limited time, so that paths avoid
+them."""
 
 from __future__ import annotations
 
@@ -9,35 +10,35 @@ from numpy.typing import NDArray
 
 from app.base.geometry import Pose2
 from app.modules.behaviors.navigation.costmap.inflation import CostField
-from app.modules.behaviors.navigation.costmap.local_costmap import Surroundings
+from app.modules.behaviors.navigation.costmap.local_costmap import CostmapWindow
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class TemporaryObstacles:
+class TransientObstacles:
     """``points`` (N, 2) float64 m on the map, each last seen at ``stamps`` (N,) float64 (robot's clock, s)."""
 
     points: NDArray[np.float64]
     stamps: NDArray[np.float64]
 
     @staticmethod
-    def none() -> TemporaryObstacles:
-        """Nothing remembered."""
-        return TemporaryObstacles(np.empty((0, 2)), np.empty(0))
+    def none() -> TransientObstacles:
+        """No obstacles."""
+        return TransientObstacles(np.empty((0, 2)), np.empty(0))
 
 
 def remember(
-    known: TemporaryObstacles,
-    around: Surroundings,
+    known: TransientObstacles,
+    around: CostmapWindow,
     X_MO: Pose2,
     field: CostField,
     keep_s: float = 15.0,
     on_map_m: float = 0.15,
-) -> TemporaryObstacles:
-    """``known`` with what stands around the robot now and is not on the map.
+) -> TransientObstacles:
+    """``known``, updated with the obstacles around the robot that are not on the map.
 
-    Inside the surroundings only what stands there now counts; outside, what was seen within ``keep_s`` before. On the
-    map is what is within ``on_map_m`` of an obstacle of ``field`` (temporary ones aside): so walls, whose place on the
-    map is never quite that which is measured, are not obstacles twice.
+    Within the costmap's window the current obstacles replace older ones; outside, obstacles seen within ``keep_s``
+    stay. An obstacle is on the map if it is within ``on_map_m`` of an obstacle of ``field`` (transient ones aside): the
+    measured place of a wall never equals its place on the map exactly.
     """
     old, stamps = known.points, known.stamps
     if len(old):
@@ -45,12 +46,11 @@ def remember(
         keep = (stamps >= around.stamp - keep_s) & ~((places >= 0.0) & (places < around.known_m)).all(axis=1)
         old, stamps = old[keep], stamps[keep]
     new = off_map(X_MO.transform(around.obstacles), field, on_map_m)
-    return TemporaryObstacles(np.concatenate((old, new)), np.concatenate((stamps, np.full(len(new), around.stamp))))
+    return TransientObstacles(np.concatenate((old, new)), np.concatenate((stamps, np.full(len(new), around.stamp))))
 
 
 def off_map(points: NDArray[np.float64], field: CostField, on_map_m: float = 0.15) -> NDArray[np.float64]:
-    """The cells (their middles) of ``points`` (N, 2), m on the map, that lie further than ``on_map_m`` from its
-    obstacles."""
+    """Cells (their middles) of ``points`` (N, 2), m on the map, further than ``on_map_m`` from the map's obstacles."""
     field = field.known or field
     cells, inside = field.frame.cells(points)
     cells = np.unique(cells[inside], axis=0)

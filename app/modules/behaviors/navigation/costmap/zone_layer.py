@@ -1,4 +1,4 @@
-"""Zones of the map: what the robot keeps out of, and where it goes slowly."""
+"""Zones of the map: keep-out zones and slow zones."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from app.messages import Zone
 from app.modules.behaviors.navigation.costmap.grid import GridFrame
 
-#: Fractions of a cell that OpenCV draws by, as a power of two, and how far beyond the grid it is let draw, in cells.
+#: Sub-cell precision of OpenCV's drawing, as a power of two, and the drawn margin beyond the grid, in cells.
 _SHIFT = 6
 _FAR = 1e6
 
@@ -22,7 +22,7 @@ def rasterize(zones: Sequence[Zone], frame: GridFrame) -> tuple[NDArray[np.uint8
     greatest speed allowed (H, W) float32, 1 outside of slow zones, the least where they overlap."""
     shut = np.zeros((frame.rows, frame.columns), dtype=np.uint8)
     share = np.ones((frame.rows, frame.columns), dtype=np.float32)
-    # The slowest is drawn last, and so is on top.
+    # The slowest zone is drawn last and overwrites the others.
     for zone in sorted(zones, key=lambda zone: -zone.speed):
         cells = (zone.polygon - np.array([frame.x, frame.y])) / frame.resolution_m - 0.5
         corners = np.rint(np.clip(cells, -_FAR, _FAR) * 2**_SHIFT).astype(np.int32)[None]
@@ -35,9 +35,9 @@ def rasterize(zones: Sequence[Zone], frame: GridFrame) -> tuple[NDArray[np.uint8
 
 
 def _shut_edges(shut: NDArray[np.uint8], corners: NDArray[np.float64]) -> None:
-    """Shut every cell that the polygon's edges pass: however thin it is, no way leads through.
+    """Close every cell that the polygon's edges pass: a thin zone must not leak.
 
-    ``corners`` (N, 2) column, row. OpenCV's own lines break where they leave the grid.
+    ``corners`` (N, 2) column, row. OpenCV's own lines break outside the grid.
     """
     last = np.array([shut.shape[1], shut.shape[0]], dtype=np.float64)
     for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True):
@@ -50,7 +50,7 @@ def _shut_edges(shut: NDArray[np.uint8], corners: NDArray[np.float64]) -> None:
 
 
 def _within(a: NDArray[np.float64], along: NDArray[np.float64], last: NDArray[np.float64]) -> tuple[float, float]:
-    """The part [begin, end] of the segment from ``a``, of 0 to 1, between (-1, -1) and ``last``; begin > end: none."""
+    """The part [begin, end], of 0 to 1, of the segment from ``a`` between (-1, -1) and ``last``; begin > end: none."""
     still = along == 0.0
     if bool((still & ((a < -1.0) | (a > last))).any()):
         return 1.0, 0.0
@@ -62,7 +62,7 @@ def _within(a: NDArray[np.float64], along: NDArray[np.float64], last: NDArray[np
 
 
 def speed_share(zones: Sequence[Zone], x: float, y: float, margin_m: float = 0.0) -> tuple[float, str]:
-    """The share of the greatest speed allowed at a place on the map, in ]0, 1], and the name of the zone that says so.
+    """The share of the greatest speed allowed at a place on the map, in ]0, 1], and the name of the limiting zone.
 
     The least of all slow zones within ``margin_m`` of the place; 1.0 and "" outside of them.
     """
@@ -82,7 +82,7 @@ def keep_out(zones: Sequence[Zone], x: float, y: float, margin_m: float = 0.0) -
 
 
 def _inside_m(zone: Zone, x: float, y: float) -> float:
-    """How deep (m) inside the zone the place is; negative: how far outside."""
-    # About the place itself, so that 32 bits are enough for a map far from its frame's origin
+    """Depth (m) of the place inside the zone; negative: distance outside."""
+    # Relative to the place, so that 32 bits are enough far from the map's origin.
     polygon = (zone.polygon - np.array([x, y])).astype(np.float32)[:, None]
     return float(cv2.pointPolygonTest(polygon, (0.0, 0.0), measureDist=True))

@@ -1,4 +1,4 @@
-"""A* over a cost field, on 8 neighbours, fast on whole maps (thesis 4.2.2)."""
+"""A* over a cost field with 8 neighbours, fast on whole maps (thesis 4.2.2)."""
 
 from __future__ import annotations
 
@@ -13,10 +13,11 @@ _UNREACHED = np.iinfo(np.int32).max
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Reached:
-    """What was found from ``start`` (row, column of a cell): ``blocks``, ``cost`` and ``came`` as in ``search``.
+class ReachedCells:
+    """Result of a search from ``start`` (row, column of a cell): ``blocks``, ``cost`` and ``came`` as in
+    ``astar_kernels``.
 
-    Blocks stand on even cells of the frame's own origin, not of the array's, so that a map that grows keeps its ways.
+    Blocks begin at even cells of the map frame's origin, not of the array's, so that a growing map keeps its paths.
     """
 
     field: CostField
@@ -32,13 +33,14 @@ class Reached:
         return _block(cell, self.odd, self.blocks.shape[1])
 
     def has(self, cell: tuple[int, int]) -> bool:
-        """Whether a way to the cell was found."""
+        """Whether a path to the cell was found."""
         bit = ((cell[0] + self.odd[0]) % 2) * 2 + (cell[1] + self.odd[1]) % 2
         block = self.block(cell)
         return bool(self.cost[block] != _UNREACHED and int(self.blocks.flat[block]) & (1 << bit))
 
     def way(self, cell: tuple[int, int]) -> NDArray[np.int64]:
-        """Cells (N, 2) row, column from ``start`` to ``cell``, which was reached; each touches the one before."""
+        """The path as cells (N, 2) row, column from ``start`` to ``cell``, which was reached; each touches the one
+        before."""
         from app.modules.behaviors.navigation.planning.astar_kernels import trace
 
         return trace(self.blocks, self.came, self.block(cell), self.start, cell, self.field.cost, self.fee, *self.odd)
@@ -50,11 +52,12 @@ def explore(
     goal: tuple[int, int] | None = None,
     passable: int = 0,
     fee: float = 50.0,
-) -> Reached:
-    """A* from cell ``start`` (not lethal) to ``goal``; without one, or if it cannot be reached, all that can be is.
+) -> ReachedCells:
+    """A* from cell ``start`` (not lethal) to ``goal``; without a goal, or if it cannot be reached, Dijkstra's search of
+    all reachable cells.
 
-    Lethal cells that are so only for reasons in ``passable`` (bits AT_... of ``inflation``), or for being unknown, may
-    be crossed if that is not zero, at ``fee`` a metre.
+    Cells that are lethal only for reasons in ``passable`` (bits AT_... of ``inflation``), or for being unknown, may be
+    crossed at ``fee`` per metre if ``fee`` is not zero.
     """
     from app.modules.behaviors.navigation.planning.astar_kernels import pool, search
 
@@ -63,7 +66,7 @@ def explore(
     blocks = pool(field.cost, field.layers, passable, fee, *odd)
     width = blocks.shape[1]
     cost, came = search(blocks, _block(start, odd, width), -1 if goal is None else _block(goal, odd, width))
-    return Reached(field, start, blocks, cost, came, odd, fee)
+    return ReachedCells(field, start, blocks=blocks, cost=cost, came=came, odd=odd, fee=fee)
 
 
 def _block(cell: tuple[int, int], odd: tuple[int, int], width: int) -> int:

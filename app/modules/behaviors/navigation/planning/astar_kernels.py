@@ -1,7 +1,8 @@
-"""Compiled kernels: A* over a grid whose cells are pooled by twos.
+"""Compiled kernels: A* over a grid whose cells are pooled into blocks.
 
-Blocks of 2 x 2 cells are the nodes. Cells of one block all touch each other, so two blocks with free cells that touch
-are joined exactly where their cells are: pooling loses no way and makes none up, and there is a quarter of the nodes.
+Blocks of 2 x 2 cells are the nodes. All cells of one block touch each other, so two adjacent blocks are connected
+exactly where their free cells touch: pooling neither loses nor invents a path, and a quarter of the nodes remain.
+
 Costs are small integers, so that the queue is a ring of buckets (Dial, 1969) instead of a heap.
 """
 
@@ -12,9 +13,9 @@ from numpy.typing import NDArray
 
 from app.base.compiled import kernel
 
-#: Of a step in the open, straight and diagonal: two cells long. Costs have eight steps for each metre in the open.
+#: Cost of a straight and of a diagonal step of two cells on open floor, in eighths of a metre's cost.
 _STRAIGHT, _DIAGONAL = 32, 45
-#: Dearer than this a metre cannot be: so a step costs less than the ring is long.
+#: Greatest cost per metre: the cost of a step stays below the length of the bucket ring.
 _DEAREST = 64.0
 _RING = 8192
 
@@ -28,10 +29,10 @@ def pool(
     odd_row: int,
     odd_column: int,
 ) -> NDArray[np.int32]:
-    """Blocks of the field, with one more all around: 8 * mean cost << 4 | which of its four cells are free; 0: none.
+    """Blocks of the field, with a border of one block: 8 * mean cost << 4 | free cells of the four (bits); 0: none.
 
-    ``cost`` (H, W) float32 of a metre. Where it is infinite and ``passable`` (bits) covers all the layers' reasons for
-    it, a metre costs ``fee``. ``odd_row`` and ``odd_column`` (0 or 1): whether the first row and column stand alone.
+    ``cost`` (H, W) float32 per metre. Where it is infinite and ``passable`` (bits) covers all layers that make it so, a
+    metre costs ``fee``. ``odd_row``, ``odd_column`` (0 or 1): whether the first row and column form blocks alone.
     """
     rows, columns = cost.shape
     height, width = (rows + odd_row + 1) // 2, (columns + odd_column + 1) // 2
@@ -63,11 +64,11 @@ def search(
     start: int,
     goal: int,
 ) -> tuple[NDArray[np.int32], NDArray[np.uint8]]:
-    """What the cheapest way from block ``start`` to each one costs (flat, int32; the largest: not reached), and the
+    """Least cost of a path from block ``start`` to each block (flat, int32; the largest value: not reached), and the
     direction (0 to 7, of ``joined``) of its last step (255: none).
 
-    Indices are flat, of ``blocks`` with its border. With a ``goal`` (else -1) it ends there, and most costs are not
-    final; without, or where none is reached, they are those of all that can be.
+    Indices are flat, of ``blocks`` with its border. With a ``goal`` (else -1) the search ends there, and most costs are
+    not final; without, or if the goal is not reached, costs of all reachable blocks are final.
     """
     width = blocks.shape[1]
     flat = blocks.ravel()
@@ -77,14 +78,14 @@ def search(
     came = np.full(size, 255, dtype=np.uint8)
     if not flat[start]:
         return cost, came
-    # Bucket b holds, as a list linked both ways, all open blocks whose estimated total is b, modulo the ring.
+    # Bucket b holds, as a doubly linked list, all open blocks with estimated total cost b, modulo the ring.
     ring = np.full(_RING, -1, dtype=np.int32)
     following = np.empty(size, dtype=np.int32)
     before = np.empty(size, dtype=np.int32)
     total = np.empty(size, dtype=np.int32)
     closed = np.zeros(size, dtype=np.uint8)
     offsets = np.array([1, -1, width, -width, width + 1, width - 1, -width + 1, -width - 1])
-    # Which cells (bits 1 2 in the first row, 4 8 in the second) of this block and of the next touch, by direction
+    # Cells (bits 1 2 in the first row, 4 8 in the second) of this block and of the next that touch, by direction
     mine = np.array([2 | 8, 1 | 4, 4 | 8, 1 | 2, 8, 4, 2, 1], dtype=np.int32)
     theirs = np.array([1 | 4, 2 | 8, 1 | 2, 4 | 8, 1, 2, 4, 8], dtype=np.int32)
     goal_row, goal_column = goal // width, goal % width
@@ -126,7 +127,7 @@ def search(
             if known >= cost[v]:
                 continue
             if cost[v] != far:
-                # It waits in another bucket already.
+                # The block is in another bucket already.
                 ahead, after = before[v], following[v]
                 if ahead >= 0:
                     following[ahead] = after
@@ -140,7 +141,7 @@ def search(
                 rows = abs(row + (d == 2 or d == 4 or d == 5) - (d == 3 or d >= 6) - goal_row)
                 columns = abs(column + (d == 0 or d == 4 or d == 6) - (d == 1 or d == 5 or d == 7) - goal_column)
                 both = min(rows, columns)
-                # Never more than what the way costs (in the open), and never falling by more than a step's cost
+                # Admissible (at most the open-floor cost) and consistent (falls by at most a step's cost).
                 estimate += _STRAIGHT * (max(rows, columns) - both) + _DIAGONAL * both
             cost[v] = known
             came[v] = d
@@ -169,8 +170,8 @@ def trace(
     odd_row: int,
     odd_column: int,
 ) -> NDArray[np.int64]:
-    """The cells (N, 2), each touching the one before, from cell ``first`` to cell ``last`` through the blocks on the
-    way to block ``end`` that ``search`` found: the cheapest such cells of each block."""
+    """The cells (N, 2), each touching the one before, from cell ``first`` to cell ``last`` through the blocks of the
+    path to block ``end`` that ``search`` found: the cheapest such cells of each block."""
     width = blocks.shape[1]
     offsets = np.array([1, -1, width, -width, width + 1, width - 1, -width + 1, -width - 1])
     count, u = 1, end

@@ -1,6 +1,6 @@
-"""Ways over the map as it is now: keeps what a way costs, plans, and keeps to a plan until another is clearly better.
+"""Global planner: keeps the cost field up to date, plans, and keeps a plan until another is clearly better.
 
-Used by one thread, beside the one that controls: planning may take longer than a control cycle.
+Runs in a thread of its own beside the control cycle: planning may take longer than a cycle.
 """
 
 from __future__ import annotations
@@ -15,50 +15,56 @@ from app.base.geometry import Pose2
 from app.messages import OccupancyGrid, Zone
 from app.modules.behaviors.navigation.costmap.footprint import Footprint
 from app.modules.behaviors.navigation.costmap.inflation import CostField, CostSettings, cost_field, with_obstacles
-from app.modules.behaviors.navigation.costmap.local_costmap import Surroundings
-from app.modules.behaviors.navigation.costmap.transient_obstacle_layer import TemporaryObstacles, off_map, remember
+from app.modules.behaviors.navigation.costmap.local_costmap import CostmapWindow
+from app.modules.behaviors.navigation.costmap.transient_obstacle_layer import TransientObstacles, off_map, remember
 from app.modules.behaviors.navigation.costmap.zone_layer import rasterize
-from app.modules.behaviors.navigation.planning.goal_planning import Plan, PlanSettings, check_path, plan, why_replan
+from app.modules.behaviors.navigation.planning.goal_planning import (
+    GlobalPlan,
+    PlanSettings,
+    check_path,
+    plan,
+    why_replan,
+)
 from app.modules.behaviors.navigation.planning.reference_path import SpeedAt
 
-#: A change of way is worth so much at least (metres in the open).
+#: Least advantage of another plan over the one in force (cost, in metres of open floor).
 _WORTH_M = 0.3
-#: What a metre costs where the body may not be.
+#: Cost per metre through lethal cells.
 _LETHAL = 50.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Request:
-    """What a way is wanted for. ``goal`` on the map, heading NaN for any; ``around`` what stands near the body now,
-    None to go by the map alone; ``opened_up``: what is unknown costs nothing, and what was in the way is forgotten;
-    ``kept`` is the plan in force to this goal, ``why`` another is needed anyhow ("": only if it is better). ``things``
-    (N, 2): what the map does not have and is remembered to stand there, m on the map."""
+class PlanRequest:
+    """Input of one planning. ``goal``: pose on the map, heading NaN for any; ``around``: the local costmap, None to
+    plan on the map alone; ``opened_up``: unknown cells cost nothing and transient obstacles are ignored; ``kept``: the
+    plan in force to this goal; ``why``: the reason to replace it in any case ("": only by a cheaper one);
+    ``persistent_obstacles`` (N, 2): remembered obstacles that the map does not have, m on the map."""
 
     grid: OccupancyGrid
     zones: tuple[Zone, ...]
     X_MO: Pose2
     X_MB: Pose2
     goal: Pose2
-    around: Surroundings | None = None
+    around: CostmapWindow | None = None
     opened_up: bool = False
-    kept: Plan | None = None
+    kept: GlobalPlan | None = None
     why: str = ""
-    things: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 2)))
+    persistent_obstacles: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 2)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Answer:
-    """The ``plan`` to follow and whether it is another than was kept; ``speed_share`` looks up, at points (N, 2) of the
-    map, the share of the greatest speed that zones allow, in ]0, 1]."""
+class PlanResult:
+    """The ``plan`` to follow; ``changed``: whether it differs from the plan kept so far; ``speed_share``: looks up, at
+    points (N, 2) of the map, the share of the greatest speed that zones allow, in ]0, 1]."""
 
-    plan: Plan
+    plan: GlobalPlan
     changed: bool
     why: str
     speed_share: SpeedAt
 
 
-class Wayfinder:
-    """Plans for one body. A plan in force is replaced by one that costs less by the share ``better``."""
+class GlobalPlanner:
+    """Plans for one body. A plan in force is replaced by one whose cost is lower by the share ``better``."""
 
     def __init__(
         self,
@@ -76,18 +82,18 @@ class Wayfinder:
         self._grid: OccupancyGrid | None = None
         self._made_with: tuple[tuple[Zone, ...], CostSettings] | None = None
         self._shares: NDArray[np.float32] | None = None
-        self._temporary = TemporaryObstacles.none()
+        self._temporary = TransientObstacles.none()
 
-    def find(self, request: Request) -> Answer:
-        """A way for ``request``, or the plan that says why there is none."""
+    def find(self, request: PlanRequest) -> PlanResult:
+        """A path for ``request``, or a plan without path that gives the reason."""
         field = self._field_for(request)
         if request.opened_up or request.around is None:
-            self._temporary = TemporaryObstacles.none()
+            self._temporary = TransientObstacles.none()
         if request.around is not None:
             self._temporary = remember(self._temporary, request.around, request.X_MO, field)
         points = self._temporary.points
-        if len(request.things) and not request.opened_up:
-            points = np.concatenate((points, off_map(request.things, field)))
+        if len(request.persistent_obstacles) and not request.opened_up:
+            points = np.concatenate((points, off_map(request.persistent_obstacles, field)))
         live = with_obstacles(field, points) if len(points) else field
         why = request.why
         kept = request.kept
@@ -101,12 +107,12 @@ class Wayfinder:
             why = "the goal itself can be reached now"
         worse = _cost_along(live, found.poses) > min((1.0 - self._better) * rest_cost, rest_cost - _WORTH_M)
         if kept is not None and len(kept.poses) and not why and (len(found.poses) == 0 or worse):
-            return Answer(kept, False, "", self._share_at(field))
+            return PlanResult(kept, False, "", self._share_at(field))
         if kept is not None and found.code == kept.code and len(found.poses) == len(kept.poses) == 0:
-            return Answer(found, found.reason != kept.reason, why, self._share_at(field))
-        return Answer(found, True, why or "a better way was found", self._share_at(field))
+            return PlanResult(found, found.reason != kept.reason, why, self._share_at(field))
+        return PlanResult(found, True, why or "a better way was found", self._share_at(field))
 
-    def _field_for(self, request: Request) -> CostField:
+    def _field_for(self, request: PlanRequest) -> CostField:
         costs = replace(self._costs, unknown="free") if request.opened_up else self._costs
         if self._field is None or request.grid is not self._grid or (request.zones, costs) != self._made_with:
             previous = self._field if (request.zones, costs) == self._made_with else None
@@ -129,8 +135,8 @@ class Wayfinder:
 
 
 def _cost_along(field: CostField, poses: NDArray[np.float64]) -> float:
-    """What a way (N, 3) costs, in metres in the open; what leads through the lethal, as out of a tight place, as
-    there."""
+    """Cost of the path (N, 3), in metres of open floor; lethal cells, as on the way out of a tight place, cost
+    ``_LETHAL``."""
     if len(poses) < 2:
         return 0.0
     cells, inside = field.frame.cells(poses[:, :2])

@@ -1,4 +1,4 @@
-"""From here to a goal: the way, or the nearest that can be reached, or why there is none, in words for people."""
+"""Planning to one goal: the path, or the path to the nearest reachable place, or the reason for none, in words."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ from app.modules.behaviors.navigation.costmap.inflation import (
     CostField,
 )
 from app.modules.behaviors.navigation.costmap.zone_layer import keep_out
-from app.modules.behaviors.navigation.planning.astar import Reached, explore
+from app.modules.behaviors.navigation.planning.astar import ReachedCells, explore
 from app.modules.behaviors.navigation.planning.smoothing import length_of, smooth, with_headings
 
 
 @dataclass(frozen=True, slots=True)
 class PlanSettings:
-    """``near_m``: how far from a goal that cannot be stood on a place may be that is taken instead. ``free_start_m``:
-    how far a robot that stands too near to something may go to get free, ``leave_zone_m`` to get out of a zone that
-    it is to keep out of. ``spacing_m`` between the path's poses."""
+    """``near_m``: greatest distance of a substitute place from a goal that is occupied. ``free_start_m``: longest way
+    out for a robot too near to an obstacle; ``leave_zone_m``: longest way out of a keep-out zone.
+    ``spacing_m``: distance between the path's poses."""
 
     near_m: float = 1.0
     free_start_m: float = 0.6
@@ -37,16 +37,17 @@ class PlanSettings:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Plan:
-    """A way on the map, or why there is none.
+class GlobalPlan:
+    """A path on the map, or the reason for none.
 
-    ``code``: ``way`` (to the goal itself), ``near`` (to ``target``, the nearest place that can be reached), or without
-    a way: ``outside`` (the goal is off the map), ``obstacle`` (it cannot be stood on, nor any place near it),
-    ``walled_off``, ``keep_out`` (zones are in the way), ``unknown`` (only unknown space leads there, which is blocked),
-    ``in_the_way`` (something that the map does not know stands in the only way; it may go), ``start_stuck`` (the robot
-    itself cannot get free), ``start_outside``. ``reason`` says it to people, "" where there is nothing to say.
-    ``poses`` (N, 3) float64 x, y, heading on the map, about ``spacing_m`` apart, (0, 3) without a way. ``target`` is
-    where the way ends, its heading NaN if none was asked for. ``length_m`` of the way.
+    ``code``: ``way`` (to the goal itself), ``near`` (to ``target``, the nearest reachable place), or without a path:
+    ``outside`` (the goal is off the map), ``obstacle`` (the goal and all places near it are occupied), ``walled_off``,
+    ``keep_out`` (zones block), ``unknown`` (only unknown space leads there, and it is blocked), ``in_the_way`` (a
+    transient obstacle blocks the only path), ``start_stuck`` (the robot itself cannot get free), ``start_outside``.
+    ``reason`` is a sentence for people, "" for none.
+
+    ``poses`` (N, 3) float64 x, y, heading on the map, about ``spacing_m`` apart, (0, 3) without a path. ``target``: end
+    of the path, heading NaN if none was asked for. ``length_m``: its length.
     """
 
     code: str
@@ -56,8 +57,8 @@ class Plan:
     length_m: float
 
 
-def plan(field: CostField, start: Pose2, goal: Pose2, settings: PlanSettings | None = None) -> Plan:
-    """The cheapest way from ``start`` to ``goal`` (heading NaN: any), both on the map, over ``field``."""
+def plan(field: CostField, start: Pose2, goal: Pose2, settings: PlanSettings | None = None) -> GlobalPlan:
+    """The cheapest path from ``start`` to ``goal`` (heading NaN: any), both on the map, over ``field``."""
     settings = settings or PlanSettings()
     frame = field.frame
     start_cell, goal_cell = frame.cell(start.x, start.y), frame.cell(goal.x, goal.y)
@@ -77,7 +78,7 @@ def plan(field: CostField, start: Pose2, goal: Pose2, settings: PlanSettings | N
     fits = _fits(field, goal)
     reached = explore(field, start_cell, goal_cell if fits else None)
     if fits and reached.has(goal_cell):
-        return _way(reached, "way", said, out, start, goal, goal_cell, settings)
+        return _way(reached, "way", reason=said, out=out, start=start, target=goal, cell=goal_cell, settings=settings)
     if fits:
         return _why_not(field, start_cell, goal_cell)
     target = _nearest(reached, goal, goal_cell, settings.near_m)
@@ -86,12 +87,21 @@ def plan(field: CostField, start: Pose2, goal: Pose2, settings: PlanSettings | N
         return _none("obstacle", f"{why}, and no place within {settings.near_m:g} m of it can be reached")
     cell, place = target
     away = math.hypot(place.x - goal.x, place.y - goal.y)
-    told = f"{why}: goes to the nearest place that can be reached, {away:.2f} m from it"
-    return _way(reached, "near", "; ".join(filter(None, (told, said))), out, start, place, cell, settings)
+    substitute = f"{why}: goes to the nearest place that can be reached, {away:.2f} m from it"
+    return _way(
+        reached,
+        "near",
+        reason="; ".join(filter(None, (substitute, said))),
+        out=out,
+        start=start,
+        target=place,
+        cell=cell,
+        settings=settings,
+    )
 
 
 def _way(
-    reached: Reached,
+    reached: ReachedCells,
     code: str,
     reason: str,
     out: NDArray[np.int64],
@@ -99,10 +109,10 @@ def _way(
     target: Pose2,
     cell: tuple[int, int],
     settings: PlanSettings,
-) -> Plan:
+) -> GlobalPlan:
     field, frame = reached.field, reached.field.frame
     points = _middles(field, reached.way(cell))
-    # From the very place to the very place, but for a start that is not free: its way out is left as it is.
+    # The ends are the exact poses, except for a start that is not free: its way out stays as it is.
     if not len(out):
         points = np.concatenate(([[start.x, start.y]], points))
     points = np.concatenate((points, [[target.x, target.y]]))
@@ -111,11 +121,11 @@ def _way(
         step = max(1, round(settings.spacing_m / frame.resolution_m))
         way = np.concatenate(([[start.x, start.y]], _middles(field, out[step:-1:step]), way))
     poses = with_headings(way, start.theta, target.theta)
-    return Plan(code, reason, poses, target, length_of(poses))
+    return GlobalPlan(code, reason, poses, target, length_of(poses))
 
 
-def _why_not(field: CostField, start: tuple[int, int], goal: tuple[int, int]) -> Plan:
-    """The goal's place is free, but no way leads there: what would have to go for one?"""
+def _why_not(field: CostField, start: tuple[int, int], goal: tuple[int, int]) -> GlobalPlan:
+    """The goal's cell is free, but no path leads there: the layers that would have to vanish."""
     bits = AT_KEEP_OUT | AT_TEMPORARY
     if field.known is None and not field.zones and field.settings.unknown != "blocked":
         return _none("walled_off", "obstacles on the map wall the goal off")
@@ -142,7 +152,7 @@ def _why_not(field: CostField, start: tuple[int, int], goal: tuple[int, int]) ->
 
 
 def _fits(field: CostField, pose: Pose2) -> bool:
-    """Whether the body may stand there, with its heading if that is asked for."""
+    """Whether the body fits there, at its heading if one is asked for."""
     cell = field.frame.cell(pose.x, pose.y)
     if cell is None or not np.isfinite(field.cost[cell]):
         return False
@@ -158,9 +168,10 @@ def _body_fits(field: CostField, poses: NDArray[np.float64]) -> NDArray[np.bool_
 
 
 def _nearest(
-    reached: Reached, goal: Pose2, goal_cell: tuple[int, int], near_m: float
+    reached: ReachedCells, goal: Pose2, goal_cell: tuple[int, int], near_m: float
 ) -> tuple[tuple[int, int], Pose2] | None:
-    """The cell near the goal that was reached and where the body fits; of several as near as a cell, the freer."""
+    """The reached cell nearest to the goal where the body fits; among cells equally near (to a cell), the one with more
+    clearance."""
     field, frame = reached.field, reached.field.frame
     reach = math.ceil(near_m / frame.resolution_m)
     (row, column), cost = goal_cell, field.cost
@@ -182,12 +193,12 @@ def _nearest(
 def _way_out(
     field: CostField, start: tuple[int, int], goal: tuple[int, int], settings: PlanSettings
 ) -> NDArray[np.int64]:
-    """Cells (N, 2) from a lethal ``start`` to one that is not; none if none is near enough."""
+    """Cells (N, 2) from a lethal ``start`` to the nearest that is not lethal; none if none is near enough."""
     from app.modules.behaviors.navigation.planning.path_kernels import escape
 
     bits = int(field.layers[start])
     if bits & AT_KEEP_OUT and not bits & (AT_OCCUPIED | AT_TEMPORARY):
-        # Out of a zone on the side that leads to the goal, if there is one
+        # Leave a zone on the side that leads to the goal, if there is one
         reached = explore(field, start, goal, passable=AT_KEEP_OUT)
         if reached.has(goal):
             cells = reached.way(goal)
@@ -222,14 +233,14 @@ def _middles(field: CostField, cells: NDArray[np.int64]) -> NDArray[np.float64]:
     return np.asarray((cells[:, ::-1] + 0.5) * frame.resolution_m + np.array([frame.x, frame.y]))
 
 
-def _none(code: str, reason: str) -> Plan:
-    return Plan(code, reason, np.empty((0, 3)), None, 0.0)
+def _none(code: str, reason: str) -> GlobalPlan:
+    return GlobalPlan(code, reason, np.empty((0, 3)), None, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
 class PathCheck:
-    """What is left of a path: ``nearest`` pose's index, ``off_m`` from it, ``remaining_m`` to the end, and
-    ``blocked_m`` along it to where it leads through what is lethal now (None: free)."""
+    """State of a path: index of the ``nearest`` pose, ``off_m`` from it, ``remaining_m`` to the end, and ``blocked_m``
+    along it to the first lethal place now (None: free)."""
 
     nearest: int
     off_m: float
@@ -240,8 +251,8 @@ class PathCheck:
 def check_path(
     field: CostField, poses: NDArray[np.float64], pose: Pose2, from_index: int = 0, within_m: float = math.inf
 ) -> PathCheck:
-    """Look along ``poses`` (N >= 1, 3) from where the robot is (``pose``, on the map), on the map and zones of now and
-    with what stands in the way. The nearest pose is sought from ``from_index`` on, ``within_m`` along the way."""
+    """Check ``poses`` (N >= 1, 3) from the robot's ``pose`` on, on the current map, zones and obstacles. The nearest
+    pose is searched from ``from_index`` on, ``within_m`` along the path."""
     from app.modules.behaviors.navigation.planning.path_kernels import first_lethal
 
     frame = field.frame
@@ -261,7 +272,7 @@ def check_path(
 
 
 def why_replan(check: PathCheck, off_limit_m: float = 0.5) -> str:
-    """Why a new way must be planned, in words; "" while the old one is good."""
+    """The reason for a new path, in words; "" while the old one is good."""
     if check.blocked_m is not None:
         return f"the way is blocked {check.blocked_m:.1f} m ahead"
     if check.off_m > off_limit_m:

@@ -1,4 +1,4 @@
-"""Compiled kernels on ways through a cost field, in cells: (row, column) of a cell's middle are its indices."""
+"""Compiled kernels on paths through a cost field, in cells: (row, column) of a cell's middle are its indices."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def line_cost(
     r1: float,
     c1: float,
 ) -> float:
-    """What the straight way costs, in cells of the open: exact, cell by cell; +inf where it crosses a lethal one."""
+    """Cost of the straight line, in cells of open floor: exact, cell by cell; +inf where it crosses a lethal one."""
     rows, columns = cost.shape
     dr, dc = r1 - r0, c1 - c0
     length = math.hypot(dr, dc)
@@ -28,7 +28,7 @@ def line_cost(
     if length < 1e-12:
         return 0.0 if cost[i, j] < math.inf else math.inf
     step_i, step_j = (1 if dr > 0 else -1), (1 if dc > 0 else -1)
-    # Shares of the line at which the next row and the next column begin, and between one and the next
+    # Parameters of the line at the next row and the next column, and the steps between them
     t_i, each_i = math.inf, math.inf
     if dr != 0.0:
         each_i = abs(1.0 / dr)
@@ -40,7 +40,7 @@ def line_cost(
     total, t = 0.0, 0.0
     while True:
         end = min(t_i, t_j, 1.0)
-        # Where it only touches a corner it does not cross.
+        # A line that only touches a corner does not cross the cell.
         if (end - t) * length > 1e-6:
             here = cost[i, j]
             if here == math.inf:
@@ -64,7 +64,8 @@ def shortcuts(
     cost: NDArray[np.float32],
     points: NDArray[np.float64],
 ) -> NDArray[np.int64]:
-    """Indices of the points (N, 2) row, column to keep: straight between them costs no more than by the others."""
+    """Indices of the points (N, 2) row, column to keep: the straight line between two costs no more than the points
+    between."""
     n = len(points)
     so_far = np.zeros(n)
     for k in range(1, n):
@@ -74,7 +75,7 @@ def shortcuts(
     count, at = 1, 0
     while at < n - 1:
         good, bad, stride = at + 1, n, 2
-        # Twice as far as long as it pays, and then halving between the last that did and the first that did not
+        # Double the stride while it pays, then bisect between the last success and the first failure
         while at + stride < n or good < n - 1:
             k = min(at + stride, n - 1)
             if k <= good:
@@ -110,10 +111,10 @@ def refine(
     stride: float,
     rounds: int,
 ) -> int:
-    """Bend the way through ``points`` (N, 2) row, column in place so that it costs less; returns how often one moved.
+    """Move the points (N, 2) row, column in place so that the path costs less; returns the number of moves.
 
-    Each point in turn is put abreast of its neighbours' middle and ``stride`` (cells) further left or right, or half as
-    far out, where the two pieces beside it cost least: descent to a way that no small change betters. The ends stay.
+    Each point in turn is placed level with its neighbours' middle and ``stride`` (cells), or half of it, to the left or
+    right, where the two pieces beside it cost least: coordinate descent to a local minimum. The ends stay.
     """
     n = len(points)
     active = np.ones(n, dtype=np.uint8)
@@ -133,7 +134,7 @@ def refine(
             out = (points[k, 0] - middle_r) * normal_r + (points[k, 1] - middle_c) * normal_c
             least = line_cost(cost, r0, c0, points[k, 0], points[k, 1])
             least += line_cost(cost, points[k, 0], points[k, 1], r1, c1)
-            # What is hardly better is not worth the neighbours' work.
+            # A negligible gain is not worth new searches of the neighbours.
             least -= 1e-4 * length
             best = math.inf
             for choice in range(4):
@@ -169,10 +170,10 @@ def relax(
     lethal: float,
     keep: float,
 ) -> int:
-    """Round the corners of ``points`` (N, 2) row, column in place; returns how often a point moved.
+    """Round the corners of ``points`` (N, 2) row, column in place; returns the number of moves.
 
-    Each is drawn to the middle between its neighbours as long as neither piece of the way beside it becomes lethal, and
-    the share ``keep`` of what its clearance was beyond ``lethal`` (m) is left. The ends stay.
+    Each point moves to the middle between its neighbours as long as both pieces beside it stay free of lethal cells and
+    keep the share ``keep`` of the point's clearance beyond ``lethal`` (m). The ends stay.
     """
     n = len(points)
     needed = np.empty(n)
@@ -214,9 +215,10 @@ def first_lethal(
     first: int,
     last: int,
 ) -> int:
-    """Index of the first of ``points`` (N, 2) row, column from ``first`` on to which the way is lethal; -1: none.
+    """Index of the first of ``points`` (N, 2) row, column from ``first`` on that a lethal cell precedes or contains;
+    -1: none.
 
-    Out of what is lethal at ``first`` the way may lead.
+    Lethal cells right at ``first`` are allowed: the path may lead out of them.
     """
     free = False
     for k in range(first, last + 1):
@@ -241,7 +243,8 @@ def escape(
     through: int,
 ) -> tuple[NDArray[np.int64], int]:
     """Cells (N, 2) from (row, column) to the nearest that is not lethal within ``radius`` (cells), each touching the
-    one before; and how many. Obstacles' own cells (of the layers ``through``, bits) are crossed only from one."""
+    one before; and their number. Cells occupied by obstacles (of the layers ``through``, bits) are crossed only from
+    such a cell."""
     rows, columns = cost.shape
     reach = int(radius) + 1
     top, left = max(row - reach, 0), max(column - reach, 0)

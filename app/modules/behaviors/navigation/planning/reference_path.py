@@ -1,4 +1,4 @@
-"""The planned path as controllers follow it: evenly spaced, from beside the body on, with the speed allowed there."""
+"""Reference path of the controllers: evenly spaced points from beside the body on, with the allowed speed at each."""
 
 from __future__ import annotations
 
@@ -9,20 +9,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.base.geometry import Pose2
-from app.modules.behaviors.navigation.controller import Way
+from app.modules.behaviors.navigation.controller import LocalPath
 
-#: Between two points of a way, m.
+#: Spacing of the points, m.
 SPACING_M = 0.05
 
 #: Speeds (N,) m/s allowed at points (N, 2) of the map.
 SpeedAt = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
 
-class Track:
-    """One planned path on the map, and how far along it the body is.
+class ReferencePath:
+    """One planned path on the map, and the body's progress along it.
 
-    ``path`` (N, 2 or 3) float64: x, y (m) of its corners. ``speed_mps`` is the greatest speed on it, ``speed_at`` a
-    lower one at each place (zones). Toward its end the speed falls so that ``braking_mps2`` stops the body there.
+    ``path`` (N, 2 or 3) float64: x, y (m) of its corners. ``speed_mps``: greatest speed; ``speed_at``: a lower one by
+    place (zones). Toward the end the speed falls so that ``braking_mps2`` stops the body there.
     """
 
     def __init__(
@@ -41,27 +41,27 @@ class Track:
 
     @property
     def length_m(self) -> float:
-        """Of the whole path."""
+        """Length of the whole path (m)."""
         return float(self.lengths[-1])
 
     @property
     def end(self) -> Pose2:
-        """Where it ends, and the heading there."""
+        """The end, with the heading there."""
         return Pose2(float(self.points[-1, 0]), float(self.points[-1, 1]), float(self.headings[-1]))
 
     def come_to(self, X_MB: Pose2) -> tuple[float, float]:
-        """Take the body's pose: how far the path still goes on from beside it, and how far off the path it is (m).
+        """Take the body's pose; returns the remaining length from the nearest point and the distance from the path (m).
 
-        The nearest point is looked for around the last one: a path that comes by the same place twice is followed in
-        order.
+        The nearest point is searched around the last one: a path that passes the same place twice is followed in order.
         """
         low, high = max(0, self._at - 20), min(len(self.points), self._at + 60)
         off = np.hypot(self.points[low:high, 0] - X_MB.x, self.points[low:high, 1] - X_MB.y)
         self._at = low + int(off.argmin())
         return self.length_m - float(self.lengths[self._at]), float(off.min())
 
-    def ahead(self, X_FM: Pose2, length_m: float, *, stop: bool = True) -> Way:
-        """The way of ``length_m`` from the body on, in frame F; slower toward the path's end, if it is to ``stop``."""
+    def ahead(self, X_FM: Pose2, length_m: float, *, stop: bool = True) -> LocalPath:
+        """The next ``length_m`` of the path from the body on, in frame F; slower toward the path's end, if it is to
+        ``stop``."""
         count = max(2, int(length_m / SPACING_M) + 1)
         low = min(self._at, len(self.points) - 2)
         points = self.points[low : low + count]
@@ -75,10 +75,10 @@ class Track:
         if stop:
             remaining = np.maximum(self.length_m - self.lengths[low : low + count], 0.0)
             way[:, 4] = np.minimum(way[:, 4], np.sqrt(2.0 * 0.6 * self._braking_mps2 * remaining) + 0.02)
-        return Way(way, SPACING_M)
+        return LocalPath(way, SPACING_M)
 
     def rest(self) -> NDArray[np.float64]:
-        """The path (N, 2) that is still ahead, on the map."""
+        """The remaining path (N, 2), on the map."""
         return self.points[min(self._at, len(self.points) - 2) :]
 
 
@@ -96,14 +96,14 @@ def resampled(points: NDArray[np.float64], spacing_m: float) -> NDArray[np.float
 
 
 def _headings(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Of the path over 0.1 m around each point; where it has no length, 0."""
+    """Heading of the path over 0.1 m around each point; 0 for a path without length."""
     before = points[np.maximum(np.arange(len(points)) - 1, 0)]
     after = points[np.minimum(np.arange(len(points)) + 1, len(points) - 1)]
     return np.arctan2(after[:, 1] - before[:, 1], after[:, 0] - before[:, 0])
 
 
 def _braked(caps: NDArray[np.float64], steps: NDArray[np.float64], braking_mps2: float) -> NDArray[np.float64]:
-    """``caps`` (N,) lowered so that from each point the next ones' can be reached by braking."""
+    """``caps`` (N,) lowered so that the caps of later points can be reached by braking."""
     squares = caps**2
     for k in range(len(steps) - 1, -1, -1):
         squares[k] = min(squares[k], squares[k + 1] + 2.0 * braking_mps2 * steps[k])

@@ -1,4 +1,5 @@
-"""From cells to a way that is driven: any-angle shortcuts where they cost no more, corners rounded, headings."""
+"""Smoothing: from cells to a drivable path, by any-angle shortcuts of no higher cost, local descent, rounded corners,
+headings."""
 
 from __future__ import annotations
 
@@ -9,19 +10,19 @@ from numpy.typing import NDArray
 
 from app.modules.behaviors.navigation.costmap.inflation import CostField
 
-#: How a way is bent until it costs least: pieces (m), then strides to the side (m) and how often at most. What is
-#: further ahead than ``_BENT_M`` is planned again before the robot gets there.
+#: Local descent: length of pieces (m), then strides to the side (m) with the greatest number of passes. Parts further
+#: ahead than ``_BENT_M`` are planned again before the robot gets there.
 _BENDING = ((0.4, (0.2, 0.1, 0.05), 12), (0.1, (0.05, 0.025), 6))
 _BENT_M = 60.0
-#: How often a point is drawn to its neighbours' middle: corners are rounded over some eight poses to each side. And
-#: what share of its clearance, beyond what is lethal, it keeps.
+#: Passes of relaxation, which round a corner over some eight poses to each side, and the share of the clearance beyond
+#: the lethal one that each point keeps.
 _ROUNDS = 60
 _KEEP = 0.6
 
 
 def smooth(field: CostField, points: NDArray[np.float64], spacing_m: float) -> NDArray[np.float64]:
-    """Points (M, 2) float64 x, y (m), about ``spacing_m`` apart, from the first to the last of ``points`` (N >= 1, 2),
-    which are free and lead along free cells: so does what is returned. It costs less, or little more, being round."""
+    """Points (M, 2) float64 x, y (m), about ``spacing_m`` apart, from the first to the last of ``points`` (N >= 1, 2).
+    Both lead along free cells only. The result costs less, or little more for being round."""
     from app.modules.behaviors.navigation.planning.path_kernels import refine, relax, shortcuts
 
     frame = field.frame
@@ -43,8 +44,8 @@ def smooth(field: CostField, points: NDArray[np.float64], spacing_m: float) -> N
 
 
 def with_headings(points: NDArray[np.float64], first: float, last: float) -> NDArray[np.float64]:
-    """Poses (M, 3) of points (M >= 1, 2): headings along the way; ``last`` (rad, NaN: along the way) at the end,
-    ``first`` if there is but one."""
+    """Poses (M, 3) of points (M >= 1, 2): headings along the path; ``last`` (rad, NaN: along the path) at the end,
+    ``first`` if there is a single point."""
     poses = np.empty((len(points), 3))
     poses[:, :2] = points
     if len(points) > 1:
@@ -59,7 +60,7 @@ def with_headings(points: NDArray[np.float64], first: float, last: float) -> NDA
 
 
 def length_of(points: NDArray[np.float64]) -> float:
-    """Metres along ``points`` (N, 2 or more columns)."""
+    """Length (m) of ``points`` (N, 2 or more columns)."""
     return float(np.hypot(*np.diff(points[:, :2], axis=0).T).sum()) if len(points) > 1 else 0.0
 
 

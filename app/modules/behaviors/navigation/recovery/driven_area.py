@@ -1,4 +1,4 @@
-"""The ground the body just drove over, in ``odom``: where it may back off though it does not see behind itself."""
+"""The area that the body just drove over, in ``odom``: it may back off there although it does not see behind itself."""
 
 from __future__ import annotations
 
@@ -7,31 +7,31 @@ from collections import deque
 
 from app.base.geometry import Pose2, wrap_angle
 
-#: Between two remembered places.
+#: Spacing of the poses, m.
 _STEP_M = 0.04
 _STEP_RAD = 0.15
-#: From further off than that the body did not come by the trail: somebody drove or carried it, or odometry began anew.
+#: Greatest distance (m) from the last pose; further off the body was carried or odometry restarted.
 _BROKEN_M = 0.5
 
 
-class Trail:
-    """The last ``length_m`` of the way the body came, as poses."""
+class DrivenArea:
+    """The last ``length_m`` of the body's path, as poses."""
 
     def __init__(self, length_m: float = 1.5) -> None:
         self._poses: deque[Pose2] = deque(maxlen=max(2, int(length_m / _STEP_M)))
 
     def add(self, pose: Pose2) -> None:
-        """Remember where the body is, unless it is where it was."""
+        """Add the body's pose if it moved."""
         self._break_off(pose)
         if self._poses and not _apart(self._poses[-1], pose, _STEP_M, _STEP_RAD):
             return
         self._poses.append(pose)
 
     def back_from(self, pose: Pose2, aim_m: float = 0.3) -> Pose2 | None:
-        """Where backing off steers for: the trail's pose about ``aim_m`` behind ``pose``; None at its end, and where
-        the body did not come by it.
+        """Target of backing off: the pose about ``aim_m`` behind ``pose``; None at the end of the list, and where the
+        body is off it.
 
-        What lies nearer than that is given up, so that the way back is not driven twice.
+        Nearer poses are removed, so that no part is driven twice.
         """
         self._break_off(pose)
         while self._poses and math.dist((self._poses[-1].x, self._poses[-1].y), (pose.x, pose.y)) < 0.5 * aim_m:
@@ -52,7 +52,7 @@ def back_toward(pose: Pose2, past: Pose2, speed_mps: float, turn_radps: float) -
     if abs(bearing) > 1.0:
         return 0.0, max(-turn_radps, min(turn_radps, 1.5 * bearing))
     distance = max(0.1, math.dist((past.x, past.y), (pose.x, pose.y)))
-    # Pure pursuit of a body whose front is its back: which way it turns is the same for both.
+    # Pure pursuit with the rear as the front: the sign of the turn is the same for both.
     angular = speed_mps * 2.0 * math.sin(bearing) / distance
     return -speed_mps, max(-turn_radps, min(turn_radps, angular))
 

@@ -1,13 +1,13 @@
-"""What is tried when the body does not get on, in which order, and when people are asked (a pure state machine).
+"""Recovery without progress: order of the recovery actions, and when people are asked for help (a pure state machine).
 
-One *round*: **wait** (a person passes), **back off** (along the way it came), **turn** (look around), **clear** (what
-the costmap remembers is forgotten; not before it stands further off, where the camera sees again what it looks over
-from near), **open up** (what is unknown or was in the way once counts as free). After each, the way is tried again;
-what gets the body nearer to its goal than it ever was ends the round. After ``rounds`` of them it **asks** people for
-help, waits, and begins anew.
+One *round*: **wait** (a person passes), **back off** (along the driven area), **turn** (look around), **clear** (the
+local costmap is cleared, after backing off to where the camera sees low obstacles again), **open up** (unknown cells
+and transient obstacles count as free). After each action the path is tried again; progress beyond the best so far ends
+the round. After ``rounds`` of them the robot **asks** people for help, waits ``ask_s``, and starts the first round
+again.
 
-Lost on its map, it has another measure: it turns on the spot (:class:`Search`), for what it sees round about tells
-where it is, and waits for people when that did not.
+A robot that is lost on its map turns on the spot (:class:`SpinSearch`), which gives the relocalization scans from all
+sides, and then waits for people.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from dataclasses import dataclass
 from enum import Enum
 
 
-class Measure(Enum):
-    """What is done about not getting on; the values say it to people."""
+class RecoveryAction(Enum):
+    """A recovery action; the values are texts for people."""
 
     WAIT = "waiting for the way to clear"
-    CLEAR = "looking afresh at what stands around"
+    CLEAR = "clearing the costmap"
     BACK_OFF = "backing off along the way it came"
     TURN = "turning to look around"
     OPEN_UP = "trying ways it does not know or that were blocked before"
@@ -29,15 +29,20 @@ class Measure(Enum):
 
 
 #: The order within a round.
-LADDER = (Measure.WAIT, Measure.BACK_OFF, Measure.TURN, Measure.CLEAR, Measure.OPEN_UP)
+LADDER = (
+    RecoveryAction.WAIT,
+    RecoveryAction.BACK_OFF,
+    RecoveryAction.TURN,
+    RecoveryAction.CLEAR,
+    RecoveryAction.OPEN_UP,
+)
 
 
 @dataclass(frozen=True, slots=True)
 class RecoverySettings:
-    """``stuck_s`` without getting on begins a measure. Waiting takes ``wait_s``; backing off ends after ``back_m`` or
-    ``back_s``, a turn after ``turn_rad`` or ``turn_s``; ``rounds`` of all measures before people are asked, who have
-    ``ask_s``. ``find_rad`` is what it turns to find itself.
-    """
+    """``stuck_s``: time without progress before an action. ``wait_s``: duration of waiting. Backing off ends after
+    ``back_m`` or ``back_s``, a turn after ``turn_rad`` or ``turn_s``. ``rounds``: rounds of all actions before people
+    are asked; ``ask_s``: time for them to help. ``find_rad``: angle of a search turn."""
 
     stuck_s: float = 1.5
     wait_s: float = 1.5
@@ -51,30 +56,30 @@ class RecoverySettings:
 
 
 class Recovery:
-    """Chooses measures; knows nothing of how they are done."""
+    """Chooses recovery actions; does not carry them out."""
 
     def __init__(self, settings: RecoverySettings | None = None) -> None:
         self.settings = settings or RecoverySettings()
-        #: Measures begun since the goal was given.
+        #: Actions begun since the goal was given.
         self.count = 0
         self._rung = 0
         self._round = 0
-        self._current: Measure | None = None
+        self._current: RecoveryAction | None = None
         self._began = 0.0
 
     @property
-    def current(self) -> Measure | None:
-        """What is being done; None while the way is followed."""
+    def current(self) -> RecoveryAction | None:
+        """The action in progress; None while the path is followed."""
         return self._current
 
-    def begin(self, now: float) -> Measure:
-        """The body does not get on: the next measure, which becomes :attr:`current`."""
+    def begin(self, now: float) -> RecoveryAction:
+        """Start the next action, which becomes :attr:`current`, for lack of progress."""
         if self._rung == len(LADDER):
             self._rung = 0
             self._round += 1
         if self._round >= self.settings.rounds:
             self._round = 0
-            self._current = Measure.ASK
+            self._current = RecoveryAction.ASK
         else:
             self._current = LADDER[self._rung]
             self._rung += 1
@@ -83,39 +88,39 @@ class Recovery:
         return self._current
 
     def over(self, now: float, *, driven_m: float = 0.0, turned_rad: float = 0.0, barred: bool = False) -> bool:
-        """Whether :attr:`current` has done what it can: ``driven_m`` and ``turned_rad`` since it began; ``barred``: the
-        body may not move as the measure wants."""
+        """Whether :attr:`current` is complete. ``driven_m``, ``turned_rad``: motion since its start; ``barred``:
+        obstacles forbid its motion."""
         s, elapsed = self.settings, now - self._began
         match self._current:
-            case None | Measure.CLEAR | Measure.OPEN_UP:
+            case None | RecoveryAction.CLEAR | RecoveryAction.OPEN_UP:
                 return True
-            case Measure.WAIT:
+            case RecoveryAction.WAIT:
                 return elapsed >= s.wait_s
-            case Measure.ASK:
+            case RecoveryAction.ASK:
                 return elapsed >= s.ask_s
-            case Measure.BACK_OFF:
+            case RecoveryAction.BACK_OFF:
                 return barred or driven_m >= s.back_m or elapsed >= s.back_s
-            case Measure.TURN:
+            case RecoveryAction.TURN:
                 return barred or turned_rad >= s.turn_rad or elapsed >= s.turn_s
 
     def end(self) -> None:
-        """The measure is over: the way is followed again."""
+        """End the action: the path is followed again."""
         self._current = None
 
     def succeeded(self) -> None:
-        """The body came nearer to its goal than ever: the next time it begins with the mildest measure."""
+        """The body came nearer to its goal than before: the next recovery starts with the first action."""
         self._rung = self._round = 0
 
     def reset(self) -> None:
-        """Another goal."""
+        """Reset for another goal."""
         self.succeeded()
         self.end()
         self.count = 0
 
 
-class Search:
-    """How a body that is lost turns to find itself: after a moment, since it may be found as it stands; then so far,
-    or each way until it is barred; where that did not help, again when people have had time to."""
+class SpinSearch:
+    """Turning on the spot of a lost robot: after a pause, since relocalization may succeed without motion; then by
+    ``find_rad``, or each way until an obstacle bars it; again after ``ask_s`` without success."""
 
     def __init__(self, settings: RecoverySettings) -> None:
         self._settings = settings
@@ -124,26 +129,26 @@ class Search:
         self._barred = 0
 
     def turns(self, now: float) -> bool:
-        """Whether it turns now. The first call after :meth:`end` begins the search."""
+        """Whether to turn now. The first call after :meth:`end` starts the search."""
         if self._since is None or (self._given_up and now - self._since >= self._settings.ask_s):
             self._since, self._left_rad, self._barred = now, self._settings.find_rad, 0
         return not self._given_up and now - self._since >= self._settings.wait_s
 
     def turned(self, rad: float, now: float) -> None:
-        """It turned so much."""
+        """Add an angle turned (rad)."""
         self._left_rad -= rad
         if self._given_up:
             self._since = now
 
     def barred(self, now: float) -> bool:
-        """It cannot turn on as it did; returns whether it may try the other way."""
+        """An obstacle bars the turn; returns whether to try the other way."""
         self._barred += 1
         if self._given_up:
             self._since = now
         return not self._given_up
 
     def end(self) -> None:
-        """The body is found, or is to go somewhere else."""
+        """Localization is restored, or there is another goal."""
         self._since = None
 
     @property

@@ -1,31 +1,31 @@
-"""How regularly a behavior commands."""
+"""Regularity of a behavior's commands."""
 
 from __future__ import annotations
 
 from collections import deque
 
-#: So many periods are remembered: ten seconds of them at 10 Hz.
+#: Number of periods kept: ten seconds at 10 Hz.
 _KEPT = 100
 
 
-class Periods:
-    """The times (s) between commands of late, while they are given one after another."""
+class CommandJitter:
+    """The last periods (s) between consecutive commands."""
 
     def __init__(self) -> None:
         self._last: float | None = None
         self._kept: deque[float] = deque(maxlen=_KEPT)
 
     def commanded(self, now: float) -> None:
-        """A command was given at ``now``."""
+        """Note a command at ``now``."""
         if self._last is not None:
             self._kept.append(now - self._last)
         self._last = now
 
     def rest(self) -> None:
-        """None will be given for a while: the next one follows no other."""
+        """Note a pause: the next command starts a new sequence."""
         self._last = None
 
     @property
     def longest_s(self) -> float | None:
-        """The longest of late, None before there were two commands."""
+        """The longest kept period, None before the second command."""
         return max(self._kept, default=None)

@@ -1,4 +1,4 @@
-"""The goal that a desire of class GoTo asks for."""
+"""The goal of a desire of class GoTo."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from app.modules.behaviors.navigation.tracking.path_tracker import Goal
 
 
 def goal_of(parameters: Mapping[str, Any], before: Goal | None) -> Goal | None:
-    """The goal in an intention's ``parameters``; None without ``x`` and ``y``: nobody wants to go anywhere.
+    """The goal in an intention's ``parameters``; None without ``x`` and ``y``.
 
-    ``before`` itself, if it is still that: a goal is another one by being another object.
+    Returns ``before`` itself if the goal is the same: goals are compared by identity.
     """
     if "x" not in parameters or "y" not in parameters:
         return None
@@ -24,5 +24,5 @@ def goal_of(parameters: Mapping[str, Any], before: Goal | None) -> Goal | None:
         float(parameters.get("tolerance_rad", 0.2)),
         float(parameters.get("speed", 1.0)),
     )
-    # Equal in words is equal, also where a heading is not a number.
+    # Compared as text: a heading may be NaN, which never equals itself.
     return before if before is not None and repr(before) == repr(goal) else goal

@@ -1,11 +1,11 @@
 """The Dynamic Window Approach (Fox, Burgard and Thrun, 1997; thesis 4.2).
 
-Of the velocities that the body can reach within one period, each is driven ahead in thought as a curve; those from
-which it could not stop before an obstacle are refused, and of the others the one is taken that costs the least::
+Velocities reachable within one period are sampled and rolled out as arcs. Velocities from which the body could not stop
+before an obstacle are rejected; among the others the one of least cost is chosen::
 
     cost = a · distance from the path + b · distance to the local goal + c / clearance + d · (v_max − v)
 
-The local goal is the way's point ``ahead_m`` ahead.
+The local goal is the path's point ``ahead_m`` ahead.
 """
 
 # mypy: allow-untyped-calls
@@ -17,14 +17,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.modules.behaviors.navigation.controller import Body, Choice, Field, Motion, Way
+from app.modules.behaviors.navigation.controller import BodyModel, DistanceField, LocalPath, MotionState, VelocityChoice
 
 
 @dataclass(frozen=True, slots=True)
 class DynamicWindowSettings:
-    """How the window is sampled and scored; see the top of this file. ``strict``: whatever touches an obstacle within
-    the horizon is refused, not only what could not stop before one. ``speed_mps``: never faster than that.
-    """
+    """Sampling and weights; see the module's docstring. ``strict``: reject every rollout with contact within the
+    horizon, not only those that cannot stop before it. ``speed_mps``: speed limit."""
 
     samples: tuple[int, int] = (12, 21)
     horizon_s: float = 2.0
@@ -37,9 +36,9 @@ class DynamicWindowSettings:
     angular_radps: float = math.inf
 
 
-#: The settings with which the BARN challenge publishes DWA as its baseline (Daffan/the-barn-challenge,
-#: ``jackal_helper/configs/params/base_local_planner_params.yaml``): slow, no accelerations' limits to speak of, and
-#: the path's and the goal's distances weighed in metres. Its body is padded: see ``padding_m`` where it is used.
+#: Settings of the DWA baseline of the BARN challenge (Daffan/the-barn-challenge,
+#: ``jackal_helper/configs/params/base_local_planner_params.yaml``): slow, practically without limits of acceleration,
+#: with distances to path and goal in metres. Its footprint is padded: see ``padding_m`` in ``control_cycle``.
 PUBLISHED = DynamicWindowSettings(
     samples=(6, 20),
     horizon_s=2.0,
@@ -59,10 +58,12 @@ class DynamicWindow:
     def __init__(self, settings: DynamicWindowSettings | None = None) -> None:
         self.settings = settings or DynamicWindowSettings()
 
-    def forget(self) -> None:
-        """There is nothing to forget: each choice is made anew."""
+    def reset(self) -> None:
+        """No state to reset: each choice is independent."""
 
-    def choose(self, motion: Motion, field: Field, way: Way, body: Body, period_s: float) -> Choice:
+    def choose(
+        self, motion: MotionState, field: DistanceField, way: LocalPath, body: BodyModel, period_s: float
+    ) -> VelocityChoice:
         """See :class:`Controller`."""
         from app.modules.behaviors.navigation.tracking.rollout_kernels import dynamic_window
 
@@ -77,7 +78,7 @@ class DynamicWindow:
             s.sight_m, s.strict,
         )  # fmt: skip
         if not math.isfinite(cost):
-            return Choice(0.0, 0.0, True, 0.0)
-        # Standing still, or nearly so, with way left: everything that moves costs more than not moving.
+            return VelocityChoice(0.0, 0.0, True, 0.0)
+        # At rest with path left: every motion costs more than none.
         still = linear < 0.02 and abs(angular) < 0.05 and float(way.points[-1, 3]) > 0.1
-        return Choice(linear, angular, still, clearance)
+        return VelocityChoice(linear, angular, still, clearance)

@@ -1,4 +1,4 @@
-"""Where the body is, by odometry and localization, and whether that may be driven by."""
+"""Checks of odometry and localization before driving by them."""
 
 from __future__ import annotations
 
@@ -7,19 +7,19 @@ import math
 from app.base.geometry import Pose2
 from app.base.pose_buffer import PoseBuffer
 from app.messages import Localization, Odometry
-from app.modules.behaviors.navigation.controller import Motion
+from app.modules.behaviors.navigation.controller import MotionState
 
-#: Odometry older than that is none, s.
+#: Greatest age of odometry, s.
 _ODOMETRY_S = 0.3
-#: A localization may be so old (s), and so many of its own periods on top, as it is given at the rate attention grants.
+#: Greatest age of a localization: this (s), plus this many of its own periods, since attention chooses its rate.
 _LOCALIZATION_S = 1.0
 _PERIODS = 1.5
 _LONGEST_S = 5.0
 _NO_ODOMETRY = "there is no odometry: the wheels' encoders give nothing"
 
 
-class PoseWatch:
-    """Keeps the newest poses; see :meth:`problem` for what they are worth."""
+class LocalizationMonitor:
+    """Keeps the newest poses; :meth:`problem` tests them."""
 
     def __init__(self) -> None:
         self._buffer = PoseBuffer(span_s=5.0, tolerance_s=0.015)
@@ -27,14 +27,14 @@ class PoseWatch:
         self.localization: Localization | None = None
         self._period_s = 0.0
 
-    def feel(self, odometry: Odometry) -> None:
-        """Take odometry."""
+    def add_odometry(self, odometry: Odometry) -> None:
+        """Take an odometry message."""
         if math.isfinite(odometry.stamp):
             self._buffer.add(odometry.stamp, odometry.X_OB)
         self._odometry = odometry
 
-    def localize(self, localization: Localization) -> None:
-        """Take what localization says."""
+    def add_localization(self, localization: Localization) -> None:
+        """Take a localization message."""
         before = self.localization
         if before is not None:
             period_s = localization.stamp - before.stamp
@@ -42,20 +42,21 @@ class PoseWatch:
         self.localization = localization
 
     def at(self, stamp: float) -> Pose2 | None:
-        """``X_OB`` at ``stamp``; None where odometry has not come that far."""
+        """``X_OB`` at ``stamp``; None before odometry reaches it."""
         return self._buffer.at(stamp)
 
     @property
     def X_MO(self) -> Pose2 | None:
-        """Where ``odom`` is on the map, as of the newest localization."""
+        """Pose of ``odom`` on the map by the newest localization."""
         return None if self.localization is None else self.localization.X_MO
 
-    def motion(self, now: float) -> Motion | None:
-        """The body now, carried on from the newest odometry by its twist; None before the first."""
+    def motion(self, now: float) -> MotionState | None:
+        """The body's state now: the newest odometry, extrapolated by its twist for at most 0.1 s; None before the
+        first."""
         newest = self._odometry
         if newest is None:
             return None
-        motion = Motion(newest.X_OB, newest.linear_mps, newest.angular_radps)
+        motion = MotionState(newest.X_OB, newest.linear_mps, newest.angular_radps)
         age_s = now - newest.stamp
         return motion.after(min(max(age_s, 0.0), 0.1) if math.isfinite(age_s) else 0.0)
 
@@ -65,7 +66,7 @@ class PoseWatch:
         return None if motion is None or X_MO is None else X_MO @ motion.pose
 
     def problem(self, now: float) -> str:
-        """Why the poses must not be driven by, in words for people; "" if they may."""
+        """Reason not to drive by the poses, in words for people; "" if there is none."""
         if problem := self._odometry_problem(now):
             return problem
         where = self.localization
@@ -75,12 +76,12 @@ class PoseWatch:
             case "mapping" | "tracking":
                 return self._localization_problem(where, now)
             case "searching":
-                return "it looks for itself on the map: drive it a little, or say where it is"
+                return "it searches its place on the map: drive it a little, or say where it is"
             case _:
                 return "it is lost: what the laser sees does not fit the map; drive it a little, or say where it is"
 
-    def astray(self, now: float) -> bool:
-        """Whether all that is wrong is the place on the map: odometry may be driven by, and localization goes on."""
+    def is_lost(self, now: float) -> bool:
+        """Whether only the pose on the map is unusable: odometry is good, and localization continues."""
         where = self.localization
         if where is None or where.state not in ("searching", "lost"):
             return False
@@ -89,7 +90,7 @@ class PoseWatch:
     def _odometry_problem(self, now: float) -> str:
         if self._odometry is None:
             return _NO_ODOMETRY
-        # One that is not a number is neither old nor ahead.
+        # Written so that a NaN stamp fails the test.
         if not now - self._odometry.stamp >= -_ODOMETRY_S:
             return "odometry's stamps are not of the robot's clock"
         return _NO_ODOMETRY if now - self._odometry.stamp > _ODOMETRY_S else ""
@@ -99,5 +100,5 @@ class PoseWatch:
         if not age_s >= -_ODOMETRY_S:
             return "localization's stamps are not of the robot's clock"
         if age_s > min(_LOCALIZATION_S + _PERIODS * self._period_s, _LONGEST_S):
-            return "it waits to be localized: SLAM has just begun, or this computer is too slow for it"
+            return "it waits to be localized: SLAM has just started, or this computer is too slow for it"
         return ""

@@ -1,12 +1,11 @@
-"""Model predictive path integral control (Williams et al., 2017), begun from pursuits of the path.
+"""Model predictive path integral control (Williams et al., 2017), warm-started with pure pursuit of the path.
 
-Each cycle: (1) *proposals*: what was planned last time, moved on by the time that passed, and pure pursuits of the
-way with several looks ahead and shares of its speed, driven ahead in thought as closed loops; the cheapest is kept.
-(2) It is varied some hundred times with smooth noise, and the mean weighted by exp(−cost / λ) is taken. (3) The first
-command is given only if the body can still stop after it; else the speed is lowered on the same curve until it can.
-
-Costs are in seconds: progress along the way at full speed counts its time, and what is risked (nearness, speed where it
-is narrow, offset from the way) is weighed against it. The noise is drawn once: equal inputs give equal commands.
+Each cycle: (1) *proposals*: the last cycle's controls, shifted by the elapsed time, and closed-loop rollouts of pure
+pursuit with several look-ahead distances and speeds; the cheapest is kept. (2) Some hundred variations with smooth
+noise are rolled out, and their mean, weighted by exp(−cost / λ), replaces it if cheaper. (3) The first command is given
+only if the body can stop after it without contact; else the speed is lowered on the same arc until it can. Costs are in
+seconds: progress along the path at full speed saves its time, and risk (low clearance, speed in narrow places, offset
+from the path) adds to it. The noise is drawn once: equal inputs give equal commands.
 """
 
 # mypy: allow-untyped-calls
@@ -19,25 +18,25 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from app.modules.behaviors.navigation.controller import Body, Choice, Field, Motion, Way
+from app.modules.behaviors.navigation.controller import BodyModel, DistanceField, LocalPath, MotionState, VelocityChoice
 
-#: Different noise for so many cycles in a row.
+#: Number of noise sets, used in turn by consecutive cycles.
 _BANKS = 16
 _KNOTS = 7
-#: Shares of the best command that are tried until the body can stop after one.
+#: Shares of the best command that are tried, in order, until the body can stop after it.
 _SLOWER = (1.0, 0.7, 0.45, 0.2)
-#: A command may stand so much longer than a cycle before it is followed by another, s.
+#: Longest time a command may stay in force beyond its cycle, s.
 _REACTION_S = 0.05
 
 
 @dataclass(frozen=True, slots=True)
 class MppiSettings:
-    """How far is looked ahead, how often it is varied (0: not at all, pursuits alone), and what counts how much.
+    """Horizon, number of ``rollouts`` (0: pure pursuit alone), and weights.
 
-    ``steps`` of a length (s) such that they reach ``reach_m`` at full speed, if the two limits of it allow.
-    ``weights``: of the offset from the path (1/m^2), of driving near to something and what near is (m), shares of the
-    greatest speed at no clearance and more for each metre of it, of excess speed, of heading away from the path, of
-    turning, of going back.
+    ``steps`` of equal length (s), chosen so that they reach ``reach_m`` at full speed, within two limits of the length.
+    ``weights``: of the squared offset from the path (1/m^2), of low clearance and its range (m), the allowed share of
+    the greatest speed at zero clearance and its increase per metre, of excess speed, of heading away from the path, of
+    turning, of driving backward.
     """
 
     steps: int = 24
@@ -54,30 +53,32 @@ class MppiSettings:
     looks_ahead_m: tuple[float, ...] = (0.25, 0.5, 0.9)
     shares: tuple[float, ...] = (1.0, 0.6, 0.3, 0.12)
     asides_m: tuple[float, ...] = (0.45, 0.75)
-    #: A pursuit replaces what was planned last time only if it is so much (s) better: no wavering.
+    #: Least gain (s) for a pursuit to replace the last cycle's controls: hysteresis.
     loyalty: float = 0.02
 
 
 class Mppi:
-    """The controllers ``mppi`` and, with no variations, ``pursuit``."""
+    """The controllers ``mppi`` and, without rollouts, ``pursuit``."""
 
     def __init__(self, settings: MppiSettings | None = None) -> None:
         self.settings = settings or MppiSettings()
         self._plan: NDArray[np.float64] | None = None
         self._cycle = 0
 
-    def forget(self) -> None:
-        """Forget what was planned last time."""
+    def reset(self) -> None:
+        """Discard the last cycle's controls."""
         self._plan = None
 
-    def choose(self, motion: Motion, field: Field, way: Way, body: Body, period_s: float) -> Choice:
+    def choose(
+        self, motion: MotionState, field: DistanceField, way: LocalPath, body: BodyModel, period_s: float
+    ) -> VelocityChoice:
         """See :class:`Controller`."""
         from app.modules.behaviors.navigation.tracking import rollout_kernels
 
         s = self.settings
         scene = (field.distances, field.frame, body.outline, body.radii, body.limits, motion.state)
         following = (way.points, way.spacing)
-        # A slow body looks as far ahead as a fast one, and so for longer.
+        # The horizon is a distance: a slow body gets a longer time.
         step_s = min(max(s.reach_m / (s.steps * body.limits[1]), s.least_step_s), s.longest_step_s)
         costing = (step_s, s.margin_m, s.weights)
         best, least = np.zeros((s.steps, 2)), np.inf
@@ -98,20 +99,20 @@ class Mppi:
             sigma = (s.sigma[0] * body.limits[1], s.sigma[1] * min(body.limits[2], 2.0))
             rollout_kernels.improve(*scene, *following, best, bank, sigma, *costing, s.temperature)
         self._plan = best
-        # No faster than the way allows, or than braking towards that goes.
+        # No faster than the path's limit, or than braking toward that limit.
         allowed = max(float(way.points[0, 4]), motion.linear_mps - body.limits[5] * period_s)
         linear, angular = min(float(best[0, 0]), allowed), float(best[0, 1])
         clearance = rollout_kernels.clearance_at(*scene[:4], motion.pose.x, motion.pose.y, motion.pose.theta)
         for share in _SLOWER:
             if rollout_kernels.can_stop(*scene, share * linear, share * angular, period_s + _REACTION_S, s.margin_m):
                 still = abs(share * linear) < 0.02 and abs(share * angular) < 0.05 and float(way.points[-1, 3]) > 0.1
-                return Choice(share * linear, share * angular, still, clearance)
-        return Choice(0.0, 0.0, True, clearance)
+                return VelocityChoice(share * linear, share * angular, still, clearance)
+        return VelocityChoice(0.0, 0.0, True, clearance)
 
 
 def proposals(settings: MppiSettings) -> list[tuple[float, float, float, float]]:
-    """Of each pursuit to be tried: share of the speed, look ahead (m), offset to the left of the way (m), and the
-    length (m) within which it gets there: round what is ahead, or sideways at once, out of a corner."""
+    """Parameters of each pursuit: share of the speed, look-ahead (m), lateral offset to the left of the path (m), and
+    the length (m) within which the offset is reached: around an obstacle ahead, or sideways at once out of a corner."""
     straight = [(share, ahead_m, 0.0, 1.0) for share in settings.shares for ahead_m in settings.looks_ahead_m]
     return straight + [
         (share, settings.looks_ahead_m[1], side * aside_m, within_m)
@@ -123,7 +124,7 @@ def proposals(settings: MppiSettings) -> list[tuple[float, float, float, float]]
 
 
 def beside(points: NDArray[np.float64], aside_m: float, within_m: float) -> NDArray[np.float64]:
-    """The way ``points`` (N, 5), led over to ``aside_m`` to its left ``within_m``, and back at its end."""
+    """The path ``points`` (N, 5), shifted by ``aside_m`` to its left over ``within_m``, and back at its end."""
     moved = points.copy()
     length = points[:, 3]
     offset = aside_m * np.clip(np.minimum(length / within_m, (length[-1] - length) / 0.6), 0.0, 1.0)
@@ -133,7 +134,8 @@ def beside(points: NDArray[np.float64], aside_m: float, within_m: float) -> NDAr
 
 
 def moved_on(plan: NDArray[np.float64], steps: float) -> NDArray[np.float64]:
-    """``plan`` (T, 2), begun ``steps`` (a fraction, too) later; its last command is repeated at the end."""
+    """The controls ``plan`` (T, 2) from ``steps`` (may be fractional) later on; the last command is repeated at the
+    end."""
     times = np.minimum(np.arange(len(plan)) + steps, len(plan) - 1)
     low = times.astype(np.int64)
     high = np.minimum(low + 1, len(plan) - 1)
@@ -145,6 +147,6 @@ def moved_on(plan: NDArray[np.float64], steps: float) -> NDArray[np.float64]:
 def _noise(rollouts: int) -> NDArray[np.float64]:
     random = np.random.default_rng(7)
     noise = random.standard_normal((_BANKS, rollouts, _KNOTS, 2))
-    # A part of them stays near: fine steering is not found by wide throws.
+    # Part of the noise is small: large noise finds no fine steering.
     noise[:, : rollouts // 3] *= 0.3
     return noise

@@ -1,4 +1,4 @@
-"""Following a plan to its goal: what is commanded in each cycle, and what is said about it.
+"""Path tracker: follows a plan to its goal; each cycle gives a command and a state for NavigationStatus.
 
     planning ─▶ following ─▶ (at the target) turning ─▶ arrived        waiting: something it needs is missing
                    │  ▲
@@ -16,30 +16,35 @@ import math
 from dataclasses import dataclass
 
 from app.base.geometry import Pose2, wrap_angle
-from app.modules.behaviors.navigation.controller import Body, Controller, Field, Motion
+from app.modules.behaviors.navigation.controller import BodyModel, Controller, DistanceField, MotionState
 from app.modules.behaviors.navigation.costmap.blind_corners import careful
-from app.modules.behaviors.navigation.planning.goal_planning import Plan
-from app.modules.behaviors.navigation.planning.reference_path import SpeedAt, Track
-from app.modules.behaviors.navigation.recovery.driven_area import Trail, back_toward
-from app.modules.behaviors.navigation.recovery.recovery_behaviors import Measure, Recovery, RecoverySettings, Search
+from app.modules.behaviors.navigation.planning.goal_planning import GlobalPlan
+from app.modules.behaviors.navigation.planning.reference_path import ReferencePath, SpeedAt
+from app.modules.behaviors.navigation.recovery.driven_area import DrivenArea, back_toward
+from app.modules.behaviors.navigation.recovery.recovery_behaviors import (
+    Recovery,
+    RecoveryAction,
+    RecoverySettings,
+    SpinSearch,
+)
 
-#: Slower than that a body stands (m/s, rad/s).
+#: Speeds (m/s, rad/s) below which the body counts as standing.
 STANDING = (0.03, 0.06)
-#: So much nearer to the goal is progress, m.
+#: Decrease of the distance to the goal that counts as progress, m.
 _NEARER_M = 0.02
-#: So much nearer is getting on: to creep is not, m.
+#: Decrease that resets the time without progress, m: creeping does not.
 _GETTING_ON_M = 0.1
-#: So much nearer, and what was wrong is over, m.
+#: Decrease that ends the recovery, m.
 _OUT_OF_TROUBLE_M = 0.3
-#: A plan may lengthen the way that remains so often without counting as a step back.
+#: Number of longer plans that do not count as a step back.
 _DETOURS = 12
-#: Plans from which a way may come yet, by themselves.
+#: Codes of plans without a path that may succeed later without a change of the goal.
 _MAY_PASS = frozenset({"in_the_way", "start_stuck", "start_outside"})
 
 
 @dataclass(frozen=True, slots=True)
 class Goal:
-    """Where to go on the map; ``pose.theta`` NaN for any heading. ``speed`` is the share of the body's speeds."""
+    """A goal on the map; ``pose.theta`` NaN for any heading. ``speed``: share of the body's speeds."""
 
     pose: Pose2
     tolerance_m: float = 0.25
@@ -48,11 +53,10 @@ class Goal:
 
 
 @dataclass(frozen=True, slots=True)
-class FollowerSettings:
-    """``look_ahead_s`` of driving at full speed is the way given to the controller. ``aim`` is the share of a tolerance
-    that is driven to before the body stops. ``spare_m`` is kept between body and obstacles when a turn or a measure is
-    checked. Beside what it cannot see, as behind a corner, it drives at ``corner_share`` of its speed (1: it does not
-    care), and at all of it from ``corner_m`` on."""
+class PathTrackerSettings:
+    """``look_ahead_s``: the local path covers this time at full speed. ``aim``: share of a tolerance within which the
+    body stops. ``spare_m``: clearance for turns and recovery actions. ``corner_share``: share of the speed beside blind
+    corners (1: no reduction), which ends at ``corner_m`` from them."""
 
     look_ahead_s: float = 3.0
     least_ahead_m: float = 2.5
@@ -65,11 +69,9 @@ class FollowerSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
-    """What one cycle decided: the velocities to command, what is said about it, and what else is wanted.
-
-    ``clear``: the costmap is to forget. ``replan``: why a way should be planned now, "" if it need not.
-    """
+class TrackingStep:
+    """Result of one cycle: velocities, state and reason. ``clear``: the costmap must be cleared. ``replan``: reason for
+    a new plan now, "" for none."""
 
     linear_mps: float
     angular_radps: float
@@ -79,29 +81,29 @@ class Step:
     replan: str = ""
 
 
-class Follower:
-    """Brings one body to one goal after another."""
+class PathTracker:
+    """Drives one body to one goal after another."""
 
     def __init__(
         self,
-        body: Body,
+        body: BodyModel,
         controller: Controller,
-        settings: FollowerSettings | None = None,
+        settings: PathTrackerSettings | None = None,
         recovery: RecoverySettings | None = None,
     ) -> None:
-        self.settings = settings or FollowerSettings()
+        self.settings = settings or PathTrackerSettings()
         self.recovery = Recovery(recovery)
-        self._search = Search(self.recovery.settings)
+        self._search = SpinSearch(self.recovery.settings)
         self._body = body
         self._controller = controller
-        self._trail = Trail()
+        self._driven_area = DrivenArea()
         self.goal: Goal | None = None
-        self.plan: Plan | None = None
+        self.plan: GlobalPlan | None = None
         self.remaining_m: float | None = None
         self.progress_stamp: float | None = None
-        #: Plans should take what is unknown, and what was in the way once, for free.
+        #: Plans may cross unknown cells and transient obstacles at no extra cost.
         self.opened_up = False
-        self._track: Track | None = None
+        self._track: ReferencePath | None = None
         self._least = math.inf
         self._troubled_at = math.inf
         self._detours = 0
@@ -109,16 +111,16 @@ class Follower:
         self._held_at = math.inf
         self._at_place = False
         self._arrived = False
-        self._begin = Motion(Pose2(), 0.0, 0.0)
+        self._begin = MotionState(Pose2(), 0.0, 0.0)
         self._X_OM = Pose2()
         self._turned = 0.0
         self._turn_sign = 1.0
         self._left_to_turn = 0.0
 
-    # --- what it is told ---
+    # --- inputs ---
 
-    def steer_with(self, controller: Controller) -> None:
-        """Go on with another controller."""
+    def use_controller(self, controller: Controller) -> None:
+        """Replace the controller."""
         self._controller = controller
 
     def go(self, goal: Goal | None, now: float) -> None:
@@ -132,61 +134,68 @@ class Follower:
         self._held_since = None
         self.recovery.reset()
         self._search.end()
-        self._controller.forget()
+        self._controller.reset()
 
-    def take(self, plan: Plan, now: float, speed_at: SpeedAt | None = None) -> None:
-        """A plan to the goal, from about where the body is. ``speed_at``: the greatest speed (m/s) on the map."""
+    def take(self, plan: GlobalPlan, now: float, speed_at: SpeedAt | None = None) -> None:
+        """Take a plan to the goal, from about the body's pose. ``speed_at``: the greatest speed (m/s) by place on the
+        map."""
         self.plan = plan
         if len(plan.poses) == 0:
             self._track, self.remaining_m = None, None
             return
         body = self._driven_body()
-        self._track = Track(plan.poses, speed_mps=body.limits[1], braking_mps2=body.limits[5], speed_at=speed_at)
+        self._track = ReferencePath(
+            plan.poses, speed_mps=body.limits[1], braking_mps2=body.limits[5], speed_at=speed_at
+        )
         if self._track.length_m > self._least + _NEARER_M and self._detours < _DETOURS:
             self._detours += 1
             self._least = self._track.length_m
 
     @property
     def target(self) -> Pose2 | None:
-        """Where the plan in force leads, on the map; heading NaN for any."""
+        """End of the plan in force, on the map; heading NaN for any."""
         return None if self.plan is None else self.plan.target
 
-    # --- what it decides ---
+    # --- decisions ---
 
-    def step(self, now: float, motion: Motion, X_MO: Pose2, field: Field, period_s: float, *, unfit: str = "") -> Step:
-        """One cycle. ``unfit``: why the robot must not be driven; then the pose and the field may mean nothing."""
+    def step(
+        self, now: float, motion: MotionState, X_MO: Pose2, field: DistanceField, period_s: float, *, unfit: str = ""
+    ) -> TrackingStep:
+        """One cycle. ``unfit``: reason not to drive; the pose and the field may then be meaningless."""
         if self.goal is None:
-            return Step(0.0, 0.0, "idle", "no goal")
+            return TrackingStep(0.0, 0.0, "idle", "no goal")
         if unfit:
-            self._controller.forget()
+            self._controller.reset()
             self._held_since = None
-            return Step(0.0, 0.0, "waiting", unfit)
+            return TrackingStep(0.0, 0.0, "waiting", unfit)
         self._search.end()
         self._X_OM = X_MO.inverse()
         if motion.linear_mps > 0.01:
-            self._trail.add(motion.pose)
+            self._driven_area.add(motion.pose)
         if self._arrived:
-            return Step(0.0, 0.0, "arrived", self._arrival())
+            return TrackingStep(0.0, 0.0, "arrived", self._arrival())
         if self.plan is None:
-            return Step(0.0, 0.0, "planning", "looking for a way", replan="there is no way yet")
+            return TrackingStep(0.0, 0.0, "planning", "looking for a way", replan="there is no way yet")
         if self.recovery.current is not None:
             return self._recover(now, motion, field, period_s)
         if self._track is None:
             return self._without_way(now, motion, field, period_s)
         return self._follow(now, motion, X_MO, field, period_s)
 
-    def _driven_body(self) -> Body:
+    def _driven_body(self) -> BodyModel:
         return self._body if self.goal is None or self.goal.speed >= 1.0 else self._body.limited(self.goal.speed)
 
-    def _without_way(self, now: float, motion: Motion, field: Field, period_s: float) -> Step:
+    def _without_way(self, now: float, motion: MotionState, field: DistanceField, period_s: float) -> TrackingStep:
         assert self.plan is not None
         if self.plan.code not in _MAY_PASS:
-            return Step(0.0, 0.0, "unreachable", self.plan.reason, replan=self.plan.reason)
+            return TrackingStep(0.0, 0.0, "unreachable", self.plan.reason, replan=self.plan.reason)
         if self._held(now, still=True):
             return self._begin_measure(now, motion, field, period_s)
-        return Step(0.0, 0.0, "waiting", self.plan.reason, replan=self.plan.reason)
+        return TrackingStep(0.0, 0.0, "waiting", self.plan.reason, replan=self.plan.reason)
 
-    def _follow(self, now: float, motion: Motion, X_MO: Pose2, field: Field, period_s: float) -> Step:
+    def _follow(
+        self, now: float, motion: MotionState, X_MO: Pose2, field: DistanceField, period_s: float
+    ) -> TrackingStep:
         assert self._track is not None
         assert self.goal is not None
         X_MB = X_MO @ motion.pose
@@ -210,9 +219,16 @@ class Follower:
         ahead = max(self.settings.least_ahead_m, self.settings.look_ahead_s * body.limits[1])
         way = self._track.ahead(self._X_OM, ahead)
         if field.hidden is not None:
-            way = careful(way, field, field.hidden, body.limits[1], self.settings.corner_share, self.settings.corner_m)
+            way = careful(
+                way,
+                field,
+                hidden=field.hidden,
+                speed_mps=body.limits[1],
+                share=self.settings.corner_share,
+                reach_m=self.settings.corner_m,
+            )
         choice = self._controller.choose(motion, field, way, body, period_s)
-        # Whether it cannot go, or is commanded to and does not.
+        # Either no motion is admissible, or the body does not move as commanded.
         still = choice.blocked or (abs(motion.linear_mps) < 0.02 and abs(motion.angular_radps) < 0.05)
         if self._held(now, still=still):
             if near:
@@ -222,20 +238,22 @@ class Follower:
         words = "something is in the way" if choice.blocked else ""
         if not words and self.plan is not None:
             words = self.plan.reason
-        return Step(
+        return TrackingStep(
             choice.linear_mps, choice.angular_radps, "following", words,
             replan="something is in the way" if choice.blocked else "",
         )  # fmt: skip
 
     def _held(self, now: float, *, still: bool) -> bool:
-        """Whether the body has not got on for so long that something must be done."""
+        """Whether the body has made no progress for so long that recovery must begin."""
         if self._held_since is None:
             self._held_since, self._held_at = now, self._least
-        # Standing still is seen at once; going to and fro takes longer to tell from going round something.
+        # A standstill is detected at once; oscillation takes longer to distinguish from a detour.
         patience = self.recovery.settings.stuck_s * (1.0 if still else 4.0)
         return now - self._held_since >= patience
 
-    def _turn_to_heading(self, now: float, motion: Motion, X_MB: Pose2, field: Field, period_s: float) -> Step:
+    def _turn_to_heading(
+        self, now: float, motion: MotionState, X_MB: Pose2, field: DistanceField, period_s: float
+    ) -> TrackingStep:
         assert self.goal is not None
         target = self.target
         heading = math.nan if target is None else target.theta
@@ -245,8 +263,8 @@ class Follower:
             if standing:
                 self._arrived = True
                 self.remaining_m, self.progress_stamp = 0.0, now
-                return Step(0.0, 0.0, "arrived", self._arrival())
-            return Step(0.0, 0.0, "following", "stopping at the goal")
+                return TrackingStep(0.0, 0.0, "arrived", self._arrival())
+            return TrackingStep(0.0, 0.0, "following", "stopping at the goal")
         turn = self._turn(error, motion, field, period_s)
         if abs(error) < self._left_to_turn - 0.02:
             self._held_since, self.progress_stamp = None, now
@@ -254,14 +272,14 @@ class Follower:
         if turn is None:
             if self._held(now, still=True):
                 return self._begin_measure(now, motion, field, period_s)
-            return Step(0.0, 0.0, "following", "there is no room to turn to the heading asked for")
-        return Step(0.0, turn, "following", "turning to the heading asked for")
+            return TrackingStep(0.0, 0.0, "following", "there is no room to turn to the heading asked for")
+        return TrackingStep(0.0, turn, "following", "turning to the heading asked for")
 
     def _arrival(self) -> str:
         return self.plan.reason if self.plan is not None and self.plan.code == "near" else ""
 
-    def _turn(self, error: float, motion: Motion, field: Field, period_s: float) -> float | None:
-        """The turn (rad/s) on the spot towards an ``error`` (rad) less; None if something is in the body's way."""
+    def _turn(self, error: float, motion: MotionState, field: DistanceField, period_s: float) -> float | None:
+        """Rate (rad/s) of a turn on the spot that reduces ``error`` (rad); None if an obstacle bars it."""
         _, _, turn, _, angular_mps2, _ = self._driven_body().limits
         rate = min(
             self.settings.turn_radps, turn, math.sqrt(2.0 * 0.4 * angular_mps2 * abs(error)), 1.5 * abs(error) + 0.05
@@ -272,7 +290,7 @@ class Follower:
                 return share * rate
         return None
 
-    def _free(self, motion: Motion, field: Field, linear: float, angular: float, period_s: float) -> bool:
+    def _free(self, motion: MotionState, field: DistanceField, linear: float, angular: float, period_s: float) -> bool:
         from app.modules.behaviors.navigation.tracking.rollout_kernels import can_stop
 
         return bool(
@@ -284,10 +302,12 @@ class Follower:
 
     # --- recovery ---
 
-    def find_itself(self, now: float, motion: Motion, field: Field, period_s: float, lost: str) -> Step:
-        """One cycle in place of :meth:`step` while the body does not know where it is on the map; ``lost`` says so to
-        people. ``field`` is what its sensors see."""
-        self._controller.forget()
+    def relocalize(
+        self, now: float, motion: MotionState, field: DistanceField, period_s: float, lost: str
+    ) -> TrackingStep:
+        """One cycle in place of :meth:`step` while the pose on the map is unknown; ``lost``: the reason, for people.
+        ``field``: the current sensors' distances."""
+        self._controller.reset()
         self._held_since = None
         if self.goal is not None and self._search.turns(now):
             turn = self._turn(self._turn_sign, motion, field, period_s)
@@ -296,44 +316,46 @@ class Follower:
                 turn = self._turn(self._turn_sign, motion, field, period_s)
             if turn is not None:
                 self._search.turned(abs(turn) * period_s, now)
-                return Step(0.0, turn, "recovering", "it is lost on the map: turning to find itself")
-        return Step(0.0, 0.0, "waiting", lost)
+                return TrackingStep(0.0, turn, "recovering", "it is lost on the map: turning to find itself")
+        return TrackingStep(0.0, 0.0, "waiting", lost)
 
-    def _begin_measure(self, now: float, motion: Motion, field: Field, period_s: float) -> Step:
+    def _begin_measure(self, now: float, motion: MotionState, field: DistanceField, period_s: float) -> TrackingStep:
         self._troubled_at = min(self._troubled_at, self._least)
         measure = self.recovery.begin(now)
         self._begin, self._turned = motion, 0.0
         self._turn_sign = 1.0
-        if self._track is not None and measure is Measure.TURN:
-            # Towards the way; if that is where it looks already, to the left.
+        if self._track is not None and measure is RecoveryAction.TURN:
+            # Toward the path; if the body faces it already, to the left.
             way = self._track.ahead(self._X_OM, 0.5)
             bearing = wrap_angle(float(way.points[-1, 2]) - motion.pose.theta)
             self._turn_sign = math.copysign(1.0, bearing)
-        if measure is Measure.OPEN_UP:
+        if measure is RecoveryAction.OPEN_UP:
             self.opened_up = True
         return self._recover(now, motion, field, period_s)
 
-    def _recover(self, now: float, motion: Motion, field: Field, period_s: float) -> Step:
+    def _recover(self, now: float, motion: MotionState, field: DistanceField, period_s: float) -> TrackingStep:
         measure = self.recovery.current
         assert measure is not None
         linear, angular, barred = 0.0, 0.0, False
-        if measure is Measure.BACK_OFF:
+        if measure is RecoveryAction.BACK_OFF:
             linear, angular, barred = self._back_off(motion, field, period_s)
-        elif measure is Measure.TURN:
+        elif measure is RecoveryAction.TURN:
             turn = self._turn(self._turn_sign, motion, field, period_s)
             barred, angular = turn is None, turn or 0.0
             self._turned += abs(motion.angular_radps) * period_s
         driven = math.dist((motion.pose.x, motion.pose.y), (self._begin.pose.x, self._begin.pose.y))
-        state = "waiting" if measure in (Measure.WAIT, Measure.ASK) else "recovering"
+        state = "waiting" if measure in (RecoveryAction.WAIT, RecoveryAction.ASK) else "recovering"
         if self.recovery.over(now, driven_m=driven, turned_rad=self._turned, barred=barred):
             self.recovery.end()
-            self._controller.forget()
+            self._controller.reset()
             self._held_since = None
-            return Step(0.0, 0.0, state, measure.value, clear=measure is Measure.CLEAR, replan=f"after {measure.value}")
-        return Step(linear, angular, state, measure.value)
+            return TrackingStep(
+                0.0, 0.0, state, measure.value, clear=measure is RecoveryAction.CLEAR, replan=f"after {measure.value}"
+            )
+        return TrackingStep(linear, angular, state, measure.value)
 
-    def _back_off(self, motion: Motion, field: Field, period_s: float) -> tuple[float, float, bool]:
-        past = self._trail.back_from(motion.pose)
+    def _back_off(self, motion: MotionState, field: DistanceField, period_s: float) -> tuple[float, float, bool]:
+        past = self._driven_area.back_from(motion.pose)
         if past is None:
             return 0.0, 0.0, True
         speed = min(self.settings.back_mps, self._body.limits[1])

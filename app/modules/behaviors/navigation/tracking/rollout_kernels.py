@@ -1,4 +1,4 @@
-"""Compiled kernels that drive the body ahead in thought: what the controllers of this room are made of.
+"""Compiled kernels for rollouts of the body's motion, which all controllers share.
 
 *field* (H, W) float32: at each cell's middle the distance (m) to the nearest obstacle; *frame*: x and y of its lower
 left corner (m) and 1 / resolution. Places beyond its edge read as the nearest cell inside. Poses and paths are in the
@@ -20,9 +20,9 @@ import numpy as np
 
 from app.base.compiled import kernel
 
-#: Between neighbours of a body's outline, at most (m).
+#: Greatest spacing of neighbouring outline points (m).
 SPACING_M = 0.02
-#: Of a rollout that touches something: more than any other costs together.
+#: Cost of a rollout with contact: more than all other costs together.
 COLLISION = 1e4
 
 _FIELD = "float32[:,::1], UniTuple(float64, 3)"
@@ -45,10 +45,10 @@ def distance_at(field, frame, x, y):
 
 @kernel(f"float64({_FIELD}, float64[:,::1], UniTuple(float64, 2), float64, float64, float64)")
 def clearance_at(field, frame, outline, radii, x, y, theta):
-    """Distance (m) from the body's edge to the nearest obstacle; under zero where one reaches deep into it.
+    """Distance (m) from the body's edge to the nearest obstacle; negative where an obstacle reaches deep into it.
 
-    Exact to about a cell near obstacles (a thin one between two points of the outline reads as half their spacing
-    away); further off than the body is large, a distance that is surely free.
+    Exact to about a cell near obstacles (a thin one between two outline points reads as half their spacing away); at
+    distances beyond the body's size, a lower bound.
     """
     middle = distance_at(field, frame, x, y)
     if middle <= radii[0]:
@@ -64,7 +64,7 @@ def clearance_at(field, frame, outline, radii, x, y, theta):
             px, py = outline[k, 0], outline[k, 1]
             here = distance_at(field, frame, x + c * px - s * py, y + s * px + c * py)
             least = min(least, here)
-            # A distance falls by at most the way gone: so many neighbours are further off than the nearest so far.
+            # Distance is Lipschitz: neighbours within the difference to the least so far cannot be nearer.
             k += 1 + int((here - least) / SPACING_M)
     return least
 
@@ -77,7 +77,7 @@ def ramp(value, target, step):
 
 @kernel(f"{_STATE}({_STATE}, float64, float64, UniTuple(float64, 6), float64)")
 def driven(state, linear, angular, limits, time_s):
-    """The state after ``time_s`` of commanding (linear, angular) to a body that its accelerations limit."""
+    """The state after ``time_s`` of the command (linear, angular), with the body's accelerations."""
     x, y, theta, v, w = state
     braking = abs(linear) < abs(v) or linear * v < 0.0
     v1 = ramp(v, linear, (limits[5] if braking else limits[3]) * time_s)
@@ -95,20 +95,20 @@ def driven(state, linear, angular, limits, time_s):
 
 @kernel(f"boolean({_FIELD}, {_BODY}, {_STATE}, float64, float64, float64, float64)")
 def can_stop(field, frame, outline, radii, limits, state, linear, angular, hold_s, margin):
-    """Whether commanding (linear, angular) for ``hold_s`` and braking after it never comes nearer than ``margin`` (m).
+    """Whether commanding (linear, angular) for ``hold_s`` and then braking keeps the clearance at ``margin`` (m).
 
-    Where the body is nearer already, it may go where it gets no nearer still.
+    A body that is nearer already may move as long as the clearance does not fall.
     """
     x, y, theta, v, w = state
     margin = min(margin, clearance_at(field, frame, outline, radii, x, y, theta))
     held = 0.0
-    # Braking from the greatest speed at the least braking ends by then.
+    # Upper bound of the braking time.
     for _ in range(400):
         if held < hold_s:
             state = driven(state, linear, angular, limits, 0.05)
             held += 0.05
         else:
-            # The curve is kept while braking: both velocities go down alike.
+            # The arc is kept while braking: both velocities fall in proportion.
             v, w = state[3], state[4]
             if abs(v) < 1e-3 and abs(w) < 1e-2:
                 return True
@@ -137,12 +137,13 @@ def nearest_on(path, first, last, x, y):
 def dynamic_window(
     field, frame, outline, radii, limits, state, path, samples, weights, period_s, horizon_s, margin, sight_m, strict
 ):
-    """Of ``samples`` (linear, angular) velocities reachable within ``period_s``, the best: linear, angular, cost,
+    """The best of ``samples`` (linear, angular) velocities reachable within ``period_s``: linear, angular, cost,
     clearance.
 
-    Each is driven for ``horizon_s``. It is refused if the body could not stop before an obstacle (``strict``: if the
-    rollout touches one at all); the cost is infinite where all are. ``weights``: of the end's distance to the path (m),
-    its distance to the path's end (m), 1 / clearance beyond ``margin`` (within ``sight_m``), and speed not used (m/s).
+    Each is rolled out for ``horizon_s``. It is rejected if the body could not stop before an obstacle (``strict``: if
+    the rollout has contact at all); the cost is infinite where all are rejected. ``weights``: of the end's distance to
+    the path (m), its distance to the path's end (m), 1 / clearance beyond ``margin`` (within ``sight_m``), and unused
+    speed (m/s).
     """
     v0, w0 = state[3], state[4]
     v_low, v_high = max(limits[0], v0 - limits[5] * period_s), min(limits[1], v0 + limits[3] * period_s)
@@ -153,7 +154,7 @@ def dynamic_window(
     at = nearest_on(path, 0, len(path) - 1, state[0], state[1])
     for a in range(samples[0]):
         v = v_low + (v_high - v_low) * a / max(samples[0] - 1, 1)
-        # An odd one between: straight on, whatever the window's ends.
+        # One sample is exactly straight, whatever the window's ends.
         for b in range(samples[1] + 1):
             w = w_low + (w_high - w_low) * b / max(samples[1] - 1, 1)
             if b == samples[1]:
@@ -173,7 +174,7 @@ def dynamic_window(
                 continue
             k = nearest_on(path, at, len(path) - 1, now[0], now[1])
             off = math.hypot(path[k, 0] - now[0], path[k, 1] - now[1])
-            # What remains: the way along the path, and back to it.
+            # Remaining distance: along the path, and back to it.
             remaining = math.hypot(goal_x - now[0], goal_y - now[1])
             cost = weights[0] * off + weights[1] * remaining + weights[3] * (limits[1] - v)
             cost += weights[2] * (1.0 / max(clear - margin + 0.05, 0.02) - 1.0 / (sight_m + 0.05))
@@ -189,11 +190,11 @@ def dynamic_window(
     "UniTuple(float64, 9))"
 )
 def cost_of(field, frame, outline, radii, limits, state, path, spacing, controls, time_s, margin, weights):
-    """What driving ``controls`` (T, 2), each for ``time_s``, costs: seconds lost, and what is risked, in seconds.
+    """Cost (s) of ``controls`` (T, 2), each for ``time_s``: time lost, plus risk in seconds.
 
-    ``weights``: of the offset from the path (1/m^2), of nearness, its reach (m), speed (m/s) allowed at no clearance
-    and its growth with it (1/s), of excess speed, of heading away from the path, of turning accelerations, of going
-    back.
+    ``weights``: of the squared offset from the path (1/m^2), of low clearance, its range (m), the allowed speed (m/s)
+    at zero clearance and its increase with it (1/s), of excess speed, of heading away from the path, of angular
+    accelerations, of driving backward.
     """
     w_path, w_near, reach, v_near, v_grow, w_fast, w_heading, w_smooth, w_back = weights
     cost, on_the_way, last = 0.0, 0.0, len(path) - 1
@@ -209,7 +210,7 @@ def cost_of(field, frame, outline, radii, limits, state, path, spacing, controls
         state = driven(state, v, w, limits, time_s)
         clear = clearance_at(field, frame, outline, radii, state[0], state[1], state[2])
         if clear < margin:
-            # Later is better than now: there is time to think of something else.
+            # Later risk counts less: the controller can still change its plan.
             return cost + COLLISION * (1.0 + (len(controls) - t) / len(controls))
         at = nearest_on(path, at - 2, at + window, state[0], state[1])
         dx, dy = state[0] - path[at, 0], state[1] - path[at, 1]
@@ -227,13 +228,14 @@ def cost_of(field, frame, outline, radii, limits, state, path, spacing, controls
         before_v, before_w = v, w
         on_the_way += path[at, 3] - begin
     off = math.hypot(state[0] - path[at, 0], state[1] - path[at, 1])
-    # Progress at the end, and on the whole: to be early is worth something where the path ends within the horizon.
+    # Progress at the end and over the horizon: an early arrival counts where the path ends within it.
     return cost - (path[at, 3] - begin - off + on_the_way / len(controls)) / limits[1]
 
 
 @kernel(f"void(UniTuple(float64, 6), {_STATE}, float64[:,::1], float64, float64, float64, float64[:,::1], float64)")
 def pursue(limits, state, path, spacing, ahead_m, share, controls, time_s):
-    """Write into ``controls`` (T, 2) what steers for the path's point ``ahead_m`` ahead, at ``share`` of its speeds."""
+    """Write the controls (T, 2) of pure pursuit into ``controls``: toward the path's point ``ahead_m`` ahead, at
+    ``share`` of its speeds."""
     last = len(path) - 1
     at = nearest_on(path, 0, last, state[0], state[1])
     window = int(limits[1] * time_s / spacing) + 3
@@ -248,7 +250,7 @@ def pursue(limits, state, path, spacing, ahead_m, share, controls, time_s):
         if distance < spacing:
             v, w = 0.0, 0.0
         elif abs(bearing) > 1.2:
-            # Turned on the spot, and no faster than it can be ended in time.
+            # A turn on the spot, at a rate from which it can stop in time.
             v, w = 0.0, math.copysign(min(limits[2], math.sqrt(limits[4] * abs(bearing))), bearing)
         else:
             curvature = 2.0 * math.sin(bearing) / distance
@@ -279,10 +281,10 @@ def improve(
     weights,
     temperature,
 ):
-    """Better ``controls`` (T, 2) in place by one step of MPPI (Williams et al., 2017); returns what they cost then.
+    """Improve ``controls`` (T, 2) in place by one step of MPPI (Williams et al., 2017); returns their cost.
 
-    ``noise`` (K, knots, 2) float64, standard normal: drawn linearly between knots, scaled by ``sigma`` (m/s, rad/s).
-    The mean of all, weighted by exp(-cost / ``temperature``), is taken if it costs less than they did.
+    ``noise`` (K, knots, 2) float64, standard normal: interpolated linearly between knots, scaled by ``sigma`` (m/s,
+    rad/s). The mean of all, weighted by exp(-cost / ``temperature``), replaces the controls if it costs less.
     """
     steps, knots = len(controls), noise.shape[1]
     count = len(noise)
@@ -297,7 +299,7 @@ def improve(
                 a = place - i
                 v += sigma[0] * (noise[k, i, 0] * (1.0 - a) + noise[k, i + 1, 0] * a)
                 w += sigma[1] * (noise[k, i, 1] * (1.0 - a) + noise[k, i + 1, 1] * a)
-            # Beyond the limits too: noise cut off at them would make the mean slower than the greatest speed.
+            # Samples may exceed the limits: clipped noise would bias the mean below the greatest speed.
             tried[k, t, 0], tried[k, t, 1] = v, w
         costs[k] = cost_of(
             field, frame, outline, radii, limits, state, path, spacing, tried[k], time_s, margin, weights
@@ -315,7 +317,7 @@ def improve(
         mean[t, 0] = min(max(mean[t, 0], limits[0]), limits[1])
         mean[t, 1] = min(max(mean[t, 1], -limits[2]), limits[2])
     cost = cost_of(field, frame, outline, radii, limits, state, path, spacing, mean, time_s, margin, weights)
-    # One of them alone is as rough as its noise: only where nothing else is free of obstacles.
+    # A single sample is as rough as its noise: used only where no other is free of contact.
     if cost < costs[count] - 1e-3:
         controls[:] = mean
         return cost

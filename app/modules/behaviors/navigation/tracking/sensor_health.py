@@ -1,4 +1,5 @@
-"""Whether the sensors may be driven by: fresh, and depth pictures alive (the thesis's silent failure of the Kinect)."""
+"""Checks of scan and depth images before driving by them: age, and dead depth images (the thesis's silent failure of
+the Kinect)."""
 
 from __future__ import annotations
 
@@ -11,29 +12,29 @@ import numpy as np
 from app.base.geometry import CameraModel
 from app.messages import Image, LaserScan
 
-#: Every so many rows and columns are looked at.
+#: Stride of the sampled rows and columns.
 _STEP = 8
-#: A depth camera may be blind up to here (m along the floor).
+#: Greatest distance (m along the floor) at which a depth camera may be blind to a wall.
 _BLIND_M = 0.7
 
 
 @dataclass(frozen=True, slots=True)
-class DepthWatch:
-    """What became of the depth pictures: ``good`` is the stamp of the newest that was alive, None before the first;
-    ``problem`` says what is wrong with the newest, "" if nothing; ``digest`` of its pixels."""
+class DepthHealth:
+    """State of the depth camera: ``good``: stamp of the newest live image, None before the first; ``problem``: the
+    fault of the newest, "" for none; ``digest``: hash of its pixels."""
 
     good: float | None = None
     problem: str = ""
     digest: int = 0
 
 
-def watch_depth(watch: DepthWatch, image: Image, scan: LaserScan | None = None) -> DepthWatch:
-    """Look at one more picture: all zero, all the same, or the one before over again is not alive.
+def update_depth_health(watch: DepthHealth, image: Image, scan: LaserScan | None = None) -> DepthHealth:
+    """Check one more image: all zero, constant, or equal to the one before means dead.
 
-    A wall so near that a depth camera is blind to it leaves zeros too: ``scan``, if it shows one there, excuses them.
+    A wall nearer than a depth camera's least range gives zeros too: ``scan`` excuses them if it shows such a wall.
     """
     if image.depth is None:
-        return DepthWatch(watch.good, "pictures come without depth", watch.digest)
+        return DepthHealth(watch.good, "pictures come without depth", watch.digest)
     pixels = np.ascontiguousarray(image.depth[::_STEP, ::_STEP])
     digest = zlib.crc32(pixels.tobytes())
     problem = ""
@@ -44,19 +45,19 @@ def watch_depth(watch: DepthWatch, image: Image, scan: LaserScan | None = None) 
         problem = "depth pictures show one and the same distance everywhere"
     elif watch.good is not None and digest == watch.digest:
         problem = "the same depth picture comes over and over"
-    return DepthWatch(watch.good if problem else image.stamp, problem, digest)
+    return DepthHealth(watch.good if problem else image.stamp, problem, digest)
 
 
 def unfit(
     now: float,
     scan_stamp: float | None,
-    depth: DepthWatch | None,
+    depth: DepthHealth | None,
     limit_s: float = 0.3,
 ) -> str:
-    """Why the robot must not be driven, in words that stay while it is so; "" if it may. ``depth`` None: a body without
-    such a camera.
+    """Reason not to drive, in words that stay the same while it lasts; "" for none. ``depth`` None: a body without
+    depth camera.
 
-    Sensors must not be older than ``limit_s``: the laser's newest scan, and the newest depth picture that was alive.
+    Sensor data must not be older than ``limit_s``: the newest scan, and the newest live depth image.
     """
     if scan_stamp is None:
         return "no laser scan has come yet"
@@ -78,13 +79,13 @@ def unfit(
 
 
 def _stands_before_a_wall(image: Image, scan: LaserScan) -> bool:
-    """Whether all that the laser sees in the camera's field of view is too near for the camera."""
+    """Whether all scan points in the camera's field of view are nearer than its least range."""
     if not isinstance(image.camera, CameraModel):
         return False
     half = math.atan(0.5 * image.camera.width / image.camera.fx)
     ahead = image.X_BC.rotation[:, 2]
     angles = scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))
-    # A ray that measured nothing shows no wall.
+    # A ray without a return is no wall.
     measured = np.isfinite(scan.ranges) & (scan.ranges >= scan.range_min)
     ranges = np.where(measured, scan.ranges, np.float32(1e3))
     at = np.stack((ranges * np.cos(angles), ranges * np.sin(angles), np.zeros_like(ranges)), axis=-1)

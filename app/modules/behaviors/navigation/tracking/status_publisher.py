@@ -1,4 +1,4 @@
-"""Telling where one is on the way to a goal: at once what is news, else now and then."""
+"""Publication of a behavior's NavigationStatus: at once on a change, else at a fixed period."""
 
 from __future__ import annotations
 
@@ -7,38 +7,38 @@ from collections.abc import Callable
 
 from app.messages import NavigationStatus
 
-#: A status that says nothing new is told again after so long, s.
-_AGAIN_S = 0.5
+#: Period of an unchanged status, s.
+_REPEAT_S = 0.5
 
 
-class Teller:
-    """Publishes statuses, at most as often as there is something to tell; logs a state on entering it, and then each
-    new reason once."""
+class StatusPublisher:
+    """Publishes a status when it changes, and an unchanged one every 0.5 s unless it is ``idle``. The log gets a line
+    when the state changes, and one for each new reason within a state."""
 
     def __init__(self, publish: Callable[[NavigationStatus], None], log: logging.Logger) -> None:
         self._publish = publish
         self._log = log
-        self.told: NavigationStatus | None = None
+        self.last: NavigationStatus | None = None
         #: Reasons logged since the state was entered.
         self._logged: set[str] = set()
 
     @property
     def idle(self) -> bool:
-        """Whether the last thing told, if any, was that there is no goal."""
-        return self.told is None or self.told.state == "idle"
+        """Whether the last published status is ``idle``, or there is none."""
+        return self.last is None or self.last.state == "idle"
 
-    def tell(self, status: NavigationStatus) -> None:
-        """Publish ``status`` if it is news; one of being idle is told once."""
-        told = self.told
-        if told is not None and not _is_news(told, status):
-            again = status.state != "idle" and status.stamp - told.stamp >= _AGAIN_S - 1e-6
-            if not again:
+    def update(self, status: NavigationStatus) -> None:
+        """Publish ``status`` if it differs from the last one or 0.5 s have passed; ``idle`` is published once."""
+        last = self.last
+        if last is not None and not _differs(last, status):
+            due = status.state != "idle" and status.stamp - last.stamp >= _REPEAT_S - 1e-6
+            if not due:
                 return
-        if told is None or told.state != status.state:
+        if last is None or last.state != status.state:
             self._logged.clear()
-        if told is not None and (told.state, told.reason) != (status.state, status.reason):
+        if last is not None and (last.state, last.reason) != (status.state, status.reason):
             self._log_once(status)
-        self.told = status
+        self.last = status
         self._publish(status)
 
     def _log_once(self, status: NavigationStatus) -> None:
@@ -47,8 +47,8 @@ class Teller:
             self._log.info("%s%s", status.state, f": {status.reason}" if status.reason else "")
 
 
-def _is_news(told: NavigationStatus, status: NavigationStatus) -> bool:
-    # By their words, for a heading may not be a number.
-    return (told.state, told.reason, repr(told.goal), repr(told.target), told.recoveries) != (
+def _differs(last: NavigationStatus, status: NavigationStatus) -> bool:
+    # Compared as text: a heading may be NaN, which never equals itself.
+    return (last.state, last.reason, repr(last.goal), repr(last.target), last.recoveries) != (
         status.state, status.reason, repr(status.goal), repr(status.target), status.recoveries,
     )  # fmt: skip

@@ -1,7 +1,6 @@
-"""Photographs of faces that people in the simulated world wear; sources and licences in ``README.md`` beside.
-
-Every picture is 192 x 256 px, upright, cut so that the lines of the eyes and of the mouth stand at fixed rows: the
-64 px between them are 0.040 of the person's height.
+"""Photographs of faces for people in the simulated world; sources and licences in ``README.md`` beside. Every picture
+is 192 x 256 px, upright, cut so that the lines of the eyes and of the mouth are at fixed rows: the 64 px between them
+are 0.040 of the person's height.
 """
 
 from __future__ import annotations
@@ -18,7 +17,7 @@ Rgb = tuple[int, int, int]
 
 @dataclass(frozen=True, slots=True)
 class FaceLook:
-    """What the picture does not show: colours of skin and hair, and how far down (share of the head) hair falls."""
+    """Attributes beside the picture: colours of skin and hair, and length of the hair (share of the head)."""
 
     skin: Rgb
     hair: Rgb

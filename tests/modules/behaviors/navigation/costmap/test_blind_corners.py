@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from app.base.geometry import Pose2
-from app.modules.behaviors.navigation.controller import Field
+from app.modules.behaviors.navigation.controller import DistanceField
 from app.modules.behaviors.navigation.costmap.blind_corners import careful, hidden_distance
 from tests.modules.behaviors.navigation.scenes import LIMITS, way_along
 
@@ -36,7 +36,7 @@ def test_gaps_between_rays_are_no_corners() -> None:
 
 def test_it_goes_slower_past_the_doorway_and_as_fast_as_ever_elsewhere() -> None:
     hidden = hidden_distance(corner(), RESOLUTION)
-    field = Field(np.ones((160, 160), dtype=np.float32), (0.0, 0.0), RESOLUTION, hidden)
+    field = DistanceField(np.ones((160, 160), dtype=np.float32), (0.0, 0.0), RESOLUTION, hidden)
     way = way_along([(0.2, 2.3), (3.9, 2.3), (6.0, 2.3)], Pose2(0.2, 2.3, 0.0), LIMITS)
     slowed = careful(way, field, hidden, 0.4, 0.5, 1.0)
     speed = dict(zip(np.round(slowed.points[:, 0], 2).tolist(), slowed.points[:, 4].tolist(), strict=True))

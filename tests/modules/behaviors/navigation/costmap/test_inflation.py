@@ -75,7 +75,7 @@ def test_zones_cost_and_keep_out() -> None:
 
 @settings(max_examples=25)
 @given(st.integers(0, 10_000), st.booleans(), st.integers(1, 40))
-def test_made_anew_only_where_the_map_changed_is_the_same_as_made_anew(seed: int, zoned: bool, changes: int) -> None:
+def test_made_again_only_where_the_map_changed_is_the_same_as_made_again(seed: int, zoned: bool, changes: int) -> None:
     rng = np.random.default_rng(seed)
     zones = ZONES if zoned else ()
     cells = random_cells(seed, 260, 300)
@@ -85,11 +85,13 @@ def test_made_anew_only_where_the_map_changed_is_the_same_as_made_anew(seed: int
     width = 10 if rng.random() < 0.5 else 250
     for _ in range(changes):
         after_cells[tuple(rng.integers(0, width, 2))] = rng.choice([-1, 0, 100])
-    kept = [array.copy() for array in (before.layers, before.clearance, before.cost)]
+    kept: list[np.ndarray] = [before.layers.copy(), before.clearance.copy(), before.cost.copy()]
     quick = cost_field(grid_of(after_cells), OBLONG, zones, previous=before)
     assert same(quick, cost_field(grid_of(after_cells), OBLONG, zones))
-    for was, array in zip(kept, (before.layers, before.clearance, before.cost), strict=True):
-        assert np.array_equal(was, array), "what others may still use is left as it is"
+    now: list[np.ndarray] = [before.layers, before.clearance, before.cost]
+    assert all(np.array_equal(was, array) for was, array in zip(kept, now, strict=True)), (
+        "what others may still use is left as it is"
+    )
 
 
 def test_nothing_changed_nothing_made() -> None:
@@ -111,7 +113,7 @@ def test_temporary_obstacles_cost_as_those_of_the_map(seed: int, count: int) -> 
     rng = np.random.default_rng(seed)
     cells = random_cells(seed, 200, 220)
     places = rng.integers(0, 200, (count, 2))
-    points = (places[:, ::-1] + 0.5) * 0.05
+    points = (places[:, ::-1].astype(np.float64) + 0.5) * 0.05
     cells = np.where(cells < 0, np.int8(0), cells)
     known = cost_field(grid_of(cells), OBLONG, ZONES, CostSettings(unknown="free"))
     live = with_obstacles(known, points)

@@ -1,4 +1,4 @@
-"""Room is left beside legs, which are narrower than who stands on them; posts of the map are none."""
+"""Room is left beside legs, which are narrower than their person; posts of the map are none."""
 
 from __future__ import annotations
 

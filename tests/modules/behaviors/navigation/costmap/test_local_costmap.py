@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from app.base.geometry import FisheyeModel, Pose2, Pose3
 from app.messages import Image
-from app.modules.behaviors.navigation.costmap.local_costmap import CostmapSettings, LocalCostmap, Surroundings
+from app.modules.behaviors.navigation.costmap.local_costmap import CostmapSettings, CostmapWindow, LocalCostmap
 from tests.modules.behaviors.navigation.boxes import CAMERA, World, looking
 from tests.modules.behaviors.navigation.maps import ROUND
 
@@ -25,20 +25,20 @@ def costmap(settings: CostmapSettings = SETTINGS) -> LocalCostmap:
     return LocalCostmap(ROUND, 1.5, settings)
 
 
-def occupied(around: Surroundings) -> NDArray[np.float64]:
+def occupied(around: CostmapWindow) -> NDArray[np.float64]:
     rows, columns = np.nonzero(around.cells == 100)
     return (
         np.stack((columns, rows), axis=-1) * around.resolution_m + np.array(around.origin) + 0.5 * around.resolution_m
     )
 
 
-def near(around: Surroundings, x: float, y: float, within_m: float = 0.4) -> int:
+def near(around: CostmapWindow, x: float, y: float, within_m: float = 0.4) -> int:
     """How many occupied cells, remembered anywhere, are near a place."""
     away = np.hypot(around.obstacles[:, 0] - x, around.obstacles[:, 1] - y)
     return int((away < within_m).sum())
 
 
-def at(around: Surroundings, x: float, y: float) -> tuple[int, int]:
+def at(around: CostmapWindow, x: float, y: float) -> tuple[int, int]:
     corner, resolution = around.origin, around.resolution_m
     return math.floor((y - corner[1]) / resolution), math.floor((x - corner[0]) / resolution)
 
@@ -239,7 +239,7 @@ def test_it_rolls_along_and_what_it_keeps_stays_in_its_place() -> None:
     assert (behind > pose.x - 4.6).all()
 
 
-def test_far_away_it_begins_anew() -> None:
+def test_far_away_it_begins_again() -> None:
     here = costmap()
     here.add_scan(World((WALL,)).scan(0.0, HERE), HERE)
     assert not len(here.around(Pose2(100.0, -100.0, 0.0), 0.1).obstacles)

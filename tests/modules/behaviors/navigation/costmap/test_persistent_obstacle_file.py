@@ -9,31 +9,35 @@ import numpy as np
 import pytest
 
 from app.base.errors import ConfigError
-from app.modules.behaviors.navigation.costmap.persistent_obstacle_file import Things, read_things, write_things
+from app.modules.behaviors.navigation.costmap.persistent_obstacle_file import (
+    PersistentObstacles,
+    read_obstacles,
+    write_obstacles,
+)
 
 RNG = np.random.default_rng(0)
-THINGS = Things(RNG.integers(-200, 200, (40, 2)), RNG.integers(1, 999, 40).astype(np.uint16))
+OBSTACLES_FILE = PersistentObstacles(RNG.integers(-200, 200, (40, 2)), RNG.integers(1, 999, 40).astype(np.uint16))
 
 
 def test_it_is_read_as_it_was_written_and_none_is_nothing(tmp_path: Path) -> None:
-    file = tmp_path / "things.npz"
-    write_things(file, THINGS, 0.05)
-    back = read_things(file, 0.05)
-    assert (back.cells == THINGS.cells).all()
-    assert (back.bands == THINGS.bands).all()
-    assert not len(read_things(tmp_path / "none.npz", 0.05).cells)
-    with pytest.raises(ConfigError, match=r"things\.npz.*another version"):
-        read_things(file, 0.1)
+    file = tmp_path / "obstacles.npz"
+    write_obstacles(file, OBSTACLES_FILE, 0.05)
+    back = read_obstacles(file, 0.05)
+    assert (back.cells == OBSTACLES_FILE.cells).all()
+    assert (back.bands == OBSTACLES_FILE.bands).all()
+    assert not len(read_obstacles(tmp_path / "none.npz", 0.05).cells)
+    with pytest.raises(ConfigError, match=r"obstacles\.npz.*another version"):
+        read_obstacles(file, 0.1)
 
 
 def test_whatever_byte_is_wrong_it_is_read_or_refused_in_words(tmp_path: Path) -> None:
-    file = tmp_path / "things.npz"
-    write_things(file, THINGS, 0.05)
+    file = tmp_path / "obstacles.npz"
+    write_obstacles(file, OBSTACLES_FILE, 0.05)
     whole, refused = file.read_bytes(), 0
     for at in range(0, len(whole), 5):
         file.write_bytes(whole[:at] + bytes([whole[at] ^ 0xFF]) + whole[at + 1 :])
         try:
-            read_things(file, 0.05)
+            read_obstacles(file, 0.05)
         except ConfigError:
             refused += 1
     assert refused > 50
@@ -58,7 +62,7 @@ def test_arrays_that_cannot_be_are_refused(wrong: dict[str, Any], tmp_path: Path
         "version": 1, "resolution_m": 0.05, "cells": np.zeros((3, 2), np.int32), "bands": np.ones(3, np.uint16),
     }  # fmt: skip
     np.savez(tmp_path / "right.npz", **arrays)
-    assert len(read_things(tmp_path / "right.npz", 0.05).cells) == 3
+    assert len(read_obstacles(tmp_path / "right.npz", 0.05).cells) == 3
     np.savez(tmp_path / "wrong.npz", **(arrays | wrong))
     with pytest.raises(ConfigError, match=r"wrong\.npz"):
-        read_things(tmp_path / "wrong.npz", 0.05)
+        read_obstacles(tmp_path / "wrong.npz", 0.05)

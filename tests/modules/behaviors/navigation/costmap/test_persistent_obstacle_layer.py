@@ -9,14 +9,17 @@ import pytest
 from numpy.typing import NDArray
 
 from app.base.geometry import Pose2
-from app.modules.behaviors.navigation.costmap.persistent_obstacle_file import Things
-from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import MemorySettings, ThingsMemory
+from app.modules.behaviors.navigation.costmap.persistent_obstacle_file import PersistentObstacles
+from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import (
+    PersistentObstacleLayer,
+    PersistentObstacleSettings,
+)
 from app.modules.behaviors.navigation.kernels import load_kernels
 from tests.modules.behaviors.navigation.boxes import World, looking
 from tests.modules.behaviors.navigation.maps import ROUND
 
 EYE = looking(0.0, 1.38)
-#: Lower than the laser, which stands at 0.4 m; a camera at 1.38 m that looks ahead sees it from 3 m on.
+#: Lower than the laser, which is at 0.4 m; a camera at 1.38 m that looks ahead sees it from 3 m on.
 BOX = (3.0, -0.2, 3.3, 0.2, 0.0, 0.22)
 
 
@@ -26,8 +29,8 @@ def _kernels() -> None:
     load_kernels()
 
 
-def memory() -> ThingsMemory:
-    return ThingsMemory(ROUND, 1.4, MemorySettings(depth_step=1))
+def memory() -> PersistentObstacleLayer:
+    return PersistentObstacleLayer(ROUND, 1.4, PersistentObstacleSettings(depth_step=1))
 
 
 def seen_by_laser(world: World, stamp: float, pose: Pose2) -> NDArray[np.float64]:
@@ -39,7 +42,7 @@ def seen_by_laser(world: World, stamp: float, pose: Pose2) -> NDArray[np.float64
     return np.asarray(np.array([at.x, at.y]) + scan.ranges[met, None] * directions, dtype=np.float64)
 
 
-def look(things: ThingsMemory, world: World, poses: list[Pose2], stamp: float = 0.0) -> float:
+def look(things: PersistentObstacleLayer, world: World, poses: list[Pose2], stamp: float = 0.0) -> float:
     for pose in poses:
         things.look(world.depth(stamp, pose, EYE), pose, seen_by_laser(world, stamp, pose))
         stamp += 0.2
@@ -50,7 +53,7 @@ def approach(begin: float, end: float) -> list[Pose2]:
     return [Pose2(float(x), 0.0, 0.0) for x in np.arange(begin, end, 0.12)]
 
 
-def about(things: ThingsMemory, x: float, y: float, within_m: float = 0.3) -> int:
+def about(things: PersistentObstacleLayer, x: float, y: float, within_m: float = 0.3) -> int:
     return int((np.hypot(*(things.points - np.array([x, y])).T) < within_m).sum())
 
 
@@ -98,7 +101,7 @@ def test_neither_who_stands_there_nor_a_wall_is_kept_nor_what_passes() -> None:
 def test_what_was_felt_is_kept_and_where_the_body_stands_nothing_is() -> None:
     things, empty = memory(), World(())
     here = Pose2(1.0, 1.0, 0.3)
-    things.felt(np.array([[1.3, 1.1], [1.31, 1.17], [-9.0, -9.0]]), 5.0)
+    things.add_contacts(np.array([[1.3, 1.1], [1.31, 1.17], [-9.0, -9.0]]), 5.0)
     look(things, empty, [here] * 5, 6.0)
     assert about(things, 1.3, 1.1, 0.2) >= 2
     assert about(things, -9.0, -9.0, 0.1) == 1
@@ -114,7 +117,7 @@ def test_what_was_kept_counts_until_seen_to_be_gone() -> None:
     assert (other.points == things.points).all()
     look(other, World(()), approach(-1.0, -0.6), stamp)
     assert not len(other.points), "what was loaded is seen to be gone as well"
-    things.take(Things.none())
+    things.take(PersistentObstacles.none())
     assert not len(things.points)
 
 
@@ -130,8 +133,8 @@ def test_a_year_of_uptime_loses_nothing() -> None:
 def test_it_costs_no_more_far_from_the_maps_origin_nor_in_a_large_building() -> None:
     things = memory()
     far = np.array([2.0e4, 3.0e4])
-    things.felt(np.array([far, [0.0, 0.0]]), 1.0)
-    stamp = look(things, World(()), [Pose2(*(far + 1.0), 0.0)], 2.0)
+    things.add_contacts(np.array([far, [0.0, 0.0]]), 1.0)
+    stamp = look(things, World(()), [Pose2(far[0] + 1.0, far[1] + 1.0, 0.0)], 2.0)
     look(things, World(()), [Pose2(0.0, 100.0, 0.0)], stamp)
     assert things.cells_held < 10 * 64**2
     assert about(things, *far) == 1

@@ -15,8 +15,8 @@ from app.base.geometry import Pose2
 from app.maps.control import Files, MapControl, MapUnavailable
 from app.maps.library import MapLibrary
 from app.messages import Zone
-from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import ThingsMemory
-from app.modules.behaviors.navigation.costmap.persistent_obstacle_store import THINGS, ThingsKept
+from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import PersistentObstacleLayer
+from app.modules.behaviors.navigation.costmap.persistent_obstacle_store import OBSTACLES_FILE, PersistentObstacleStore
 from tests.modules.behaviors.driven_world import box, mapped
 from tests.modules.behaviors.navigation.maps import ROUND
 
@@ -53,22 +53,22 @@ async def compute(function: Callable[..., Any], *args: Any) -> Any:
     return await asyncio.to_thread(function, *args)
 
 
-def layer_of(things: ThingsMemory, library: MapLibrary) -> ThingsKept:
-    return ThingsKept(things, library, compute, compute, logging.getLogger("test"))
+def layer_of(things: PersistentObstacleLayer, library: MapLibrary) -> PersistentObstacleStore:
+    return PersistentObstacleStore(things, library, compute, compute, logging.getLogger("test"))
 
 
-def there(x: float, y: float) -> ThingsMemory:
-    things = ThingsMemory(ROUND, 1.4)
-    things.felt(np.array([[x, y]]), 1.0)
+def there(x: float, y: float) -> PersistentObstacleLayer:
+    things = PersistentObstacleLayer(ROUND, 1.4)
+    things.add_contacts(np.array([[x, y]]), 1.0)
     return things
 
 
 async def test_it_is_kept_loaded_and_forgotten_with_the_map(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
     library, control = MapLibrary(tmp_path), MapControl()
     control.attach(Keeper(library))
-    things = ThingsMemory(ROUND, 1.4)
+    things = PersistentObstacleLayer(ROUND, 1.4)
     leave = await control.add(layer_of(things, library))
-    things.felt(np.array([[1.0, 2.0]]), 1.0)
+    things.add_contacts(np.array([[1.0, 2.0]]), 1.0)
     await control.keeper.save("hall")
     await control.keeper.begin()
     assert not len(things.points)
@@ -79,14 +79,14 @@ async def test_it_is_kept_loaded_and_forgotten_with_the_map(tmp_path: Path, capl
     assert things.points == pytest.approx(np.array([[1.0, 2.0]]), abs=0.05)
     await control.keeper.load("empty")
     assert not len(things.points)
-    await compute((library.path("hall") / THINGS).write_bytes, b"broken")
+    await compute((library.path("hall") / OBSTACLES_FILE).write_bytes, b"broken")
     await control.keeper.load("hall")
     assert control.keeper.name == "hall"
     leave()
-    things.felt(np.array([[1.0, 2.0]]), 1.0)
+    things.add_contacts(np.array([[1.0, 2.0]]), 1.0)
     await control.keeper.begin()
     assert len(things.points), "who left is asked no more"
-    assert "low things on the map hall are not known" in caplog.text
+    assert "low obstacles on the map hall are not known" in caplog.text
 
 
 async def test_after_a_restart_it_is_read_again_whoever_is_there_first(tmp_path: Path) -> None:
@@ -94,7 +94,7 @@ async def test_after_a_restart_it_is_read_again_whoever_is_there_first(tmp_path:
     keeper = Keeper(library)
     await keeper.save("hall", await layer_of(there(1.0, 2.0), library).files())
     for keeper_first in (True, False):
-        control, anew = MapControl(), ThingsMemory(ROUND, 1.4)
+        control, anew = MapControl(), PersistentObstacleLayer(ROUND, 1.4)
         if keeper_first:
             await control.resume("hall", same=False)
             control.attach(keeper)
@@ -110,10 +110,10 @@ async def test_it_is_not_lost_by_saving_without_whoever_knows_it_nor_by_a_full_d
 ) -> None:
     library, control = MapLibrary(tmp_path), MapControl()
     control.attach(Keeper(library))
-    leave = await control.add(layer_of(things := ThingsMemory(ROUND, 1.4), library))
-    things.felt(np.array([[1.0, 2.0]]), 1.0)
+    leave = await control.add(layer_of(things := PersistentObstacleLayer(ROUND, 1.4), library))
+    things.add_contacts(np.array([[1.0, 2.0]]), 1.0)
     await control.keeper.save("hall")
-    whole = (library.path("hall") / THINGS).read_bytes()
+    whole = (library.path("hall") / OBSTACLES_FILE).read_bytes()
 
     def full(*_: Any, **__: Any) -> None:
         raise OSError(28, "No space left on device")
@@ -122,11 +122,11 @@ async def test_it_is_not_lost_by_saving_without_whoever_knows_it_nor_by_a_full_d
         patch.setattr("numpy.savez_compressed", full)
         with pytest.raises(OSError, match="No space"):
             await control.keeper.save("hall")
-    assert (library.path("hall") / THINGS).read_bytes() == whole
+    assert (library.path("hall") / OBSTACLES_FILE).read_bytes() == whole
     leave()
     await control.keeper.save("hall")
     await control.keeper.save("ground-floor")
-    assert (library.path("ground-floor") / THINGS).read_bytes() == whole
+    assert (library.path("ground-floor") / OBSTACLES_FILE).read_bytes() == whole
     await control.keeper.begin()
     await control.keeper.save("hall")
-    assert not (library.path("hall") / THINGS).exists(), "it is another map"
+    assert not (library.path("hall") / OBSTACLES_FILE).exists(), "it is another map"

@@ -6,15 +6,15 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.modules.behaviors.navigation.costmap.tiled_grid import NEVER, Box, Cells, Tiles
+from app.modules.behaviors.navigation.costmap.tiled_grid import NEVER, Box, CellBlock, TiledGrid
 
 
-def some(box: Box, seed: int) -> Cells:
+def some(box: Box, seed: int) -> CellBlock:
     rng = np.random.default_rng(seed)
     shape = box[1] - box[0], box[3] - box[2]
     last = np.where(rng.random(shape) < 0.3, rng.integers(0, 9, shape), NEVER).astype(np.int32)
     kept = (last != NEVER) & (rng.random(shape) < 0.2)
-    return Cells(last.copy(), last, rng.integers(0, 99, shape).astype(np.uint16) * (last != NEVER), kept)
+    return CellBlock(last.copy(), last, rng.integers(0, 99, shape).astype(np.uint16) * (last != NEVER), kept)
 
 
 PLACES = st.tuples(
@@ -25,7 +25,7 @@ PLACES = st.tuples(
 @settings(max_examples=30)
 @given(st.lists(PLACES, min_size=1, max_size=4))
 def test_what_is_written_is_read_and_what_is_kept_is_known_wherever_it_is(boxes: list[Box]) -> None:
-    tiles = Tiles()
+    tiles = TiledGrid()
     known: dict[tuple[int, int], int] = {}
     for seed, box in enumerate(boxes):
         cells = some(box, seed)
@@ -48,7 +48,7 @@ def test_what_is_written_is_read_and_what_is_kept_is_known_wherever_it_is(boxes:
 
 
 def test_it_holds_no_more_than_what_is_kept_and_where_the_robot_is() -> None:
-    tiles = Tiles()
+    tiles = TiledGrid()
     for k in range(50):
         box = (100 * k, 100 * k + 64, 0, 64)
         cells = some(box, k)
@@ -62,7 +62,7 @@ def test_it_holds_no_more_than_what_is_kept_and_where_the_robot_is() -> None:
 
 
 def test_what_is_kept_twice_is_there_once_in_all_bands() -> None:
-    tiles = Tiles()
+    tiles = TiledGrid()
     tiles.keep(np.array([[-1, 3], [-1, 3]]), np.array([1, 4], dtype=np.uint16), 5)
     assert tiles.kept().tolist() == [[-1, 3]]
     assert tiles.bands().tolist() == [5]

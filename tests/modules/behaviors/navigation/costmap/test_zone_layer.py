@@ -38,9 +38,8 @@ def test_a_keep_out_zone_as_thin_as_a_hair_is_shut_all_along(
 ) -> None:
     ahead, left = np.array([math.cos(angle), math.sin(angle)]), np.array([-math.sin(angle), math.cos(angle)])
     begin = np.array([x, y])
-    hair = zone(
-        "keep_out", [begin, begin + length * ahead, begin + length * ahead + width * left, begin + width * left]
-    )  # type: ignore[list-item]
+    corners = (begin, begin + length * ahead, begin + length * ahead + width * left, begin + width * left)
+    hair = zone("keep_out", [(float(at[0]), float(at[1])) for at in corners])
     shut, _ = rasterize((hair,), FRAME)
     points = begin + np.linspace(0, length, 50)[:, None] * ahead
     cells, inside = FRAME.cells(points)

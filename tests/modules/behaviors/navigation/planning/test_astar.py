@@ -103,7 +103,7 @@ def test_a_map_that_grows_keeps_its_ways(seed: int, down: int, left: int) -> Non
     other = cheapest_way(larger, (start[0] + down, start[1] + left), (goal[0] + down, goal[1] + left))
     if way is None or other is None:
         return
-    # What is new is dear, but a way may lead around by it where it did not before.
+    # New obstacles raise the cost, but a path may lead around by it where it did not before.
     if ((other - [down, left] >= 0) & (other - [down, left] < cells.shape)).all():
         assert way_cost(larger, other) == pytest.approx(way_cost(field, way), rel=1e-5)
         assert np.array_equal(other - [down, left], way)

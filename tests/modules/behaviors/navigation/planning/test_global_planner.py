@@ -2,14 +2,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from app.base.geometry import Pose2
 from app.messages import Zone
 from app.modules.behaviors.navigation.costmap.footprint import Footprint
-from app.modules.behaviors.navigation.costmap.local_costmap import Surroundings
-from app.modules.behaviors.navigation.planning.global_planner import Request, Wayfinder
+from app.modules.behaviors.navigation.costmap.local_costmap import CostmapWindow
+from app.modules.behaviors.navigation.planning.global_planner import GlobalPlanner, PlanRequest
 from tests.modules.behaviors.driven_world import box, mapped
 from tests.modules.behaviors.navigation.scenes import SQUARE
 
@@ -20,23 +21,23 @@ NEAR_DOOR, FAR_DOOR = 1.3, 4.1
 GRID = mapped(WALLS, SIZE)
 
 
-def wayfinder() -> Wayfinder:
-    return Wayfinder(Footprint.polygon(np.array(SQUARE)))
+def global_planner() -> GlobalPlanner:
+    return GlobalPlanner(Footprint.polygon(np.array(SQUARE)))
 
 
-def request(**more: object) -> Request:
-    asked = Request(GRID, (), Pose2(), Pose2(1.0, 1.3, 0.0), Pose2(6.5, 1.3, math.nan))
+def request(**more: Any) -> PlanRequest:
+    asked = PlanRequest(GRID, (), Pose2(), Pose2(1.0, 1.3, 0.0), Pose2(6.5, 1.3, math.nan))
     return replace(asked, **more)
 
 
-def seen(obstacles: np.ndarray, X_OB: Pose2, stamp: float = 1.0) -> Surroundings:
+def seen(obstacles: np.ndarray, X_OB: Pose2, stamp: float = 1.0) -> CostmapWindow:
     """Surroundings of 4 m in which ``obstacles`` (N, 2) stand."""
     cells = np.zeros((160, 160), dtype=np.int8)
     origin = (X_OB.x - 2.0, X_OB.y - 2.0)
     at = np.floor((obstacles - np.array(origin)) / 0.025).astype(int)
     inside = ((at >= 0) & (at < 160)).all(axis=1)
     cells[at[inside, 1], at[inside, 0]] = 100
-    return Surroundings(
+    return CostmapWindow(
         stamp, origin, 0.025, cells, np.zeros((160, 160), dtype=np.float32), obstacles[inside], origin, 4.0
     )
 
@@ -47,7 +48,7 @@ def crosses_at(poses: np.ndarray) -> float:
 
 
 def test_a_plan_is_kept_while_it_is_good() -> None:
-    finder = wayfinder()
+    finder = global_planner()
     first = finder.find(request(why="another goal"))
     assert first.changed
     assert abs(crosses_at(first.plan.poses) - NEAR_DOOR) < 0.4
@@ -57,7 +58,7 @@ def test_a_plan_is_kept_while_it_is_good() -> None:
 
 
 def test_what_shuts_a_door_makes_it_take_the_other_and_it_stays_with_that_when_it_opens() -> None:
-    finder = wayfinder()
+    finder = global_planner()
     first = finder.find(request(why="another goal"))
     X_MB = Pose2(2.6, 1.3, 0.0)
     shut = np.stack((np.full(101, 4.0), np.linspace(0.8, 1.8, 101)), axis=1)
@@ -76,7 +77,7 @@ def test_what_shuts_a_door_makes_it_take_the_other_and_it_stays_with_that_when_i
 
 
 def test_opened_up_it_forgets_what_was_in_the_way() -> None:
-    finder = wayfinder()
+    finder = global_planner()
     X_MB = Pose2(2.6, 1.3, 0.0)
     shut = np.stack((np.full(101, 4.0), np.linspace(0.8, 1.8, 101)), axis=1)
     finder.find(request(X_MB=X_MB, around=seen(shut, X_MB)))
@@ -88,7 +89,7 @@ def test_opened_up_it_forgets_what_was_in_the_way() -> None:
 
 
 def test_zones_are_kept_out_of_and_say_how_fast() -> None:
-    finder = wayfinder()
+    finder = global_planner()
     door = np.array([[3.5, 0.5], [4.5, 0.5], [4.5, 2.0], [3.5, 2.0]])
     barred = finder.find(request(zones=(Zone("door", "keep_out", door, 1.0),), why="another goal"))
     assert abs(crosses_at(barred.plan.poses) - FAR_DOOR) < 0.4
@@ -98,7 +99,7 @@ def test_zones_are_kept_out_of_and_say_how_fast() -> None:
 
 
 def test_without_a_way_it_says_why_and_keeps_saying_it_once() -> None:
-    finder = wayfinder()
+    finder = global_planner()
     walled = mapped([*WALLS, (4.0, 0.1, 4.0, 4.9)], SIZE, version=2)
     none = finder.find(request(grid=walled, why="another goal"))
     assert none.plan.poses.shape == (0, 3)
@@ -107,11 +108,13 @@ def test_without_a_way_it_says_why_and_keeps_saying_it_once() -> None:
 
 
 def test_what_is_remembered_far_away_is_planned_around_until_nothing_else_leads_there() -> None:
-    finder = wayfinder()
+    finder = global_planner()
     shut = np.stack((np.full(20, 4.0), np.linspace(0.85, 1.75, 20)), axis=-1)  # a low box in the near door
-    around = finder.find(request(things=shut, why="another goal"))
+    around = finder.find(request(persistent_obstacles=shut, why="another goal"))
     assert abs(crosses_at(around.plan.poses) - FAR_DOOR) < 0.4
-    through = finder.find(request(things=shut, why="after trying", opened_up=True))
+    through = finder.find(request(persistent_obstacles=shut, why="after trying", opened_up=True))
     assert abs(crosses_at(through.plan.poses) - NEAR_DOOR) < 0.4
     walls = np.stack((np.full(20, 0.12), np.linspace(1.0, 2.0, 20)), axis=-1)
-    assert finder.find(request(things=walls, why="another goal")).plan.code == "way", "on a wall it is the wall"
+    assert finder.find(request(persistent_obstacles=walls, why="another goal")).plan.code == "way", (
+        "on a wall it is the wall"
+    )

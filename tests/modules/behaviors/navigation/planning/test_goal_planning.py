@@ -8,10 +8,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from app.base.geometry import Pose2
-from app.messages import Zone
+from app.messages import OccupancyGrid, Zone
 from app.modules.behaviors.navigation.costmap.footprint import Footprint, clearances
 from app.modules.behaviors.navigation.costmap.inflation import CostField, CostSettings, cost_field, with_obstacles
-from app.modules.behaviors.navigation.planning.goal_planning import Plan, PlanSettings, check_path, plan, why_replan
+from app.modules.behaviors.navigation.planning.goal_planning import (
+    GlobalPlan,
+    PlanSettings,
+    check_path,
+    plan,
+    why_replan,
+)
 from tests.modules.behaviors.navigation.maps import (
     OBLONG,
     ROUND,
@@ -39,11 +45,11 @@ def field(zones: tuple[Zone, ...] = (), body: Footprint = ROUND, costs: CostSett
     return cost_field(office(), body, zones, costs)
 
 
-def through(found: Plan, x: float, y: float, within_m: float = 0.6) -> bool:
+def through(found: GlobalPlan, x: float, y: float, within_m: float = 0.6) -> bool:
     return bool((np.hypot(found.poses[:, 0] - x, found.poses[:, 1] - y) < within_m).any())
 
 
-def check_way(field: CostField, found: Plan, start: Pose2, target: Pose2) -> None:
+def check_way(field: CostField, found: GlobalPlan, start: Pose2, target: Pose2) -> None:
     assert tuple(found.poses[0, :2]) == pytest.approx((start.x, start.y))
     assert tuple(found.poses[-1, :2]) == pytest.approx((target.x, target.y))
     assert lethal_along(field, found.poses) == 0
@@ -144,7 +150,7 @@ def test_slow_zones_are_gone_around_if_that_is_quicker() -> None:
     assert plan(hardly, begin, end).length_m == pytest.approx(10.0, abs=0.05)
 
 
-def free_grid() -> object:
+def free_grid() -> OccupancyGrid:
     return grid_of(np.zeros((120, 240), dtype=np.int8))
 
 
@@ -263,7 +269,7 @@ def test_any_goal_at_all_gets_an_answer(seed: int, x: float, y: float) -> None:
     zones = (zone("keep_out", box(2.0, 1.0, 2.5, 4.0)),) if seed % 3 == 0 else ()
     known = cost_field(grid_of(random_cells(seed, 120, 140)), ROUND, zones)
     costs = with_obstacles(known, rng.uniform(0, 6, (seed % 4, 2)))
-    found = plan(costs, Pose2(*rng.uniform(0.1, 5.9, 2), 0.0), Pose2(x, y, math.nan))
+    found = plan(costs, Pose2(rng.uniform(0.1, 5.9), rng.uniform(0.1, 5.9), 0.0), Pose2(x, y, math.nan))
     assert (len(found.poses) > 0) == (found.code in ("way", "near"))
     if found.code != "way":
         assert found.reason

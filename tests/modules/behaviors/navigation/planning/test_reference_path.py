@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -8,13 +9,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.base.geometry import Pose2
-from app.modules.behaviors.navigation.planning.reference_path import SPACING_M, Track, resampled
+from app.modules.behaviors.navigation.planning.reference_path import SPACING_M, ReferencePath, resampled
 
 CORNER = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0]])
 
 
-def track(points: np.ndarray = CORNER, **more: object) -> Track:
-    return Track(points, speed_mps=1.0, braking_mps2=0.5, **more)
+def track(points: np.ndarray = CORNER, **more: Any) -> ReferencePath:
+    return ReferencePath(points, speed_mps=1.0, braking_mps2=0.5, **more)
 
 
 @given(st.lists(st.tuples(st.floats(-5, 5), st.floats(-5, 5)), min_size=1, max_size=12))

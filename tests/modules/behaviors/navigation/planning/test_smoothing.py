@@ -27,7 +27,7 @@ def middles(cells: np.ndarray, resolution_m: float = 0.05) -> np.ndarray:
 @settings(max_examples=40)
 @given(st.integers(0, 100_000))
 def test_a_smooth_way_stays_free_and_costs_no_more_and_no_less_than_straight(seed: int) -> None:
-    # Rounding may cut the corner of what is merely dear.
+    # Rounding may cut corners of expensive cells that are not lethal.
     field = cost_field(grid_of(random_cells(seed, 120, 140)), ROUND, settings=CostSettings(unknown="free"))
     free = np.argwhere(np.isfinite(field.cost))
     rng = np.random.default_rng(seed)

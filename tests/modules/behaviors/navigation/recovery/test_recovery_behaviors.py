@@ -1,31 +1,32 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from app.base.geometry import Pose2, wrap_angle
-from app.modules.behaviors.navigation.recovery.driven_area import Trail, back_toward
+from app.modules.behaviors.navigation.recovery.driven_area import DrivenArea, back_toward
 from app.modules.behaviors.navigation.recovery.recovery_behaviors import (
     LADDER,
-    Measure,
     Recovery,
+    RecoveryAction,
     RecoverySettings,
-    Search,
+    SpinSearch,
 )
 
 SETTINGS = RecoverySettings(rounds=2)
 
 
-def test_measures_get_stronger_then_people_are_asked_and_it_begins_anew() -> None:
+def test_measures_get_stronger_then_people_are_asked_and_it_begins_again() -> None:
     recovery = Recovery(SETTINGS)
     taken = []
     for _ in range(2 * len(LADDER) + 2):
         taken.append(recovery.begin(0.0))
         recovery.end()
-    assert taken == [*LADDER, *LADDER, Measure.ASK, Measure.WAIT]
+    assert taken == [*LADDER, *LADDER, RecoveryAction.ASK, RecoveryAction.WAIT]
     assert recovery.count == 2 * len(LADDER) + 1, "asking is no recovery"
 
 
@@ -35,7 +36,7 @@ def test_what_got_it_on_makes_the_next_measure_the_mildest_again() -> None:
         recovery.begin(0.0)
         recovery.end()
     recovery.succeeded()
-    assert recovery.begin(5.0) is Measure.WAIT
+    assert recovery.begin(5.0) is RecoveryAction.WAIT
     assert recovery.count == 4
     recovery.reset()
     assert (recovery.current, recovery.count) == (None, 0)
@@ -44,17 +45,17 @@ def test_what_got_it_on_makes_the_next_measure_the_mildest_again() -> None:
 @pytest.mark.parametrize(
     ("measure", "not_yet", "then"),
     [
-        (Measure.WAIT, {"now": 1.4}, {"now": 1.6}),
-        (Measure.BACK_OFF, {"now": 1.0, "driven_m": 0.3}, {"now": 1.0, "driven_m": 0.41}),
-        (Measure.BACK_OFF, {"now": 3.9}, {"now": 4.1}),
-        (Measure.BACK_OFF, {"now": 0.1}, {"now": 0.1, "barred": True}),
-        (Measure.TURN, {"now": 1.0, "turned_rad": 1.5}, {"now": 1.0, "turned_rad": 1.7}),
-        (Measure.TURN, {"now": 0.1}, {"now": 0.1, "barred": True}),
-        (Measure.ASK, {"now": 14.0}, {"now": 15.1}),
+        (RecoveryAction.WAIT, {"now": 1.4}, {"now": 1.6}),
+        (RecoveryAction.BACK_OFF, {"now": 1.0, "driven_m": 0.3}, {"now": 1.0, "driven_m": 0.41}),
+        (RecoveryAction.BACK_OFF, {"now": 3.9}, {"now": 4.1}),
+        (RecoveryAction.BACK_OFF, {"now": 0.1}, {"now": 0.1, "barred": True}),
+        (RecoveryAction.TURN, {"now": 1.0, "turned_rad": 1.5}, {"now": 1.0, "turned_rad": 1.7}),
+        (RecoveryAction.TURN, {"now": 0.1}, {"now": 0.1, "barred": True}),
+        (RecoveryAction.ASK, {"now": 14.0}, {"now": 15.1}),
     ],
 )
 def test_a_measure_is_over_when_it_has_done_what_it_can(
-    measure: Measure, not_yet: dict[str, float], then: dict[str, float]
+    measure: RecoveryAction, not_yet: dict[str, Any], then: dict[str, Any]
 ) -> None:
     recovery = Recovery(RecoverySettings(rounds=1))
     while recovery.begin(0.0) is not measure:
@@ -64,30 +65,30 @@ def test_a_measure_is_over_when_it_has_done_what_it_can(
 
 
 def test_the_way_back_is_the_way_it_came_and_ends() -> None:
-    trail = Trail(length_m=1.0)
+    driven_area = DrivenArea(length_m=1.0)
     for k in range(60):
-        trail.add(Pose2(0.05 * k, 0.0, 0.0))
-    back = trail.back_from(Pose2(2.95, 0.0, 0.0), 0.3)
+        driven_area.add(Pose2(0.05 * k, 0.0, 0.0))
+    back = driven_area.back_from(Pose2(2.95, 0.0, 0.0), 0.3)
     assert back is not None
     assert 2.55 <= back.x <= 2.65
     pose, steps = Pose2(2.95, 0.0, 0.0), 0
-    while (past := trail.back_from(pose, 0.3)) is not None and steps < 100:
+    while (past := driven_area.back_from(pose, 0.3)) is not None and steps < 100:
         pose = Pose2(pose.x - 0.05, 0.0, 0.0)
         assert past.x >= 1.6, "no further than what it remembers"
         steps += 1
-    assert trail.back_from(pose, 0.3) is None
+    assert driven_area.back_from(pose, 0.3) is None
 
 
 @pytest.mark.parametrize("seen_there", [False, True])
 def test_ground_that_the_body_was_brought_away_from_is_no_way_back(*, seen_there: bool) -> None:
-    trail = Trail()
+    driven_area = DrivenArea()
     for k in range(40):
-        trail.add(Pose2(0.05 * k, 0.0, 0.0))
+        driven_area.add(Pose2(0.05 * k, 0.0, 0.0))
     carried = Pose2(2.0, 8.0, 0.0)
     if seen_there:
-        trail.add(carried)
-    assert trail.back_from(carried, 0.3) in (None, carried)
-    assert trail.back_from(Pose2(1.95, 0.0, 0.0), 0.3) is None, "nor if it comes by there again"
+        driven_area.add(carried)
+    assert driven_area.back_from(carried, 0.3) in (None, carried)
+    assert driven_area.back_from(Pose2(1.95, 0.0, 0.0), 0.3) is None, "nor if it comes by there again"
 
 
 @given(st.floats(0.2, 1.0), st.floats(-0.8, 0.8), st.floats(-3, 3))
@@ -109,8 +110,8 @@ def test_backing_off_brings_it_to_the_place_behind(distance: float, bearing: flo
     assert least < 0.1
 
 
-def test_lost_it_turns_after_a_moment_so_far_and_no_further_and_anew_when_people_had_time_to_help() -> None:
-    search = Search(RecoverySettings(wait_s=1.5, ask_s=15.0, find_rad=6.0))
+def test_lost_it_turns_after_a_moment_so_far_and_no_further_and_again_when_people_had_time_to_help() -> None:
+    search = SpinSearch(RecoverySettings(wait_s=1.5, ask_s=15.0, find_rad=6.0))
     for began in (10.0, 10.0 + 9.0 + 15.0):
         assert not search.turns(began)
         assert not search.turns(began + 1.4)
@@ -125,7 +126,7 @@ def test_lost_it_turns_after_a_moment_so_far_and_no_further_and_anew_when_people
 
 
 def test_barred_it_turns_the_other_way_once() -> None:
-    search = Search(RecoverySettings(wait_s=0.0, ask_s=15.0))
+    search = SpinSearch(RecoverySettings(wait_s=0.0, ask_s=15.0))
     assert search.turns(0.0)
     assert search.barred(1.0)
     assert search.turns(1.0)

@@ -6,59 +6,61 @@ import numpy as np
 import pytest
 
 from app.base.geometry import Pose2
-from app.modules.behaviors.navigation.controller import Motion
-from app.modules.behaviors.navigation.costmap.local_costmap import Surroundings
-from app.modules.behaviors.navigation.recovery.stall_detector import Touch
+from app.modules.behaviors.navigation.controller import MotionState
+from app.modules.behaviors.navigation.costmap.local_costmap import CostmapWindow
+from app.modules.behaviors.navigation.recovery.stall_detector import StallDetector
 from tests.modules.behaviors.navigation.scenes import LIMITS, SQUARE, body_of
 
 BODY = body_of(LIMITS, SQUARE)
 POSE = Pose2(1.0, 2.0, math.pi / 2)
 
 
-def free(stamp: float = 0.0) -> Surroundings:
+def free(stamp: float = 0.0) -> CostmapWindow:
     cells = np.zeros((160, 160), dtype=np.int8)
     distance = np.full((160, 160), 8.0, dtype=np.float32)
-    return Surroundings(stamp, (-1.0, 0.0), 0.025, cells, distance, np.empty((0, 2)), (-1.0, 0.0), 4.0)
+    return CostmapWindow(stamp, (-1.0, 0.0), 0.025, cells, distance, np.empty((0, 2)), (-1.0, 0.0), 4.0)
 
 
-def run_into(touch: Touch, begin: float = 0.0) -> list[bool]:
-    return [touch.feel(begin + 0.1 * k, 0.2, Motion(POSE, 0.0, 0.0)) for k in range(12)]
+def run_into(stall: StallDetector, begin: float = 0.0) -> list[bool]:
+    return [stall.update(begin + 0.1 * k, 0.2, MotionState(POSE, 0.0, 0.0)) for k in range(12)]
 
 
 def test_standing_though_commanded_is_running_into_something_ahead() -> None:
-    touch = Touch(BODY)
-    assert run_into(touch).count(True) == 1
-    around = touch.laid_over(free(), 2.0)
+    stall = StallDetector(BODY)
+    assert run_into(stall).count(True) == 1
+    around = stall.laid_over(free(), 2.0)
     row, column = np.unravel_index(int(around.distance.argmin()), around.distance.shape)
     x, y = -1.0 + (column + 0.5) * 0.025, (row + 0.5) * 0.025
     assert x == pytest.approx(1.0, abs=0.4)
     assert 0.27 < y - 2.0 < 0.45, "before its edge, along where it looks"
     assert around.distance[int(2.0 / 0.025), int(2.0 / 0.025)] > 0.25, "not under itself"
     assert len(around.obstacles) > 5
-    assert touch.laid_over(free(), 60.0).distance.min() == 8.0, "it is believed for a while"
+    assert stall.laid_over(free(), 60.0).distance.min() == 8.0, "it is believed for a while"
 
 
-def test_commands_that_begin_anew_from_standing_against_something_are_felt() -> None:
-    touch = Touch(BODY)
+def test_commands_that_begin_again_from_standing_against_something_are_felt() -> None:
+    stall = StallDetector(BODY)
     commanded = [0.05, 0.09, 0.04, 0.08, 0.12, 0.04, 0.08, 0.04, 0.08, 0.04]
-    felt = [touch.feel(0.1 * k, mps, Motion(POSE, 0.002, 0.0)) for k, mps in enumerate(commanded)]
-    assert felt.count(True) == 1
+    contacts = [stall.update(0.1 * k, mps, MotionState(POSE, 0.002, 0.0)) for k, mps in enumerate(commanded)]
+    assert contacts.count(True) == 1
 
 
 def test_a_body_that_creeps_as_it_is_commanded_touches_nothing() -> None:
-    touch = Touch(BODY)
-    assert not any(touch.feel(0.1 * k, 0.015, Motion(POSE, 0.015, 0.0)) for k in range(200))
+    stall = StallDetector(BODY)
+    assert not any(stall.update(0.1 * k, 0.015, MotionState(POSE, 0.015, 0.0)) for k in range(200))
 
 
-@pytest.mark.parametrize("motion", [Motion(POSE, 0.1, 0.0), Motion(POSE, 0.03, 0.5)])
-def test_what_moves_touches_nothing(motion: Motion) -> None:
-    touch = Touch(BODY)
-    assert not any(touch.feel(0.1 * k, 0.2, motion) for k in range(30))
-    assert not any(touch.feel(0.1 * k, 0.0, Motion(POSE, 0.0, 0.0)) for k in range(30)), "nor what is not commanded"
+@pytest.mark.parametrize("motion", [MotionState(POSE, 0.1, 0.0), MotionState(POSE, 0.03, 0.5)])
+def test_what_moves_touches_nothing(motion: MotionState) -> None:
+    stall = StallDetector(BODY)
+    assert not any(stall.update(0.1 * k, 0.2, motion) for k in range(30))
+    assert not any(stall.update(0.1 * k, 0.0, MotionState(POSE, 0.0, 0.0)) for k in range(30)), (
+        "nor what is not commanded"
+    )
 
 
 def test_it_is_forgotten_where_all_is_cleared() -> None:
-    touch = Touch(BODY)
-    run_into(touch)
-    touch.forget()
-    assert touch.laid_over(free(), 2.0).distance.min() == 8.0
+    stall = StallDetector(BODY)
+    run_into(stall)
+    stall.clear()
+    assert stall.laid_over(free(), 2.0).distance.min() == 8.0

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from app.modules.behaviors.navigation.tracking.command_jitter import Periods
+from app.modules.behaviors.navigation.tracking.command_jitter import CommandJitter
 
 
-def test_the_longest_of_late_is_told_and_a_rest_is_no_period() -> None:
-    periods = Periods()
+def test_the_longest_of_late_is_reported_and_a_rest_is_no_period() -> None:
+    periods = CommandJitter()
     assert periods.longest_s is None
     for now in (0.0, 0.1, 0.25):
         periods.commanded(now)

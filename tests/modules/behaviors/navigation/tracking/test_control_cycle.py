@@ -1,4 +1,5 @@
-"""One control cycle on values: what the camera saw once stands there again when the body comes back."""
+"""One control cycle on values: an obstacle that the camera saw once is in the costmap again when the body comes
+back."""
 
 from __future__ import annotations
 
@@ -9,12 +10,12 @@ import pytest
 
 from app.base.geometry import CameraModel, Pose2
 from app.messages import Image
-from app.modules.behaviors.navigation.controller import Motion
+from app.modules.behaviors.navigation.controller import MotionState
 from app.modules.behaviors.navigation.costmap.footprint import Footprint
-from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import ThingsMemory
+from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import PersistentObstacleLayer
 from app.modules.behaviors.navigation.kernels import load_kernels
-from app.modules.behaviors.navigation.planning.goal_planning import Plan
-from app.modules.behaviors.navigation.tracking.control_cycle import Pilot, PilotSettings, Senses
+from app.modules.behaviors.navigation.planning.goal_planning import GlobalPlan
+from app.modules.behaviors.navigation.tracking.control_cycle import ControlCycle, ControlCycleSettings, CycleInput
 from app.modules.behaviors.navigation.tracking.path_tracker import Goal
 from tests.modules.behaviors.driven_world import DrivenLink, box, mapped
 from tests.modules.behaviors.navigation.boxes import CAMERA, Box, World, looking
@@ -32,7 +33,7 @@ def _kernels() -> None:
     load_kernels()
 
 
-def senses(stamp: float, pose: Pose2, *, look: bool, problem: str = "") -> Senses:
+def inputs(stamp: float, pose: Pose2, *, look: bool, problem: str = "") -> CycleInput:
     scan, image = WORLD.scan(stamp, pose), WORLD.depth(stamp, pose, EYE)
     assert image.depth is not None
     # As fine as a Kinect's, from fewer rays
@@ -40,42 +41,42 @@ def senses(stamp: float, pose: Pose2, *, look: bool, problem: str = "") -> Sense
     lens = CameraModel(640, 480, 4 * CAMERA.fx, 4 * CAMERA.fy, 4 * CAMERA.cx + 1.5, 4 * CAMERA.cy + 1.5)
     image = Image(stamp, "kinect", image.color, depth, lens, image.X_BC)
     seen = (image, pose) if look else None
-    return Senses(stamp, Motion(pose, 0.0, 0.0), X_MO, problem, None, (scan, pose, pose), seen)
+    return CycleInput(stamp, MotionState(pose, 0.0, 0.0), X_MO, problem, None, (scan, pose, pose), seen)
 
 
-def pilot() -> Pilot:
-    return Pilot(DrivenLink().description, "pursuit", depth=True)
+def control() -> ControlCycle:
+    return ControlCycle(DrivenLink().description, "pursuit", depth=True)
 
 
 def box_cells(told_obstacles: np.ndarray) -> int:
     return int((np.abs(told_obstacles - np.array([3.1, 0.0])) < 0.3).all(axis=1).sum())
 
 
-def drive_up(pilot: Pilot, problem: str = "") -> None:
+def drive_up(control: ControlCycle, problem: str = "") -> None:
     for k, x in enumerate(np.arange(-1.0, 0.2, 0.1)):
-        pilot.remember(senses(0.2 * k, Pose2(float(x), 0.0, 0.0), look=True, problem=problem))
+        control.remember(inputs(0.2 * k, Pose2(float(x), 0.0, 0.0), look=True, problem=problem))
 
 
 def test_a_box_seen_while_others_drove_stands_there_when_the_body_turns_beside_it_minutes_later() -> None:
-    here = pilot()
+    here = control()
     drive_up(here)
-    told = here.cycle(senses(300.0, Pose2(2.2, 0.0, 1.5), look=False), 0.1)
+    told = here.run(inputs(300.0, Pose2(2.2, 0.0, 1.5), look=False), 0.1)
     assert told.around is not None
     assert box_cells(told.around.obstacles) > 20
     corner, cell = told.around.origin, told.around.resolution_m
     assert told.around.distance[int((0.0 - corner[1]) / cell), int((3.05 - corner[0]) / cell)] < 0.06
     on_map = X_MO @ Pose2(3.05, 0.0)
-    assert np.hypot(*(told.things - np.array([on_map.x, on_map.y])).T).min() < 0.1
-    far = here.cycle(senses(300.1, Pose2(-4.0, 0.0, 3.1), look=False), 0.1)
+    assert np.hypot(*(told.persistent_obstacles - np.array([on_map.x, on_map.y])).T).min() < 0.1
+    far = here.run(inputs(300.1, Pose2(-4.0, 0.0, 3.1), look=False), 0.1)
     assert far.around is not None
     assert box_cells(far.around.obstacles) == 0
-    assert len(far.things) == len(told.things), "whoever plans knows it from anywhere"
+    assert len(far.persistent_obstacles) == len(told.persistent_obstacles), "whoever plans knows it from anywhere"
 
 
 def test_nothing_is_learned_without_knowing_where() -> None:
-    here = pilot()
+    here = control()
     drive_up(here, problem="it looks for itself on the map")
-    assert not len(here.cycle(senses(300.0, Pose2(2.2, 0.0, 1.5), look=False), 0.1).things)
+    assert not len(here.run(inputs(300.0, Pose2(2.2, 0.0, 1.5), look=False), 0.1).persistent_obstacles)
 
 
 def shins(gap_m: float) -> tuple[Box, ...]:
@@ -94,18 +95,18 @@ def clearance_m(pose: Pose2, boxes: tuple[Box, ...]) -> float:
     return least
 
 
-def drive(pilot: Pilot, world: World, to: tuple[float, float], cycles: int) -> list[Pose2]:
+def drive(control: ControlCycle, world: World, to: tuple[float, float], cycles: int) -> list[Pose2]:
     """Where the body goes that follows a straight way exactly as commanded, ``odom`` being the map."""
     goal = Goal(Pose2(*to, math.nan))
     x, y = (np.linspace(0.0, end, 60) for end in to)
     poses = np.stack((x, y, np.full(60, math.atan2(to[1], to[0]))), axis=1)
-    plan: Plan | None = Plan("way", "", poses, goal.pose, math.hypot(*to))
+    plan: GlobalPlan | None = GlobalPlan("way", "", poses, goal.pose, math.hypot(*to))
     here, linear, angular = [Pose2()], 0.0, 0.0
     for k in range(cycles):
         at, now = here[-1], 0.1 * k
         scan = (world.scan(now, at), at, at)
-        told = pilot.cycle(
-            Senses(now, Motion(at, linear, angular), Pose2(), "", goal, scan, None, plan, None, EMPTY), 0.1
+        told = control.run(
+            CycleInput(now, MotionState(at, linear, angular), Pose2(), "", goal, scan, None, plan, None, EMPTY), 0.1
         )
         plan, linear, angular = None, told.step.linear_mps, told.step.angular_radps
         middle = at.theta + 0.05 * angular
@@ -118,7 +119,7 @@ def drive(pilot: Pilot, world: World, to: tuple[float, float], cycles: int) -> l
 def test_room_beside_people_that_the_body_stands_in_does_not_let_it_turn_into_their_legs(
     gap_m: float, people_m: float
 ) -> None:
-    here = Pilot(DrivenLink().description, "pursuit", PilotSettings(people_m=people_m), depth=False)
+    here = ControlCycle(DrivenLink().description, "pursuit", ControlCycleSettings(people_m=people_m), depth=False)
     way = drive(here, World(shins(gap_m)), (0.0, 3.0), 20)
     assert min(clearance_m(pose, shins(gap_m)) for pose in way) > 0.03
 
@@ -126,62 +127,64 @@ def test_room_beside_people_that_the_body_stands_in_does_not_let_it_turn_into_th
 @pytest.mark.parametrize("inside_m", [0.01, 0.03])
 def test_what_is_remembered_within_the_body_does_not_let_it_turn_into_legs(inside_m: float) -> None:
     here = seeing_no_depth()
-    assert here.things is not None
-    here.things.felt(np.array([[0.25 - inside_m, y] for y in (-0.1, -0.05, 0.0, 0.05, 0.1)]), 0.0)
+    assert here.persistent_obstacles is not None
+    here.persistent_obstacles.add_contacts(np.array([[0.25 - inside_m, y] for y in (-0.1, -0.05, 0.0, 0.05, 0.1)]), 0.0)
     way = drive(here, World(shins(0.05)), (0.0, 3.0), 20)
     assert min(clearance_m(pose, shins(0.05)) for pose in way) > 0.03
 
 
 def test_what_is_remembered_before_the_body_stops_it_however_thin() -> None:
     here = seeing_no_depth()
-    assert here.things is not None
-    here.things.felt(np.array([[0.62, y] for y in np.arange(-3.0, 3.0, 0.05)]), 0.0)
+    assert here.persistent_obstacles is not None
+    here.persistent_obstacles.add_contacts(np.array([[0.62, y] for y in np.arange(-3.0, 3.0, 0.05)]), 0.0)
     way = drive(here, World(()), (3.0, 0.0), 60)
     assert 0.2 < max(pose.x for pose in way) < 0.35
 
 
 def test_not_even_as_a_last_resort_does_it_drive_into_what_it_remembers() -> None:
     here = seeing_no_depth()
-    assert here.things is not None
-    here.things.felt(np.array([[0.62, y] for y in np.arange(-3.0, 3.0, 0.05)]), 0.0)
+    assert here.persistent_obstacles is not None
+    here.persistent_obstacles.add_contacts(np.array([[0.62, y] for y in np.arange(-3.0, 3.0, 0.05)]), 0.0)
     way = drive(here, World(()), (3.0, 0.0), 450)
-    assert here._follower.opened_up
+    assert here._path_tracker.opened_up
     assert max(pose.x for pose in way) < 0.35
 
 
-def seeing_no_depth() -> Pilot:
+def seeing_no_depth() -> ControlCycle:
     """It remembers, and drives by its laser."""
-    here = Pilot(DrivenLink().description, "pursuit", depth=True)
+    here = ControlCycle(DrivenLink().description, "pursuit", depth=True)
     here._depth = None
     return here
 
 
-def test_whoever_plans_is_told_what_is_kept_with_another_map_though_it_changed_as_often() -> None:
+def test_whoever_plans_is_reported_what_is_kept_with_another_map_though_it_changed_as_often() -> None:
     here = seeing_no_depth()
-    assert here.things is not None
+    assert here.persistent_obstacles is not None
     for x in (1.0, 2.0):
-        things = ThingsMemory(Footprint.of(DrivenLink().description), 1.4)
-        things.felt(np.array([[x, 2.0]]), 1.0)
-        here.things.take(things.snapshot())
-        told = here.cycle(Senses(0.0, Motion(Pose2(), 0.0, 0.0), Pose2(), "", None), 0.1)
-        assert told.things == pytest.approx(np.array([[x, 2.0]]), abs=0.05)
-    here.things.forget()
-    assert not len(here.cycle(Senses(0.1, Motion(Pose2(), 0.0, 0.0), Pose2(), "", None), 0.1).things)
+        things = PersistentObstacleLayer(Footprint.of(DrivenLink().description), 1.4)
+        things.add_contacts(np.array([[x, 2.0]]), 1.0)
+        here.persistent_obstacles.take(things.snapshot())
+        told = here.run(CycleInput(0.0, MotionState(Pose2(), 0.0, 0.0), Pose2(), "", None), 0.1)
+        assert told.persistent_obstacles == pytest.approx(np.array([[x, 2.0]]), abs=0.05)
+    here.persistent_obstacles.clear()
+    assert not len(
+        here.run(CycleInput(0.1, MotionState(Pose2(), 0.0, 0.0), Pose2(), "", None), 0.1).persistent_obstacles
+    )
 
 
-@pytest.mark.parametrize(("given_mps", "felt"), [(None, True), (0.2, True), (0.0, False)])
-def test_a_body_that_others_keep_standing_feels_nothing(given_mps: float | None, *, felt: bool) -> None:
+@pytest.mark.parametrize(("given_mps", "contacts"), [(None, True), (0.2, True), (0.0, False)])
+def test_a_body_that_others_keep_standing_feels_nothing(given_mps: float | None, *, contacts: bool) -> None:
     """The collision monitor stops it before what the laser sees: no unseen thing is there to be remembered."""
     here = seeing_no_depth()
-    assert here.things is not None
+    assert here.persistent_obstacles is not None
     goal = Goal(Pose2(3.0, 0.0, math.nan))
     poses = np.stack((np.linspace(0.0, 3.0, 60), np.zeros(60), np.zeros(60)), axis=1)
-    plan: Plan | None = Plan("way", "", poses, goal.pose, 3.0)
-    standing = Motion(Pose2(), 0.0, 0.0)
+    plan: GlobalPlan | None = GlobalPlan("way", "", poses, goal.pose, 3.0)
+    standing = MotionState(Pose2(), 0.0, 0.0)
     for k in range(15):
         scan = (World(()).scan(0.1 * k, Pose2()), Pose2(), Pose2())
-        here.cycle(
-            Senses(0.1 * k, standing, Pose2(), "", goal, scan, None, plan, None, EMPTY, given_mps=given_mps), 0.1
+        here.run(
+            CycleInput(0.1 * k, standing, Pose2(), "", goal, scan, None, plan, None, EMPTY, given_mps=given_mps), 0.1
         )
         plan = None
-    assert (len(here.things.points) > 0) is felt
+    assert (len(here.persistent_obstacles.points) > 0) is contacts

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from app.base.geometry import CameraModel, Pose3
 from app.messages import Image, LaserScan
-from app.modules.behaviors.navigation.tracking.sensor_health import DepthWatch, unfit, watch_depth
+from app.modules.behaviors.navigation.tracking.sensor_health import DepthHealth, unfit, update_depth_health
 
 CAMERA = CameraModel.from_vertical_fov(640, 480, math.radians(43))
 X_BC = Pose3(np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]]), np.array([0.05, 0.0, 1.4]))
@@ -32,16 +32,16 @@ OLD_PICTURE = "the depth picture is too old: the camera or this computer is too 
 
 
 def test_fresh_sensors_may_be_driven_by() -> None:
-    watch = watch_depth(DepthWatch(), picture(10.0, alive(0)))
+    watch = update_depth_health(DepthHealth(), picture(10.0, alive(0)))
     assert watch.problem == ""
     assert unfit(10.2, 10.1, watch) == ""
     assert unfit(10.2, 10.1, None) == "", "a body without a depth camera"
 
 
 def test_old_and_missing_sensors_may_not() -> None:
-    watch = watch_depth(DepthWatch(), picture(10.0, alive(0)))
+    watch = update_depth_health(DepthHealth(), picture(10.0, alive(0)))
     assert unfit(10.2, None, watch) == "no laser scan has come yet"
-    assert unfit(10.2, 10.2, DepthWatch()) == "no depth picture has come yet"
+    assert unfit(10.2, 10.2, DepthHealth()) == "no depth picture has come yet"
     assert unfit(10.8, 10.4, watch) == OLD_SCAN
     assert unfit(10.8, 10.8, watch) == OLD_PICTURE
     assert unfit(19.8, 19.8, watch) == OLD_PICTURE, "a state is told in one sentence, not in one for each age"
@@ -50,8 +50,8 @@ def test_old_and_missing_sensors_may_not() -> None:
 
 @pytest.mark.parametrize("off_s", [5.0, math.nan])
 def test_sensors_of_another_clock_may_not(off_s: float) -> None:
-    watch = watch_depth(DepthWatch(), picture(10.0, alive(0)))
-    ahead = watch_depth(DepthWatch(), picture(10.0 + off_s, alive(0)))
+    watch = update_depth_health(DepthHealth(), picture(10.0, alive(0)))
+    ahead = update_depth_health(DepthHealth(), picture(10.0 + off_s, alive(0)))
     assert unfit(10.0, 10.0 + off_s, watch) == "the laser's stamps are not of the robot's clock"
     assert unfit(10.0, 10.0, ahead) == "the depth camera's stamps are not of the robot's clock"
 
@@ -67,30 +67,30 @@ def test_sensors_of_another_clock_may_not(off_s: float) -> None:
     ids=["zero", "constant", "unchanged", "none"],
 )
 def test_a_camera_that_goes_on_sending_dead_pictures_may_not(depth: NDArray[np.uint16] | None, said: str) -> None:
-    watch = watch_depth(DepthWatch(), picture(10.0, alive(0)))
+    watch = update_depth_health(DepthHealth(), picture(10.0, alive(0)))
     for k in range(1, 8):
-        watch = watch_depth(watch, picture(10.0 + k / 15, depth))
+        watch = update_depth_health(watch, picture(10.0 + k / 15, depth))
         assert watch.problem == said
         assert watch.good == 10.0
     now = 10.0 + 7 / 15
     assert unfit(now, now, watch) == said
-    assert unfit(now, now, watch_depth(watch, picture(now, alive(2)))) == "", "it lives again"
+    assert unfit(now, now, update_depth_health(watch, picture(now, alive(2)))) == "", "it lives again"
 
 
 def test_one_dead_picture_is_no_reason_to_stop() -> None:
-    watch = watch_depth(DepthWatch(), picture(10.0, alive(0)))
-    watch = watch_depth(watch, picture(10.07, np.zeros((480, 640), np.uint16)))
+    watch = update_depth_health(DepthHealth(), picture(10.0, alive(0)))
+    watch = update_depth_health(watch, picture(10.07, np.zeros((480, 640), np.uint16)))
     assert unfit(10.1, 10.1, watch) == ""
 
 
 def test_before_a_wall_the_camera_may_be_blind_but_not_in_the_open() -> None:
     zeros = picture(11.0, np.zeros((480, 640), np.uint16))
-    assert watch_depth(DepthWatch(), zeros, scan(0.3)).problem == ""
-    assert watch_depth(DepthWatch(), zeros, scan(2.0)).problem == "depth pictures are all zero"
-    assert watch_depth(DepthWatch(), zeros, scan(math.inf)).problem == "depth pictures are all zero"
+    assert update_depth_health(DepthHealth(), zeros, scan(0.3)).problem == ""
+    assert update_depth_health(DepthHealth(), zeros, scan(2.0)).problem == "depth pictures are all zero"
+    assert update_depth_health(DepthHealth(), zeros, scan(math.inf)).problem == "depth pictures are all zero"
 
 
 @pytest.mark.parametrize("range_m", [0.0, 0.05, math.nan])
 def test_a_dead_laser_excuses_no_dead_camera(range_m: float) -> None:
     zeros = picture(11.0, np.zeros((480, 640), np.uint16))
-    assert watch_depth(DepthWatch(), zeros, scan(range_m)).problem == "depth pictures are all zero"
+    assert update_depth_health(DepthHealth(), zeros, scan(range_m)).problem == "depth pictures are all zero"

@@ -1,4 +1,4 @@
-"""What is told of the way, and what of that is logged."""
+"""Published statuses of a path, and their log lines."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ import logging
 import pytest
 
 from app.messages import NavigationStatus
-from app.modules.behaviors.navigation.tracking.status_publisher import Teller
+from app.modules.behaviors.navigation.tracking.status_publisher import StatusPublisher
 
 
 def test_a_state_is_logged_on_entering_and_each_reason_once(caplog: pytest.LogCaptureFixture) -> None:
     told: list[NavigationStatus] = []
-    teller = Teller(told.append, logging.getLogger("hbba.Going"))
+    publisher = StatusPublisher(told.append, logging.getLogger("hbba.Going"))
     said = [
         ("idle", ""),
         *[("waiting", why) for why in ("no scan", "no pose", "no scan", "no pose")],
@@ -20,7 +20,7 @@ def test_a_state_is_logged_on_entering_and_each_reason_once(caplog: pytest.LogCa
     ]
     with caplog.at_level(logging.INFO, "hbba"):
         for number, (state, reason) in enumerate([*said, ("waiting", "no scan")]):
-            teller.tell(NavigationStatus(float(number), "Going", state, reason))
+            publisher.update(NavigationStatus(float(number), "Going", state, reason))
     assert [r.getMessage() for r in caplog.records] == [
         "waiting: no scan", "waiting: no pose", "following", "waiting: no scan",
     ]  # fmt: skip

@@ -1,0 +1,172 @@
+"""What packages of others add to the program: objects named ``package.module:Name``, files named ``package:NAME/PATH``,
+and entry points of the groups ``hbba.*``."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import sys
+import tomllib
+import traceback
+from dataclasses import dataclass
+from importlib import metadata
+from pathlib import Path
+
+from app.base import paths
+from app.base.errors import ConfigError
+
+DISTRIBUTION = "hbba"
+#: The groups of entry points, and what each brings.
+GROUPS = {
+    "hbba.bodies": "bodies",
+    "hbba.configurations": "configurations",
+    "hbba.experiments": "experiments",
+    "hbba.messages": "messages",
+    "hbba.panels": "panels",
+}
+_PACKAGE_FILE = "package:"
+#: Where files of packages are in a folder that was restored from a recording.
+ATTACHED = "_packages"
+
+
+@dataclass(frozen=True, slots=True)
+class Extension:
+    """One entry point: its ``name`` in ``group``, the ``value`` it names and the ``distribution`` that brings it."""
+
+    group: str
+    name: str
+    value: str
+    distribution: str
+
+    def load(self) -> object:
+        """The object that it names. Raises ConfigError, one sentence, where that cannot be imported or is absent."""
+        whose = f"{self.name!r} of {self.group}, from {self.distribution}"
+        try:
+            if ":" not in self.value:
+                return importlib.import_module(self.value)
+            found = load_named(self.value)
+        except ConfigError as failure:
+            raise ConfigError(f"{whose}: {failure.message}") from failure
+        except Exception as failure:  # a package of others may raise anything while it is imported
+            raise ConfigError(f"{whose}: {self.value} cannot be imported: {_sentence(failure)}") from failure
+        if found is None:
+            raise ConfigError(f"{whose}: there is no {self.value}")
+        return found
+
+
+def extensions(group: str) -> dict[str, Extension]:
+    """The entry points of ``group`` by name. Raises ConfigError where two distributions use one name.
+
+    In a checkout those of the project itself are read from ``pyproject.toml``: metadata of an installation that is
+    older than the checkout would hide them.
+    """
+    found = _own(group)
+    for point in metadata.entry_points(group=group):
+        distribution = point.dist.name if point.dist is not None else ""
+        if distribution == DISTRIBUTION and paths.checkout_dir() is not None:
+            continue
+        extension = Extension(group, point.name, point.value, distribution)
+        before = found.setdefault(point.name, extension)
+        if before != extension:
+            raise ConfigError(
+                f"two packages bring {point.name!r} of {group}: {before.distribution} and {distribution}; "
+                "uninstall one of them"
+            )
+    return found
+
+
+def _own(group: str) -> dict[str, Extension]:
+    root = paths.checkout_dir()
+    if root is None:
+        return {}
+    project = tomllib.loads((root / "pyproject.toml").read_text("utf-8"))["project"]
+    declared = project.get("entry-points", {}).get(group, {})
+    return {name: Extension(group, name, value, DISTRIBUTION) for name, value in declared.items()}
+
+
+def announced_packages() -> frozenset[str]:
+    """The import packages, this program's own among them, that entry points of the groups ``hbba.*`` name."""
+    points = [point.value for group in GROUPS for point in metadata.entry_points(group=group)]
+    return frozenset({"app", *(value.partition(":")[0].partition(".")[0] for value in points)})
+
+
+def load_named(path: str) -> object | None:
+    """The object at ``package.module:Name``, whose module is imported; None where there is no such module or name.
+
+    Raises ConfigError, one sentence with file and line, for a module that is there and cannot be imported.
+    """
+    module_path, _, name = path.partition(":")
+    if not all(part.isidentifier() for part in (*module_path.split("."), name)):
+        return None
+    try:
+        return getattr(importlib.import_module(module_path), name, None)
+    except Exception as failure:  # a package of others may raise anything while it is imported
+        # Only the named file itself being absent is the configuration's fault.
+        absent = failure.name if isinstance(failure, ModuleNotFoundError) else None
+        if absent is not None and f"{module_path}.".startswith(f"{absent}."):
+            return None
+        raise ConfigError(f"{module_path} cannot be imported: {_sentence(failure)}") from failure
+
+
+def may_be_imported_for_a_log(path: str) -> bool:
+    """Whether the module of ``package.module:Name`` may be imported because a log names it.
+
+    A log is a file of strangers: it may name what is imported already, and what announces itself to this program.
+    """
+    module_path = path.partition(":")[0]
+    return module_path in sys.modules or module_path.partition(".")[0] in announced_packages()
+
+
+def package_file(named: Path | str, folder: Path) -> Path:
+    """The file that a configuration in ``folder`` calls ``named``.
+
+    ``package:NAME/PATH`` is the file PATH of the import package NAME, or of this program's configuration where NAME is
+    ``hbba``; any other path is relative to ``folder``. A file that a recording carried along comes before the
+    package's. Raises ConfigError for a package that is not installed.
+    """
+    inside = split_package_file(named)
+    if inside is None:
+        return folder / named
+    package, rest = inside
+    attached = folder / ATTACHED / package / rest
+    return attached if attached.is_file() else package_folder(package) / rest
+
+
+def split_package_file(named: Path | str) -> tuple[str, Path] | None:
+    """Package and path of ``package:NAME/PATH``; None for a plain path."""
+    first, *rest = Path(named).parts or ("",)
+    return (first.removeprefix(_PACKAGE_FILE), Path(*rest)) if first.startswith(_PACKAGE_FILE) else None
+
+
+def announced_configurations() -> dict[str, Path]:
+    """The program configurations that packages announce: ``NAME = "package.folder"`` is ``package/folder/NAME.yaml``.
+
+    Raises ConfigError for one whose package is not installed or has no such file.
+    """
+    found: dict[str, Path] = {}
+    for name, extension in extensions("hbba.configurations").items():
+        package, *folders = extension.value.split(".")
+        file = package_folder(package).joinpath(*folders, f"{name}.yaml")
+        if not file.is_file():
+            raise ConfigError(f"configuration {name!r}, from {extension.distribution}: there is no file {file}")
+        found[name] = file
+    return found
+
+
+def package_folder(package: str) -> Path:
+    """The folder of an installed import package, which is not imported for it. Raises ConfigError."""
+    if package == DISTRIBUTION:
+        return paths.config_dir()
+    spec = importlib.util.find_spec(package) if package.isidentifier() else None
+    if spec is None or not spec.submodule_search_locations:
+        raise ConfigError(f"there is no package {package!r} installed")
+    return Path(next(iter(spec.submodule_search_locations)))
+
+
+def _sentence(failure: Exception) -> str:
+    """What went wrong and where, for people."""
+    if isinstance(failure, SyntaxError):
+        return f"{failure.filename}:{failure.lineno}: {failure.msg}"
+    frames = [frame for frame in traceback.extract_tb(failure.__traceback__) if not frame.filename.startswith("<")]
+    last = frames[-1]
+    return f"{last.filename}:{last.lineno}: {type(failure).__name__}: {failure}"

@@ -1,0 +1,61 @@
+"""A list of observers: callbacks that one source calls with each of its events."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from typing import Generic, ParamSpec
+
+P = ParamSpec("P")
+
+log = logging.getLogger("hbba.observers")
+
+
+class Observers(Generic[P]):
+    """The observers of one source; for use on one thread.
+
+    One policy for all sources: an observer that raises is removed and its exception is logged with a traceback. The
+    source and the other observers go on.
+    """
+
+    __slots__ = ("_callbacks", "_of")
+
+    def __init__(self, of: str) -> None:
+        """``of``: the source and its event, for the log: ``"the timeline"``."""
+        self._of = of
+        self._callbacks: dict[object, Callable[P, object]] = {}
+
+    def __bool__(self) -> bool:
+        return bool(self._callbacks)
+
+    def add(self, callback: Callable[P, object]) -> Callable[[], None]:
+        """Call ``callback`` at every event from now on, after the observers added before it.
+
+        A callback added twice is called twice. Returns a function that removes the observer; it may be called twice.
+        """
+        key = object()
+        self._callbacks[key] = callback
+
+        def remove() -> None:
+            self._callbacks.pop(key, None)
+
+        return remove
+
+    def notify(self, *args: P.args, **kwargs: P.kwargs) -> None:
+        """Call every observer with the arguments of the event; never raises.
+
+        An observer added meanwhile is called from the next event on; one removed meanwhile is not called any more.
+        """
+        for key, callback in tuple(self._callbacks.items()):
+            if key not in self._callbacks:
+                continue
+            try:
+                callback(*args, **kwargs)
+            except Exception:
+                # Removed before the log is written: a log line may itself be an event of this source.
+                self._callbacks.pop(key, None)
+                log.exception("an observer of %s failed and is removed: %r", self._of, callback)
+
+    def clear(self) -> None:
+        """Remove all observers."""
+        self._callbacks.clear()

@@ -1,0 +1,45 @@
+"""Lists of what attention reports."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from app.attention.desires import Desire
+from app.attention.reports import DesireClassReport, ResourceReport, Scale, StrategyReport
+from app.attention.timeline import TimelineEvent
+
+
+@dataclass(frozen=True, slots=True)
+class DesireList:
+    """Every desire, in the order they came."""
+
+    desires: tuple[Desire, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class DesireClassList:
+    """Every desire class, in the order the console shows them, and the ends of the scales."""
+
+    classes: tuple[DesireClassReport, ...]
+    scale: Scale
+
+
+@dataclass(frozen=True, slots=True)
+class StrategyList:
+    """Every strategy, in table order."""
+
+    strategies: tuple[StrategyReport, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ResourceList:
+    """Every resource."""
+
+    resources: tuple[ResourceReport, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class EventList:
+    """Events, oldest first."""
+
+    events: tuple[TimelineEvent, ...]

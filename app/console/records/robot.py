@@ -1,0 +1,91 @@
+"""The robot: what it is, its guard, where it is and what it has found."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+from app.link import BaseLimits
+from app.messages.base import Stamp, doc
+from app.runtime.module import Caution
+
+
+@dataclass(frozen=True, slots=True)
+class RobotFacts:
+    """What the body is, and what people must know of it."""
+
+    name: str
+    simulated: bool
+    replayed: Annotated[bool, doc("Whether it is the body of a replay: it can neither be driven nor stopped.")]
+    limits: BaseLimits
+    footprint: Annotated[
+        tuple[tuple[float, float], ...],
+        doc("Corners of its outline (m, in base_link), counter-clockwise; empty for one that does not move."),
+    ]
+    cautions: tuple[Caution, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Velocity:
+    """Forward m/s and turn rad/s (left positive)."""
+
+    linear_mps: float
+    angular_radps: float
+
+
+@dataclass(frozen=True, slots=True)
+class Guard:
+    """What the guard says."""
+
+    state: Annotated[str, doc("idle, driving, stale_command, e_stopped, sensor_failure, waiting or silent.")]
+    reason: str
+    e_stopped: bool
+    command_age_ms: float | None
+    applied: Velocity
+
+
+@dataclass(frozen=True, slots=True)
+class OdometryReport:
+    """Pose in `odom` (m, rad) and measured velocity (m/s, rad/s)."""
+
+    x: float
+    y: float
+    theta: float
+    linear_mps: float
+    angular_radps: float
+
+
+@dataclass(frozen=True, slots=True)
+class LandmarkReport:
+    """A QR code found, in `odom` (m)."""
+
+    text: str
+    x: float
+    y: float
+    z: float
+    sigma_m: float
+    sightings: int
+    first_seen: Stamp
+    last_seen: Stamp
+
+
+@dataclass(frozen=True, slots=True)
+class RobotReport:
+    """The robot's state."""
+
+    stamp: Stamp
+    robot: RobotFacts
+    guard: Guard
+    world_rate: float
+    odometry: OdometryReport | None
+    driver: Annotated[str | None, doc("The operator who drives.")]
+    exploited: Annotated[str | None, doc("The behavior that drives the base.")]
+    landmarks: tuple[LandmarkReport, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class EStop:
+    """What was asked of the guard; GET /api/v1/robot shows within 50 ms what it did."""
+
+    e_stop: Literal["latched", "released"]
+    stamp: Annotated[float, doc("The robot's clock then (s): what a release names by `seen`.")]

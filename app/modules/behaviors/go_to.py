@@ -1,0 +1,35 @@
+"""The desire class GoTo, which PlanAndFollowPath and GoToward serve."""
+
+from __future__ import annotations
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from app.attention.desires import DesireClass
+from app.maps.zones import FURTHEST_M
+
+
+class GoToParameters(BaseModel):
+    """Parameters of a desire of class GoTo."""
+
+    model_config = ConfigDict(extra="forbid", title="Go to a place", allow_inf_nan=False)
+
+    x: float = Field(ge=-FURTHEST_M, le=FURTHEST_M, title="x", description="Where to, in metres on the map.")
+    y: float = Field(ge=-FURTHEST_M, le=FURTHEST_M, title="y", description="Where to, in metres on the map.")
+    heading: float | None = Field(
+        None, ge=-7, le=7, title="Heading", description="How to stand there, in rad on the map; none: any way."
+    )
+    tolerance_m: float = Field(
+        0.25, ge=0.05, le=5, title="Near enough", description="So many metres from there will do."
+    )
+    tolerance_rad: float = Field(
+        0.2, ge=0.05, le=3.2, title="Turned enough", description="So many rad from the heading will do."
+    )
+    speed: float = Field(1.0, gt=0, le=1, title="Speed", description="Share of the robot's greatest speeds, 0 to 1.")
+
+
+GO_TO = DesireClass(
+    name="GoTo",
+    title="Go to a place",
+    description="Drive to a place on the map, around obstacles.",
+    parameters=GoToParameters,
+)

@@ -1,0 +1,193 @@
+"""PerceptEvents: what is perceived appears, leaves and changes (docs/percept-events.md).
+
+    ┌─────────────────────────────────────────────────────────────────────────────────────────┐
+    │ PerceptEvents    in   codes     QRCodes, with each image read; may be absent             │
+    │                  in   faces     Faces, with each image looked at; may be absent          │
+    │                  in   sources   SoundSources, as they come; may be absent                │
+    │                  in   noises    LoudNoise, as they come; may be absent                   │
+    │                  in   darkness  Darkness, with each image looked at; may be absent       │
+    │                  in   odometry  Odometry, 100 Hz, X_OB in odom; may be absent            │
+    │                  in   divisors  Divisors, on change; may be absent                       │
+    │                  out  events    PerceptEvent (m and rad in odom), as they happen         │
+    └─────────────────────────────────────────────────────────────────────────────────────────┘
+
+The hysteresis is ``presence.look``. Faces, codes, sound sources and darkness come with each look, empty where nothing
+is seen: no message is no look. A loud noise is an event, and its silence says nothing: quiet counts only while
+``divisors`` says that ``noise_filter`` is open. The inputs of percepts never want their channels: no perception is
+kept awake for its events.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from pydantic import Field, ValidationInfo, field_validator
+
+from app.base.geometry import FloatArray, Pose2, wrap_angle
+from app.messages import Darkness, Divisors, Faces, LoudNoise, Odometry, PerceptEvent, QRCodes, SoundSources
+from app.modules.perception.pose_at import PoseAt
+from app.modules.perception.presence import Change, Hysteresis, Presence, Sighting, look
+from app.runtime.filter import CLOSED
+from app.runtime.module import Module, ModuleContext, Settings
+
+#: Looks that may wait while the pose at an earlier one's stamp is awaited.
+_CAPACITY = 8
+_BEAT_S = 0.25
+#: A sound's distance is known if its standard deviation is at most this share of it.
+_KNOWN = 0.5
+#: Kept over restarts, so that what is there does not appear twice.
+_PRESENCE = "presence"
+
+DEFAULTS = {
+    "code": Hysteresis(sightings=2, off_looks=3, off_s=3.0, moved_m=0.5),
+    "face": Hysteresis(sightings=3, off_looks=3, off_s=2.0, moved_m=0.5),
+    "voice": Hysteresis(sightings=2, on_s=0.3, off_s=2.0, enter=0.5, stay=0.3, turned_rad=0.5),
+    "noise": Hysteresis(off_s=1.0),
+    "dark": Hysteresis(sightings=2, off_s=0.5),
+}
+
+
+class PerceptEventsSettings(Settings):
+    """Settings of PerceptEvents: for each kind what differs from its default hysteresis."""
+
+    code: Hysteresis = DEFAULTS["code"]
+    face: Hysteresis = DEFAULTS["face"]
+    voice: Hysteresis = DEFAULTS["voice"]
+    noise: Hysteresis = DEFAULTS["noise"]
+    dark: Hysteresis = DEFAULTS["dark"]
+    noise_filter: str = Field("LoudNoiseDetector.audio", description="while it is closed, quiet is not heard")
+
+    @field_validator(*DEFAULTS, mode="before")
+    @classmethod
+    def _over_defaults(cls, value: Any, info: ValidationInfo) -> Any:
+        return {**DEFAULTS[str(info.field_name)].model_dump(), **value} if isinstance(value, dict) else value
+
+
+class PerceptEvents(Module):
+    """Turns what perceptions report again and again into events."""
+
+    title = "Percept events"
+    aids = frozenset({"divisors"})
+    Settings = PerceptEventsSettings
+    settings: PerceptEventsSettings
+
+    def __init__(self, context: ModuleContext) -> None:
+        super().__init__(context)
+        self._presence: dict[str, Presence] = {}
+        self._poses = PoseAt(self.clock)
+        self._listening = True
+        self.codes = self.input("codes", QRCodes, capacity=_CAPACITY, wants="never")
+        self.faces = self.input("faces", Faces, capacity=_CAPACITY, wants="never")
+        self.sources = self.input("sources", SoundSources, capacity=_CAPACITY, wants="never")
+        self.noises = self.input("noises", LoudNoise, capacity=_CAPACITY, wants="never")
+        self.darkness = self.input("darkness", Darkness, capacity=_CAPACITY, wants="never")
+        self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True)
+        self.divisors = self.input("divisors", Divisors)
+        self.events = self.output("events", PerceptEvent)
+        self.on(self.codes, self._read)
+        self.on(self.faces, self._see)
+        self.on(self.sources, self._hear)
+        self.on(self.noises, self._startle)
+        self.on(self.darkness, self._dim)
+        self.on(self.odometry, self._remember)
+        self.on(self.divisors, self._learn)
+        self.every(_BEAT_S, self._listen)
+
+    async def start(self) -> None:
+        """Go on with what was there before a restart."""
+        self._presence = self.persistent.pop(_PRESENCE, {})
+        known = None if self.divisors.channel is None else self.divisors.channel.latest
+        if known is not None:
+            await self._learn(known)
+
+    async def _remember(self, odometry: Odometry) -> None:
+        self._poses.add(odometry)
+
+    async def _learn(self, divisors: Divisors) -> None:
+        phi = dict(zip(divisors.filters, divisors.divisors, strict=True))
+        self._listening = phi.get(self.settings.noise_filter, 1.0) != CLOSED
+
+    async def _read(self, codes: QRCodes) -> None:
+        X_OB = await self._pose(codes.stamp, codes.codes)
+        self._look("code", codes.frame, codes.stamp, of_codes(codes, X_OB))
+
+    async def _see(self, faces: Faces) -> None:
+        X_OB = await self._pose(faces.stamp, faces.faces)
+        self._look("face", faces.frame, faces.stamp, of_faces(faces, X_OB))
+
+    async def _hear(self, sounds: SoundSources) -> None:
+        X_OB = await self._pose(sounds.stamp, sounds.sources)
+        self._look("voice", "sound_sources", sounds.stamp, of_sources(sounds, X_OB))
+
+    async def _startle(self, noise: LoudNoise) -> None:
+        self._look("noise", "loud_noises", noise.stamp, [Sighting("")])
+
+    async def _dim(self, darkness: Darkness) -> None:
+        frame = darkness.frame
+        self._look("dark", frame, darkness.stamp, [Sighting(frame)] if darkness.dark else [])
+
+    async def _listen(self) -> None:
+        """A look at no noise: it is quiet now, while the detector listens."""
+        if self._listening and self._presence.get("noise", Presence()).subjects:
+            self._look("noise", "loud_noises", self.clock.now(), [])
+
+    async def _pose(self, stamp: float, seen: Sequence[object]) -> Pose2 | None:
+        return await self._poses.at(stamp) if seen and self.odometry.connected else None
+
+    def _look(self, kind: str, source: str, stamp: float, sightings: Sequence[Sighting]) -> None:
+        rule: Hysteresis = getattr(self.settings, kind)
+        self._presence[kind], changes = look(self._presence.get(kind, Presence()), rule, source, stamp, sightings)
+        self.persistent[_PRESENCE] = self._presence
+        for change in changes:
+            self.events.publish(event(kind, stamp, change))
+
+
+def event(kind: str, stamp: float, change: Change) -> PerceptEvent:
+    """``change`` of a subject of ``kind``, known by a look at ``stamp``."""
+    subject, sighting = change.subject, change.subject.sighting
+    return PerceptEvent(
+        stamp=stamp,
+        name=f"{kind}.{change.verb}",
+        kind=kind,
+        subject=sighting.subject,
+        source=subject.source,
+        since=subject.first,
+        confidence=sighting.confidence,
+        p_OP=sighting.p_O,
+        heading=sighting.heading,
+    )
+
+
+def of_codes(message: QRCodes, X_OB: Pose2 | None) -> list[Sighting]:
+    """Each code by its text; codes without depth have no place."""
+    return [_placed(code.text, 1.0, None if code.p_BQ is None else np.array(code.p_BQ), X_OB) for code in message.codes]
+
+
+def of_faces(message: Faces, X_OB: Pose2 | None) -> list[Sighting]:
+    """Each face by its track's number."""
+    return [_placed(str(face.track), face.score, np.array(face.p_BF), X_OB) for face in message.faces]
+
+
+def of_sources(message: SoundSources, X_OB: Pose2 | None) -> list[Sighting]:
+    """Each source that sounds now, by its track's number; its confidence is the probability that it is a voice."""
+    found = []
+    for source in message.sources:
+        if not source.active:
+            continue
+        direction = np.array(source.direction)
+        known = source.range_sigma_m <= _KNOWN * source.range_m
+        p_BS = np.array(message.p_BA) + source.range_m * direction if known else None
+        heading = None if X_OB is None else wrap_angle(X_OB.theta + math.atan2(direction[1], direction[0]))
+        placed = _placed(str(source.track), source.speech, p_BS, X_OB)
+        found.append(Sighting(placed.subject, placed.confidence, placed.p_O, heading))
+    return found
+
+
+def _placed(subject: str, confidence: float, p_B: FloatArray | None, X_OB: Pose2 | None) -> Sighting:
+    if p_B is None or X_OB is None:
+        return Sighting(subject, confidence)
+    x, y, z = X_OB.to_pose3().transform(p_B).tolist()
+    return Sighting(subject, confidence, (x, y, z), math.atan2(y - X_OB.y, x - X_OB.x))

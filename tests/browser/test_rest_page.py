@@ -1,0 +1,70 @@
+"""The page on REST: requests tried in it are real ones, a login is needed first, and nothing comes from elsewhere."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from playwright.sync_api import Browser, ConsoleMessage, Locator, Page, Request, expect
+
+from app.console.access.token import VARIABLE
+from tests.browser.running import running_robot
+from tests.patience import PATIENCE_MS
+
+TOKEN = "a token of eight or more"
+
+
+def tried(page: Page, operation: str, body: dict[str, Any] | None = None) -> tuple[int, Any]:
+    """Status and decoded body that ``operation`` is answered with when it is tried out on the page."""
+    block: Locator = page.locator(f"[id$={operation}]")
+    block.locator(".opblock-summary-control").first.click()
+    block.get_by_role("button", name="Try it out").click()
+    if body is not None:
+        block.locator("textarea.body-param__text").fill(json.dumps(body))
+    block.get_by_role("button", name="Execute").click()
+    answer = block.locator(".live-responses-table .response").first
+    status = int(answer.locator(".response-col_status").inner_text().split()[0])
+    return status, json.loads(answer.locator(".highlight-code pre").first.inner_text())
+
+
+def test_requests_are_tried_out_on_the_page(browser: Browser, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(VARIABLE, TOKEN)
+    errors: list[str] = []
+    asked: set[str] = set()
+
+    def hear(message: ConsoleMessage) -> None:
+        # Without a login, the description is refused. All other errors are the page's, or its content policy's.
+        if message.type == "error" and "401" not in message.text:
+            errors.append(message.text)
+
+    def note(request: Request) -> None:
+        asked.add(request.url.split("/rest.html")[0].split("/assets/")[0])
+
+    with running_robot(tmp_path, calm=True) as robot:
+        url = robot.url.partition("#")[0].rstrip("/")
+        context = browser.new_context()
+        context.set_default_timeout(PATIENCE_MS)
+        page = context.new_page()
+        page.on("console", hear)
+        page.on("pageerror", lambda error: errors.append(str(error)))
+        page.on("request", note)
+        page.goto(f"{url}/rest.html")
+        expect(page.locator(".problem")).to_contain_text("log in on the console's page")
+
+        page.goto(f"{url}/?scene=off")
+        page.get_by_test_id("login-token").fill(TOKEN)
+        page.get_by_test_id("login-submit").click()
+        page.locator("[data-testid=connection][data-phase=live]").wait_for()
+
+        page.goto(f"{url}/api/v1/docs")
+        assert tried(page, "get_health")[0] == 200
+        status, desire = tried(page, "create_desire", {"class": "LocateVoices", "intensity": 3, "utility": 2})
+        assert (status, desire["class"], desire["intensity"]) == (201, "LocateVoices", 3)
+        status, desires = tried(page, "list_desires")
+        assert status == 200
+        assert desire["id"] in {each["id"] for each in desires["desires"]}
+        context.close()
+    assert errors == []
+    assert all(each.startswith((url, "data:", "blob:")) for each in asked), asked

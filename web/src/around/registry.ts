@@ -1,0 +1,6 @@
+/** What is drawn around the robot, lowest first: one line for each type of message. */
+
+import type { Layer } from "./layer";
+import { perceivedLayer } from "./PerceivedLayer";
+
+export const LAYERS: readonly Layer[] = [perceivedLayer];

@@ -1,0 +1,255 @@
+/** Joins the browser's inputs (keys, stick, gamepads, focus) to the state machine, and its commands to the socket. */
+
+import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
+import type { PlaybackController } from "../playback/playbackController";
+import type { Session } from "../state/session";
+import type { Store } from "../state/store";
+import type { Axes } from "./axes";
+import { type PadReading, readPads } from "./gamepad";
+import { DRIVE_KEYS, OVERRIDE_KEYS, SLOW_KEYS } from "./keys";
+import { type DriveState, flush, type Input, initialDrive, step, TICK_MS } from "./machine";
+
+export const PRESETS = [
+  { name: "Slow", factor: 0.35 },
+  { name: "Normal", factor: 0.65 },
+  { name: "Full", factor: 1 },
+] as const;
+/** A tick may come this much early, or the next chance would make it late. */
+const EARLY_MS = 5;
+const PRESET_KEY = "hbba.preset";
+
+/** Where the keyboard is when it cannot drive. */
+export type KeyboardPlace = "page" | "field" | "away";
+
+export class DriveController {
+  readonly state = signal<DriveState>(initialDrive(readPreset()));
+  readonly keyboard = signal<KeyboardPlace>("page");
+  /** Why driving is refused now, in words; null: it is not. */
+  readonly refusal: ReadonlySignal<string | null>;
+  private chosenPad: PadReading["chosen"] = null;
+  private padStop = false;
+  private padHome = false;
+  /** What a gamepad's button for it does: send the robot back to the start. */
+  onHome: () => void = () => {};
+  /** Ends every trip that the robot makes by itself; whether there was any. */
+  onStop: () => boolean = () => false;
+  /** Space is down and has stopped something: it is no press of a button. */
+  private stopping = false;
+  private polling = false;
+  private beatAt = 0;
+
+  constructor(
+    private readonly store: Store,
+    private readonly session: Session,
+    private readonly playback: PlaybackController,
+  ) {
+    this.refusal = computed(() => whyNot(store));
+  }
+
+  start(): void {
+    effect(() => this.input({ type: "allow", allowed: this.refusal.value === null }));
+    window.setInterval(() => this.beat(), TICK_MS);
+    this.session.onChance = () => this.beat();
+    this.listen(window);
+    window.addEventListener("blur", () => this.release());
+    window.addEventListener("pagehide", () => this.release(true));
+    document.addEventListener("visibilitychange", () => this.release(document.hidden));
+    document.addEventListener("focusin", (event) => {
+      if (typesText(event.target)) this.release();
+    });
+    for (const kind of ["focusin", "focusout"]) document.addEventListener(kind, () => this.look());
+    for (const kind of ["focus", "blur"]) window.addEventListener(kind, () => this.look());
+    window.addEventListener("gamepadconnected", () => this.poll());
+    window.addEventListener("gamepaddisconnected", () => this.release());
+  }
+
+  /** Keys pressed in `frame`'s page drive too; its losing the focus is a release like ours. */
+  listenIn(frame: Window): void {
+    this.listen(frame);
+    frame.addEventListener("blur", () => this.release());
+    frame.addEventListener("focus", () => this.look());
+  }
+
+  input(input: Input): void {
+    const { state, send } = step(this.state.peek(), input);
+    if (state !== this.state.peek()) this.state.value = state;
+    for (const command of send) this.session.send({ type: "drive", ...command });
+  }
+
+  /** Lets go of everything; `now`: without waiting for the next ticks to repeat it. */
+  release(now = false): void {
+    this.input({ type: "release" });
+    if (!now) return;
+    const { state, send } = flush(this.state.peek());
+    this.state.value = state;
+    for (const command of send) this.session.send({ type: "drive", ...command });
+  }
+
+  /** The tick of the held command: not more often than it is wanted, however many chances there are. */
+  private beat(): void {
+    const now = performance.now();
+    if (now - this.beatAt < TICK_MS - EARLY_MS) return;
+    this.beatAt = now;
+    this.input({ type: "tick" });
+  }
+
+  grasp(axes: Axes): void {
+    if (this.refusal.peek()) this.explain();
+    else this.input({ type: "stick-start", axes });
+  }
+
+  preset(factor: number): void {
+    localStorage.setItem(PRESET_KEY, String(factor));
+    this.input({ type: "preset", factor });
+  }
+
+  private listen(target: Window): void {
+    target.addEventListener("keydown", (event) => this.keyDown(event), { capture: true });
+    target.addEventListener("keyup", (event) => this.keyUp(event), { capture: true });
+  }
+
+  private keyDown(event: KeyboardEvent): void {
+    if (this.store.replay.peek()) {
+      this.replayKeyDown(event);
+      return;
+    }
+    if (event.code === "Escape" && !event.repeat) {
+      // What opens over a page closes with Escape everywhere: that must not leave a standing robot latched.
+      const stands = this.store.stands.peek() && !this.state.peek().command.held;
+      const onlyTheSheet = this.store.help.peek() && stands && !this.onStop();
+      this.release();
+      this.store.help.value = false;
+      if (!onlyTheSheet) this.session.eStop();
+      return;
+    }
+    if (event.ctrlKey || event.altKey || event.metaKey) {
+      this.release(); // the browser may swallow the key's release
+      return;
+    }
+    if (typesText(event.target)) return;
+    if (event.code === "Space") this.space(event);
+    else if (event.key === "?") this.store.help.value = !this.store.help.value;
+    else if (!this.store.body.peek().drives) return;
+    else if (DRIVE_KEYS.has(event.code) && !(event.code.startsWith("Arrow") && ownsArrows(event.target))) {
+      event.preventDefault();
+      event.stopPropagation();
+      if (!event.repeat && this.refusal.peek()) this.explain();
+      this.input({ type: "key", code: event.code, down: true, repeat: event.repeat });
+    } else if (SLOW_KEYS.has(event.code) || OVERRIDE_KEYS.has(event.code))
+      this.input({ type: "key", code: event.code, down: true, repeat: event.repeat });
+  }
+
+  /** Stops all driving: teleoperation and goal. While anything does, it presses no button, or "To start" might go on. */
+  private space(event: KeyboardEvent): void {
+    if (!event.repeat) {
+      const { held } = this.state.peek().command;
+      this.release();
+      this.stopping = this.onStop() || held;
+    }
+    if (this.stopping) event.stopPropagation();
+    if (this.stopping || !isControl(event.target)) event.preventDefault();
+  }
+
+  /** Keys of a recording: nothing in it can be driven or stopped. */
+  private replayKeyDown(event: KeyboardEvent): void {
+    if (event.code === "Escape") this.store.help.value = false;
+    else if (event.ctrlKey || event.altKey || event.metaKey) return;
+    else if (event.key === "?" && !typesText(event.target)) this.store.help.value = !this.store.help.value;
+    else {
+      const onTimeline = !!closest(event.target, "[data-playback-keys]");
+      const taken = this.playback.key({
+        code: event.code,
+        typing: typesText(event.target),
+        ownsArrows: !onTimeline && ownsArrows(event.target),
+        pressable: !onTimeline && isControl(event.target),
+      });
+      if (!taken) return;
+      event.preventDefault();
+      event.stopPropagation();
+    }
+  }
+
+  private keyUp(event: KeyboardEvent): void {
+    if (event.code === "Space" && this.stopping) {
+      this.stopping = false;
+      event.preventDefault();
+      event.stopPropagation();
+    }
+    this.input({ type: "key", code: event.code, down: false });
+  }
+
+  private explain(): void {
+    const reason = this.refusal.peek();
+    // While nothing is heard, the banner over the view says it already.
+    if (reason && this.store.live.peek()) this.store.notify("warning", reason);
+  }
+
+  /** Finds out where the keyboard is, once the browser has moved it. */
+  private look(): void {
+    queueMicrotask(() => {
+      const active = document.activeElement;
+      if (!document.hasFocus()) this.keyboard.value = "away";
+      else this.keyboard.value = typesText(active) ? "field" : "page";
+    });
+  }
+
+  private poll(): void {
+    if (this.polling) return;
+    this.polling = true;
+    const frame = () => {
+      const pads = navigator.getGamepads();
+      const { chosen, axes, override, stop, home } = readPads(pads, this.chosenPad);
+      if (this.chosenPad && !chosen) this.release();
+      this.chosenPad = chosen;
+      this.input({ type: "pad", axes: document.hasFocus() ? axes : null, override });
+      if (stop && !this.padStop && !this.store.replay.peek()) this.session.eStop();
+      this.padStop = stop;
+      if (home && !this.padHome && document.hasFocus() && !this.store.replay.peek()) this.onHome();
+      this.padHome = home;
+      this.polling = pads.some((pad) => pad !== null);
+      if (this.polling) requestAnimationFrame(frame);
+    };
+    requestAnimationFrame(frame);
+  }
+}
+
+function whyNot(store: Store): string | null {
+  const phase = store.link.value.phase;
+  if (store.replay.value) return "This is a recording: it cannot be driven.";
+  if (!store.body.value.drives) return "This robot cannot be driven.";
+  if (phase === "stale") return "The page's data is old. You can drive when the robot answers again.";
+  if (phase !== "live") return "Not connected to the robot.";
+  const status = store.of("status").value;
+  if (status?.guard.e_stopped) return "The emergency stop is latched. Release it to drive.";
+  if (status?.guard.state === "silent") return status.guard.reason;
+  if (status?.waits) return status.waits;
+  if (status?.driver && !status.driver.mine)
+    return `${status.driver.operator} is driving. Take control to drive yourself.`;
+  return null;
+}
+
+function readPreset(): number {
+  const kept = Number(localStorage.getItem(PRESET_KEY));
+  return PRESETS.find(({ factor }) => factor === kept)?.factor ?? PRESETS[1].factor;
+}
+
+// Elements of the 3D view's page are of another realm: `instanceof` would not know them.
+
+function closest(target: EventTarget | Element | null, selector: string): Element | null {
+  const element = target as Element | null;
+  return element && typeof element.closest === "function" ? element.closest(selector) : null;
+}
+
+export function typesText(target: EventTarget | Element | null): boolean {
+  const field = closest(target, "input, textarea, select, [contenteditable=''], [contenteditable='true']");
+  const type = (field as HTMLInputElement | null)?.type;
+  return !!field && !(type === "range" || type === "checkbox" || type === "radio" || type === "button");
+}
+
+function ownsArrows(target: EventTarget | null): boolean {
+  return !!closest(target, "input, [data-own-arrows]");
+}
+
+function isControl(target: EventTarget | null): boolean {
+  return !!closest(target, "button, a, input, summary, [role=button], [role=tab]");
+}

@@ -1,9 +1,0 @@
-/** What the hands on the wheel do, in words; pure. */
-
-import type { Source } from "./machine";
-
-/** While `source` drives; `goes`: the robot has a goal, to which it goes on by itself as soon as nobody holds it. */
-export function heldWords(source: Source, slow: boolean, goes: boolean): string {
-  const then = goes ? "Let go and it goes on to its goal." : "Let go to stop.";
-  return `Driving by ${source}${slow ? ", slowly" : ""}. ${then}`;
-}

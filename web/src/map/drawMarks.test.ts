@@ -1,0 +1,54 @@
+import { expect, test } from "vitest";
+import type { Context } from "./canvas";
+import { drawRobot } from "./drawMarks";
+import { FIRST_VIEW } from "./mapProjection";
+
+/** A context that remembers the first path that is filled: the robot's body. */
+function drawn(footprint: [number, number][], scale = 100) {
+  const paths: { corners: [number, number][]; radius: number }[] = [];
+  const remember: Record<string, unknown> = {
+    beginPath: () => paths.push({ corners: [], radius: 0 }),
+    moveTo: (x: number, y: number) => paths.at(-1)!.corners.push([x, y]),
+    lineTo: (x: number, y: number) => paths.at(-1)!.corners.push([x, y]),
+    arc: (_x: number, _y: number, radius: number) => (paths.at(-1)!.radius = radius),
+  };
+  const context = new Proxy(remember, { get: (known, name: string) => known[name] ?? (() => undefined) });
+  const body = { footprint, sigma: [0, 0, 0] as const, astray: true };
+  drawRobot(context as unknown as Context, { ...FIRST_VIEW, scale }, { x: 0, y: 0 }, { x: 0, y: 0, theta: 0 }, body);
+  return paths[0]!;
+}
+
+test("the robot is drawn by its own outline: x ahead, y to the left, as large as it is", () => {
+  const jackal: [number, number][] = [
+    [0.21, 0.165],
+    [-0.21, 0.165],
+    [-0.21, -0.165],
+    [0.21, -0.165],
+  ];
+  const { corners, radius } = drawn(jackal);
+  expect(radius).toBe(0);
+  expect(corners.map(([x, y]) => [Math.round(10 * x) / 10, Math.round(10 * y) / 10])).toEqual([
+    [21, -16.5],
+    [-21, -16.5],
+    [-21, 16.5],
+    [21, 16.5],
+  ]);
+});
+
+test("seen from far it keeps its shape, and is drawn large enough to be seen", () => {
+  const { corners } = drawn(
+    [
+      [0.2, 0.1],
+      [-0.2, 0.1],
+      [-0.2, -0.1],
+      [0.2, -0.1],
+    ],
+    5,
+  );
+  expect(Math.hypot(...corners[0]!)).toBeCloseTo(9);
+  expect(corners[0]![0] / -corners[0]![1]).toBeCloseTo(2);
+});
+
+test("a body without an outline is a disc", () => {
+  expect(drawn([])).toEqual({ corners: [], radius: 30 });
+});

@@ -1,0 +1,206 @@
+/** Draws what stands on the map: the robot and how sure it is, goals, the start, people, posters, the cursor. */
+
+import { type Context, disc, stroke, trace } from "./canvas";
+import * as colors from "./colors";
+import { type MapView, type Point, type Pose, screenAngle } from "./mapProjection";
+
+/** What is drawn of a robot. */
+export interface Body {
+  /** Corners in its own axes, m; none: a disc. */
+  footprint: readonly (readonly [number, number])[];
+  /** Standard deviations of its pose: x, y (m), theta (rad). */
+  sigma: readonly [number, number, number];
+  /** It does not know where it is: where it was last is drawn faintly. */
+  astray: boolean;
+}
+
+/** The robot is never drawn smaller. */
+const LEAST_ROBOT_PX = 9;
+
+export function drawRobot(context: Context, view: MapView, place: Point, robot: Pose, body: Body): void {
+  const [sx, sy, st] = body.sigma;
+  context.save();
+  context.translate(place.x, place.y);
+  if (body.astray) context.globalAlpha = 0.45;
+  else drawUnsure(context, view, robot, sx, sy, st);
+  context.rotate(screenAngle(view, robot.theta));
+  const outline = body.footprint.length > 2 ? body.footprint : null;
+  const reach = view.scale * (outline ? Math.max(...outline.map(([x, y]) => Math.hypot(x, y))) : 0.3);
+  const grown = Math.max(1, LEAST_ROBOT_PX / reach);
+  if (outline) {
+    const corners = outline.map(([x, y]) => ({ x: x * view.scale * grown, y: -y * view.scale * grown }));
+    trace(context, corners, true);
+  } else disc(context, { x: 0, y: 0 }, reach * grown);
+  context.fillStyle = "rgb(255 255 255 / 0.3)";
+  context.fill();
+  context.lineWidth = 1.5;
+  context.strokeStyle = colors.ROBOT;
+  context.stroke();
+  const arrow = Math.max(LEAST_ROBOT_PX, reach) * 0.82;
+  context.beginPath();
+  context.moveTo(arrow, 0);
+  context.lineTo(-0.7 * arrow, 0.66 * arrow);
+  context.lineTo(-0.35 * arrow, 0);
+  context.lineTo(-0.7 * arrow, -0.66 * arrow);
+  context.closePath();
+  context.fillStyle = colors.ROBOT;
+  context.fill();
+  context.lineWidth = 1.5;
+  context.strokeStyle = colors.ROBOT_EDGE;
+  context.stroke();
+  context.restore();
+}
+
+/** Twice the standard deviation: an ellipse of places, a fan of headings. */
+function drawUnsure(context: Context, view: MapView, robot: Pose, sx: number, sy: number, st: number): void {
+  const [rx, ry] = [2 * sx * view.scale, 2 * sy * view.scale];
+  context.fillStyle = colors.UNSURE;
+  if (Math.max(rx, ry) > 3) {
+    context.beginPath();
+    context.ellipse(0, 0, rx, ry, screenAngle(view, 0), 0, 2 * Math.PI);
+    context.fill();
+  }
+  const half = Math.min(Math.PI, 2 * st);
+  if (half < 0.05) return;
+  const angle = screenAngle(view, robot.theta);
+  context.beginPath();
+  context.moveTo(0, 0);
+  context.arc(0, 0, 34, angle - half, angle + half);
+  context.closePath();
+  context.fill();
+}
+
+export function drawGoal(context: Context, place: Point, heading: number | null, opacity: number): void {
+  context.save();
+  context.globalAlpha = opacity;
+  context.translate(place.x, place.y);
+  context.lineJoin = "round";
+  if (heading !== null) drawArrow(context, heading);
+  for (const [edge, color] of [
+    [true, "#0b0f15"],
+    [false, colors.GOAL],
+  ] as const) {
+    context.strokeStyle = context.fillStyle = color;
+    context.lineWidth = edge ? 5 : 2;
+    disc(context, { x: 0, y: 0 }, 4.5);
+    context.stroke();
+    context.beginPath();
+    stroke(context, { x: 0, y: -4 }, { x: 0, y: -26 });
+    context.stroke();
+    context.beginPath();
+    context.moveTo(0, -26);
+    context.lineTo(15, -20.5);
+    context.lineTo(0, -15);
+    context.closePath();
+    context.fill();
+    if (edge) context.stroke();
+  }
+  context.restore();
+}
+
+function drawArrow(context: Context, angle: number): void {
+  context.save();
+  context.rotate(angle);
+  for (const [color, width] of [
+    ["#0b0f15", 6],
+    [colors.GOAL, 3],
+  ] as const) {
+    context.strokeStyle = context.fillStyle = color;
+    context.lineWidth = width;
+    context.beginPath();
+    stroke(context, { x: 6, y: 0 }, { x: 26, y: 0 });
+    context.stroke();
+    context.beginPath();
+    context.moveTo(36, 0);
+    context.lineTo(25, 6);
+    context.lineTo(25, -6);
+    context.closePath();
+    if (width === 6) context.stroke();
+    context.fill();
+  }
+  context.restore();
+}
+
+export function drawTarget(context: Context, target: Point, goal: Point): void {
+  context.strokeStyle = colors.GOAL;
+  context.lineWidth = 2;
+  context.setLineDash([3, 4]);
+  context.beginPath();
+  stroke(context, target, goal);
+  context.stroke();
+  context.setLineDash([]);
+  disc(context, target, 6);
+  context.stroke();
+}
+
+/** What a hand is about to set: a goal, or where the robot is. */
+export function drawAim(
+  context: Context,
+  view: MapView,
+  place: Point,
+  heading: number | null,
+  robot: (Body & { theta: number }) | null,
+): void {
+  if (!robot) {
+    drawGoal(context, place, headingOf(view, heading), 0.9);
+    return;
+  }
+  const pose = { x: 0, y: 0, theta: heading ?? robot.theta };
+  drawRobot(context, view, place, pose, { ...robot, sigma: [0, 0, 0], astray: false });
+  if (heading === null) return;
+  context.save();
+  context.translate(place.x, place.y);
+  drawArrow(context, screenAngle(view, heading));
+  context.restore();
+}
+
+export function drawStart(context: Context, { x, y }: Point): void {
+  context.strokeStyle = "#93a4ba";
+  context.lineWidth = 1.5;
+  context.beginPath();
+  stroke(context, { x: x - 6, y }, { x: x + 6, y });
+  stroke(context, { x, y: y - 6 }, { x, y: y + 6 });
+  context.stroke();
+  disc(context, { x, y }, 3.5);
+  context.stroke();
+}
+
+export function drawPoster(context: Context, { x, y }: Point): void {
+  context.fillStyle = colors.POSTER;
+  context.fillRect(x - 3, y - 4, 6, 8);
+  context.strokeStyle = "#0b0f15";
+  context.lineWidth = 1;
+  context.strokeRect(x - 3, y - 4, 6, 8);
+}
+
+export function drawPerson(context: Context, place: Point): void {
+  disc(context, place, 5.5);
+  context.fillStyle = "#0b0f15";
+  context.fill();
+  context.lineWidth = 2.5;
+  context.strokeStyle = colors.PERSON;
+  context.stroke();
+}
+
+export function drawCursor(context: Context, { x, y }: Point): void {
+  for (const [color, width] of [
+    ["#0b0f15", 4],
+    ["#ffffff", 1.5],
+  ] as const) {
+    context.strokeStyle = color;
+    context.lineWidth = width;
+    context.beginPath();
+    for (const [dx, dy] of [
+      [1, 0],
+      [-1, 0],
+      [0, 1],
+      [0, -1],
+    ] as const)
+      stroke(context, { x: x + 4 * dx, y: y + 4 * dy }, { x: x + 12 * dx, y: y + 12 * dy });
+    context.stroke();
+  }
+}
+
+export function headingOf(view: MapView, theta: number | null): number | null {
+  return theta === null ? null : screenAngle(view, theta);
+}

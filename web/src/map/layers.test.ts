@@ -1,0 +1,39 @@
+import { expect, test } from "vitest";
+import type { Landmark } from "../protocol/types";
+import type { Message } from "../state/latest";
+import type { Context } from "./canvas";
+import { landmarksLayer } from "./landmarksLayer";
+import type { Point } from "./mapProjection";
+import { peopleLayer } from "./peopleLayer";
+
+/** The places that a layer draws at; `known`: whether it is known where `odom` is on the map. */
+function placesOf(draw: (context: Context, onScreen: (place: Point) => Point | null) => void, known = true) {
+  const places: [number, number][] = [];
+  const context = new Proxy({} as Record<string, unknown>, {
+    get: (_, name) => (x: number, y: number) => {
+      if (name === "arc" || name === "strokeRect") places.push([x, y]);
+    },
+    set: () => true,
+  });
+  draw(context as unknown as Context, ({ x, y }) => (known ? { x: 10 * x, y: 10 * y } : null));
+  return places;
+}
+
+test("a person is drawn where the distance is known", () => {
+  const perceived = {
+    type: "perceived",
+    faces: [
+      { x: 1, y: 2 },
+      { x: null, y: null },
+    ],
+  } as unknown as Message<"perceived">;
+  expect(placesOf((context, onScreen) => peopleLayer.draw(context, perceived, onScreen))).toEqual([[10, 20]]);
+});
+
+test("nothing is drawn while it is not known where odom is on the map", () => {
+  const message = { type: "landmarks" as const, landmarks: [{ text: "door", x: 1, y: 2 } as Landmark] };
+  const draw = (context: Context, onScreen: (place: Point) => Point | null) =>
+    landmarksLayer.draw(context, message, onScreen);
+  expect(placesOf(draw)).toHaveLength(1);
+  expect(placesOf(draw, false)).toEqual([]);
+});

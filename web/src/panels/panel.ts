@@ -1,0 +1,51 @@
+/** What a panel of the side column is, and how panels become tabs. Pure. */
+
+import type { ComponentType } from "preact";
+import type { App } from "../state/context";
+import type { Message, MessageType } from "../state/latest";
+
+/** One card of a tab, made for one type of message. */
+export interface PanelOf<T extends MessageType> {
+  type: T;
+  /** Title of its tab. Cards of one tab stand in the registry's order, tabs in that of their first cards. */
+  tab: string;
+  /** Null: no message has come yet. */
+  Card: ComponentType<{ message: Message<T> | null }>;
+  /** Whether it is there at all; without it: once a message has come. */
+  offered?: (app: App, phone: boolean) => boolean;
+  /** Shown beside the tab's title, unless 0. */
+  badge?: (message: Message<T> | null) => string | number;
+  /** Whether the tab asks to be looked at. */
+  alarm?: (message: Message<T> | null) => boolean;
+}
+
+export type Panel = PanelOf<MessageType>;
+
+/** Forgets which type the panel is of: the registry holds panels of all. */
+export function panel<T extends MessageType>(made: PanelOf<T>): Panel {
+  return made as unknown as Panel;
+}
+
+export interface Tab {
+  id: string;
+  title: string;
+  badge: string | number;
+  alarm: boolean;
+  panels: Panel[];
+}
+
+/** The tabs of `panels` that are offered. */
+export function tabsOf(panels: readonly Panel[], app: App, phone: boolean): Tab[] {
+  const tabs = new Map<string, Tab>();
+  for (const one of panels) {
+    const message = app.store.of(one.type).value;
+    if (!(one.offered ? one.offered(app, phone) : message !== null)) continue;
+    const title = one.tab;
+    const tab = tabs.get(title) ?? { id: title.toLowerCase(), title, badge: 0, alarm: false, panels: [] };
+    tabs.set(title, tab);
+    tab.panels.push(one);
+    tab.badge ||= one.badge?.(message) ?? 0;
+    tab.alarm ||= one.alarm?.(message) ?? false;
+  }
+  return [...tabs.values()];
+}

@@ -1,0 +1,30 @@
+/** The side column's panels: one line each, in the order of their tabs. */
+
+import { aroundPanel } from "../around/AroundPanel";
+import { desiresPanel } from "../desires/DesiresPanel";
+import { lanesPanel } from "../lanes/Lanes";
+import { mapPanel } from "../map/MapPanel";
+import { mapsPanel } from "../map/Maps";
+import { zonesPanel } from "../map/Zones";
+import { recordingsPanel } from "../recordings/Recordings";
+import { eventsPanel } from "./Events";
+import { foundPanel } from "./Found";
+import { intentionPanel } from "./Intention";
+import { loadPanel } from "./Load";
+import { peoplePanel } from "./People";
+import type { Panel } from "./panel";
+
+export const PANELS: readonly Panel[] = [
+  intentionPanel,
+  desiresPanel,
+  mapPanel,
+  zonesPanel,
+  mapsPanel,
+  lanesPanel,
+  aroundPanel,
+  peoplePanel,
+  foundPanel,
+  loadPanel,
+  eventsPanel,
+  recordingsPanel,
+];

@@ -1,0 +1,1001 @@
+/**
+ * What crosses the live stream and REST. Written by `make types` from the Python records; change those, not this file.
+ * Stamps are the robot's clock, in seconds.
+ */
+
+import type { JsonSchema } from "./jsonSchema";
+
+/** Whether the robot can be listened to, and be spoken through. */
+export interface AudioFacts {
+  listen: boolean;
+  speak: boolean;
+}
+
+/** Limits of the mobile base: speeds (m/s, rad/s) and accelerations (m/s^2, rad/s^2), all positive. */
+export interface BaseLimits {
+  linear_mps: number;
+  angular_radps: number;
+  linear_mps2: number;
+  angular_radps2: number;
+}
+
+/**
+ * A warning about a program's configuration: a ``title`` of a few words, and a ``text`` of one sentence with the reason
+ * and the remedy. ``where``: file and line, "" if unknown.
+ */
+export interface Caution {
+  title: string;
+  text: string;
+  where: string;
+}
+
+/** Whether there are such pictures, scans and clouds. */
+export interface Channels {
+  camera: boolean;
+  panorama: boolean;
+  map: boolean;
+  costmap: boolean;
+  scan: boolean;
+  point_cloud: boolean;
+}
+
+/** What attention chose; null before the first. */
+export interface CurrentIntention {
+  intention: IntentionReport | null;
+}
+
+/** The map in use. */
+export interface CurrentMap {
+  /** Whether this program makes maps; if not, nothing of this can be asked. */
+  available: boolean;
+  /** Empty while it has none. */
+  name: string;
+  /** Of the robot's place on it, as on the live stream; null before it is known. */
+  state: "lost" | "mapping" | "searching" | "tracking" | null;
+  /** When that was so (robot's clock, s). */
+  stamp: number | null;
+}
+
+/** One desire of the Intention Workspace. */
+export interface Desire {
+  id: string;
+  class: string;
+  /** How much it is desired, over 0 and at most 8. */
+  intensity: number;
+  /** Utility desired, 0 to 8; 0 inhibits the class. */
+  utility: number;
+  /** Whether it must be fulfilled. */
+  security: boolean;
+  /** Parameters as the class declares them. */
+  params: Record<string, unknown>;
+  source: Source;
+  /** Seconds of the robot's clock (Unix epoch). */
+  created: number;
+  /** When it expires (robot's clock, s); null: never. */
+  expires: number | null;
+}
+
+/** What can be desired. */
+export interface DesireClassReport {
+  name: string;
+  title: string;
+  description: string;
+  /** JSON Schema of `params`. */
+  schema: JsonSchema;
+  /** Whether a strategy of this program's modules serves it; else no desire for it is fulfilled. */
+  served: boolean;
+}
+
+/** Every desire, in the order they came. */
+export interface DesireList {
+  desires: Desire[];
+}
+
+/** Who has the wheel. */
+export interface Driver {
+  operator: string;
+  /** Whether it is this page's operator. */
+  mine: boolean;
+  /** Whether they hold a drive command just now. */
+  holds: boolean;
+}
+
+/** Events, oldest first. */
+export interface EventList {
+  events: TimelineEvent[];
+}
+
+/** A goal that the robot has given up. */
+export interface GivenUpModel {
+  stamp: number;
+  goal: PlaceModel;
+  /** Why, in words. */
+  reason: string;
+}
+
+/** What the picture that follows, of the same `seq`, shows. */
+export interface GridInfo {
+  /** Grows. */
+  seq: number;
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  /** `map` or `odom`. */
+  frame: string;
+  version: number;
+  /** Of a pixel. */
+  resolution_m: number;
+  /** x, y of the picture's lower left corner. */
+  origin: [number, number];
+  width: number;
+  height: number;
+}
+
+/** What the guard says. */
+export interface Guard {
+  /** idle, driving, stale_command, e_stopped, sensor_failure, waiting or silent. */
+  state: string;
+  reason: string;
+  e_stopped: boolean;
+  command_age_ms: number | null;
+  applied: Velocity;
+}
+
+/** What can be seen and done here. */
+export interface Hello {
+  protocol: 1;
+  /** Id of this connection. */
+  session: string;
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  robot: RobotFacts;
+  scale: Scale;
+  classes: DesireClassReport[];
+  channels: Channels;
+  /** Whether an operator can drive here. */
+  drive: boolean;
+  audio: AudioFacts;
+  /** null: not a recording. */
+  playback: PlaybackReport | null;
+}
+
+/** The intention at work: what was selected, what follows from it, and why. */
+export interface IntentionReport {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  strategies: SelectedStrategy[];
+  /** Classes whose strongest desire is fulfilled. */
+  fulfilled: string[];
+  /** Ω, what the selection is worth (thesis, equation 4.9). */
+  omega: number;
+  /** No selection can be worth more; equal to `omega` when proven, null where none is known. */
+  bound: number | null;
+  use: Record<string, ResourceUse>;
+  /** φ of every filter that attention controls. */
+  filters: Record<string, number | null>;
+  /** Whether no better selection exists. */
+  proven: boolean;
+  solve_ms: number;
+  /** Security desires that could not be kept. */
+  relaxed: string[];
+  /** By desired class. */
+  reasons: Record<string, ReasonReport>;
+  /** What each module was handed. */
+  parameters: Record<string, Record<string, unknown>>;
+  /** Id of the strongest desire of each class that it answers. */
+  desires: Record<string, string>;
+}
+
+/** Where a recording goes on. */
+export interface Jump {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+}
+
+/** A map that is kept. */
+export interface KeptMap {
+  name: string;
+  in_use: boolean;
+  /** Unix time (s). */
+  saved: number;
+  /** Width and height of its picture. */
+  size_m: [number, number];
+  /** Of one cell, and of one pixel. */
+  resolution_m: number;
+  /** How much floor and wall of it is known. */
+  known_m2: number;
+  /** Whether it can go on growing when it is loaded. */
+  extendable: boolean;
+  /** How many it has. */
+  zones: number;
+  /** Why it cannot be used, in words. */
+  problem: string | null;
+}
+
+/** A QR code found, in `odom` (m). */
+export interface LandmarkReport {
+  text: string;
+  x: number;
+  y: number;
+  z: number;
+  sigma_m: number;
+  sightings: number;
+  /** Seconds of the robot's clock (Unix epoch). */
+  first_seen: number;
+  /** Seconds of the robot's clock (Unix epoch). */
+  last_seen: number;
+}
+
+/** What was found, in `odom`. */
+export interface Landmarks {
+  landmarks: LandmarkReport[];
+}
+
+/** A lane before now. */
+export interface LanePast {
+  class: string;
+  /** One for each stamp. */
+  rate: (number | null)[];
+  spells: LaneSpell[];
+}
+
+/** A lane now. */
+export interface LaneRow {
+  intensity: number | null;
+  utility: number | null;
+  /** φ: one message in φ passes; null: none passes. */
+  divisor: number | null;
+  /** By filter, `Module.port`. */
+  divisors: Record<string, number | null>;
+  state: "degraded" | "fulfilled" | "inhibited" | "needed" | "undesired" | "unfulfilled";
+  text: string;
+  class: string;
+  /** Messages let through over messages offered, in the last second. */
+  rate: number | null;
+}
+
+/** What a lane was, from one sample until the next spell's. */
+export interface LaneSpell {
+  intensity: number | null;
+  utility: number | null;
+  /** φ: one message in φ passes; null: none passes. */
+  divisor: number | null;
+  /** By filter, `Module.port`. */
+  divisors: Record<string, number | null>;
+  state: "degraded" | "fulfilled" | "inhibited" | "needed" | "undesired" | "unfulfilled";
+  text: string;
+  /** Number of the sample. */
+  at: number;
+}
+
+/** 20 times a second: one row for each desire class. */
+export interface Lanes {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  rows: LaneRow[];
+}
+
+/** Once, before the first `lanes`, and after a `jump`: what they were. */
+export interface LanesHistory {
+  stamps: number[];
+  rows: LanePast[];
+}
+
+/** What the modules take of the computer. */
+export interface Load {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  /** Per cent of one core. */
+  process_cpu: number;
+  /** Per cent that attention may give; null: no limit. */
+  budget: number | null;
+  modules: ModuleReport[];
+}
+
+/** Where the robot is on the map (m and rad). */
+export interface Localization {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  state: "lost" | "mapping" | "searching" | "tracking";
+  /** Name of the map in use; empty while it has none. */
+  map: string;
+  x: number;
+  y: number;
+  theta: number;
+  /** Standard deviations of x, y (m) and theta (rad). */
+  sigma: [number, number, number];
+  /** Pose of `odom` on the map. */
+  X_MO: Place;
+  /** Share of the scan that fits the map, 0 to 1. */
+  overlap: number;
+}
+
+/**
+ * A frame of sound much louder than those before it: ``ratio`` of its energy to their moving mean (thesis 4.2).
+ * ``level_db`` is the frame's level, dB of full scale. ``stamp`` is the time of the frame's first sample.
+ */
+export interface LoudNoise {
+  stamp: number;
+  ratio: number;
+  level_db: number;
+}
+
+/** Every map that is kept, by name, and the one in use. */
+export interface MapList {
+  folder: string;
+  current: CurrentMap;
+  maps: KeptMap[];
+}
+
+/** A module's input and its counters since the start. */
+export interface ModuleInput {
+  /** φ: one message in φ passes; null: none passes. */
+  divisor: number | null;
+  /** Messages offered. */
+  received: number;
+  /** ... let through by the filter. */
+  passed: number;
+  /** ... stopped by the filter, as wanted. */
+  decimated: number;
+  /** ... pushed out of a full inbox. */
+  dropped: number;
+  /** Age of the last message when it was taken. */
+  age_ms: number | null;
+  name: string;
+  channel: string;
+}
+
+/** A module's output. */
+export interface ModuleOutput {
+  name: string;
+  /** null: nothing is connected. */
+  channel: string | null;
+  /** φ: one message in φ passes; null: none passes. */
+  divisor: number | null;
+  offered: number;
+}
+
+/** One module, its load and its counters. */
+export interface ModuleReport {
+  name: string;
+  title: string;
+  state: "failed" | "hung" | "running" | "starting" | "stopped";
+  /** Per cent of one core, over the last second. */
+  cpu: number;
+  /** What it is expected to stay under. */
+  cpu_budget: number | null;
+  /** CPU time for each message taken (µs). */
+  message_cpu_us: number | null;
+  restarts: number;
+  problem: string | null;
+  inputs: ModuleInput[];
+  outputs: ModuleOutput[];
+}
+
+/** What would help a desire: ``amount`` more of a resource. */
+export interface MoreCapacity {
+  kind: "capacity";
+  /** The utility it would get. */
+  utility: number;
+  resource: string;
+  amount: number;
+  unit: string;
+}
+
+/** What the behavior that goes somewhere is about; as `navigation` on the live stream. */
+export interface NavigationModel {
+  stamp: number;
+  /** Empty before any has spoken. */
+  behavior: string;
+  state: "idle" | "planning" | "following" | "recovering" | "waiting" | "arrived" | "unreachable";
+  /** In words, and what would help. */
+  reason: string;
+  goal: PlaceModel | null;
+  /** Where it really goes: the nearest reachable place. */
+  target: PlaceModel | null;
+  remaining_m: number | null;
+  recoveries: number;
+  /** Id of the strongest desire to go somewhere. */
+  desire: string | null;
+  /** Points on the map (m), at most 200. */
+  path: [number, number][];
+  /** The goal given up last, until there is another or DELETE /goal; null: none. */
+  given_up: GivenUpModel | null;
+}
+
+/** Something for this viewer, in words to show. */
+export interface Notice {
+  level: "error" | "info" | "warning";
+  text: string;
+}
+
+/** Pose in `odom` (m, rad) and measured velocity (m/s, rad/s). */
+export interface OdometryReport {
+  x: number;
+  y: number;
+  theta: number;
+  linear_mps: number;
+  angular_radps: number;
+}
+
+/** A pose: m and rad. */
+export interface Place {
+  x: number;
+  y: number;
+  theta: number;
+}
+
+/** A place on the map. */
+export interface PlaceModel {
+  x: number;
+  y: number;
+  /** null: any heading. */
+  theta: number | null;
+}
+
+/**
+ * A QR code in one image of ``camera``: its ``corners`` (4, 2) float64 px, in the order of ``QRCode``, in the image of
+ * ``image`` (width, height) px.
+ */
+export interface PlacedCode {
+  text: string;
+  camera: string;
+  stamp: number;
+  corners: [number, number][];
+  image: [number, number];
+}
+
+/**
+ * A face in one image of ``camera``, placed with the robot's pose at ``stamp``. ``azimuth`` (left positive) and
+ * ``elevation`` (rad) in the axes of B, from the camera as it was then; ``panorama`` is both, from where the newest
+ * panorama was taken (None: there is none). ``range_m`` from the camera, with standard deviation ``range_sigma_m``.
+ * ``x``, ``y``, ``z`` (m) is its place in O and ``towards_O`` the heading (rad in O) in which it has the robot, all
+ * None before the pose at ``stamp`` is known. ``box`` is left, top, width, height (px) in the image of ``image``
+ * (width, height) px.
+ */
+export interface PlacedFace {
+  track: number;
+  camera: string;
+  stamp: number;
+  azimuth: number;
+  elevation: number;
+  panorama: [number, number] | null;
+  range_m: number | null;
+  range_sigma_m: number | null;
+  x: number | null;
+  y: number | null;
+  z: number | null;
+  towards_O: number | null;
+  score: number;
+  box: [number, number, number, number];
+  image: [number, number];
+}
+
+/**
+ * What the robot sees and hears at ``stamp``; published when it changes. ``faces`` by track and camera, ``sounds`` by
+ * track, ``noises`` of the last 2 s, ``codes`` by text and camera.
+ */
+export interface PlacedPercepts {
+  stamp: number;
+  faces: PlacedFace[];
+  sounds: PlacedSound[];
+  noises: LoudNoise[];
+  codes: PlacedCode[];
+}
+
+/**
+ * A tracked sound, placed with the robot's pose at ``stamp``: angles and place as in ``PlacedFace``. Angles and
+ * ``range_m`` are from the microphones' middle, which is at ``p_OA`` (m in O); ``v_O`` is the direction as a unit
+ * vector in the axes of O. Place and range are None where the distance is not known, all of O before the pose is.
+ * ``active``: it sounds now, else it did last at ``last_active``; ``speech`` is None while nothing has judged it.
+ */
+export interface PlacedSound {
+  track: number;
+  stamp: number;
+  azimuth: number;
+  elevation: number;
+  panorama: [number, number] | null;
+  range_m: number | null;
+  range_sigma_m: number | null;
+  x: number | null;
+  y: number | null;
+  z: number | null;
+  p_OA: [number, number, number] | null;
+  v_O: [number, number, number] | null;
+  power: number;
+  level_db: number;
+  active: boolean;
+  last_active: number;
+  speech: number | null;
+}
+
+/** What is played, and where it is; stamps are the recording's. */
+export interface PlaybackReport {
+  /** Name of the recording's file. */
+  file: string;
+  /** Seconds of the robot's clock (Unix epoch). */
+  begin: number;
+  /** Seconds of the robot's clock (Unix epoch). */
+  end: number;
+  /** Seconds of the robot's clock (Unix epoch). */
+  position: number;
+  /** Seconds of the recording in a real second; null: as fast as possible, nothing dropped. */
+  speed: number | null;
+  /** Whether time goes on, or will after the seek under way. */
+  playing: boolean;
+  phase: "ended" | "paused" | "playing" | "seeking";
+  /** What cannot be read of the recording here, in words, why it stands. */
+  problem: string | null;
+}
+
+/** The answer to `ping`. */
+export interface Pong {
+  /** As it was sent. */
+  t: number | null;
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+}
+
+/** Why a desired class gets what it gets. */
+export interface ReasonReport {
+  state: "degraded" | "fulfilled" | "inhibited" | "unfulfilled";
+  /** The utility it gets. */
+  utility: number;
+  /** The utility desired. */
+  wanted: number;
+  /** The most that any selection could give it. */
+  best: number;
+  /** The reason in words. */
+  text: string;
+  alternatives: (MoreCapacity | WithoutClass)[];
+}
+
+/** What the Recorder does. */
+export interface RecorderReport {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  /** `ring`: the last minutes are kept. `stopped`: by itself, though still desired; see `reason`. */
+  state: "idle" | "recording" | "ring" | "stopped";
+  /** The recording's; empty while idle. */
+  name: string;
+  /** When it began (robot's clock, s). */
+  began: number | null;
+  duration_s: number;
+  /** On disk so far. */
+  bytes: number;
+  messages: number;
+  /** Messages that could not be queued for the disk. */
+  dropped: number;
+  /** What waits for the disk now. */
+  queued_bytes: number;
+  /** Of the ring; 0: everything goes into one file. */
+  keep_minutes: number;
+  /** Whether there is a desire for a recording. */
+  desired: boolean;
+  /** Why it does not record though it is desired, in words; empty when all is well. */
+  reason: string;
+  /** Whether it runs and attention has a strategy for it. */
+  available: boolean;
+}
+
+/** Every recording, the newest first, and what the Recorder does. */
+export interface RecordingList {
+  folder: string;
+  /** Room left on its disk. */
+  free_bytes: number;
+  /** null: this program has no Recorder. */
+  recorder: RecorderReport | null;
+  /** The replay that this console started, while it runs. */
+  replay: ReplayReport | null;
+  recordings: RecordingReport[];
+}
+
+/** One recording. */
+export interface RecordingReport {
+  name: string;
+  bytes: number;
+  /** From its first message to its last; null where it is not known. */
+  duration_s: number | null;
+  /** Its first message (robot's clock, s); null where it is not known. */
+  began: number | null;
+  /** `unfinished`: it was never closed; `hbba log repair` makes it readable. */
+  state: "complete" | "recording" | "unfinished";
+  /** The robot's name; empty where the file does not say. */
+  robot: string;
+}
+
+/** A replay that runs. */
+export interface ReplayReport {
+  /** The recording replayed. */
+  name: string;
+  /** Its console's address, with the token behind `#` where there is one. */
+  url: string;
+}
+
+/** What is used of a resource. */
+export interface ResourceUse {
+  used: number;
+  capacity: number;
+  unit: string;
+}
+
+/** What the body is, and what people must know of it. */
+export interface RobotFacts {
+  name: string;
+  simulated: boolean;
+  /** Whether it is the body of a replay: it can neither be driven nor stopped. */
+  replayed: boolean;
+  limits: BaseLimits;
+  /** Corners of its outline (m, in base_link), counter-clockwise; empty for one that does not move. */
+  footprint: [number, number][];
+  cautions: Caution[];
+}
+
+/** The recording made of the ring. */
+export interface Saved {
+  name: string;
+}
+
+/** The ends of the scales of desires. */
+export interface Scale {
+  intensity: number;
+  utility: number;
+}
+
+/** A strategy at work. */
+export interface SelectedStrategy {
+  name: string;
+  class: string;
+  utility: number;
+  filters: Record<string, number | null>;
+  costs: Record<string, number>;
+}
+
+/** The author of a desire: a motivation of the robot, an operator at the console or a REST client, by name. */
+export interface Source {
+  kind: "motivation" | "operator" | "rest";
+  name: string;
+}
+
+/** How fresh a channel is, measured beside commanded. */
+export interface SourceState {
+  channel: string;
+  state: "closed" | "live" | "stale" | "waiting";
+  age_ms: number | null;
+  rate_hz: number | null;
+  expected_hz: number | null;
+}
+
+/** Who speaks through the robot. */
+export interface Speaker {
+  operator: string;
+  /** Whether it is this page's operator. */
+  mine: boolean;
+}
+
+/** Guard, pose, driver, freshness of every source. */
+export interface Status {
+  /** Grows. */
+  seq: number;
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  guard: Guard;
+  world_rate: number;
+  odometry: OdometryReport | null;
+  driver: Driver | null;
+  speaker: Speaker | null;
+  /** The behavior that drives. */
+  exploited: string | null;
+  /** Why the collision monitor slowed or stopped it, in words; empty: it did not. */
+  limited: string;
+  /** Why this viewer's driving waits, its commands coming too late; empty: it does not. */
+  waits: string;
+  sources: SourceState[];
+}
+
+/** One event of the timeline; ``data`` is JSON as it is. */
+export interface TimelineEvent {
+  /** Grows by one from 1. */
+  id: number;
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  kind:
+    | "capacity"
+    | "desire"
+    | "exploitation"
+    | "filter"
+    | "goal"
+    | "guard"
+    | "intention"
+    | "module"
+    | "overload"
+    | "percept"
+    | "restart"
+    | "solver"
+    | "stale";
+  /** What it is about: a desire class, a module, a filter. */
+  subject: string;
+  /** One sentence. */
+  text: string;
+  data: Record<string, unknown>;
+}
+
+/** Forward m/s and turn rad/s (left positive). */
+export interface Velocity {
+  linear_mps: number;
+  angular_radps: number;
+}
+
+/** What would help a desire: no desire for another class. */
+export interface WithoutClass {
+  kind: "without";
+  /** The utility it would get. */
+  utility: number;
+  /** The other class. */
+  without: string;
+}
+
+/** Every zone of the map. */
+export interface ZoneList {
+  zones: ZoneReport[];
+}
+
+/** A part of the map to keep out of, or to drive slowly in. */
+export interface ZoneReport {
+  /** What people call it; no two share one. */
+  name: string;
+  kind: "keep_out" | "slow";
+  /** Its corners, x and y on the map (m). */
+  polygon: [number, number][];
+  /** Share of the robot's greatest speed allowed in it; means nothing to `keep_out`. */
+  speed: number;
+}
+
+/** The picture ``seq`` of its kind was drawn. */
+export interface AckMessage {
+  type: "ack";
+  kind: 1 | 2 | 3 | 4;
+  seq: number;
+}
+
+/** Release it. */
+export interface ClearEStopMessage {
+  type: "clear_e_stop";
+  t?: number | null;
+  heard?: number | null;
+  heard_t?: number | null;
+}
+
+/** What to change of a desire; what is left out stays. */
+export interface DesireChange {
+  intensity?: number;
+  utility?: number;
+  security?: boolean;
+  /** All parameters; they replace the former ones, and those left out take their default. */
+  params?: Record<string, unknown>;
+  /** Seconds from now; null: it stays. */
+  ttl?: number | null;
+}
+
+/** The operator's hands. */
+export interface DriveMessage {
+  type: "drive";
+  t?: number | null;
+  heard?: number | null;
+  heard_t?: number | null;
+  seq: number;
+  held: boolean;
+  linear: number;
+  angular: number;
+  override?: boolean;
+}
+
+/** Latch the emergency stop. */
+export interface EStopMessage {
+  type: "e_stop";
+}
+
+/** Where to go. */
+export interface GoalRequest {
+  /** On the map (m). */
+  x: number;
+  /** On the map (m). */
+  y: number;
+  /** On the map (rad); null: any will do. */
+  heading?: number | null;
+  /** Share of the robot's greatest speed; null: as usual. */
+  speed?: number | null;
+}
+
+/** Whether the page wants to hear what the robot hears. */
+export interface ListenMessage {
+  type: "listen";
+  on: boolean;
+}
+
+/** How to take a map into use. */
+export interface LoadRequest {
+  /** Where the robot is about, within 1 m and 0.5 rad; null: it looks for itself. */
+  pose?: PoseRequest | null;
+  /** Whether the map goes on growing; else it stays as it is. */
+  extend?: boolean;
+}
+
+/** The console's token. */
+export interface LoginRequest {
+  token: string;
+}
+
+/** A desire to create. */
+export interface NewDesire {
+  /** A class of GET /api/v1/desire-classes. */
+  class: string;
+  /** How much it is desired. */
+  intensity: number;
+  /** Utility desired; 0 inhibits the class. */
+  utility: number;
+  /** Whether it must be fulfilled. */
+  security?: boolean;
+  /** Parameters as the class declares them. */
+  params?: Record<string, unknown>;
+  /** Seconds after which it expires; null: it stays until removed. */
+  ttl?: number | null;
+}
+
+/** What to record. */
+export interface NewRecording {
+  /** Empty: the date and time at which it begins. */
+  name?: string;
+  /** 0: all into one file; else the last so many minutes are kept. */
+  keep_minutes?: number;
+  /** How much it is desired. */
+  intensity?: number;
+  /** Utility desired: how full the recording must be at least. */
+  utility?: number;
+}
+
+/** A sign of life; ``t`` comes back as it is. */
+export interface PingMessage {
+  type: "ping";
+  t?: number | null;
+  heard?: number | null;
+  heard_t?: number | null;
+  rtt_ms?: number | null;
+}
+
+/** What to change; the rest stays. */
+export interface PlaybackChange {
+  playing?: boolean | null;
+  /** Seconds of the recording in a real second; null: as fast as possible, nothing dropped. */
+  speed?: number | null;
+  /** Go there (stamp of the recording, s). */
+  position?: number | null;
+}
+
+/** A pose on the map. */
+export interface PoseRequest {
+  x: number;
+  y: number;
+  /** Heading on the map, left positive. */
+  theta: number;
+}
+
+/** Give it back. */
+export interface ReleaseControlMessage {
+  type: "release_control";
+}
+
+/** What to change of a map. */
+export interface RenameRequest {
+  /** What it is called from now on. */
+  name: string;
+}
+
+/** What of the ring to keep. */
+export interface SaveRequest {
+  /** The last so many; null: all there are. */
+  minutes?: number | null;
+  /** Empty: a name made of the time. */
+  name?: string;
+}
+
+/** Ask for the wheel. */
+export interface TakeControlMessage {
+  type: "take_control";
+  t?: number | null;
+  heard?: number | null;
+  heard_t?: number | null;
+}
+
+/**
+ * A message that says when it was sent. ``t``: by the page's clock (ms). ``heard``: the stamp of the newest ``hello``,
+ * ``status`` or ``pong`` that the page had received (s), ``heard_t``: when that came, by the page's clock (ms). None:
+ * it does not say.
+ */
+export interface TimedMessage {
+  t?: number | null;
+  heard?: number | null;
+  heard_t?: number | null;
+}
+
+/** Which pictures the page shows; None: as it was. */
+export interface ViewMessage {
+  type: "view";
+  camera?: boolean | null;
+  panorama?: boolean | null;
+  map?: boolean | null;
+  costmap?: boolean | null;
+}
+
+/** A part of the map where the robot is told how to drive. */
+export interface ZoneRequest {
+  /** What people call it; no two share one. */
+  name: string;
+  /** The robot keeps out of it, or drives slowly in it. */
+  kind: "keep_out" | "slow";
+  /** Its corners, x and y on the map (m). */
+  polygon: [number, number][];
+  /** Share of the robot's greatest speed allowed in it; means nothing to `keep_out`. */
+  speed?: number;
+}
+
+/** Every zone of the map. */
+export interface ZonesRequest {
+  zones: ZoneRequest[];
+}
+
+/** The robot's messages by `type`. */
+export interface RobotMessages {
+  /** Once, first: what can be seen and done here. */
+  hello: Hello;
+  /** 20 times a second: guard, pose, driver, freshness of every source. */
+  status: Status;
+  /** 20 times a second: one row for each desire class. */
+  lanes: Lanes;
+  /** Once, before the first `lanes`, and after a `jump`: what they were. */
+  lanes_history: LanesHistory;
+  /** On change: every desire. */
+  desires: DesireList;
+  /** On change: what attention chose; null before the first. */
+  intention: CurrentIntention;
+  /** As they come: events, oldest first. */
+  events: EventList;
+  /** Once a second: what the modules take of the computer. */
+  load: Load;
+  /** On change, and about once a second while it records: what the Recorder does. */
+  recorder: RecorderReport;
+  /** On change: what was found, in `odom`. */
+  landmarks: Landmarks;
+  /** On change: what the robot sees and hears. */
+  perceived: PlacedPercepts;
+  /** Up to 10 times a second: where the robot is on the map. */
+  localization: Localization;
+  /** On change: the goal and the state of navigation. */
+  navigation: NavigationModel;
+  /** On change: the zones of the map. */
+  zones: ZoneList;
+  /** Right before each picture of kind 3 (map): what it shows. */
+  map_info: GridInfo;
+  /** Right before each picture of kind 4 (costmap): what it shows. */
+  costmap_info: GridInfo;
+  /** The answer to `ping`. */
+  pong: Pong;
+  /** Something for this viewer, in words to show. */
+  notice: Notice;
+  /** On a recording, at every change and ten times a second while it plays: its transport. */
+  playback: PlaybackReport;
+  /** On a recording, at a seek: what came before is of another time and to be forgotten. */
+  jump: Jump;
+}
+
+export type FromRobot = { [T in keyof RobotMessages]: { type: T } & RobotMessages[T] }[keyof RobotMessages];
+
+export type ToRobot =
+  | DriveMessage
+  | EStopMessage
+  | ClearEStopMessage
+  | TakeControlMessage
+  | ReleaseControlMessage
+  | PingMessage
+  | AckMessage
+  | ViewMessage
+  | ListenMessage;
