@@ -252,7 +252,7 @@ class IntentionWorkspace:
         """Call ``callback`` with every change from now on; returns a function that ends this.
 
         Callbacks run at the end of the transaction, in the order they were added. A callback may edit the workspace:
-        observers are notified of its change after the current one. A callback that raises is removed.
+        observers are notified of its change after the current one. The exception of a callback is logged.
         """
         return self._observers.add(callback)
 

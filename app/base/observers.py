@@ -10,20 +10,25 @@ P = ParamSpec("P")
 
 log = logging.getLogger("hbba.observers")
 
+#: So many failures in a row remove an observer: one event that it cannot take leaves it in place, but an observer of
+#: log lines that always fails would otherwise cause the next line itself, without end.
+MOST_FAILURES = 10
+
 
 class Observers(Generic[P]):
     """The observers of one source; for use on one thread.
 
-    One policy for all sources: an observer that raises is removed and its exception is logged with a traceback. The
-    source and the other observers go on.
+    One policy for all sources: the exception of an observer is logged with a traceback; the source and all observers go
+    on. An observer that fails ``MOST_FAILURES`` times in a row is removed.
     """
 
-    __slots__ = ("_callbacks", "_of")
+    __slots__ = ("_callbacks", "_failures", "_of")
 
     def __init__(self, of: str) -> None:
         """``of``: the source and its event, for the log: ``"the timeline"``."""
         self._of = of
         self._callbacks: dict[object, Callable[P, object]] = {}
+        self._failures: dict[object, int] = {}
 
     def __bool__(self) -> bool:
         return bool(self._callbacks)
@@ -38,6 +43,7 @@ class Observers(Generic[P]):
 
         def remove() -> None:
             self._callbacks.pop(key, None)
+            self._failures.pop(key, None)
 
         return remove
 
@@ -52,10 +58,17 @@ class Observers(Generic[P]):
             try:
                 callback(*args, **kwargs)
             except Exception:
-                # Removed before the log is written: a log line may itself be an event of this source.
-                self._callbacks.pop(key, None)
-                log.exception("an observer of %s failed and is removed: %r", self._of, callback)
+                # Counted before the log is written: a log line may itself be an event of this source.
+                failures = self._failures[key] = self._failures.get(key, 0) + 1
+                if failures >= MOST_FAILURES:
+                    self._callbacks.pop(key, None)
+                outcome = "is removed" if failures >= MOST_FAILURES else "goes on"
+                log.exception("an observer of %s failed and %s: %r", self._of, outcome, callback)
+            else:
+                if self._failures:
+                    self._failures.pop(key, None)
 
     def clear(self) -> None:
         """Remove all observers."""
         self._callbacks.clear()
+        self._failures.clear()

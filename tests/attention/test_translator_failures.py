@@ -207,7 +207,7 @@ async def test_observers_and_modules_that_fail_do_not_stop_attention(caplog: pyt
         s.add("DetectNoises")
         await s.translator.settled()
         assert s.selected == ("9", "10")
-    assert "an observer of the intention failed and is removed" in caplog.text
+    assert "an observer of the intention failed and goes on" in caplog.text
     assert "refused its parameters" in caplog.text
     assert s.events("module") == ["VoiceLocalizer", "LoudNoiseDetector"]
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import pytest
 
-from app.base.observers import Observers
+from app.base.observers import MOST_FAILURES, Observers
 
 
 def test_observers_are_called_in_order_until_they_are_removed() -> None:
@@ -24,27 +24,64 @@ def test_observers_are_called_in_order_until_they_are_removed() -> None:
     assert seen == [("first", 1, "a"), ("second", 1, "a"), ("second", 2, "b")]
 
 
-def test_an_observer_that_fails_is_removed_and_logged_and_the_others_are_called(
-    caplog: pytest.LogCaptureFixture,
-) -> None:
+def test_an_observer_that_fails_once_is_logged_and_goes_on_as_the_others_do(caplog: pytest.LogCaptureFixture) -> None:
     observers: Observers[[int]] = Observers("a test")
+    taken: list[int] = []
     seen: list[int] = []
 
-    def fails(number: int) -> None:
-        raise RuntimeError(f"cannot bear {number}")
+    def fails_at_one(number: int) -> None:
+        if number == 1:
+            raise RuntimeError(f"cannot take {number}")
+        taken.append(number)
 
-    remove = observers.add(fails)
+    observers.add(fails_at_one)
     observers.add(seen.append)
     with caplog.at_level(logging.ERROR):
-        observers.notify(1)
-        observers.notify(2)
-    remove()
+        for number in (1, 2, 3):
+            observers.notify(number)
 
-    assert seen == [1, 2]
+    assert taken == [2, 3]
+    assert seen == [1, 2, 3]
     [record] = caplog.records
-    assert record.getMessage().startswith("an observer of a test failed and is removed")
+    assert record.getMessage().startswith("an observer of a test failed and goes on")
     assert record.exc_info is not None
-    assert "cannot bear 1" in str(record.exc_info[1])
+    assert "cannot take 1" in str(record.exc_info[1])
+
+
+def test_an_observer_that_always_fails_is_removed(caplog: pytest.LogCaptureFixture) -> None:
+    observers: Observers[[]] = Observers("a test")
+
+    def fails() -> None:
+        raise RuntimeError("always")
+
+    observers.add(fails)
+    with caplog.at_level(logging.ERROR):
+        for _ in range(2 * MOST_FAILURES):
+            observers.notify()
+
+    assert not observers
+    assert len(caplog.records) == MOST_FAILURES
+    assert "is removed" in caplog.records[-1].getMessage()
+
+
+def test_an_observer_that_causes_its_own_event_by_failing_ends() -> None:
+    observers: Observers[[]] = Observers("log lines")
+
+    def fails() -> None:
+        raise RuntimeError("always")
+
+    class Again(logging.Handler):
+        def emit(self, record: logging.LogRecord) -> None:
+            observers.notify()
+
+    handler = Again()
+    logging.getLogger("hbba.observers").addHandler(handler)
+    try:
+        observers.add(fails)
+        observers.notify()
+    finally:
+        logging.getLogger("hbba.observers").removeHandler(handler)
+    assert not observers
 
 
 def test_what_an_observer_raises_on_purpose_to_end_the_program_passes() -> None:

@@ -206,6 +206,10 @@ def test_a_path_that_is_no_module_class_is_refused(build: Build, path: str) -> N
     assert f"{path!r} is not a module class" in refused(build, {"A": (path, {}, {})}, {})
 
 
+def test_a_package_that_is_not_installed_is_named(build: Build) -> None:
+    assert "no package 'hbba_absent' is installed here" in refused(build, {"A": ("hbba_absent.a:A", {}, {})}, {})
+
+
 def test_a_broken_import_inside_a_module_file_is_one_sentence(
     build: Build, tmp_path: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
