@@ -45,7 +45,7 @@ class TimedMessage(msgspec.Struct):
 
 
 class DriveMessage(TimedMessage, tag="drive", kw_only=True):
-    """The operator's hands."""
+    """A drive command of the operator."""
 
     seq: int
     held: bool
