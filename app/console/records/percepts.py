@@ -43,7 +43,7 @@ class SoundModel(BaseModel):
     level_db: float
     active: bool
     last_active: Stamp
-    speech: float | None = Field(description="Probability that it is a voice; null: nobody has judged.")
+    speech: float | None = Field(description="Probability that it is a voice; null: not judged.")
 
 
 class NoiseModel(BaseModel):

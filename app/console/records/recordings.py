@@ -100,7 +100,7 @@ class PlaybackReport:
     problem: Annotated[
         str | None,
         Meta(
-            description="What cannot be read of the recording here, in words, why it stands.",
+            description="Why it cannot go on: the part of the recording that cannot be read.",
             examples=["0.1 s from 0:07.5 cannot be read"],
         ),
     ]

@@ -66,7 +66,7 @@ def attention_router(system: System) -> APIRouter:
     async def change_resource(
         name: Annotated[str, Path(min_length=1, examples=["cpu"])], change: ResourceChange, request: Request
     ) -> Response:
-        """Attention chooses anew within the new budget at once; it lasts until changed again or the program ends."""
+        """Attention selects again within the new budget at once; it lasts until changed again or the program ends."""
         if name not in system.table.resources:
             known = ", ".join(system.table.resources) or "none"
             raise Problem(404, "no-such-resource", f"No resource is called {name}; there are: {known}.")

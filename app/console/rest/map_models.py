@@ -49,7 +49,7 @@ class RenameRequest(Request):
 
 
 class ZoneRequest(Request):
-    """A part of the map where the robot is told how to drive."""
+    """A part of the map with a rule for driving in it."""
 
     name: str = Field(min_length=1, max_length=100, description="What people call it; no two share one.")
     kind: Literal["keep_out", "slow"] = Field(description="The robot keeps out of it, or drives slowly in it.")

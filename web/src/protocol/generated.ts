@@ -487,7 +487,7 @@ export interface PlaybackReport {
   /** Whether time goes on, or will after the seek under way. */
   playing: boolean;
   phase: "ended" | "paused" | "playing" | "seeking";
-  /** What cannot be read of the recording here, in words, why it stands. */
+  /** Why it cannot go on: the part of the recording that cannot be read. */
   problem: string | null;
 }
 
@@ -633,7 +633,7 @@ export interface SoundModel {
   level_db: number;
   active: boolean;
   last_active: number;
-  /** Probability that it is a voice; null: nobody has judged. */
+  /** Probability that it is a voice; null: not judged. */
   speech: number | null;
 }
 
@@ -763,7 +763,7 @@ export interface DesireChange {
   ttl?: number | null;
 }
 
-/** The operator's hands. */
+/** A drive command of the operator. */
 export interface DriveMessage {
   type: "drive";
   t?: number | null;
@@ -913,7 +913,7 @@ export interface ViewMessage {
   costmap?: boolean | null;
 }
 
-/** A part of the map where the robot is told how to drive. */
+/** A part of the map with a rule for driving in it. */
 export interface ZoneRequest {
   /** What people call it; no two share one. */
   name: string;
