@@ -16,7 +16,7 @@ PERIOD_S = 0.1
 
 
 def playback_report(playback: Playback) -> PlaybackReport:
-    """What is played, and where it is; stamps are the recording's."""
+    """State of the playback; stamps are the recording's."""
     state = playback.state
     return PlaybackReport(
         file=playback.info.path.name,

@@ -164,7 +164,7 @@ def desires_router(system: System) -> APIRouter:
         workspace.remove(desire_id)
         return Response(status_code=204)
 
-    @router.get("/desire-classes", response_model=DesireClassList, summary="What can be desired")
+    @router.get("/desire-classes", response_model=DesireClassList, summary="List all desire classes")
     async def list_desire_classes() -> Response:
         """Each class with the JSON Schema of its parameters: enough to build a form from."""
         classes = tuple(desire_class_report(each, system.table) for each in system.classes.values())

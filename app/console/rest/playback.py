@@ -29,16 +29,14 @@ def playback_router(playback: Playback | None) -> APIRouter:
             raise Problem(404, "not-a-replay", "This is no recording: there is nothing to play, pause or seek.")
         return playback
 
-    @router.get(
-        "/playback", response_model=PlaybackReport, summary="What is played, and where", responses=problems(404)
-    )
+    @router.get("/playback", response_model=PlaybackReport, summary="State of the playback", responses=problems(404))
     async def get_playback() -> Response:
         return Json(playback_report(played()))
 
     @router.patch(
         "/playback",
         response_model=PlaybackReport,
-        summary="Play, pause, go elsewhere, faster or slower",
+        summary="Play, pause, seek, change the speed",
         responses=problems(400, 404, 409, 422),
     )
     async def change_playback(change: PlaybackChange) -> Response:

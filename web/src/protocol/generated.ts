@@ -167,7 +167,7 @@ export interface GridInfo {
   height: number;
 }
 
-/** What the guard says. */
+/** State of the guard. */
 export interface Guard {
   /** idle, driving, stale_command, e_stopped, sensor_failure, waiting or silent. */
   state: string;
@@ -405,16 +405,16 @@ export interface MoreCapacity {
   unit: string;
 }
 
-/** What the behavior that goes somewhere is about; as `navigation` on the live stream. */
+/** State of the behavior that drives to a goal; as `navigation` on the live stream. */
 export interface NavigationModel {
   stamp: number;
-  /** Empty before any has spoken. */
+  /** Empty before the first report. */
   behavior: string;
   state: "idle" | "planning" | "following" | "recovering" | "waiting" | "arrived" | "unreachable";
   /** In words, and what would help. */
   reason: string;
   goal: PlaceModel | null;
-  /** Where it really goes: the nearest reachable place. */
+  /** The nearest reachable place, which it drives to. */
   target: PlaceModel | null;
   remaining_m: number | null;
   recoveries: number;
@@ -472,7 +472,7 @@ export interface PlaceModel {
   theta: number | null;
 }
 
-/** What is played, and where it is; stamps are the recording's. */
+/** State of the playback; stamps are the recording's. */
 export interface PlaybackReport {
   /** Name of the recording's file. */
   file: string;
@@ -513,7 +513,7 @@ export interface ReasonReport {
   alternatives: (MoreCapacity | WithoutClass)[];
 }
 
-/** What the Recorder does. */
+/** State of the Recorder. */
 export interface RecorderReport {
   /** Seconds of the robot's clock (Unix epoch). */
   stamp: number;
@@ -582,7 +582,7 @@ export interface ResourceUse {
   unit: string;
 }
 
-/** What the body is, and what people must know of it. */
+/** The body and its limits. */
 export interface RobotFacts {
   name: string;
   simulated: boolean;
@@ -643,7 +643,7 @@ export interface Source {
   name: string;
 }
 
-/** How fresh a channel is, measured beside commanded. */
+/** Freshness of a channel: its measured and its expected rate. */
 export interface SourceState {
   channel: string;
   state: "closed" | "live" | "stale" | "waiting";
@@ -744,7 +744,7 @@ export interface AckMessage {
   seq: number;
 }
 
-/** Release it. */
+/** Release the emergency stop. */
 export interface ClearEStopMessage {
   type: "clear_e_stop";
   t?: number | null;
@@ -781,19 +781,19 @@ export interface EStopMessage {
   type: "e_stop";
 }
 
-/** Where to go. */
+/** A goal for the robot. */
 export interface GoalRequest {
   /** On the map (m). */
   x: number;
   /** On the map (m). */
   y: number;
-  /** On the map (rad); null: any will do. */
+  /** On the map (rad); null: any heading. */
   heading?: number | null;
   /** Share of the robot's greatest speed; null: as usual. */
   speed?: number | null;
 }
 
-/** Whether the page wants to hear what the robot hears. */
+/** Subscribe to the microphones' sound, or end that. */
 export interface ListenMessage {
   type: "listen";
   on: boolean;
@@ -801,9 +801,9 @@ export interface ListenMessage {
 
 /** How to take a map into use. */
 export interface LoadRequest {
-  /** Where the robot is about, within 1 m and 0.5 rad; null: it looks for itself. */
+  /** Rough pose of the robot, within 1 m and 0.5 rad; null: global localization searches for it. */
   pose?: PoseRequest | null;
-  /** Whether the map goes on growing; else it stays as it is. */
+  /** Whether mapping continues in this map; else it is only localized in. */
   extend?: boolean;
 }
 
@@ -840,7 +840,7 @@ export interface NewRecording {
   utility?: number;
 }
 
-/** A sign of life; ``t`` comes back as it is. */
+/** Ping; the pong returns ``t`` unchanged. */
 export interface PingMessage {
   type: "ping";
   t?: number | null;
@@ -866,14 +866,14 @@ export interface PoseRequest {
   theta: number;
 }
 
-/** Give it back. */
+/** Give the wheel back. */
 export interface ReleaseControlMessage {
   type: "release_control";
 }
 
 /** What to change of a map. */
 export interface RenameRequest {
-  /** What it is called from now on. */
+  /** The new name. */
   name: string;
 }
 
@@ -904,7 +904,7 @@ export interface TimedMessage {
   heard_t?: number | null;
 }
 
-/** Which pictures the page shows; None: as it was. */
+/** Which pictures the page shows; None: unchanged. */
 export interface ViewMessage {
   type: "view";
   camera?: boolean | null;
@@ -915,7 +915,7 @@ export interface ViewMessage {
 
 /** A part of the map with a rule for driving in it. */
 export interface ZoneRequest {
-  /** What people call it; no two share one. */
+  /** Unique name for people. */
   name: string;
   /** The robot keeps out of it, or drives slowly in it. */
   kind: "keep_out" | "slow";
