@@ -19,7 +19,7 @@ import numpy as np
 from app.modules.perception.voices.voice_activity import VoiceActivityDetector
 
 judge = VoiceActivityDetector()
-judge.hear({1: np.zeros(16_000, np.float32)})
+judge.update({1: np.zeros(16_000, np.float32)})
 assert judge.speech(1) < 0.5
 """
 

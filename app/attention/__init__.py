@@ -1,4 +1,4 @@
 """Attention: what the robot desires, and which strategies, filters and parameters follow from it.
 
-Everything here is pure but :mod:`app.attention.translator`, the only file that knows an event loop.
+Everything here is pure but :mod:`app.attention.translator` and :mod:`app.attention.lanes`, which know an event loop.
 """

@@ -156,20 +156,27 @@ def strategy_report(strategy: Strategy, *, selected: bool) -> StrategyReport:
     return StrategyReport(
         strategy.name,
         strategy.cls,
-        strategy.utility,
-        strategy.requires,
-        divisors_report(strategy.filters),
-        strategy.parameters,
-        strategy.costs,
-        selected,
-        None if strategy.location is None else str(strategy.location),
+        utility=strategy.utility,
+        requires=strategy.requires,
+        filters=divisors_report(strategy.filters),
+        parameters=strategy.parameters,
+        costs=strategy.costs,
+        selected=selected,
+        declared=None if strategy.location is None else str(strategy.location),
     )
 
 
 def resource_report(resource: Resource, capacity: float, intention: Intention | None) -> ResourceReport:
     """``resource``, its ``capacity`` now, and what ``intention`` uses of it."""
     used = 0.0 if intention is None else intention.selection.use.get(resource.name, 0.0)
-    return ResourceReport(resource.name, capacity, resource.capacity, used, resource.unit, resource.description)
+    return ResourceReport(
+        resource.name,
+        capacity,
+        declared=resource.capacity,
+        used=used,
+        unit=resource.unit,
+        description=resource.description,
+    )
 
 
 def intention_report(intention: Intention, resources: Mapping[str, Resource]) -> IntentionReport:
@@ -201,7 +208,14 @@ def intention_report(intention: Intention, resources: Mapping[str, Resource]) ->
 def reason_report(reason: Reason) -> ReasonReport:
     """``reason`` with what would help."""
     alternatives = tuple(_alternative(alternative) for alternative in reason.alternatives)
-    return ReasonReport(reason.state, reason.utility, reason.wanted, reason.best, reason.text, alternatives)
+    return ReasonReport(
+        reason.state,
+        reason.utility,
+        wanted=reason.wanted,
+        best=reason.best,
+        text=reason.text,
+        alternatives=alternatives,
+    )
 
 
 def divisors_report(divisors: Mapping[str, float]) -> dict[str, int | None]:

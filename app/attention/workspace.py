@@ -122,6 +122,11 @@ class IntentionWorkspace:
                 strongest[desire.cls] = desire
         return strongest
 
+    def wanted(self, cls: str) -> Desire | None:
+        """The strongest desire of class ``cls``; None where there is none, or one that inhibits it."""
+        desire = self.strongest().get(cls)
+        return desire if desire is not None and desire.utility > 0 else None
+
     @property
     def next_expiry(self) -> float | None:
         """The stamp at which the next desire expires; None while none will."""

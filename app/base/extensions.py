@@ -108,6 +108,12 @@ def load_named(path: str) -> object | None:
         raise ConfigError(f"{module_path} cannot be imported: {_sentence(failure)}") from failure
 
 
+def missing_package(path: str) -> str | None:
+    """The top package of ``package.module:Name`` if no such package is installed, else None."""
+    top = path.partition(":")[0].partition(".")[0]
+    return top if top.isidentifier() and importlib.util.find_spec(top) is None else None
+
+
 def may_be_imported_for_a_log(path: str) -> bool:
     """Whether the module of ``package.module:Name`` may be imported because a log names it.
 

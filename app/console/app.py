@@ -64,7 +64,7 @@ def create_app(
     """
     panels = panels or {}
     hub = Hub(system, playback, sorted({channel for panel in panels.values() for channel in panel.channels}))
-    view = View(system, hub.percepts, hub.way, lambda: hub.is_shown(COSTMAP), early=early_view, playback=playback)
+    view = View(system, lambda: hub.is_shown(COSTMAP), early=early_view, playback=playback)
     door = Door(token, host_names)
     replays = Replays(host, token, host_names)
 
@@ -96,8 +96,8 @@ def create_app(
         desires_router(system),
         attention_router(system),
         robot_router(system, hub),
-        percepts_router(hub.percepts, system.clock),
-        maps_router(system, hub.way),
+        percepts_router(system),
+        maps_router(system),
         goal_router(system, hub),
         program_router(system, hub),
         recordings_router(system, replays, None if playback is None else playback.info.path),

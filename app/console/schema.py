@@ -10,6 +10,7 @@ from collections.abc import Iterable
 from typing import Any, Literal
 
 import msgspec
+import numpy as np
 from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
@@ -42,6 +43,8 @@ def _schemas(
     models: dict[str, type[BaseModel]] = {}
 
     def of_model(cls: type[Any]) -> Schema:
+        if issubclass(cls, np.ndarray):
+            return {"type": "array"}
         if not issubclass(cls, BaseModel):
             raise NotImplementedError(f"{cls.__qualname__} is no record")
         models[cls.__name__] = cls

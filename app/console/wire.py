@@ -1,16 +1,27 @@
-"""JSON as it goes over the wire: msgspec, which takes dataclasses as they are and writes NaN and infinity as null."""
+"""JSON as it goes over the wire: msgspec, which takes dataclasses as they are and writes NaN and infinity as null.
+
+Arrays are lists (of lists) of their numbers.
+"""
 
 from __future__ import annotations
 
 from typing import Any
 
 import msgspec
+import numpy as np
 
-_encoder = msgspec.json.Encoder()
+
+def _list(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    raise NotImplementedError(f"{type(value).__name__} has no JSON")
+
+
+_encoder = msgspec.json.Encoder(enc_hook=_list)
 
 
 def encode(value: Any) -> bytes:
-    """``value`` as compact JSON in UTF-8."""
+    """``value`` as compact JSON in UTF-8. Raises NotImplementedError for what has none."""
     return _encoder.encode(value)
 
 

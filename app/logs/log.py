@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, Protocol
 
 from app.logs.manifest import Manifest
 
@@ -81,16 +81,4 @@ class Log(Protocol):
 
     def close(self) -> None:
         """Release the file."""
-        ...
-
-
-@runtime_checkable
-class Indexed(Protocol):
-    """A log with an index of the times at which each channel has messages."""
-
-    def spoken(self, begin: float, end: float) -> Mapping[str, Sequence[tuple[float, float]]]:
-        """By channel, ascending, the pieces ``(from, to)`` (s) between ``begin`` and ``end`` with messages on it.
-
-        Messages a fifth of a second apart or less make one piece; channels without messages there are left out.
-        """
         ...

@@ -105,3 +105,35 @@ class Zones:
 
     stamp: float
     zones: tuple[Zone, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class GivenUpGoal:
+    """A goal (on the map; a heading that was not asked for is NaN) that was given up at ``stamp``, and why in words."""
+
+    stamp: float
+    goal: Pose2
+    reason: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NavigationReport:
+    """Where the robot goes: the status of the behavior at work, with what belongs to it. ``stamp`` is the status's.
+
+    ``behavior`` is "" and ``state`` ``idle`` before any behavior has published; ``goal``, ``target``, ``recoveries``
+    and ``state`` are those of ``NavigationStatus``. ``remaining_m`` is None where it is not known. ``desire`` is the id
+    of the strongest desire of class GoTo. ``path`` (N, 2) float64, x and y (m) on the map, at most 200 points; none
+    while the behavior at work follows none. ``given_up`` is the goal that was given up last, until another is desired.
+    """
+
+    stamp: float
+    behavior: str
+    state: str
+    reason: str
+    goal: Pose2 | None
+    target: Pose2 | None
+    remaining_m: float | None
+    recoveries: int
+    desire: str | None
+    path: NDArray[np.float64]
+    given_up: GivenUpGoal | None

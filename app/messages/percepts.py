@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated, Any
 
 import numpy as np
+from msgspec import Meta
 from numpy.typing import NDArray
 
 from app.base.geometry import Pose2, Pose3
+
+#: JSON Schema of a row of an array of points.
+POINT: dict[str, Any] = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -186,6 +191,88 @@ class SeparatedSound:
     samples: NDArray[np.int16]
     rate: int
     first_sample: int
+
+
+@dataclass(frozen=True, slots=True)
+class PlacedFace:
+    """A face in one image of ``camera``, placed with the robot's pose at ``stamp``.
+
+    ``azimuth`` (left positive) and ``elevation`` (rad) in the axes of B, from the camera as it was then; ``panorama``
+    is both, from where the newest panorama was taken (None: there is none). ``range_m`` from the camera, with standard
+    deviation ``range_sigma_m``. ``x``, ``y``, ``z`` (m) is its place in O and ``towards_O`` the heading (rad in O) in
+    which it has the robot, all None before the pose at ``stamp`` is known. ``box`` is left, top, width, height (px) in
+    the image of ``image`` (width, height) px.
+    """
+
+    track: int
+    camera: str
+    stamp: float
+    azimuth: float
+    elevation: float
+    panorama: tuple[float, float] | None
+    range_m: float | None
+    range_sigma_m: float | None
+    x: float | None
+    y: float | None
+    z: float | None
+    towards_O: float | None
+    score: float
+    box: tuple[float, float, float, float]
+    image: tuple[int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class PlacedSound:
+    """A tracked sound, placed with the robot's pose at ``stamp``: angles and place as in ``PlacedFace``.
+
+    Angles and ``range_m`` are from the microphones' middle, which is at ``p_OA`` (m in O); ``v_O`` is the direction as
+    a unit vector in the axes of O. Place and range are None where the distance is not known, all of O before the pose
+    is. ``active``: it sounds now, else it did last at ``last_active``; ``speech`` is None while nothing has judged it.
+    """
+
+    track: int
+    stamp: float
+    azimuth: float
+    elevation: float
+    panorama: tuple[float, float] | None
+    range_m: float | None
+    range_sigma_m: float | None
+    x: float | None
+    y: float | None
+    z: float | None
+    p_OA: tuple[float, float, float] | None
+    v_O: tuple[float, float, float] | None
+    power: float
+    level_db: float
+    active: bool
+    last_active: float
+    speech: float | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlacedCode:
+    """A QR code in one image of ``camera``: its ``corners`` (4, 2) float64 px, in the order of ``QRCode``, in the image
+    of ``image`` (width, height) px."""
+
+    text: str
+    camera: str
+    stamp: float
+    corners: Annotated[NDArray[np.float64], Meta(extra_json_schema={"items": POINT})]
+    image: tuple[int, int]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlacedPercepts:
+    """What the robot sees and hears at ``stamp``; published when it changes.
+
+    ``faces`` by track and camera, ``sounds`` by track, ``noises`` of the last 2 s, ``codes`` by text and camera.
+    """
+
+    stamp: float
+    faces: tuple[PlacedFace, ...] = ()
+    sounds: tuple[PlacedSound, ...] = ()
+    noises: tuple[LoudNoise, ...] = ()
+    codes: tuple[PlacedCode, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from contextlib import AsyncExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -17,6 +17,7 @@ from types import TracebackType
 from app.attention.cached_solver import CachedSolver
 from app.attention.explaining import EXPLAIN_S
 from app.attention.hysteresis import Hysteresis
+from app.attention.lanes import LaneMonitor, LaneSampler
 from app.attention.strategies import StrategyTable, load_strategies, trimmed
 from app.attention.timeline import Timeline
 from app.attention.translator import IntentionTranslator
@@ -70,6 +71,7 @@ class System:
         new_id: Callable[[], str] = random_id,
         partial: bool = False,
         reproducible: bool = False,
+        recorded: Collection[str] = (),
     ) -> None:
         """Build everything; ``link`` and ``clock`` replace the configured body and the real clock.
 
@@ -78,7 +80,8 @@ class System:
         folder. ``new_id`` makes the ids of desires. ``partial``: strategies may name modules that do not exist, and are
         used without them. ``reproducible``: nothing may depend on the speed of this computer, so that two runs in
         virtual time are equal: the solver finds the optimum without a time limit and reports no solve time, the
-        watchdog of the loop is off, no load is reported. Raises ConfigError.
+        watchdog of the loop is off, no load is reported. ``recorded``: channels that come from a
+        recording, so that the program does not publish on them what it knows of itself. Raises ConfigError.
         """
         program = configuration.program
         self.config = configuration
@@ -125,6 +128,7 @@ class System:
         self.load = LoadMeter(meters, self.clock.now)
         self.watchdog = LoopWatchdog(meters)
         self.translator = self._make_translator()
+        self._lanes = None if "lanes" in recorded else self._lane_monitor()
         self.body_restarter = BodyRestarter(self.link, self.supervisor, self._clear_state, self.timeline, self.clock)
         self._stack = AsyncExitStack()
         self._tasks: list[asyncio.Task[None]] = []
@@ -161,6 +165,7 @@ class System:
                 "translator": self.translator.run(),
                 "sampling": self._sample(),
                 "exploitation": self._follow_exploitation(),
+                **({} if self._lanes is None else {"lanes": self._lanes.run()}),
             }.items():
                 task = asyncio.create_task(coroutine, name=name)
                 self._tasks.append(task)
@@ -189,6 +194,8 @@ class System:
         self.graph.reset()
         self.freshness.reset()
         self._feed.reset()
+        if self._lanes is not None:
+            self._lanes.reset()
 
     async def keep_going(self) -> Exception:
         """As :meth:`wait_failed`, but restarts a body that failed if it can be restarted, unless it fails again and
@@ -270,6 +277,13 @@ class System:
             )
         except ValueError as failure:
             raise self.config.program_document.error(str(failure), ("attention", "safe_strategies")) from None
+
+    def _lane_monitor(self) -> LaneMonitor | None:
+        channel = self.graph.channels.get("lanes")
+        if channel is None:
+            return None
+        sampler = LaneSampler(self.graph, self.classes, self.table.strategies)
+        return LaneMonitor(channel, sampler, self.workspace, self.translator, now=self.clock.now, pace=self.pace)
 
     async def _sample(self) -> None:
         while True:

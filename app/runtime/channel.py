@@ -63,7 +63,7 @@ class Subscription(Generic[M]):
     __slots__ = (
         "_age_s", "_attended", "_capacity", "_closed", "_discarded", "_dropped", "_inbox", "_now",
         "_on_close", "_on_filter", "_overflowed", "_passed", "_received", "_senders", "_waiter",
-        "filter", "lossless", "name", "passive", "taken",
+        "demands", "filter", "lossless", "name", "taken",
     )  # fmt: skip
 
     def __init__(
@@ -76,7 +76,7 @@ class Subscription(Generic[M]):
         on_filter: Callable[[], None],
         on_close: Callable[[Subscription[M]], None],
         *,
-        passive: bool = False,
+        demands: bool = True,
     ) -> None:
         if capacity < 1:
             raise ValueError(f"the inbox of {name} needs room for at least 1 message, not {capacity}")
@@ -85,7 +85,8 @@ class Subscription(Generic[M]):
         self._now = now
         self._capacity = capacity
         self.lossless = lossless
-        self.passive = passive
+        #: Whether the channel is wanted while the filter is open; see :meth:`demand`.
+        self.demands = demands
         self._on_filter = on_filter
         self._on_close = on_close
         self._inbox: deque[M] = deque()
@@ -198,6 +199,12 @@ class Subscription(Generic[M]):
         finally:
             timer.cancel()
             self._senders.pop(sender, None)
+
+    def demand(self, demands: bool) -> None:
+        """Whether the channel is ``wanted`` for this consumer; it is given what is published either way."""
+        if demands != self.demands:
+            self.demands = demands
+            self._on_filter()
 
     def close(self) -> None:
         """Leave the channel; what waits can still be received, then ChannelClosed is raised. May be called twice."""
@@ -313,12 +320,12 @@ class Channel(Generic[M]):
                 raise InboxOverflow(f"{self.name}: no room within {deadline_s} s at {full}")
 
     def subscribe(
-        self, name: str, *, capacity: int = 1, lossless: bool = False, divisor: float = 1, passive: bool = False
+        self, name: str, *, capacity: int = 1, lossless: bool = False, divisor: float = 1, demands: bool = True
     ) -> Subscription[M]:
         """Add a consumer called ``name`` with an inbox of ``capacity`` messages behind a filter of ``divisor``.
 
-        A ``passive`` one takes what passes; the channel is not :attr:`wanted` for it.
-        Raises ChannelClosed after :meth:`close`: nothing would ever come.
+        Without ``demands`` the channel is not :attr:`wanted` for it (see :meth:`Subscription.demand`). Raises
+        ChannelClosed after :meth:`close`: nothing would ever come.
         """
         if self._closed:
             raise ChannelClosed(f"{self.name}: {name} subscribed to a closed channel")
@@ -330,7 +337,7 @@ class Channel(Generic[M]):
             divisor=divisor,
             on_filter=self._update_wanted,
             on_close=self.unsubscribe,
-            passive=passive,
+            demands=demands,
         )
         self._set_subscriptions((*self._subscriptions, subscription))
         return subscription
@@ -367,7 +374,7 @@ class Channel(Generic[M]):
 
     @property
     def wanted(self) -> bool:
-        """Whether the filter of any subscription that is not passive is open; else the source may rest."""
+        """Whether the filter of any subscription that demands it is open: a source may rest otherwise."""
         return self._wanted
 
     def on_wanted(self, callback: Callable[[bool], None]) -> Callable[[], None]:
@@ -385,7 +392,7 @@ class Channel(Generic[M]):
         self._update_wanted()
 
     def _update_wanted(self) -> None:
-        wanted = any(s.filter.is_open and not s.passive for s in self._subscriptions)
+        wanted = any(s.demands and s.filter.is_open for s in self._subscriptions)
         if wanted != self._wanted:
             self._wanted = wanted
             self._wanted_observers.notify(wanted)

@@ -14,6 +14,18 @@ from app import messages
 from app.base.extensions import load_named
 
 
+class PageColumn(BaseModel):
+    """How a channel goes to the console's page; a channel without this column does not."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    frame_type: str = Field(
+        "", alias="as", pattern=r"^\w*$", description="type of the frames; empty: the channel's name"
+    )
+    every_hz: float | None = Field(None, gt=0, description="at most so many frames a second; none: each message")
+    keep: Literal["newest", "all"] = Field("newest", description="what a page that is slow, or comes late, is given")
+
+
 class ChannelSpec(BaseModel):
     """One row of the table; the channel's name is its key in the file."""
 
@@ -32,6 +44,7 @@ class ChannelSpec(BaseModel):
     latched: bool = Field(False, description="whether the newest message stays true until the next: a state, no event")
     external: bool = Field(False, description="fed from outside the graph (the console), not by a module")
     feedback: bool = Field(False, description="whether a cycle of modules may run through it")
+    page: PageColumn | None = Field(None, description="how it goes to the console's page; none: it does not")
 
     @property
     def message_type(self) -> type[Any]:

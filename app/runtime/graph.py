@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from app.base.errors import ConfigError
-from app.base.extensions import load_named
+from app.base.extensions import load_named, missing_package
 from app.base.yaml_source import likeliest, validation_message
 from app.runtime.channel import Channel
 from app.runtime.channel_table import ChannelSpec
@@ -237,6 +237,8 @@ class Graph:
             self._wire_outputs(slot)
         for slot in self.modules.values():
             self._wire_inputs(slot)
+        for slot in self.modules.values():
+            _follow_demand(slot)
         self._refuse_cycles()
         for name, slot in self.modules.items():
             try:
@@ -329,7 +331,9 @@ class Graph:
         except ConfigError as failure:
             raise self._error(failure.message, (*key, "class")) from failure
         if module_class is None:
-            raise self._error(f"{spec.class_path!r} is not a module class (package.module:Class)", (*key, "class"))
+            missing = missing_package(spec.class_path)
+            why = "" if missing is None else f"; no package {missing!r} is installed here"
+            raise self._error(f"{spec.class_path!r} is not a module class (package.module:Class){why}", (*key, "class"))
         try:
             settings: Settings = module_class.Settings.model_validate(spec.settings)
         except ValidationError as failure:
@@ -381,8 +385,9 @@ class Graph:
             self._check_type(channel, port.message_type, key)
             if channel_name not in self.producers and not self.specs[channel_name].external:
                 raise self._error(f"no module publishes on channel {channel_name}", key)
-            # A channel from outside has no source here that could rest: a log feeds it to those who want it.
-            port.connect(channel, 1, passive=port.passive and channel_name in self.producers)
+            # A channel from outside has no source here that could rest: a log feeds only what is wanted.
+            outside = channel_name not in self.producers
+            port.connect(channel, 1, demands=port.wants == "always" or (port.wants == "never" and outside))
             decimable = self.specs[channel_name].decimable
             self.filters.add(f"{slot.name}.{port_name}", port.subscription.filter, decimable=decimable)
 
@@ -406,6 +411,20 @@ class Graph:
                 f"modules feed each other in a circle: {path}; mark one of its channels `feedback: true` if meant",
                 ("modules", cycle[0]),
             )
+
+
+def _follow_demand(slot: ModuleSlot) -> None:
+    """Have the inputs of ``slot`` that are declared so want their channels while one of its outputs is wanted."""
+    inputs = [port for port in slot.context.inputs.values() if port.connected and port.wants == "if_wanted"]
+    outputs = [port.channel for port in slot.context.outputs.values() if port.channel is not None]
+
+    def follow(_: bool) -> None:
+        wanted = any(channel.wanted for channel in outputs)
+        for port in inputs:
+            port.subscription.demand(wanted)
+
+    for channel in outputs if inputs else ():
+        channel.on_wanted(follow)
 
 
 def load_class(path: str) -> type[Module] | None:

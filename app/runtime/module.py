@@ -21,7 +21,7 @@ from app.runtime.clock import Clock
 from app.runtime.errors import InboxOverflow, ModuleFailed
 from app.runtime.load import CpuMeter, MeteredCoroutine
 from app.runtime.pending_work import PendingWork
-from app.runtime.ports import Input, Output
+from app.runtime.ports import Input, Output, Wants
 from app.runtime.worker import ModuleWorker
 
 __all__ = ["Caution", "Input", "Module", "ModuleContext", "Output", "Settings"]
@@ -137,12 +137,13 @@ class Module:
         lossless: bool = False,
         always_open: bool = False,
         moves: bool = False,
-        passive: bool = False,
+        wants: Wants = "always",
     ) -> Input[M]:
         """Declare an input port of ``message_type`` with an inbox of ``capacity`` messages.
 
         ``moves``: what comes in by it can move the body. The output of another module that leads to it stays closed
-        unless a strategy names it. ``passive``: the module takes what passes, and keeps no source awake for it.
+        unless a strategy names it. ``wants``: whether the source works for this input ``always``, ``if_wanted`` (only
+        while an output of this module is wanted), or ``never``; what is published comes in at any rate.
         """
         port = self._context.inputs.get(name)
         if port is None:
@@ -154,7 +155,7 @@ class Module:
                 lossless=lossless,
                 always_open=always_open,
                 moves=moves,
-                passive=passive,
+                wants=wants,
             )
             self._context.inputs[name] = port
         return port

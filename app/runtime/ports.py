@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Generic, TypeVar
+from typing import Generic, Literal, TypeVar
 
 from app.base.observers import Observers
 from app.messages import Message
@@ -13,12 +13,18 @@ from app.runtime.filter import CLOSED, RateFilter
 
 M = TypeVar("M", bound=Message)
 
+#: When an input wants its channel, so that the source must work: always; only while an output of its module is wanted;
+#: or never (but a channel from outside the graph: a log feeds only what is wanted). What is published comes in at any
+#: rate.
+Wants = Literal["always", "if_wanted", "never"]
+
 
 class Input(Generic[M]):
     """An input port. Once wired, ``subscription`` is the module's end of a channel.
 
     ``always_open``: attention may not decimate the input; for safety and self-motion, where a gap is a fault.
-    ``moves``: messages of the input can move the body. A ``passive`` input takes what passes and keeps no source awake.
+    ``moves``: messages of the input can move the body. ``wants``: when the source must work for it, see
+    :data:`Wants`.
     """
 
     def __init__(
@@ -26,11 +32,12 @@ class Input(Generic[M]):
         module: str,
         name: str,
         message_type: type[M],
-        capacity: int,
-        lossless: bool,
-        always_open: bool,
+        *,
+        capacity: int = 1,
+        lossless: bool = False,
+        always_open: bool = False,
         moves: bool = False,
-        passive: bool = False,
+        wants: Wants = "always",
     ) -> None:
         self.module = module
         self.name = name
@@ -39,7 +46,7 @@ class Input(Generic[M]):
         self.lossless = lossless
         self.always_open = always_open
         self.moves = moves
-        self.passive = passive
+        self.wants = wants
         self.channel: Channel[M] | None = None
         self._subscription: Subscription[M] | None = None
 
@@ -55,15 +62,15 @@ class Input(Generic[M]):
         """Whether configuration wired this port."""
         return self._subscription is not None
 
-    def connect(self, channel: Channel[M], divisor: float, *, passive: bool = False) -> None:
-        """Subscribe this port to ``channel`` (done once, by the graph)."""
+    def connect(self, channel: Channel[M], divisor: float, *, demands: bool = True) -> None:
+        """Subscribe this port to ``channel`` (done once, by the graph), which is wanted for it if it ``demands``."""
         self.channel = channel
         self._subscription = channel.subscribe(
             f"{self.module}.{self.name}",
             capacity=self.capacity,
             lossless=self.lossless,
             divisor=divisor,
-            passive=passive,
+            demands=demands,
         )
 
 

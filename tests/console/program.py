@@ -72,6 +72,15 @@ modules:
   Loudspeaker:
     class: app.modules.actuation.loudspeaker:Loudspeaker
     inputs: {voice: operator_voice}
+  PerceptPlacer:
+    class: app.modules.perception.percept_placer:PerceptPlacer
+    inputs: {faces: faces, codes: qr_codes, sounds: sound_sources, noises: loud_noises, panorama: panorama_jpeg,
+             odometry: odometry}
+    outputs: {percepts: placed_percepts}
+  NavigationReporter:
+    class: app.modules.behaviors.navigation_reporter:NavigationReporter
+    inputs: {navigation: navigation, going_toward: going_toward, path: path, localization: localization}
+    outputs: {report: navigation_report}
 """
 
 #: Added to the program where recording is what is tested.
@@ -99,7 +108,7 @@ operator_drive: {type: OperatorDrive, decimable: false, external: true}
 teleop_twist: {type: Twist, decimable: false}
 camera_jpeg: {type: EncodedImage}
 point_cloud: {type: PointCloud}
-landmarks: {type: Landmarks, external: true}
+landmarks: {type: Landmarks, latched: true, external: true, page: {}}
 exploitation: {type: Exploitation, rate_hz: 10, external: true}
 microphones: {type: Audio, rate_hz: 93.75, decimable: false}
 robot_audio: {type: Audio, decimable: false, log: never}
@@ -111,13 +120,17 @@ loud_noises: {type: LoudNoise, decimable: false, external: true}
 percept_events: {type: PerceptEvent, decimable: false, external: true}
 imv: {type: Image, rate_hz: 10, external: true}
 panorama_jpeg: {type: EncodedImage, external: true, log: never}
-localization: {type: Localization, frame: map, decimable: false, external: true}
+localization: {type: Localization, frame: map, decimable: false, external: true, page: {every_hz: 10}}
 map: {type: OccupancyGrid, latched: true, frame: map, decimable: false, external: true}
-zones: {type: Zones, latched: true, frame: map, decimable: false, external: true}
+zones: {type: Zones, latched: true, frame: map, decimable: false, external: true, page: {every_hz: 10}}
 navigation: {type: NavigationStatus, latched: true, decimable: false, external: true}
 path: {type: PlannedPath, latched: true, decimable: false, external: true}
 local_costmap: {type: OccupancyGrid, frame: odom, log: never, external: true}
 going_toward: {type: NavigationStatus, latched: true, decimable: false, external: true}
+placed_percepts: {type: PlacedPercepts, latched: true, log: never, page: {as: perceived, every_hz: 10}}
+navigation_report: {type: NavigationReport, latched: true, log: never, page: {as: navigation, every_hz: 10}}
+events: {type: EventRecord, decimable: false, external: true, page: {keep: all}}
+lanes: {type: Lanes, decimable: false, external: true, page: {every_hz: 20}}
 """
 
 STRATEGIES = """\

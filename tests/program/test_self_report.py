@@ -27,7 +27,6 @@ intention: {type: IntentionRecord, external: true}
 divisors: {type: Divisors, external: true}
 load: {type: LoadRecord, external: true}
 module_states: {type: ModuleRecord, external: true}
-events: {type: EventRecord, external: true}
 log: {type: LogLine, external: true}
 """
 OPERATOR = Source("operator", "a person")

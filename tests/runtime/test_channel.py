@@ -443,18 +443,6 @@ async def test_an_observer_that_fails_disturbs_neither_the_producer_nor_the_cons
     assert caplog.text.count("failed and goes on") == 2
 
 
-async def test_a_passive_subscription_takes_what_passes_and_wants_nothing(make: Make) -> None:
-    numbers = channel()
-    passive = numbers.subscribe("passive", capacity=2, passive=True)
-    assert not numbers.wanted
-    numbers.publish(make(1))
-    assert await passive.receive() == make(1)
-    active = numbers.subscribe("active")
-    assert numbers.wanted
-    active.close()
-    assert not numbers.wanted
-
-
 @in_virtual_time
 async def test_a_channel_that_forgets_has_nothing_waiting_and_counts_on(make: Make) -> None:
     numbers = channel()
@@ -484,3 +472,17 @@ async def test_forgetting_makes_room_for_who_waits_to_send(make: Make) -> None:
     numbers.clear()
     await sending
     assert (await safe.receive()).linear_mps == 2
+
+
+def test_a_subscription_that_does_not_demand_gets_what_is_published_and_keeps_no_source_awake() -> None:
+    channel = Channel("scan", Twist, lambda: 0.0)
+    told: list[bool] = []
+    channel.on_wanted(told.append)
+    observing = channel.subscribe("observing", demands=False)
+    channel.publish(Twist(1.0, 0.0, 0.0))
+    assert observing.receive_nowait().stamp == 1.0
+    assert not channel.wanted
+    observing.demand(True)
+    observing.demand(True)
+    observing.demand(False)
+    assert told == [False, True, False]

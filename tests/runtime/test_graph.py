@@ -49,7 +49,7 @@ class OdometryUser(Module):
 class Onlooker(Module):
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
-        self.numbers = self.input("numbers", Twist, passive=True)
+        self.numbers = self.input("numbers", Twist, wants="never")
 
 
 class Collector(Module):
@@ -103,7 +103,7 @@ def test_a_wired_graph_delivers_from_output_to_input(build: Build, make: Callabl
     assert graph.modules["B"].title == "B"
 
 
-def test_a_passive_input_keeps_no_source_awake_and_wants_what_comes_from_outside(
+def test_an_input_that_never_wants_keeps_no_source_awake_but_wants_what_comes_from_outside(
     build: Build, make: Callable[..., Twist]
 ) -> None:
     graph = build(
@@ -204,6 +204,10 @@ def test_a_module_finds_its_own_settings(build: Build) -> None:
 )
 def test_a_path_that_is_no_module_class_is_refused(build: Build, path: str) -> None:
     assert f"{path!r} is not a module class" in refused(build, {"A": (path, {}, {})}, {})
+
+
+def test_a_package_that_is_not_installed_is_named(build: Build) -> None:
+    assert "no package 'hbba_absent' is installed here" in refused(build, {"A": ("hbba_absent.a:A", {}, {})}, {})
 
 
 def test_a_broken_import_inside_a_module_file_is_one_sentence(

@@ -16,11 +16,11 @@ class Stage:
     def __init__(self, limit_s: float = 1.0) -> None:
         self.now = 100.0
         channel = Channel("numbers", Twist, lambda: self.now)
-        self.port: Input[Any] = Input("M", "numbers", Twist, 1, False, False)
+        self.port: Input[Any] = Input("M", "numbers", Twist)
         self.port.connect(channel, 1)
         self.channel = channel
         self.ticks: dict[str, tuple[float, float]] = {}
-        unwired: Input[Any] = Input("M", "other", Twist, 1, False, False)
+        unwired: Input[Any] = Input("M", "other", Twist)
         self.watch = HangDetector((self.port, unwired), self.ticks, limit_s, self.now)
 
     def pass_time(self, seconds: float, step_s: float = 0.1) -> str | None:

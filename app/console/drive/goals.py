@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from app.attention.desires import Desire
 from app.attention.workspace import IntentionWorkspace
+from app.console import reports
+from app.messages import NavigationReport
+
+if TYPE_CHECKING:
+    from app.program.system import System
 
 #: The desire class that sends the robot somewhere.
 GO_TO = "GoTo"
+#: The channel that says where the robot goes.
+REPORT = "navigation_report"
 #: Goals of these sources came over the console.
 _ASKED_HERE = frozenset({"operator", "rest"})
 
@@ -29,3 +38,10 @@ def withdraw_all(workspace: IntentionWorkspace) -> None:
         for desire in workspace.desires():
             if desire.cls == GO_TO and desire.utility > 0:
                 workspace.remove(desire.id)
+
+
+def dismiss_given_up(system: System) -> None:
+    """The goal that was given up is void: it was read, or was a place on another map."""
+    report: NavigationReport | None = reports.latest(system.graph, REPORT)
+    if report is not None and report.given_up is not None:
+        system.timeline.add("goal", GO_TO, "The goal that was given up is void", {"given_up": None})

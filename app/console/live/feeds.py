@@ -13,8 +13,6 @@ from app.console.live.grid_feed import GridFeed
 from app.console.live.protocol import CAMERA, COSTMAP, MAP, PANORAMA, picture_frame, sound_frame
 from app.console.live.viewer import Viewer
 from app.console.taps import Tap
-from app.console.way import COSTMAP as COSTMAP_CHANNEL
-from app.console.way import MAP as MAP_CHANNEL
 from app.messages import Audio, EncodedImage
 
 if TYPE_CHECKING:
@@ -38,8 +36,8 @@ class GridKind:
 
 
 GRIDS = {
-    MAP: GridKind(MAP_CHANNEL, "map_info", 0.5),
-    COSTMAP: GridKind(COSTMAP_CHANNEL, "costmap_info", 0.2),
+    MAP: GridKind("map", "map_info", 0.5),
+    COSTMAP: GridKind("local_costmap", "costmap_info", 0.2),
 }
 #: So many frames of sound may come while the loop does something else.
 BURST = 16

@@ -1,7 +1,7 @@
 """All viewers of the live stream. Frames are built once and shared; nobody's slowness delays anyone else.
 
-While nobody watches, nothing is subscribed to or encoded; the lanes alone are sampled, slowly, so that whoever comes
-sees what was.
+While nobody watches, nothing is subscribed to or encoded; the lanes alone are remembered, so that whoever comes sees
+what was.
 """
 
 from __future__ import annotations
@@ -23,22 +23,21 @@ from app.console.drive.goals import withdraw_all
 from app.console.drive.telepresence_desire import LISTEN, WATCH, Presence, Spectators
 from app.console.live import messages
 from app.console.live.feeds import GRIDS, PICTURES, SOUND_CHANNEL, Feeds, comes
+from app.console.live.lane_history import LaneHistory
+from app.console.live.page_channels import PageChannels
 from app.console.live.panel_feed import PanelFeed
 from app.console.live.protocol import CAMERA, COSTMAP, MAP, PANORAMA, PROTOCOL
 from app.console.live.sampler import Sampler
 from app.console.live.speech import Speech
 from app.console.live.viewer import Viewer
-from app.console.percepts import Percepts
 from app.console.playback import PERIOD_S, playback_report
 from app.console.recordings import RecorderWatch
 from app.console.records.attention import DesireList
 from app.console.taps import Tap
-from app.console.way import WayReport
-from app.console.wire import encode_text, frame
-from app.messages import LinkStatus
+from app.console.wire import frame
+from app.messages import Lanes, LinkStatus
 
 if TYPE_CHECKING:
-    from app.attention.timeline import TimelineEvent
     from app.logs.replay.playback import Playback
     from app.program.system import System
 
@@ -56,11 +55,9 @@ class Hub:
         self._viewers: dict[str, Viewer] = {}
         self._presence = self._attention(WATCH)
         self._feeds = Feeds(system.graph, system.pace, self._viewers.values, self._attention(LISTEN))
-        #: What the robot perceives of people.
-        self.percepts = Percepts(system.graph)
-        #: Where the robot is on the map, and where it goes.
-        self.way = WayReport(system)
-        self._sampler = Sampler(system, self, self.percepts, self.way)
+        self._channels = PageChannels(system.graph, system.pace, self)
+        self._lanes = LaneHistory(system.classes)
+        self._sampler = Sampler(system, self)
         self._recorder = RecorderWatch(system)
         channels = [system.graph.channels[name] for name in panel_channels if name in system.graph.channels]
         self._panels = PanelFeed(channels, system.pace, self.broadcast)
@@ -68,7 +65,6 @@ class Hub:
         self._watching = ExitStack()
         self._sampling: asyncio.Task[None] | None = None
         self._stale: set[str] = set()
-        self._new_events: list[str] = []
         self.link_status: LinkStatus | None = None
         self.driving = Driving(
             system.clock,
@@ -99,12 +95,25 @@ class Hub:
         """Begin to follow the guard's reports and to remember the lanes."""
         self._stack.callback(self._system.link.attach("status", self._on_status))
         self._stack.callback(self._system.body_restarter.observe(self._on_body))
-        self._stack.callback(self.percepts.open())
-        self._stack.callback(self.way.open())
-        self._stack.callback(asyncio.create_task(self._sampler.remember(), name="console lanes").cancel)
+        self._remember_lanes()
         if self._playback is not None:
             self._stack.callback(self._playback.observe(lambda _: self._mark_stale("playback")))
             self._stack.callback(self._playback.on_jump(self._on_jump))
+
+    def _remember_lanes(self) -> None:
+        for channel in self._system.graph.channels.values():
+            if channel.message_type is Lanes:
+                if self._playback is None:
+                    self._stack.callback(channel.observe(self._on_lanes))
+                else:
+                    # A recording gives what is wanted alone.
+                    self._stack.callback(Tap(channel, "console.history", self._on_lanes).close)
+                if channel.latest is not None:
+                    self._on_lanes(channel.latest)
+
+    def _on_lanes(self, lanes: Lanes) -> None:
+        if not self.moving:
+            self._lanes.add(lanes)
 
     def close(self) -> None:
         """Stop whoever drives and forget everybody."""
@@ -122,15 +131,16 @@ class Hub:
 
     def _on_jump(self, position: float) -> None:
         self.link_status = None
-        self.percepts.forget()
-        self.way.forget()
         self._feeds.forget()
+        self._channels.forget()
+        self._sampler.forget()
         self._panels.forget()
         assert self._playback is not None
-        self._sampler.begin_anew(position, self._playback.attention, self._playback.spoke)
-        self._new_events.clear()
+        self._lanes.forget()
+        for lanes in self._playback.lanes:
+            self._lanes.add(lanes)
         jump = frame("jump", messages.Jump(position))
-        frames = {kind: text for kind, text in self._standing_frames().items() if kind != "load"}
+        frames = {**self._past_and_present(), **self._channels.states(), **self._panels.frames()}
         for viewer in self._viewers.values():
             viewer.outbox.begin_anew(jump)
             for kind, text in frames.items():
@@ -142,12 +152,10 @@ class Hub:
         for session in self._viewers:
             self.notify(session, "error" if problem else "info", problem or REVIVED)
         if not problem:
-            self.percepts.forget()
-            self.way.forget()
             self._feeds.forget()
-            for kind, text in self._standing_frames().items():
-                if kind in ("landmarks", "perceived"):
-                    self.broadcast(kind, text)
+            self._channels.forget()
+            for kind, text in self._channels.standing().items():
+                self.broadcast(kind, text)
 
     # --- Viewers -----------------------------------------------------------------------------------------------------
 
@@ -223,6 +231,11 @@ class Hub:
         for viewer in self._viewers.values():
             viewer.outbox.put(kind, text)
 
+    def broadcast_each(self, kind: str, item: str) -> None:
+        """Give everybody ``item`` in a list of ``kind``, after those before it."""
+        for viewer in self._viewers.values():
+            viewer.outbox.put_each(kind, (item,))
+
     def broadcast_status(self, status: messages.Status) -> None:
         """Send ``status`` to every viewer, completed by driver, speaker and ``waits``. It differs by viewer only in
         ``mine`` of the first two and in the last: it is encoded once for all viewers with the same three."""
@@ -255,14 +268,11 @@ class Hub:
         keep = self._watching.callback
         keep(system.workspace.observe(lambda _: self._mark_stale("desires")))
         keep(system.translator.observe(lambda _: self._mark_stale("intention")))
-        keep(system.timeline.observe(self._on_event))
         if self._recorder.channel is not None:
             keep(Tap(self._recorder.channel, "console.recorder", lambda _: self._on_recorder()).close)
             for source in (system.workspace, system.translator, system.supervisor):
                 keep(source.observe(lambda _: self._on_recorder()))
-        for channel in (*self.percepts.channels, *self.way.channels):
-            # It is told of them anyway, but what nobody wants might rest.
-            keep(Tap(system.graph.channel(channel), f"console.{channel}", lambda _: None).close)
+        keep(self._channels.open())
         for channel, handler in self._sampler.channels().items():
             if channel in system.graph.channels:
                 keep(Tap(system.graph.channel(channel), f"console.{channel}", handler).close)
@@ -294,11 +304,6 @@ class Hub:
         self.link_status = status
         self.driving.on_guard_status(status)
 
-    def _on_event(self, event: TimelineEvent) -> None:
-        if not self.moving:
-            self._new_events.append(encode_text(event))
-            self._mark_stale("events")
-
     def _on_recorder(self) -> None:
         if self._recorder.news():
             self._mark_stale("recorder")
@@ -317,10 +322,6 @@ class Hub:
         for kind, build in self._builders().items():
             if kind in stale:
                 self.broadcast(kind, build())
-        events, self._new_events = self._new_events, []
-        if events:
-            for viewer in self._viewers.values():
-                viewer.outbox.put_events(events)
 
     # --- Frames ------------------------------------------------------------------------------------------------------
 
@@ -332,17 +333,16 @@ class Hub:
 
     def _standing_frames(self) -> dict[str, str]:
         """What a newcomer must know that is otherwise told on change only."""
-        landmarks = reports.landmarks(reports.latest(self._system.graph, "landmarks"))
         return {
-            # First, so that the page has the past before the present.
-            "lanes_history": self._sampler.history_frame(),
-            **{kind: build() for kind, build in self._builders().items()},
-            "landmarks": frame("landmarks", messages.Landmarks(landmarks)),
-            "perceived": self._sampler.perceived_frame(),
-            **self._sampler.way_frames(),
+            **self._past_and_present(),
+            **self._channels.standing(),
             "load": self._sampler.load_frame(),
             **self._panels.frames(),
         }
+
+    def _past_and_present(self) -> dict[str, str]:
+        # The history first, so that the page has the past before the present.
+        return {"lanes_history": self._lanes.frame(), **{kind: build() for kind, build in self._builders().items()}}
 
     def _hello(self, viewer: Viewer) -> str:
         system = self._system

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from typing import Any
 
-from app.console.wire import encode_text
+from app.console.live.messages import LanePast, LaneRow, LanesHistory, LaneSpell
+from app.console.page_forms import lane_rows
+from app.console.wire import frame
+from app.messages import Lanes
 
 PERIOD_S = 0.5
+#: A sample that comes so much early (s) is noted, or of those that come twice a second every other one would not be.
+_EARLY_S = 0.02
 SPAN_S = 600.0
 MOST_SAMPLES = round(SPAN_S / PERIOD_S)
 #: The frame stays under this; of a past too eventful for that, the older part is left out.
@@ -18,6 +24,10 @@ MOST_BYTES = 200_000
 
 #: What a row keeps for as long as it stays the same.
 HELD = ("intensity", "utility", "divisor", "divisors", "state", "text")
+
+_ABSENT = LaneRow(
+    cls="", intensity=None, utility=None, rate=None, divisor=None, divisors={}, state="undesired", text=""
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,18 +49,25 @@ class LaneHistory:
     def forget(self) -> None:
         """Begin with no past."""
         self._count = 0
+        self._due = -math.inf
         self._stamps: deque[float] = deque(maxlen=self._most)
         self._rates: dict[str, deque[float | None]] = {cls: deque(maxlen=self._most) for cls in self._classes}
         self._spells: dict[str, deque[Spell]] = {cls: deque() for cls in self._rates}
 
-    def add(self, stamp: float, rows: Sequence[Mapping[str, Any]]) -> None:
-        """Note the ``rows`` of a ``lanes`` message, one for each class, at ``stamp`` (s)."""
-        self._stamps.append(stamp)
+    def add(self, lanes: Lanes) -> None:
+        """Note ``lanes``, unless others were noted a moment ago."""
+        if lanes.stamp < self._due:
+            return
+        self._due = lanes.stamp + PERIOD_S - _EARLY_S
+        self._stamps.append(lanes.stamp)
         oldest = self._count + 1 - len(self._stamps)
-        for row in rows:
-            self._rates[row["class"]].append(row["rate"])
-            spells = self._spells[row["class"]]
-            values = tuple(row[name] for name in HELD)
+        rows = {row.cls: row for row in lane_rows(lanes)}
+        for cls in self._classes:
+            # A recording may have other classes than the program that it is replayed with.
+            row = rows.get(cls, _ABSENT)
+            self._rates[cls].append(row.rate)
+            spells = self._spells[cls]
+            values = tuple(getattr(row, name) for name in HELD)
             if not spells or spells[-1].values != values:
                 spells.append(Spell(self._count, values))
             # The last spell that began at or before the oldest sample holds there.
@@ -62,31 +79,31 @@ class LaneHistory:
         """The message ``lanes_history`` of at most ``most_bytes`` (of at least one sample, if there is any)."""
         samples = len(self._stamps)
         while True:
-            frame = encode_text(self._message(samples))
-            if len(frame) <= most_bytes or samples <= 1:
-                return frame
+            text = frame("lanes_history", self._message(samples))
+            if len(text) <= most_bytes or samples <= 1:
+                return text
             samples //= 2
 
-    def _message(self, samples: int) -> dict[str, Any]:
+    def _message(self, samples: int) -> LanesHistory:
         first = self._count - samples
-        return {
-            "type": "lanes_history",
-            "stamps": [round(stamp, 3) for stamp in _last(self._stamps, samples)],
-            "rows": [
-                {"class": cls, "rate": _last(rates, samples), "spells": _spells_json(self._spells[cls], first)}
+        return LanesHistory(
+            stamps=tuple(round(stamp, 3) for stamp in _last(self._stamps, samples)),
+            rows=tuple(
+                LanePast(cls, _last(rates, samples), _spells(self._spells[cls], first))
                 for cls, rates in self._rates.items()
-            ],
-        }
+            ),
+        )
 
 
-def _last(values: deque[Any], count: int) -> list[Any]:
-    return list(islice(values, len(values) - count, None))
+def _last(values: deque[Any], count: int) -> tuple[Any, ...]:
+    return tuple(islice(values, len(values) - count, None))
 
 
-def _spells_json(spells: Sequence[Spell], first: int) -> list[dict[str, Any]]:
+def _spells(spells: Sequence[Spell], first: int) -> tuple[LaneSpell, ...]:
     """The spells from sample ``first`` on, their beginnings counted from it."""
     held = [spell for spell in spells if spell.number <= first][-1:]
     later = [spell for spell in spells if spell.number > first]
-    return [
-        {"at": max(0, spell.number - first), **dict(zip(HELD, spell.values, strict=True))} for spell in held + later
-    ]
+    return tuple(
+        LaneSpell(at=max(0, spell.number - first), **dict(zip(HELD, spell.values, strict=True)))
+        for spell in held + later
+    )

@@ -5,24 +5,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, NamedTuple
 
-from pydantic import BaseModel, Field
+from msgspec import Meta, Struct
 
 from app.attention.reports import DesireClassReport, Divisor, IntentionReport, Scale
 from app.console.records.attention import DesireList, EventList
-from app.console.records.maps import ZoneList
+from app.console.records.maps import LocalizationState, ZoneList
 from app.console.records.navigation import NavigationModel
-from app.console.records.percepts import PerceptsModel
 from app.console.records.program import ModuleReport, SourceState
 from app.console.records.recordings import PlaybackReport, RecorderReport
 from app.console.records.robot import Guard, LandmarkReport, OdometryReport, RobotFacts
+from app.messages import LaneState, PlacedPercepts
 from app.messages.base import Stamp, doc
 
 Sequence = Annotated[int, doc("Grows.")]
 Level = Literal["info", "warning", "error"]
-LaneState = Literal["fulfilled", "degraded", "unfulfilled", "inhibited", "undesired", "needed"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,51 +95,52 @@ class Status:
     sources: tuple[SourceState, ...]
 
 
-class LaneValues(BaseModel):
+class LaneValues(Struct, frozen=True, kw_only=True):
     """A desire class: how much it is desired, what attention gives it, and why."""
 
     intensity: float | None
     utility: float | None
     divisor: Divisor
-    divisors: dict[str, Divisor] = Field(description="By filter, `Module.port`.")
+    divisors: Annotated[Mapping[str, Divisor], doc("By filter, `Module.port`.")]
     state: LaneState
     text: str
 
 
-class LaneRow(LaneValues):
+class LaneRow(LaneValues, frozen=True, kw_only=True, rename={"cls": "class"}):
     """A lane now."""
 
-    cls: str = Field(alias="class")
-    rate: float | None = Field(description="Messages let through over messages offered, in the last second.")
+    cls: str
+    rate: Annotated[float | None, doc("Messages let through over messages offered, in the last second.")]
 
 
-class Lanes(BaseModel):
+@dataclass(frozen=True, slots=True)
+class Lanes:
     """20 times a second: one row for each desire class."""
 
-    seq: Sequence
     stamp: Stamp
-    rows: list[LaneRow]
+    rows: tuple[LaneRow, ...]
 
 
-class LaneSpell(LaneValues):
+class LaneSpell(LaneValues, frozen=True, kw_only=True):
     """What a lane was, from one sample until the next spell's."""
 
-    at: int = Field(ge=0, description="Number of the sample.")
+    at: Annotated[int, Meta(ge=0, description="Number of the sample.")]
 
 
-class LanePast(BaseModel):
+class LanePast(Struct, frozen=True, rename={"cls": "class"}):
     """A lane before now."""
 
-    cls: str = Field(alias="class")
-    rate: list[float | None] = Field(description="One for each stamp.")
-    spells: list[LaneSpell]
+    cls: str
+    rate: Annotated[tuple[float | None, ...], doc("One for each stamp.")]
+    spells: tuple[LaneSpell, ...]
 
 
-class LanesHistory(BaseModel):
+@dataclass(frozen=True, slots=True)
+class LanesHistory:
     """Once, before the first `lanes`, and after a `jump`: what they were."""
 
-    stamps: list[float]
-    rows: list[LanePast]
+    stamps: tuple[float, ...]
+    rows: tuple[LanePast, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,7 +167,8 @@ class Landmarks:
     landmarks: tuple[LandmarkReport, ...]
 
 
-class Place(BaseModel):
+@dataclass(frozen=True, slots=True)
+class Place:
     """A pose: m and rad."""
 
     x: float
@@ -174,15 +176,19 @@ class Place(BaseModel):
     theta: float
 
 
-class Localization(Place):
-    """Where the robot is on the map."""
+@dataclass(frozen=True, slots=True)
+class Localization:
+    """Where the robot is on the map (m and rad)."""
 
     stamp: Stamp
-    state: Literal["mapping", "tracking", "searching", "lost"]
-    map: str = Field(description="Name of the map in use; empty while it has none.")
-    sigma: tuple[float, float, float] = Field(description="Standard deviations of x, y (m) and theta (rad).")
-    X_MO: Place = Field(description="Pose of `odom` on the map.")
-    overlap: float = Field(description="Share of the scan that fits the map, 0 to 1.")
+    state: LocalizationState
+    map: Annotated[str, doc("Name of the map in use; empty while it has none.")]
+    x: float
+    y: float
+    theta: float
+    sigma: Annotated[tuple[float, float, float], doc("Standard deviations of x, y (m) and theta (rad).")]
+    X_MO: Annotated[Place, doc("Pose of `odom` on the map.")]
+    overlap: Annotated[float, doc("Share of the scan that fits the map, 0 to 1.")]
 
 
 @dataclass(frozen=True, slots=True)
@@ -241,7 +247,7 @@ FROM_ROBOT: dict[str, Message] = {
     "load": Message(Load, "Once a second: what the modules take of the computer."),
     "recorder": Message(RecorderReport, "On change, and about once a second while it records: what the Recorder does."),
     "landmarks": Message(Landmarks, "On change: what was found, in `odom`."),
-    "perceived": Message(PerceptsModel, "On change: what the robot sees and hears."),
+    "perceived": Message(PlacedPercepts, "On change: what the robot sees and hears."),
     "localization": Message(Localization, "Up to 10 times a second: where the robot is on the map."),
     "navigation": Message(NavigationModel, "On change: the goal and the state of navigation."),
     "zones": Message(ZoneList, "On change: the zones of the map."),

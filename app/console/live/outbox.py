@@ -1,4 +1,4 @@
-"""What waits for one viewer: of each kind only the newest, of events at most a thousand, of sound a moment.
+"""What waits for one viewer: of each kind only the newest, of a list at most a thousand items, of sound a moment.
 
 Of each kind of picture one is on the way.
 """
@@ -13,13 +13,12 @@ from dataclasses import dataclass
 from app.console.live.messages import Notice
 from app.console.wire import frame
 
-#: A viewer that falls this many events behind is told to fetch them over REST instead.
-MOST_EVENTS = 1000
+#: Of a list of which each item counts (events), so many may wait; a viewer further behind gets a notice instead.
+MOST_ITEMS = 1000
 MOST_NOTICES = 32
 #: Frames of sound, 0.3 s of them: who is further behind would hear what was, and nobody waits for that.
 MOST_SOUND = 14
 
-_EVENTS = "events"
 _SOUND = "sound"
 
 Frame = str | bytes
@@ -27,10 +26,10 @@ Frame = str | bytes
 
 @dataclass(frozen=True, slots=True)
 class OutboxStatistics:
-    """``waiting`` frames and ``events`` now; frames ``taken`` and ``replaced`` by a newer one since the start."""
+    """``waiting`` frames and ``items`` of lists now; frames ``taken`` and ``replaced`` by newer since the start."""
 
     waiting: int
-    events: int
+    items: int
     taken: int
     replaced: int
 
@@ -45,14 +44,16 @@ class Outbox:
         self._urgent: deque[str] = deque(maxlen=MOST_NOTICES)
         #: By kind, in the order in which they became due; a newer frame keeps its kind's place.
         self._newest: dict[str, Frame] = {}
-        self._events: deque[str] = deque()
+        #: By kind, the items of which each counts.
+        self._items: dict[str, deque[str]] = {}
         #: By kind: the newest picture that waits; and those of which one is on the way to the page.
         self._pictures: dict[int, tuple[bytes, str]] = {}
         self._under_way: set[int] = set()
         #: A picture whose info has just gone out.
         self._announced: bytes | None = None
         self._sound: deque[bytes] = deque()
-        self._overrun = False
+        #: Kinds of which items were missed.
+        self._overrun: set[str] = set()
         self._due = asyncio.Event()
         self._taken = self._replaced = 0
 
@@ -71,19 +72,20 @@ class Outbox:
     def begin_anew(self, frame: str) -> None:
         """Drop everything of before that waits, notices excepted, and let ``frame``, which says so, go out first."""
         self._newest.clear()
-        self._events.clear()
-        self._overrun = False
+        self._items.clear()
+        self._overrun.clear()
         self._pictures.clear()
         self._sound.clear()
         self.put_urgent(frame)
 
-    def put_events(self, events: Iterable[str]) -> None:
-        """Queue timeline events, each encoded as JSON."""
-        self._events.extend(events)
-        if len(self._events) > MOST_EVENTS:
-            self._events.clear()
-            self._overrun = True
-        self._newest.setdefault(_EVENTS, "")
+    def put_each(self, kind: str, items: Iterable[str]) -> None:
+        """Queue ``items`` of the list ``kind``, each encoded as JSON, after those that wait."""
+        waiting = self._items.setdefault(kind, deque())
+        waiting.extend(items)
+        if len(waiting) > MOST_ITEMS:
+            waiting.clear()
+            self._overrun.add(kind)
+        self._newest.setdefault(kind, "")
         self._due.set()
 
     def put_picture(self, kind: int, frame: bytes, info: str = "") -> None:
@@ -136,8 +138,8 @@ class Outbox:
             return self._urgent.popleft()
         kind = next(iter(self._newest))
         frame = self._newest.pop(kind)
-        if kind == _EVENTS:
-            return self._take_events()
+        if kind in self._items:
+            return self._take_items(kind)
         if kind == _SOUND:
             return self._take_sound()
         for picture in tuple(self._pictures):
@@ -162,18 +164,16 @@ class Outbox:
     def statistics(self) -> OutboxStatistics:
         """The counters now."""
         waiting = len(self._urgent) + len(self._newest) + (self._announced is not None)
-        return OutboxStatistics(waiting, len(self._events), self._taken, self._replaced)
+        return OutboxStatistics(waiting, sum(map(len, self._items.values())), self._taken, self._replaced)
 
-    def _take_events(self) -> str:
-        if self._overrun:
-            self._overrun = False
-            text = f"More than {MOST_EVENTS} events were missed; reload them: GET /api/v1/timeline."
-            # Events that came since are part of what is reloaded.
-            self._events.clear()
+    def _take_items(self, kind: str) -> str:
+        items = self._items.pop(kind)
+        if kind in self._overrun:
+            self._overrun.remove(kind)
+            text = f"More than {MOST_ITEMS} {kind} were missed; load the page again to see them."
+            # Those that came since are part of what is loaded again.
             return frame("notice", Notice("warning", text))
-        events = '{"type":"events","events":[' + ",".join(self._events) + "]}"
-        self._events.clear()
-        return events
+        return f'{{"type":"{kind}","{kind}":[{",".join(items)}]}}'
 
 
 def _picture(kind: int) -> str:

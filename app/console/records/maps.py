@@ -10,6 +10,7 @@ from msgspec import Meta
 from app.messages.base import doc
 
 LocalizationState = Literal["mapping", "tracking", "searching", "lost"]
+ZoneKind = Literal["keep_out", "slow"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +55,7 @@ class ZoneReport:
     """A part of the map to keep out of, or to drive slowly in."""
 
     name: Annotated[str, doc("What people call it; no two share one.")]
-    kind: Literal["keep_out", "slow"]
+    kind: ZoneKind
     polygon: Annotated[tuple[tuple[float, float], ...], doc("Its corners, x and y on the map (m).")]
     speed: Annotated[float, doc("Share of the robot's greatest speed allowed in it; means nothing to `keep_out`.")]
 

@@ -1,4 +1,4 @@
-"""What the behavior that goes somewhere is about, as :mod:`app.console.way` makes its JSON."""
+"""The JSON of :class:`app.messages.NavigationReport`, in which NaN is null and arrays are lists."""
 
 from __future__ import annotations
 

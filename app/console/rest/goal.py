@@ -10,7 +10,8 @@ from fastapi.responses import Response
 
 from app.attention.desires import Desire
 from app.base.geometry import wrap_angle
-from app.console.drive.goals import GO_TO, asked_here, withdraw
+from app.console import reports
+from app.console.drive.goals import GO_TO, REPORT, asked_here, dismiss_given_up, withdraw
 from app.console.live.hub import Hub
 from app.console.problems import Problem
 from app.console.records.navigation import NavigationModel
@@ -43,13 +44,14 @@ class Goal:
 def goal_router(system: System, hub: Hub) -> APIRouter:
     """Routes of ``/goal``."""
     router = api_router("maps")
-    workspace, way = system.workspace, hub.way
+    workspace = system.workspace
 
     @router.get("/goal", response_model=Goal, summary="Where the robot is going")
     async def get_goal() -> Response:
         """What is desired, and what the behavior that goes there is about."""
-        desire = way.desire()
-        return Json({"desire": desire, "navigation": way.navigation()})
+        desire = workspace.wanted(GO_TO)
+        navigation = reports.latest(system.graph, REPORT)
+        return Json(Goal(desire, navigation))
 
     @router.put(
         "/goal",
@@ -102,7 +104,7 @@ def goal_router(system: System, hub: Hub) -> APIRouter:
         """Withdraws every desire of class GoTo that came over the console; a goal that the robot gave up is told no
         more. May be repeated."""
         withdraw(workspace)
-        way.dismiss()
+        dismiss_given_up(system)
         return Response(status_code=204)
 
     return router

@@ -15,17 +15,18 @@ from pydantic import ValidationError
 from app.base.errors import ConfigError
 from app.base.geometry import Pose2
 from app.base.yaml_source import validation_message
-from app.console.drive.goals import withdraw_all
+from app.console import reports
+from app.console.drive.goals import dismiss_given_up, withdraw_all
+from app.console.page_forms import zone_reports
 from app.console.problems import Problem
 from app.console.records.maps import CurrentMap, KeptMap, MapList, ZoneList
 from app.console.rest.answers import BYTES, Json, problems
 from app.console.rest.map_models import NAME_PATTERN, LoadRequest, PoseRequest, RenameRequest, ZonesRequest
 from app.console.rest.routing import router as api_router
-from app.console.way import WayReport, zones_json
 from app.maps.control import MapKeeper, MapUnavailable
 from app.maps.library import MapFacts, MapNameTaken, UnknownMap
 from app.maps.zones import ZoneEntry, checked
-from app.messages import Zone, read_only
+from app.messages import Zone, Zones, read_only
 
 if TYPE_CHECKING:
     from app.program.system import System
@@ -37,7 +38,7 @@ Name = Annotated[
 PNG = "image/png"
 
 
-def maps_router(system: System, way: WayReport) -> APIRouter:
+def maps_router(system: System) -> APIRouter:
     """Routes of ``/maps`` and ``/map``."""
     router = api_router("maps")
     library = system.maps
@@ -46,7 +47,7 @@ def maps_router(system: System, way: WayReport) -> APIRouter:
 
     def forget_goals() -> None:
         withdraw_all(system.workspace)
-        way.dismiss()
+        dismiss_given_up(system)
 
     system.map.on_change(forget_goals)
 
@@ -162,7 +163,8 @@ def maps_router(system: System, way: WayReport) -> APIRouter:
 
     @router.get("/map/zones", response_model=ZoneList, summary="Zones of the map in use")
     async def get_zones() -> Response:
-        return Json(way.zones() or {"zones": []})
+        zones: Zones | None = reports.latest(system.graph, "zones")
+        return Json(zone_reports(() if zones is None else zones.zones))
 
     @router.put(
         "/map/zones",
@@ -175,13 +177,13 @@ def maps_router(system: System, way: WayReport) -> APIRouter:
         marked = _zones(zones)
         async with _keeper() as keeper:
             await keeper.mark(marked)
-        return Json({"zones": zones_json(marked)})
+        return Json(zone_reports(marked))
 
     def current() -> CurrentMap:
         if not system.map.available:
             return CurrentMap(False, "", None, None)
-        localization = way.localization()
-        state, stamp = (None, None) if localization is None else (localization["state"], localization["stamp"])
+        localization = reports.latest(system.graph, "localization")
+        state, stamp = (None, None) if localization is None else (localization.state, localization.stamp)
         return CurrentMap(True, system.map.keeper.name, state, stamp)
 
     @asynccontextmanager

@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from fastapi import APIRouter
 from fastapi.responses import Response
 
-from app.console.perceived import perceived_json
-from app.console.percepts import Percepts
-from app.console.records.percepts import PerceptsModel
+from app.console import reports
 from app.console.rest.answers import Json
 from app.console.rest.routing import router as api_router
-from app.runtime.clock import Clock
+from app.messages import PlacedPercepts
+
+if TYPE_CHECKING:
+    from app.program.system import System
 
 
-def percepts_router(percepts: Percepts, clock: Clock) -> APIRouter:
+def percepts_router(system: System) -> APIRouter:
     """Routes of ``/percepts``."""
     router = api_router("robot")
 
-    @router.get("/percepts", response_model=PerceptsModel, summary="Faces, sounds, loud noises, codes")
+    @router.get("/percepts", response_model=PlacedPercepts, summary="Faces, sounds, loud noises, codes")
     async def get_percepts() -> Response:
         """The same as `perceived` on the live stream. What attention has closed is not perceived."""
-        return Json(perceived_json(percepts.at(clock.now())))
+        percepts = reports.latest(system.graph, "placed_percepts")
+        return Json(percepts or PlacedPercepts(system.clock.now()))
 
     return router

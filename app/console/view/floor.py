@@ -9,8 +9,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from app.base.polyline import thinned_path
 from app.console.grids import known_part
-from app.console.way import thinned_path
 from app.messages import OccupancyGrid, Zone
 
 #: More pixels on a side than this, and a picture is made coarser.

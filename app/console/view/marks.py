@@ -9,7 +9,7 @@ import math
 from collections.abc import Collection
 from dataclasses import dataclass
 
-from app.console.perceived import HeardSound, Perceived, SeenFace
+from app.messages import PlacedFace, PlacedPercepts, PlacedSound
 
 MOST_ARROWS = 4
 MOST_FACES = 8
@@ -65,28 +65,29 @@ class Flash:
     opacity: float
 
 
-def arrow_marks(perceived: Perceived) -> dict[int, Arrow]:
+def arrow_marks(perceived: PlacedPercepts) -> dict[int, Arrow]:
     """By track, the sounds to draw: those that sound, then those that did last; of them the strongest."""
     placed = [sound for sound in perceived.sounds if _opacity(sound, perceived.stamp) > 0 and sound.v_O is not None]
     placed.sort(key=lambda sound: (sound.active, sound.last_active, sound.power), reverse=True)
     return {sound.track: _arrow(sound, perceived.stamp) for sound in placed[:MOST_ARROWS]}
 
 
-def _opacity(sound: HeardSound, now: float) -> float:
+def _opacity(sound: PlacedSound, now: float) -> float:
     silent_s = 0.0 if sound.active else now - sound.last_active
     return max(0.0, round(_OPACITY * (1.0 - silent_s / FADE_S), 1))
 
 
-def _arrow(sound: HeardSound, now: float) -> Arrow:
+def _arrow(sound: PlacedSound, now: float) -> Arrow:
     assert sound.v_O is not None
     assert sound.p_OA is not None
-    if math.isnan(sound.speech):
+    if sound.speech is None:
         color, what = GREY, "sound"
     else:
         color, what = (RED, "voice") if sound.speech >= VOICE else (ORANGE, "sound")
     loud = (sound.level_db - _LEVELS_DB[0]) / (_LEVELS_DB[1] - _LEVELS_DB[0])
     length = _LENGTHS_M[0] + min(max(loud, 0.0), 1.0) * (_LENGTHS_M[1] - _LENGTHS_M[0])
-    known = math.isfinite(sound.range_m) and sound.range_sigma_m <= _KNOWN * sound.range_m
+    range_m, sigma_m = sound.range_m, sound.range_sigma_m
+    known = range_m is not None and sigma_m is not None and sigma_m <= _KNOWN * range_m
     length = round(length, 1)
     x, y, z = sound.v_O
     a, b, c = sound.p_OA
@@ -97,30 +98,37 @@ def _arrow(sound: HeardSound, now: float) -> Arrow:
         head=_rounded((a + length * x, b + length * y, c + length * z)),
         color=color,
         opacity=_opacity(sound, now),
-        text=f"{what} · {sound.range_m:.1f} m" if known else what,
+        text=f"{what} · {range_m:.1f} m" if known else what,
     )
 
 
-def face_marks(perceived: Perceived) -> dict[int, FaceFrame]:
+def face_marks(perceived: PlacedPercepts) -> dict[int, FaceFrame]:
     """By track, the faces to draw: each once, as the camera saw it that knows its distance best; the nearest first."""
-    best: dict[int, SeenFace] = {}
+    best: dict[int, PlacedFace] = {}
     for face in perceived.faces:
-        if face.p_OF is None:
+        if None in (face.x, face.y, face.z):
             continue
         before = best.get(face.track)
-        if before is None or face.range_sigma_m < before.range_sigma_m:
+        if before is None or _known(face.range_sigma_m) < _known(before.range_sigma_m):
             best[face.track] = face
-    nearest = sorted(best.values(), key=lambda face: face.range_m)[:MOST_FACES]
+    nearest = sorted(best.values(), key=lambda face: _known(face.range_m))[:MOST_FACES]
     return {face.track: _face_frame(face) for face in nearest}
 
 
-def _face_frame(face: SeenFace) -> FaceFrame:
-    assert face.p_OF is not None
+def _known(value: float | None) -> float:
+    return math.inf if value is None else value
+
+
+def _face_frame(face: PlacedFace) -> FaceFrame:
+    assert face.x is not None
+    assert face.y is not None
+    assert face.z is not None
     yaw = 0.0 if face.towards_O is None else face.towards_O
-    return FaceFrame(_rounded(face.p_OF), _turned(yaw, 0.0), f"Person {face.track} · {face.range_m:.1f} m")
+    text = f"Person {face.track}" if face.range_m is None else f"Person {face.track} · {face.range_m:.1f} m"
+    return FaceFrame(_rounded((face.x, face.y, face.z)), _turned(yaw, 0.0), text)
 
 
-def flash_mark(perceived: Perceived) -> Flash | None:
+def flash_mark(perceived: PlacedPercepts) -> Flash | None:
     """The flash of the last noise, if it is not over."""
     if not perceived.noises:
         return None

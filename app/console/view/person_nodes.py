@@ -12,7 +12,6 @@ import numpy as np
 import trimesh
 import viser
 
-from app.console.perceived import Perceived
 from app.console.view.marks import (
     MOST_ARROWS,
     MOST_FACES,
@@ -24,6 +23,7 @@ from app.console.view.marks import (
     face_marks,
     flash_mark,
 )
+from app.messages import PlacedPercepts
 
 _FACE_COLOR = (70, 225, 140)
 _FLASH_COLOR = (255, 214, 90)
@@ -126,7 +126,7 @@ class People:
         self._ring: viser.MeshHandle | None = None
         self._flash: Flash | None = None
 
-    def draw(self, perceived: Perceived) -> int:
+    def draw(self, perceived: PlacedPercepts) -> int:
         """Bring it up to what is perceived; returns how many marks changed."""
         return (
             self._arrows.draw(arrow_marks(perceived))

@@ -5,8 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from app.base.geometry import Pose2
-from app.console.perceived import Perceived
-from app.messages import JointState, Landmarks, LaserScan, Localization, OccupancyGrid, PlannedPath, PointCloud, Zones
+from app.messages import (
+    JointState,
+    Landmarks,
+    LaserScan,
+    Localization,
+    OccupancyGrid,
+    PlacedPercepts,
+    PlannedPath,
+    PointCloud,
+    Zones,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +32,7 @@ class World:
     scan: tuple[LaserScan, Pose2] | None = None
     cloud: PointCloud | None = None
     landmarks: Landmarks | None = None
-    perceived: Perceived | None = None
+    perceived: PlacedPercepts | None = None
     localization: Localization | None = None
     map: OccupancyGrid | None = None
     zones: Zones | None = None

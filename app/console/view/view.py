@@ -4,24 +4,32 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import math
 from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from app.base.geometry import Pose2
 from app.base.pose_buffer import PoseBuffer
 from app.console import reports
-from app.console.perceived import Perceived
-from app.console.percepts import Percepts
+from app.console.playback import rate
 from app.console.taps import Tap
 from app.console.view.budget import PointBudget, measured, silent
 from app.console.view.scene_state import World
 from app.console.view.scene_thread import Painter
 from app.console.view.viewer_rate import Pace
-from app.console.way import COSTMAP, LOCALIZATION, MAP, ZONES, WayReport
-from app.messages import JointState, Landmarks, LaserScan, OccupancyGrid, Odometry, PointCloud
+from app.messages import (
+    JointState,
+    Landmarks,
+    LaserScan,
+    NavigationReport,
+    OccupancyGrid,
+    Odometry,
+    PlacedPercepts,
+    PointCloud,
+)
 from app.runtime.half_imports import forget_half_imports
 
 if TYPE_CHECKING:
@@ -34,6 +42,13 @@ PERIOD_S = 0.04
 #: Scans, joints and percepts are taken every so many periods: 8 Hz.
 SLOW_BEATS = 3
 STOP_WITHIN_S = 0.8
+COSTMAP = "local_costmap"
+#: A local costmap older than this (s) does not show what stands around now: no other is made any more.
+COSTMAP_FRESH_S = 2.0
+#: Of these the newest message is drawn; they are wanted while somebody looks.
+STANDING = ("placed_percepts", "navigation_report", "path", "localization", "zones", "map")
+#: The goal is drawn in these states of navigation.
+GOAL_STATES = ("planning", "following", "recovering", "waiting", "unreachable")
 
 
 @dataclass(slots=True, eq=False)
@@ -55,8 +70,6 @@ class View:
     def __init__(
         self,
         system: System,
-        percepts: Percepts,
-        way: WayReport,
         costmap_asked: Callable[[], bool] = lambda: False,
         *,
         early: bool,
@@ -64,9 +77,7 @@ class View:
     ) -> None:
         """``costmap_asked()`` tells whether any page shows the local costmap."""
         self._system = system
-        self._percepts = percepts
         self._costmap_asked = costmap_asked
-        self._way = way
         self._playback = playback
         self._early = early
         self._looks: dict[str, Look] = {}
@@ -210,8 +221,7 @@ class View:
                 # Of a recording that stands, nothing else may come.
                 if channel.latest is not None and (name == "landmarks" or self._playback is not None):
                     handler(channel.latest)
-        places = (*self._way.channels, *([MAP] if MAP in graph.channels else []))
-        for name in (*self._percepts.channels, *places):
+        for name in (name for name in STANDING if name in graph.channels):
             self._watching.callback(Tap(graph.channel(name), f"console.view.{name}", lambda _: None).close)
         self._feeding = asyncio.create_task(self._feed(), name="console view")
 
@@ -256,15 +266,25 @@ class View:
             self._costmap.close()
             self._costmap = None
 
+    def _perceived(self) -> PlacedPercepts | None:
+        """What is perceived, as of now: what it was then fades."""
+        percepts: PlacedPercepts | None = reports.latest(self._system.graph, "placed_percepts")
+        return None if percepts is None else replace(percepts, stamp=self._system.clock.now())
+
+    def _fresh_costmap(self) -> OccupancyGrid | None:
+        grid: OccupancyGrid | None = reports.latest(self._system.graph, COSTMAP)
+        clock = self._system.clock
+        return grid if grid is not None and clock.now() - grid.stamp <= COSTMAP_FRESH_S * rate(clock) else None
+
     async def _feed(self) -> None:
         beat = 0
         joints: JointState | None = None
-        perceived: Perceived | None = None
+        perceived: PlacedPercepts | None = None
         while True:
             beat += 1
             if beat % SLOW_BEATS == 0:
                 joints = self._joints
-                perceived = self._percepts.at(self._system.clock.now())
+                perceived = self._perceived()
                 # A moment after it came, when odometry has reached its stamp.
                 if self._scan is not None and (pose := self._poses.at(self._scan.stamp)) is not None:
                     self._placed = (self._scan, pose)
@@ -272,6 +292,7 @@ class View:
             self._look_for_costmap()
             if self._painter is not None:
                 latest = partial(reports.latest, self._system.graph)
+                report: NavigationReport | None = latest("navigation_report")
                 world = World(
                     robot,
                     joints,
@@ -279,12 +300,19 @@ class View:
                     cloud=self._cloud,
                     landmarks=self._landmarks,
                     perceived=perceived,
-                    localization=latest(LOCALIZATION),
-                    map=latest(MAP),
-                    zones=latest(ZONES),
-                    path=self._way.path(),
-                    goal=self._way.goal(),
-                    costmap=self._way.costmap(),
+                    localization=latest("localization"),
+                    map=latest("map"),
+                    zones=latest("zones"),
+                    path=latest("path") if report is not None and len(report.path) else None,
+                    goal=_goal(report),
+                    costmap=self._fresh_costmap(),
                 )
                 self._painter.show(world)
             await self._system.pace.sleep(PERIOD_S)
+
+
+def _goal(report: NavigationReport | None) -> tuple[float, float, float | None] | None:
+    """Where a behavior is going, or cannot go: x, y (m) and heading (rad, None: any) on the map."""
+    if report is None or report.goal is None or report.state not in GOAL_STATES:
+        return None
+    return report.goal.x, report.goal.y, report.goal.theta if math.isfinite(report.goal.theta) else None

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from mcap.data_stream import ReadDataStream
 from mcap.reader import SeekingReader
-from mcap.records import Chunk, ChunkIndex, MessageIndex, Statistics
+from mcap.records import Chunk, ChunkIndex, Statistics
 from mcap.summary import Summary
 
 from app.base.plain_file import open_plain
@@ -22,8 +22,6 @@ from app.logs.ros.decoder import DecodableContents, Decoder, StoredTopic, conten
 from app.logs.stamps import from_ns, to_ns
 
 FORMAT = "HBBA MCAP"
-#: Messages of a channel at most this far apart (s) form one span of activity.
-SHORT_S = 0.2
 
 #: Of a file that is only read, offsets beyond its end are damage too.
 _DAMAGE = (*DAMAGE, OSError)
@@ -83,21 +81,6 @@ class McapLog:
         known = self._contents.channels
         decoder = Decoder(known.values() if channels is None else [known[name] for name in channels])
         return self._messages(decoder, None if begin is None else to_ns(begin))
-
-    def spoken(self, begin: float, end: float) -> dict[str, list[tuple[float, float]]]:
-        """See :class:`app.logs.log.Indexed`; from the summary alone."""
-        first, last = to_ns(begin), to_ns(end)
-        by_topic = {channel.main_topic: name for name, channel in self._contents.channels.items()}
-        names = {number: by_topic[c.topic] for number, c in self._summary.channels.items() if c.topic in by_topic}
-        pieces: dict[str, list[tuple[float, float]]] = {}
-        for index in sorted(self._summary.chunk_indexes, key=lambda index: index.message_start_time):
-            if index.message_end_time >= first and index.message_start_time <= last:
-                # Without indexes of its messages, a chunk may hold any.
-                for number in index.message_index_offsets or names:
-                    if number in names:
-                        for piece in self._times(index, number):
-                            _join(pieces.setdefault(names[number], []), piece)
-        return pieces
 
     def close(self) -> None:
         """Release the file."""
@@ -192,18 +175,6 @@ class McapLog:
                 return LogDamaged(f"{said}. `hbba log repair {self._path}` saves what is whole", begin, end)
         return self._damaged(f"what follows {self._place(since_ns)}", error)
 
-    def _times(self, index: ChunkIndex, number: int) -> list[tuple[float, float]]:
-        """Times at which a chunk has messages on a channel: the whole span of a short chunk; else from its index."""
-        whole = [(from_ns(index.message_start_time), from_ns(index.message_end_time))]
-        offset = index.message_index_offsets.get(number)
-        if offset is None or whole[0][1] - whole[0][0] <= SHORT_S:
-            return whole
-        try:
-            self._file.seek(offset + RECORD_HEAD.size)
-            return [(from_ns(at), from_ns(at)) for at, _ in MessageIndex.read(ReadDataStream(self._file)).records]
-        except _DAMAGE:
-            return whole
-
     def _is_whole(self, index: ChunkIndex) -> bool:
         try:
             self._file.seek(index.chunk_start_offset + RECORD_HEAD.size)
@@ -221,13 +192,3 @@ class McapLog:
             f"{self._path} is damaged; {what} cannot be read ({why})."
             f" `hbba log repair {self._path}` saves what is whole"
         )
-
-
-def _join(pieces: list[tuple[float, float]], piece: tuple[float, float]) -> None:
-    """Add a piece of time to ascending ones, lengthening the last where it follows closely."""
-    begin, end = piece
-    if pieces and begin - pieces[-1][1] <= SHORT_S:
-        begin, before = pieces[-1]
-        pieces[-1] = (begin, max(before, end))
-    else:
-        pieces.append(piece)

@@ -16,6 +16,7 @@ from app.logs.mcap.damage import LogDamaged, missing
 from app.logs.replay.playback_state import Phase, PlaybackState, checked_speed
 from app.logs.replay.replay_body import ReplayBody
 from app.logs.replay.seek import ReplaySeeker
+from app.messages import Lanes
 from app.program.system import System
 from app.runtime.channel import Channel
 from app.runtime.filter import CLOSED
@@ -149,19 +150,9 @@ class Playback:
         return self._seeker.moving
 
     @property
-    def attention(self) -> Sequence[Any]:
-        """Recorded attention of the minute before the last jump: DesiresRecord, IntentionRecord and Divisors in their
-        order, first those valid when that minute began."""
-        return self._seeker.attention
-
-    def spoke(self, channel: str, begin: float, end: float) -> bool:
-        """Whether ``channel`` has messages from ``begin`` to ``end`` (s), in the minute before the last jump.
-
-        True if that is unknown, for a recording without an index.
-        """
-        if (spoken := self._seeker.spoken) is None:
-            return True
-        return any(first <= end and last >= begin for first, last in spoken.get(channel, ()))
+    def lanes(self) -> Sequence[Lanes]:
+        """The recorded lanes of the minute before the last jump, two a second; none where none were recorded."""
+        return self._seeker.lanes
 
     # --- Commands -----------------------------------------------------------------------------------------------------
 

@@ -76,6 +76,7 @@ class Replay:
                     new_id=ids,
                     partial=True,
                     reproducible=reproducible,
+                    recorded=self.program.fed,
                 )
                 if not (more := idle_modules(self.program, self.system.graph)):
                     break

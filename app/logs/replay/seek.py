@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import Callable, Coroutine, Mapping, Sequence, Set
+from collections.abc import Callable, Coroutine, Set
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, TypeVar
 
-from app.logs.log import Indexed, Log, Logged
+from app.logs.log import Log, Logged
 from app.logs.replay.replay_body import ReplayBody
 from app.logs.replay.state_at import ACCUMULATED, RecordedState
 from app.messages import (
     Audio,
     DesiresRecord,
-    Divisors,
     EventRecord,
     Image,
-    IntentionRecord,
+    Lanes,
     LaserScan,
     LogLine,
     LoudNoise,
@@ -34,9 +33,9 @@ T = TypeVar("T")
 #: Messages of a moment: commands, events and sounds are not published again at a jump. A frame of sound alone is a
 #: click, which a detector of noises would report.
 OF_THE_MOMENT = (OperatorDrive, Twist, EventRecord, LogLine, Audio, SeparatedSound, LoudNoise, PerceptEvent)
-#: Records of attention, and the time (s) before a jump for which they are published again.
-OF_ATTENTION = (DesiresRecord, IntentionRecord, Divisors)
-ATTENTION_S = 60.0
+#: The time (s) before a jump of which recorded lanes are read, and the period (s) between two.
+LANES_S = 60.0
+LANES_PERIOD_S = 0.5
 #: A step where the recording has neither images nor scans.
 STEP_S = 0.1
 #: After a jump, modules get this long (real s) to start, and then to process the messages shown.
@@ -58,12 +57,8 @@ class ReplaySeeker:
         self._reader: ThreadPoolExecutor | None = None
         #: True during a jump: from the stop of all modules until observers of the jump are notified.
         self.moving = False
-        #: Recorded attention of the minute before the last jump: the messages of ``OF_ATTENTION``, in order, from those
-        #: valid when that minute began.
-        self.attention: list[Any] = []
-        self._log = log
-        #: Times with messages of each channel in that minute, if the recording has an index (see ``Indexed``).
-        self.spoken: Mapping[str, Sequence[tuple[float, float]]] | None = None
+        #: The recorded lanes of the minute before the last jump, two a second, in order.
+        self.lanes: list[Lanes] = []
 
     def open(self) -> None:
         """Be ready to read."""
@@ -81,7 +76,7 @@ class ReplaySeeker:
         LogError; if the position cannot be read, nothing changes.
         """
         system, body = self._system, self._body
-        known, wishes, attention = await self._read(self._standing, position)
+        known, wishes, lanes = await self._read(self._standing, position)
         self.moving = True
         try:
             await system.reset(lambda: self._jump(position, known))
@@ -92,7 +87,7 @@ class ReplaySeeker:
             # recorded event.
             await _patiently(system.translator.settled(), START_WITHIN_S)
             system.timeline.clear()
-            self.attention = attention
+            self.lanes = lanes
         finally:
             self.moving = False
         jumped(position)
@@ -139,13 +134,11 @@ class ReplaySeeker:
             if channel is not None and channel.message_type is type(logged.message):
                 channel.publish(logged.message)
 
-    def _standing(self, position: float) -> tuple[list[Logged], list[Logged], list[Any]]:
-        """State that modules need at ``position``, the desires there, and attention before."""
+    def _standing(self, position: float) -> tuple[list[Logged], list[Logged], list[Lanes]]:
+        """State that modules need at ``position``, the desires there, and the lanes before."""
         past = self._past
-        attention = [logged.message for logged in past.since(position - ATTENTION_S, position, OF_ATTENTION)]
-        if isinstance(self._log, Indexed):
-            self.spoken = self._log.spoken(position - ATTENTION_S, position)
-        return past.of_types(ACCUMULATED, position), past.of_types((DesiresRecord,), position), attention
+        lanes: list[Lanes] = past.now_and_then(Lanes, position - LANES_S, position, LANES_PERIOD_S)
+        return past.of_types(ACCUMULATED, position), past.of_types((DesiresRecord,), position), lanes
 
     def _scene(self, position: float, channels: Set[str]) -> list[Logged]:
         shown = {c.name for c in self._info.channels.values() if c.message_type not in (DesiresRecord, *OF_THE_MOMENT)}

@@ -71,12 +71,17 @@ class RecordedState:
         names = [name for name, channel in self._channels.items() if channel.message_type in types]
         return [last for name in names if (last := self.last(name, position)) is not None]
 
-    def since(self, begin: float, end: float, types: Collection[type[Any]]) -> list[Logged]:
-        """Messages of the channels of ``types`` after ``begin`` and up to ``end`` (s), before them those valid at
-        ``begin``; in order of arrival. Raises LogError."""
-        names = [name for name, channel in self._channels.items() if channel.message_type in types]
-        stood = sorted(self.of_types(types, begin), key=lambda logged: logged.at)
-        return [*stood, *(logged for logged in self._between(begin, end, names) if logged.at > begin)]
+    def now_and_then(self, message_type: type[Any], begin: float, end: float, period_s: float) -> list[Any]:
+        """Messages of the channels of ``message_type`` between ``begin`` and ``end`` (s), at most one of each in
+        ``period_s``, in order of arrival. Raises LogError."""
+        names = [name for name, channel in self._channels.items() if channel.message_type is message_type]
+        due: dict[str, float] = {}
+        found = []
+        for logged in self._between(begin, end, names):
+            if logged.at >= due.get(logged.channel, begin):
+                due[logged.channel] = logged.at + period_s
+                found.append(logged.message)
+        return found
 
     def last(self, channel: str, position: float) -> Logged | None:
         """The last message of ``channel`` at or before ``position`` (s), None without one.

@@ -13,8 +13,8 @@
 
 The hysteresis is ``presence.look``. Faces, codes, sound sources and darkness come with each look, empty where nothing
 is seen: no message is no look. A loud noise is an event, and its silence says nothing: quiet counts only while
-``divisors`` says that ``noise_filter`` is open. What is perceived comes on passive inputs: no perception is kept awake
-for its events.
+``divisors`` says that ``noise_filter`` is open. The inputs of percepts never want their channels: no perception is
+kept awake for its events.
 """
 
 from __future__ import annotations
@@ -79,11 +79,11 @@ class PerceptEvents(Module):
         self._presence: dict[str, Presence] = {}
         self._poses = PoseAt(self.clock)
         self._listening = True
-        self.codes = self.input("codes", QRCodes, capacity=_CAPACITY, passive=True)
-        self.faces = self.input("faces", Faces, capacity=_CAPACITY, passive=True)
-        self.sources = self.input("sources", SoundSources, capacity=_CAPACITY, passive=True)
-        self.noises = self.input("noises", LoudNoise, capacity=_CAPACITY, passive=True)
-        self.darkness = self.input("darkness", Darkness, capacity=_CAPACITY, passive=True)
+        self.codes = self.input("codes", QRCodes, capacity=_CAPACITY, wants="never")
+        self.faces = self.input("faces", Faces, capacity=_CAPACITY, wants="never")
+        self.sources = self.input("sources", SoundSources, capacity=_CAPACITY, wants="never")
+        self.noises = self.input("noises", LoudNoise, capacity=_CAPACITY, wants="never")
+        self.darkness = self.input("darkness", Darkness, capacity=_CAPACITY, wants="never")
         self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True)
         self.divisors = self.input("divisors", Divisors)
         self.events = self.output("events", PerceptEvent)

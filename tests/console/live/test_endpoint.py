@@ -12,7 +12,7 @@ import httpx
 from app.attention.desires import Source
 from app.base.geometry import Pose2
 from app.console.live.hub import Hub
-from app.console.live.outbox import MOST_EVENTS
+from app.console.live.outbox import MOST_ITEMS
 from app.messages import Exploitation, Landmark, Landmarks, Odometry, OperatorDrive, Twist
 from app.program.system import System
 from tests.console.live_client import page
@@ -381,15 +381,15 @@ async def test_a_viewer_that_does_not_read_delays_nobody(url: str, system: Syste
             system.timeline.add("module", "Nobody", f"{number} {long}")
             await fast.until("events", lambda f: any(e["text"].startswith(f"{number} ") for e in f["events"]))  # noqa: B023
             number += 1
-        for _ in range(MOST_EVENTS + 1):
+        for _ in range(MOST_ITEMS + 1):
             system.timeline.add("module", "Nobody", "one too many")
         first = await fast.until("status")
         second = await fast.until("status")
         assert second["stamp"] - first["stamp"] < 0.25
-        assert viewer.outbox.statistics().events <= MOST_EVENTS
+        assert viewer.outbox.statistics().items <= MOST_ITEMS
         assert viewer.outbox.statistics().waiting <= 8
         slow.begin_reading()
-        await slow.until("notice", lambda n: "timeline" in n["text"])
+        await slow.until("notice", lambda n: "missed" in n["text"])
         await slow.until("status", lambda s: s["stamp"] >= second["stamp"])
         # So that it ends in good order.
         await fast.until("status")

@@ -3,35 +3,45 @@
 from __future__ import annotations
 
 import json
+import math
+from dataclasses import replace
 from typing import Any
 
+import msgspec
 from hypothesis import given
 from hypothesis import strategies as st
 
 from app.console.live.lane_history import HELD, LaneHistory
-
-USUAL = {
-    "intensity": 8.0,
-    "utility": 1.0,
-    "divisor": 1,
-    "divisors": {"SomeDetector.images": 1, "SomeDetector.panorama": 1, "SomeDetector.scans": 2},
-    "state": "fulfilled",
-}
+from app.console.page_forms import lane_rows
+from app.messages import LaneRow, Lanes
 
 CLASSES = ("Explore", "Telepresence")
+USUAL = LaneRow(
+    cls="",
+    intensity=8.0,
+    utility=1.0,
+    rate=0.1234,
+    divisor=1.0,
+    filters=("SomeDetector.images", "SomeDetector.panorama", "SomeDetector.scans"),
+    divisors=(1.0, 1.0, 2.0),
+    state="fulfilled",
+    text="",
+)
 ROWS = st.builds(
-    lambda intensity, rate, divisor, text: {
-        "intensity": intensity,
-        "utility": intensity,
-        "rate": rate,
-        "divisor": divisor,
-        "divisors": {} if divisor is None else {"Camera.images": divisor},
-        "state": "undesired" if intensity is None else "fulfilled",
-        "text": text,
-    },
+    lambda intensity, rate, divisor, text: LaneRow(
+        cls="",
+        intensity=intensity,
+        utility=intensity,
+        rate=rate,
+        divisor=divisor,
+        filters=() if math.isinf(divisor) else ("Camera.images",),
+        divisors=() if math.isinf(divisor) else (divisor,),
+        state="undesired" if intensity is None else "fulfilled",
+        text=text,
+    ),
     st.one_of(st.none(), st.just(8.0)),
     st.one_of(st.none(), st.floats(0, 1)),
-    st.one_of(st.none(), st.integers(1, 3)),
+    st.sampled_from([1.0, 2.0, 3.0, math.inf]),
     st.sampled_from(["it fits", "it costs too much"]),
 )
 
@@ -53,14 +63,17 @@ def told(frame: str) -> list[tuple[float, list[dict[str, Any]]]]:
 
 @given(st.lists(st.tuples(ROWS, ROWS), max_size=40), st.integers(1, 12))
 def test_the_newest_samples_are_told_as_they_were_and_no_more_are_kept(
-    noted: list[tuple[dict[str, Any], dict[str, Any]]], most: int
+    noted: list[tuple[LaneRow, LaneRow]], most: int
 ) -> None:
     history = LaneHistory(CLASSES, most)
     samples = []
     for number, pair in enumerate(noted):
-        rows = [{"class": cls, **row} for cls, row in zip(CLASSES, pair, strict=True)]
-        samples.append((100.0 + 0.5 * number, rows))
-        history.add(*samples[-1])
+        rows = tuple(replace(row, cls=cls) for cls, row in zip(CLASSES, pair, strict=True))
+        lanes = Lanes(100.0 + 0.5 * number, rows)
+        samples.append((lanes.stamp, msgspec.to_builtins(lane_rows(lanes))))
+        history.add(lanes)
+        # Those of a moment later are left out.
+        history.add(replace(lanes, stamp=lanes.stamp + 0.05, rows=()))
         assert all(len(spells) <= most for spells in history._spells.values())
     assert told(history.frame()) == samples[-most:]
 
@@ -69,8 +82,8 @@ def test_the_frame_is_never_too_large_and_keeps_the_newest() -> None:
     """Ten minutes of a reason that is another each time, which is more than fits."""
     history = LaneHistory(CLASSES)
     for number in range(1300):
-        row = USUAL | {"rate": 0.1234, "divisors": {}}
-        history.add(0.5 * number, [{"class": cls, **row, "text": f"{number} {'why ' * 40}"} for cls in CLASSES])
+        row = replace(USUAL, filters=(), divisors=(), text=f"{number} {'why ' * 40}")
+        history.add(Lanes(0.5 * number, tuple(replace(row, cls=cls) for cls in CLASSES)))
     frame = history.frame()
     assert len(frame) <= 200_000
     samples = told(frame)
@@ -84,9 +97,9 @@ def test_a_usual_past_is_small() -> None:
     classes = [f"Class{number}" for number in range(12)]
     history = LaneHistory(classes)
     for number in range(1200):
-        row = USUAL | {"rate": round(number / 1200, 4)}
         text = f"fulfilled at its best ({number // 60}) by some-strategy-of-a-usual-length"
-        history.add(1.7e9 + 0.5 * number, [{"class": cls, **row, "text": text} for cls in classes])
+        row = replace(USUAL, rate=round(number / 1200, 4), text=text)
+        history.add(Lanes(1.7e9 + 0.5 * number, tuple(replace(row, cls=cls) for cls in classes)))
     frame = history.frame()
     assert len(json.loads(frame)["stamps"]) == 1200
     assert len(frame) < 200_000

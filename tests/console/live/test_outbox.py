@@ -8,7 +8,7 @@ import json
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.console.live.outbox import MOST_EVENTS, MOST_NOTICES, MOST_SOUND, Frame, Outbox
+from app.console.live.outbox import MOST_ITEMS, MOST_NOTICES, MOST_SOUND, Frame, Outbox
 
 
 async def drained(outbox: Outbox) -> list[Frame]:
@@ -34,15 +34,15 @@ async def test_of_each_kind_only_the_newest_waits_and_kinds_take_turns() -> None
 
 async def test_events_are_kept_in_order_until_there_are_too_many() -> None:
     outbox = Outbox()
-    outbox.put_events(['{"id":1}'])
-    outbox.put_events(['{"id":2}', '{"id":3}'])
+    outbox.put_each("events", ['{"id":1}'])
+    outbox.put_each("events", ['{"id":2}', '{"id":3}'])
     frame = await outbox.take()
     assert json.loads(frame) == {"type": "events", "events": [{"id": 1}, {"id": 2}, {"id": 3}]}
-    outbox.put_events("{}" for _ in range(MOST_EVENTS + 1))
-    assert outbox.statistics().events == 0
+    outbox.put_each("events", ("{}" for _ in range(MOST_ITEMS + 1)))
+    assert outbox.statistics().items == 0
     notice = json.loads(await outbox.take())
     assert (notice["type"], notice["level"]) == ("notice", "warning")
-    outbox.put_events(['{"id":4}'])
+    outbox.put_each("events", ['{"id":4}'])
     assert json.loads(await outbox.take())["events"] == [{"id": 4}]
 
 
@@ -124,7 +124,7 @@ def test_whatever_happens_it_stays_bounded(story: list[tuple[str, object]]) -> N
                 case "urgent", _:
                     outbox.put_urgent("x")
                 case "events", int(number):
-                    outbox.put_events("{}" for _ in range(number))
+                    outbox.put_each("events", ("{}" for _ in range(number)))
                 case "picture", int(kind):
                     outbox.put_picture(kind, b"x")
                 case "drawn", int(kind):
@@ -135,7 +135,7 @@ def test_whatever_happens_it_stays_bounded(story: list[tuple[str, object]]) -> N
                     await outbox.take()
             statistics = outbox.statistics()
             assert statistics.waiting <= MOST_NOTICES + 7
-            assert statistics.events <= MOST_EVENTS
+            assert statistics.items <= MOST_ITEMS
 
     asyncio.run(run())
 
@@ -144,12 +144,12 @@ async def test_at_a_jump_all_of_before_is_dropped_but_notices() -> None:
     outbox = Outbox()
     outbox.put_urgent("notice")
     outbox.put("status", "s1")
-    outbox.put_events(['{"id":1}'])
+    outbox.put_each("events", ['{"id":1}'])
     outbox.put_picture(1, b"old")
     outbox.put_sound(b"old")
     outbox.begin_anew("jump")
     outbox.put("lanes_history", "past")
-    outbox.put_events(['{"id":2}'])
+    outbox.put_each("events", ['{"id":2}'])
     assert await drained(outbox) == ["notice", "jump", "past", '{"type":"events","events":[{"id":2}]}']
     outbox.put_picture(1, b"new")
     assert await drained(outbox) == [b"new"]

@@ -3,24 +3,22 @@
 from __future__ import annotations
 
 import asyncio
-import math
 import struct
 import threading
 from typing import Any
 
 import cv2
+import httpx
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from app.attention.desires import Source
 from app.console import grids
 from app.console.live import grid_feed
 from app.console.live.hub import Hub
-from app.console.way import ARRIVED_S, MOST_POINTS, at_work, thinned_path
 from app.messages import Exploitation, NavigationStatus, OccupancyGrid, OperatorDrive, Twist
+from app.modules.behaviors.navigation_reporter import ARRIVED_S
 from app.program.system import System
 from tests.console.live_client import Page, page
 from tests.console.places import grid, localization, path, status, zone, zones
@@ -162,31 +160,11 @@ async def test_the_loop_goes_on_while_a_large_map_is_encoded(
     assert encoded == [1, 5]
 
 
-async def test_zones_that_stay_are_written_out_once(system: System, hub: Hub) -> None:
-    system.graph.channel("zones").publish(zones(1.0, zone(), zone("door", "slow", 0.3)))
-    first, second = hub.way.zones(), hub.way.zones()
-    assert first is not None
-    assert second is not None
-    assert len(first["zones"]) == 2
-    assert first["zones"] is second["zones"], "ten times a second, of thousands of corners, holds up the loop"
-    system.graph.channel("zones").publish(zones(2.0, zone()))
-    assert hub.way.zones() == {"zones": first["zones"][:1]}
-
-
-async def test_a_costmap_of_long_ago_is_not_what_stands_around_now(system: System, hub: Hub) -> None:
-    now, channel = system.clock.now(), system.graph.channel("local_costmap")
-    assert hub.way.costmap() is None
-    channel.publish(grid(now - 60.0, frame="odom"))
-    assert hub.way.costmap() is None
-    channel.publish(grid(now, frame="odom"))
-    assert hub.way.costmap() is channel.latest
-
-
 async def test_place_zones_and_way_are_told_as_they_change(url: str, system: System) -> None:
     graph, now = system.graph, system.clock.now
     async with page(url) as ann:
-        assert (await ann.until("navigation"))["state"] == "idle"
         assert (await ann.until("zones"))["zones"] == []
+        assert (await ann.until("navigation"))["state"] == "idle"
         graph.channel("localization").publish(localization(12.5))
         told = await ann.until("localization")
         assert told == {
@@ -294,59 +272,12 @@ async def test_a_goal_that_was_given_up_stays_told_until_the_next_one(url: str, 
         assert (await ann.until("navigation", lambda m: m["desire"]))["given_up"] is None
 
 
-async def test_a_goal_given_up_is_not_told_where_the_robot_goes_on_to_another_or_time_jumps(
-    url: str, system: System, hub: Hub
-) -> None:
-    def told() -> Any:
-        way = hub.way.navigation()
-        assert way is not None
-        return way["given_up"]
-
-    other = system.workspace.add("GoTo", intensity=1, utility=4, params={"x": 9, "y": 9}, source=Source("rest", "x"))
-    gave_up(system)
-    assert told() is None
-    system.workspace.remove(other.id)
-    for ended_by in (hub.way.dismiss, hub.way.forget):
+async def test_a_goal_given_up_is_not_told_once_it_was_read(url: str, system: System, hub: Hub) -> None:
+    async with page(url) as ann, httpx.AsyncClient(base_url=f"{url}/api/v1") as rest:
         gave_up(system)
-        assert told() is not None
-        ended_by()
-        assert told() is None
-
-
-def test_of_two_behaviors_the_one_under_way_is_told() -> None:
-    driving, done = status(1.0, "recovering"), status(2.0, "idle", "GoToward")
-    assert at_work([done, driving]) is driving
-    assert at_work([status(3.0, "waiting"), driving]) is driving
-    both = [status(1.0, "waiting"), status(2.0, "waiting", "GoToward")]
-    assert at_work(both) is both[0]
-    assert at_work([done, status(1.0, "arrived")]) is done
-    assert at_work([]) is None
-
-
-@given(
-    st.lists(st.floats(-0.5, 0.5), min_size=1, max_size=600),
-    st.sampled_from([0.05, 0.1]),
-)
-def test_a_thinned_path_goes_the_same_way(turns: list[float], step_m: float) -> None:
-    """Both ends stay; every point left out is near the line that is drawn instead."""
-    headings = np.cumsum(turns)
-    steps = step_m * np.stack([np.cos(headings), np.sin(headings)], axis=1)
-    points = np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
-    thin = thinned_path(points)
-    assert len(thin) <= MOST_POINTS
-    np.testing.assert_array_equal(thin[[0, -1]], points[[0, -1]])
-    lines = np.diff(thin, axis=0)
-    lengths = np.maximum(np.linalg.norm(lines, axis=1), 1e-9)
-    along = np.einsum("psk,sk->ps", points[:, None] - thin[:-1], lines) / lengths**2
-    nearest = thin[:-1] + np.clip(along, 0, 1)[..., None] * lines
-    furthest = np.linalg.norm(points[:, None] - nearest, axis=2).min(axis=1).max()
-    assert furthest <= step_m * max(2.0, len(points) / MOST_POINTS)
-
-
-def test_a_wide_bend_is_no_straight_line() -> None:
-    angles = np.linspace(0, math.pi / 2, 2000)
-    thin = thinned_path(50.0 * np.stack([np.sin(angles), 1 - np.cos(angles)], axis=1))
-    assert 100 < len(thin) <= MOST_POINTS
+        await ann.until("navigation", lambda m: m["given_up"])
+        assert (await rest.delete("/goal")).status_code == 204
+        await ann.until("navigation", lambda m: m["given_up"] is None)
 
 
 def test_an_empty_grid_is_one_unknown_cell() -> None:

@@ -17,12 +17,14 @@ from tests.console.program import Body
 def say_everything(system: System, body: Body) -> None:
     """Publish a message on each channel that the stream reports."""
     now = system.clock.now()
+    # Of a time to come, so that none of it is over before the page has it, however slow the computer.
+    soon = now + 60.0
     system.graph.channel("landmarks").publish(Landmarks(now, (Landmark("door", (1.0, 2.0, 0.5), 0.1, 3, 1.0, 2.0),)))
     body.emit_status(now)
-    system.graph.channel("faces").publish(faces(now))
-    system.graph.channel("qr_codes").publish(codes(now))
-    system.graph.channel("sound_sources").publish(sound_sources(now))
-    system.graph.channel("loud_noises").publish(LoudNoise(now, 30.0, -12.0))
+    system.graph.channel("faces").publish(faces(soon))
+    system.graph.channel("qr_codes").publish(codes(soon))
+    system.graph.channel("sound_sources").publish(sound_sources(soon))
+    system.graph.channel("loud_noises").publish(LoudNoise(soon, 30.0, -12.0))
     messages: dict[str, Callable[[float], Any]]
     messages = {"localization": localization, "zones": zones, "path": path, "navigation": status, "map": grid}
     for channel, message in {**messages, "local_costmap": grid}.items():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import math
 from collections.abc import Sequence
 from typing import Any
@@ -19,6 +20,7 @@ from tests.console.answers import answered
 from tests.console.places import Keeper, path, status
 from tests.console.program import Body
 from tests.console.rest.test_routes import is_problem
+from tests.patience import PATIENCE_S
 
 ANN = {"X-HBBA-Operator": "Ann"}
 
@@ -80,13 +82,23 @@ async def test_another_persons_goal_gives_way_and_the_robots_own_is_outdone(
     assert goals(system) == [("Patrol", 9)]
 
 
+async def reported(system: System, state: str) -> None:
+    """Wait until it is reported that navigation is in ``state``."""
+    channel = system.graph.channel("navigation_report")
+    async with asyncio.timeout(PATIENCE_S):
+        while channel.latest is None or channel.latest.state != state:  # noqa: ASYNC110
+            await asyncio.sleep(0)
+
+
 async def test_what_became_of_it_is_told(client: httpx.AsyncClient, system: System) -> None:
+    await reported(system, "idle")
     desired, going = await goal_now(client)
     assert desired is None
     assert going.state == "idle"
     desire = (await client.put("/goal", json={"x": 3, "y": 1})).json()
     system.graph.channel("path").publish(path(system.clock.now()))
     system.graph.channel("navigation").publish(status(system.clock.now()))
+    await reported(system, "following")
     desired, going = await goal_now(client)
     assert desired is not None
     assert desired.id == going.desire == desire["id"]

@@ -12,7 +12,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from viser.transforms import SO3
 
-from app.console.perceived import HeardSound, Perceived, SeenFace
 from app.console.view.marks import (
     FADE_S,
     FLASH_S,
@@ -26,30 +25,48 @@ from app.console.view.marks import (
     face_marks,
     flash_mark,
 )
-from app.messages import LoudNoise
+from app.messages import LoudNoise, PlacedFace, PlacedPercepts, PlacedSound
 
 NOW = 100.0
 
 
-def heard(track: int = 1, v_O: tuple[float, float, float] = (1.0, 0.0, 0.0)) -> HeardSound:
+def heard(track: int = 1, v_O: tuple[float, float, float] = (1.0, 0.0, 0.0)) -> PlacedSound:
     """A voice 2 m away."""
-    return HeardSound(
-        track, NOW, (0.0, 0.0), None, 0.5, -30.0, True, NOW, 0.9, 2.0, 0.3, (0.1, 0.2, 0.5), v_O, (2.1, 0.2, 0.5)
+    return PlacedSound(
+        track=track,
+        stamp=NOW,
+        azimuth=0.0,
+        elevation=0.0,
+        panorama=None,
+        range_m=2.0,
+        range_sigma_m=0.3,
+        x=2.1,
+        y=0.2,
+        z=0.5,
+        p_OA=(0.1, 0.2, 0.5),
+        v_O=v_O,
+        power=0.5,
+        level_db=-30.0,
+        active=True,
+        last_active=NOW,
+        speech=0.9,
     )
 
 
-def seen(track: int = 1, *, camera: str = "imv", range_m: float = 2.0, sigma_m: float = 0.2) -> SeenFace:
+def seen(track: int = 1, *, camera: str = "imv", range_m: float = 2.0, sigma_m: float = 0.2) -> PlacedFace:
     """A face to the left of the origin, with the robot towards -y of it."""
-    place = (0.0, range_m, 1.6)
-    return SeenFace(
+    return PlacedFace(
         track=track,
         camera=camera,
         stamp=NOW,
-        direction=(0.0, 0.0),
+        azimuth=0.0,
+        elevation=0.0,
         panorama=None,
         range_m=range_m,
         range_sigma_m=sigma_m,
-        p_OF=place,
+        x=0.0,
+        y=range_m,
+        z=1.6,
         towards_O=-math.pi / 2,
         score=0.9,
         box=(0.0, 0.0, 1.0, 1.0),
@@ -63,7 +80,7 @@ unit_vectors = st.tuples(*[st.floats(-1, 1)] * 3).filter(lambda v: math.hypot(*v
 @given(unit_vectors)
 def test_an_arrow_points_from_the_microphones_towards_its_sound(v: tuple[float, float, float]) -> None:
     direction = np.array(v) / np.linalg.norm(v)
-    arrow = arrow_marks(Perceived(NOW, sounds=(heard(v_O=tuple(direction.tolist())),)))[1]
+    arrow = arrow_marks(PlacedPercepts(NOW, sounds=(heard(v_O=tuple(direction.tolist())),)))[1]
     drawn = SO3(np.array(arrow.wxyz)).as_matrix()[:, 0]
     assert math.degrees(math.acos(min(1.0, float(drawn @ direction)))) < 0.5
     np.testing.assert_allclose(np.subtract(arrow.head, arrow.position), arrow.length * direction, atol=0.011)
@@ -72,48 +89,48 @@ def test_an_arrow_points_from_the_microphones_towards_its_sound(v: tuple[float, 
 
 def test_louder_is_longer_and_colour_tells_a_voice() -> None:
     def arrow(**changes: Any) -> object:
-        return arrow_marks(Perceived(NOW, sounds=(replace(heard(), **changes),)))[1]
+        return arrow_marks(PlacedPercepts(NOW, sounds=(replace(heard(), **changes),)))[1]
 
     lengths = [arrow(level_db=level).length for level in (-90.0, -60.0, -40.0, -20.0, 0.0)]  # type: ignore[attr-defined]
     assert lengths == sorted(lengths)
     assert 0.3 <= lengths[0] < lengths[2] < lengths[-1] <= 1.6
     assert arrow(speech=0.9).color == RED  # type: ignore[attr-defined]
     assert arrow(speech=0.1).color == ORANGE  # type: ignore[attr-defined]
-    assert arrow(speech=math.nan).color == GREY  # type: ignore[attr-defined]
+    assert arrow(speech=None).color == GREY  # type: ignore[attr-defined]
     assert arrow().text == "voice · 2.0 m"  # type: ignore[attr-defined]
     assert arrow(range_sigma_m=3.0).text == "voice"  # type: ignore[attr-defined]
-    assert arrow(range_m=math.inf, speech=0.0).text == "sound"  # type: ignore[attr-defined]
+    assert arrow(range_m=None, speech=0.0).text == "sound"  # type: ignore[attr-defined]
 
 
 def test_an_arrow_fades_out_after_its_sound() -> None:
     silent = replace(heard(), active=False, last_active=NOW)
     opacities = []
     for late in np.linspace(0.0, FADE_S + 0.2, 20):
-        marks = arrow_marks(Perceived(NOW + late, sounds=(silent,)))
+        marks = arrow_marks(PlacedPercepts(NOW + late, sounds=(silent,)))
         opacities.append(marks[1].opacity if marks else 0.0)
     assert opacities == sorted(opacities, reverse=True)
     assert opacities[0] == 0.9
     assert opacities[-1] == 0.0
-    assert arrow_marks(Perceived(NOW + 1.0, sounds=(heard(),)))[1].opacity == 0.9
+    assert arrow_marks(PlacedPercepts(NOW + 1.0, sounds=(heard(),)))[1].opacity == 0.9
 
 
 def test_what_is_not_placed_yet_is_not_drawn() -> None:
-    nowhere = replace(heard(), p_OA=None, v_O=None, p_OS=None)
-    assert arrow_marks(Perceived(NOW, sounds=(nowhere,))) == {}
-    assert face_marks(Perceived(NOW, faces=(replace(seen(), p_OF=None, towards_O=None),))) == {}
+    nowhere = replace(heard(), p_OA=None, v_O=None, x=None, y=None, z=None)
+    assert arrow_marks(PlacedPercepts(NOW, sounds=(nowhere,))) == {}
+    assert face_marks(PlacedPercepts(NOW, faces=(replace(seen(), x=None, y=None, z=None, towards_O=None),))) == {}
 
 
 def test_only_the_strongest_sounds_are_drawn() -> None:
     sounds = tuple(replace(heard(track), power=0.1 * track) for track in range(1, 7))
-    assert set(arrow_marks(Perceived(NOW, sounds=sounds))) == {3, 4, 5, 6}
+    assert set(arrow_marks(PlacedPercepts(NOW, sounds=sounds))) == {3, 4, 5, 6}
     sounds = (replace(heard(9), power=0.0, last_active=NOW), *[replace(s, active=False) for s in sounds])
-    assert 9 in arrow_marks(Perceived(NOW, sounds=sounds))
+    assert 9 in arrow_marks(PlacedPercepts(NOW, sounds=sounds))
     assert MOST_ARROWS == 4
 
 
 def test_a_face_is_drawn_once_and_looks_at_the_robot() -> None:
     faces = (seen(1, camera="imv", range_m=2.2, sigma_m=0.4), seen(1, camera="kinect", range_m=2.0, sigma_m=0.02))
-    (mark,) = face_marks(Perceived(NOW, faces=faces)).values()
+    (mark,) = face_marks(PlacedPercepts(NOW, faces=faces)).values()
     assert mark.text == "Person 1 · 2.0 m"
     assert mark.position == (0.0, 2.0, 1.6)
     np.testing.assert_allclose(SO3(np.array(mark.wxyz)).as_matrix()[:, 0], [0.0, -1.0, 0.0], atol=2e-3)
@@ -121,11 +138,11 @@ def test_a_face_is_drawn_once_and_looks_at_the_robot() -> None:
 
 def test_only_the_nearest_faces_are_drawn() -> None:
     faces = tuple(seen(track, range_m=float(track)) for track in range(1, 12))
-    assert set(face_marks(Perceived(NOW, faces=faces))) == set(range(1, MOST_FACES + 1))
+    assert set(face_marks(PlacedPercepts(NOW, faces=faces))) == set(range(1, MOST_FACES + 1))
 
 
 def test_a_noise_flashes() -> None:
-    perceived = Perceived(NOW, noises=(LoudNoise(NOW - 1.5, 30.0, -10.0), LoudNoise(NOW - 0.1, 30.0, -10.0)))
+    perceived = PlacedPercepts(NOW, noises=(LoudNoise(NOW - 1.5, 30.0, -10.0), LoudNoise(NOW - 0.1, 30.0, -10.0)))
     first = flash_mark(perceived)
     assert first is not None
     later = flash_mark(replace(perceived, stamp=NOW + 0.4))
@@ -133,7 +150,7 @@ def test_a_noise_flashes() -> None:
     assert later.scale > first.scale
     assert later.opacity < first.opacity
     assert flash_mark(replace(perceived, stamp=NOW + FLASH_S)) is None
-    assert flash_mark(Perceived(NOW)) is None
+    assert flash_mark(PlacedPercepts(NOW)) is None
 
 
 @given(st.lists(st.sets(st.integers(1, 12), max_size=4), max_size=30))
@@ -151,5 +168,5 @@ def test_a_track_keeps_its_place_and_no_two_share_one(story: list[set[int]]) -> 
 @pytest.mark.parametrize("late_s", [0.0, 0.01, 0.02])
 def test_what_no_eye_could_see_is_the_same_mark(late_s: float) -> None:
     sound = replace(heard(), p_OA=(0.1001, 0.2, 0.5), v_O=(1.0, 1e-4, 0.0), level_db=-30.1)
-    before = arrow_marks(Perceived(NOW, sounds=(heard(),)))
-    assert arrow_marks(Perceived(NOW + late_s, sounds=(sound,))) == before
+    before = arrow_marks(PlacedPercepts(NOW, sounds=(heard(),)))
+    assert arrow_marks(PlacedPercepts(NOW + late_s, sounds=(sound,))) == before

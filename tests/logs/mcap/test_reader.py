@@ -17,13 +17,12 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from app.base.geometry import FisheyeModel
 from app.log_tools.export.exporter import Wish, export
 from app.logs import layout as mcap_layout
-from app.logs.log import Indexed, Log, LogError, Logged
+from app.logs.log import Log, LogError, Logged
 from app.logs.manifest import YAML, AttachedFile, Manifest
 from app.logs.mcap.reader import McapLog
 from app.logs.stamps import to_ns
 from app.messages import Image, OperatorDrive
 from tests.logs.mcap.mcap_files import BEGIN, CHANNELS, drive, spec, write_log
-from tests.logs.replay import logs
 from tests.logs.ros.messages import same
 
 
@@ -319,22 +318,6 @@ def test_a_damaged_chunk_is_said_with_its_place_and_what_helps(
         LogError, match=r"damaged\.mcap is damaged: .* from 0:0\d\.\d cannot be read\. `hbba log repair"
     ):
         list(log.messages())
-    log.close()
-
-
-def test_when_channels_spoke_is_known_without_reading(tmp_path: Path) -> None:
-    messages = logs.lab_messages(4.0)
-    log = McapLog(logs.write_log(tmp_path / "lab.mcap", messages, logs.lab_manifest()))
-    assert isinstance(log, Indexed)
-    spoken = log.spoken(logs.BEGIN, logs.BEGIN + 4.0)
-    assert set(spoken) == {logged.channel for logged in messages}
-    for logged in messages:
-        assert any(begin - 1e-6 <= logged.at <= end + 1e-6 for begin, end in spoken[logged.channel])
-    driven = [logged.at for logged in messages if logged.channel == "operator_drive"]
-    assert not any(begin > driven[-1] or end < driven[0] for begin, end in spoken["operator_drive"])
-    assert spoken["operator_drive"][0] == pytest.approx((driven[0], driven[-1]))
-    assert len(spoken["odometry"]) == 1
-    assert "operator_drive" not in log.spoken(logs.BEGIN + 3.5, logs.BEGIN + 4.0)
     log.close()
 
 

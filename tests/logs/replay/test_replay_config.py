@@ -118,7 +118,13 @@ def test_modules_that_would_hear_nothing_stay_out_with_their_strategies() -> Non
         assert f"{module} does not run: the log has no {channels}" in notes
     deaf = [note for note in notes if "gets nothing" in note]
     assert "ScenarioCoordinator.landmarks gets nothing: the log has no landmarks" in deaf
-    some = ("ScenarioCoordinator.", "PlanAndFollowPath.images ", "PlanAndFollowPath.base ", "ProgressSupervisor.exp")
+    some = (
+        "PerceptEvents.",
+        "ScenarioCoordinator.",
+        "PlanAndFollowPath.images ",
+        "PlanAndFollowPath.base ",
+        "ProgressSupervisor.exp",
+    )
     assert all(note.startswith(some) for note in deaf)
     # What people feed may come or not, and what is desired may be desired in vain.
     assert {"Teleop", "ScenarioCoordinator"} <= running

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from app.logs.log import Logged
 from app.logs.replay.state_at import RecordedState, taken_at
-from app.messages import DesiresRecord
+from app.messages import DesiresRecord, Landmarks, Odometry
 from tests.logs.replay.logs import BEGIN, MemoryLog, lab_log, lab_messages, numbered
 
 #: Arrivals of one channel: bursts and gaps of any length.
@@ -123,3 +123,11 @@ def test_stamps_of_another_clock_are_not_believed() -> None:
     assert taken_at(image) == image.message.stamp
     assert taken_at(Logged(image.at + 1e6, "kinect", image.message)) == image.at + 1e6
     assert taken_at(Logged(image.at - 10, "kinect", image.message)) == image.at - 10
+
+
+def test_of_a_frequent_channel_some_messages_are_looked_up() -> None:
+    log = MemoryLog(numbered(100, 0.05))
+    found = RecordedState(log).now_and_then(Odometry, BEGIN + 1.0, BEGIN + 3.0, 0.5)
+    stamps = [BEGIN + 1.0 + 0.5 * number for number in range(5)]
+    assert [message.stamp for message in found] == pytest.approx(stamps, abs=0.051)
+    assert RecordedState(log).now_and_then(Landmarks, BEGIN, BEGIN + 3.0, 0.5) == []

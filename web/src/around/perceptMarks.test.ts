@@ -14,6 +14,7 @@ const nowhere = {
 };
 const face = (some: Partial<SeenFace>): SeenFace => ({
   ...nowhere,
+  towards_O: null,
   track: 1,
   stamp: 10,
   camera: "kinect_optical_frame",
@@ -24,6 +25,8 @@ const face = (some: Partial<SeenFace>): SeenFace => ({
 });
 const sound = (some: Partial<HeardSound>): HeardSound => ({
   ...nowhere,
+  p_OA: null,
+  v_O: null,
   track: 1,
   stamp: 10,
   power: 0.5,

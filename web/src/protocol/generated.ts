@@ -39,18 +39,6 @@ export interface Channels {
   point_cloud: boolean;
 }
 
-/** A QR code read in one camera's image. */
-export interface CodeModel {
-  text: string;
-  /** Frame of the image. */
-  camera: string;
-  stamp: number;
-  /** Its four corners in the image (px). */
-  corners: [number, number][];
-  /** Width and height of the image (px). */
-  image: [number, number];
-}
-
 /** What attention chose; null before the first. */
 export interface CurrentIntention {
   intention: IntentionReport | null;
@@ -115,31 +103,6 @@ export interface Driver {
 /** Events, oldest first. */
 export interface EventList {
   events: TimelineEvent[];
-}
-
-/** A face in one camera's image. */
-export interface FaceModel {
-  /** Its number while it stays in view, in both cameras. */
-  track: number;
-  /** Frame of the image. */
-  camera: string;
-  stamp: number;
-  /** From the camera, in base_link's axes; left positive. */
-  azimuth: number;
-  elevation: number;
-  /** Azimuth and elevation from the panorama's camera. */
-  panorama: [number, number] | null;
-  range_m: number | null;
-  range_sigma_m: number | null;
-  /** In `odom`. */
-  x: number | null;
-  y: number | null;
-  z: number | null;
-  score: number;
-  /** Left, top, width, height in the image (px). */
-  box: [number, number, number, number];
-  /** Width and height of the image (px). */
-  image: [number, number];
 }
 
 /** A goal that the robot has given up. */
@@ -279,10 +242,11 @@ export interface LanePast {
 export interface LaneRow {
   intensity: number | null;
   utility: number | null;
+  /** φ: one message in φ passes; null: none passes. */
   divisor: number | null;
   /** By filter, `Module.port`. */
   divisors: Record<string, number | null>;
-  state: "fulfilled" | "degraded" | "unfulfilled" | "inhibited" | "undesired" | "needed";
+  state: "degraded" | "fulfilled" | "inhibited" | "needed" | "undesired" | "unfulfilled";
   text: string;
   class: string;
   /** Messages let through over messages offered, in the last second. */
@@ -293,10 +257,11 @@ export interface LaneRow {
 export interface LaneSpell {
   intensity: number | null;
   utility: number | null;
+  /** φ: one message in φ passes; null: none passes. */
   divisor: number | null;
   /** By filter, `Module.port`. */
   divisors: Record<string, number | null>;
-  state: "fulfilled" | "degraded" | "unfulfilled" | "inhibited" | "undesired" | "needed";
+  state: "degraded" | "fulfilled" | "inhibited" | "needed" | "undesired" | "unfulfilled";
   text: string;
   /** Number of the sample. */
   at: number;
@@ -304,7 +269,7 @@ export interface LaneSpell {
 
 /** 20 times a second: one row for each desire class. */
 export interface Lanes {
-  seq: number;
+  /** Seconds of the robot's clock (Unix epoch). */
   stamp: number;
   rows: LaneRow[];
 }
@@ -326,21 +291,32 @@ export interface Load {
   modules: ModuleReport[];
 }
 
-/** Where the robot is on the map. */
+/** Where the robot is on the map (m and rad). */
 export interface Localization {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  state: "lost" | "mapping" | "searching" | "tracking";
+  /** Name of the map in use; empty while it has none. */
+  map: string;
   x: number;
   y: number;
   theta: number;
-  stamp: number;
-  state: "mapping" | "tracking" | "searching" | "lost";
-  /** Name of the map in use; empty while it has none. */
-  map: string;
   /** Standard deviations of x, y (m) and theta (rad). */
   sigma: [number, number, number];
   /** Pose of `odom` on the map. */
   X_MO: Place;
   /** Share of the scan that fits the map, 0 to 1. */
   overlap: number;
+}
+
+/**
+ * A frame of sound much louder than those before it: ``ratio`` of its energy to their moving mean (thesis 4.2).
+ * ``level_db`` is the frame's level, dB of full scale. ``stamp`` is the time of the frame's first sample.
+ */
+export interface LoudNoise {
+  stamp: number;
+  ratio: number;
+  level_db: number;
 }
 
 /** Every map that is kept, by name, and the one in use. */
@@ -426,13 +402,6 @@ export interface NavigationModel {
   given_up: GivenUpModel | null;
 }
 
-/** A loud noise. */
-export interface NoiseModel {
-  stamp: number;
-  ratio: number;
-  level_db: number;
-}
-
 /** Something for this viewer, in words to show. */
 export interface Notice {
   level: "error" | "info" | "warning";
@@ -448,15 +417,6 @@ export interface OdometryReport {
   angular_radps: number;
 }
 
-/** What is perceived now; noises are those of the last 2 s. */
-export interface PerceptsModel {
-  stamp: number;
-  faces: FaceModel[];
-  sounds: SoundModel[];
-  noises: NoiseModel[];
-  codes: CodeModel[];
-}
-
 /** A pose: m and rad. */
 export interface Place {
   x: number;
@@ -470,6 +430,82 @@ export interface PlaceModel {
   y: number;
   /** null: any heading. */
   theta: number | null;
+}
+
+/**
+ * A QR code in one image of ``camera``: its ``corners`` (4, 2) float64 px, in the order of ``QRCode``, in the image of
+ * ``image`` (width, height) px.
+ */
+export interface PlacedCode {
+  text: string;
+  camera: string;
+  stamp: number;
+  corners: [number, number][];
+  image: [number, number];
+}
+
+/**
+ * A face in one image of ``camera``, placed with the robot's pose at ``stamp``. ``azimuth`` (left positive) and
+ * ``elevation`` (rad) in the axes of B, from the camera as it was then; ``panorama`` is both, from where the newest
+ * panorama was taken (None: there is none). ``range_m`` from the camera, with standard deviation ``range_sigma_m``.
+ * ``x``, ``y``, ``z`` (m) is its place in O and ``towards_O`` the heading (rad in O) in which it has the robot, all
+ * None before the pose at ``stamp`` is known. ``box`` is left, top, width, height (px) in the image of ``image``
+ * (width, height) px.
+ */
+export interface PlacedFace {
+  track: number;
+  camera: string;
+  stamp: number;
+  azimuth: number;
+  elevation: number;
+  panorama: [number, number] | null;
+  range_m: number | null;
+  range_sigma_m: number | null;
+  x: number | null;
+  y: number | null;
+  z: number | null;
+  towards_O: number | null;
+  score: number;
+  box: [number, number, number, number];
+  image: [number, number];
+}
+
+/**
+ * What the robot sees and hears at ``stamp``; published when it changes. ``faces`` by track and camera, ``sounds`` by
+ * track, ``noises`` of the last 2 s, ``codes`` by text and camera.
+ */
+export interface PlacedPercepts {
+  stamp: number;
+  faces: PlacedFace[];
+  sounds: PlacedSound[];
+  noises: LoudNoise[];
+  codes: PlacedCode[];
+}
+
+/**
+ * A tracked sound, placed with the robot's pose at ``stamp``: angles and place as in ``PlacedFace``. Angles and
+ * ``range_m`` are from the microphones' middle, which is at ``p_OA`` (m in O); ``v_O`` is the direction as a unit
+ * vector in the axes of O. Place and range are None where the distance is not known, all of O before the pose is.
+ * ``active``: it sounds now, else it did last at ``last_active``; ``speech`` is None while nothing has judged it.
+ */
+export interface PlacedSound {
+  track: number;
+  stamp: number;
+  azimuth: number;
+  elevation: number;
+  panorama: [number, number] | null;
+  range_m: number | null;
+  range_sigma_m: number | null;
+  x: number | null;
+  y: number | null;
+  z: number | null;
+  p_OA: [number, number, number] | null;
+  v_O: [number, number, number] | null;
+  power: number;
+  level_db: number;
+  active: boolean;
+  last_active: number;
+  speech: number | null;
 }
 
 /** State of the playback; stamps are the recording's. */
@@ -612,29 +648,6 @@ export interface SelectedStrategy {
   utility: number;
   filters: Record<string, number | null>;
   costs: Record<string, number>;
-}
-
-/** A sound that is being tracked. */
-export interface SoundModel {
-  track: number;
-  stamp: number;
-  /** From the microphones' middle, in base_link's axes; left positive. */
-  azimuth: number;
-  elevation: number;
-  panorama: [number, number] | null;
-  /** Supposes a standing person's mouth. */
-  range_m: number | null;
-  range_sigma_m: number | null;
-  x: number | null;
-  y: number | null;
-  z: number | null;
-  /** How strongly the microphones agree, 0 to 1. */
-  power: number;
-  level_db: number;
-  active: boolean;
-  last_active: number;
-  /** Probability that it is a voice; null: not judged. */
-  speech: number | null;
 }
 
 /** The author of a desire: a motivation of the robot, an operator at the console or a REST client, by name. */
@@ -953,7 +966,7 @@ export interface RobotMessages {
   /** On change: what was found, in `odom`. */
   landmarks: Landmarks;
   /** On change: what the robot sees and hears. */
-  perceived: PerceptsModel;
+  perceived: PlacedPercepts;
   /** Up to 10 times a second: where the robot is on the map. */
   localization: Localization;
   /** On change: the goal and the state of navigation. */

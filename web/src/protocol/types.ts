@@ -3,22 +3,22 @@
 import type { FromRobot as Declared, GridInfo as Grid, LaneRow, Notice, TimedMessage } from "./generated";
 
 export type {
-  CodeModel as SeenCode,
   DesireClassReport as DesireClass,
   DriveMessage as DriveCommand,
-  FaceModel as SeenFace,
   IntentionReport as Intention,
   LandmarkReport as Landmark,
   MapList as KeptMaps,
   ModuleReport as ModuleLoad,
   NavigationModel as Navigation,
-  PerceptsModel as Perceived,
+  PlacedCode as SeenCode,
+  PlacedFace as SeenFace,
+  PlacedPercepts as Perceived,
+  PlacedSound as HeardSound,
   PlaceModel as GoalPlace,
   PlaybackReport as Playback,
   RecorderReport as Recorder,
   RecordingList as Recordings,
   RecordingReport as Recording,
-  SoundModel as HeardSound,
   TimelineEvent as RobotEvent,
   ZoneReport as Zone,
 } from "./generated";

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from app.attention.lanes import LaneSampler, RatioWindow
 from app.attention.strategies import CLOSED, Strategy
-from app.console.live.lanes import LaneSampler, RatioWindow
 from app.runtime.filter import RateFilter
 
 
@@ -65,13 +65,13 @@ def test_what_a_strategy_closes_on_purpose_holds_its_class_not_up() -> None:
         all_closed = dict.fromkeys([*planned, *straight], CLOSED)
         nothing: dict[str, float | None] = dict.fromkeys(all_closed)
         (row,) = lanes.rows({}, selected, {}, all_closed | divisors, nothing | ratios)
-        return row["divisor"], row["rate"]
+        return row.divisor, row.rate
 
-    assert told(["plan"], planned | {"Plan.twist": CLOSED}, {"Plan.scans": 1.0}) == (None, 0.0), "nothing comes out"
+    assert told(["plan"], planned | {"Plan.twist": CLOSED}, {"Plan.scans": 1.0}) == (CLOSED, 0.0), "nothing comes out"
     assert told(["toward"], straight, {"Toward.scans": 0.25, "Plan.twist": 0.0}) == (4, 0.25)
     assert told(["plan"], planned, {"Plan.scans": 1.0, "Plan.twist": 1.0}) == (1, 1.0)
-    assert told(["plan"], planned | {"Plan.scans": CLOSED}, {"Plan.twist": 1.0}) == (None, 0.0), "not on purpose"
-    assert told([], {}, {}) == (None, 0.0)
+    assert told(["plan"], planned | {"Plan.scans": CLOSED}, {"Plan.twist": 1.0}) == (CLOSED, 0.0), "not on purpose"
+    assert told([], {}, {}) == (CLOSED, 0.0)
 
 
 def test_a_strategy_shows_what_it_thins_the_input_it_lives_by_to_and_tells_the_others_too() -> None:
@@ -80,7 +80,7 @@ def test_a_strategy_shows_what_it_thins_the_input_it_lives_by_to_and_tells_the_o
     graph: Any = SimpleNamespace(filters=SimpleNamespace(names=lambda: set(filters)))
     lanes = LaneSampler(graph, ["Telepresence"], strategies)
     (row,) = lanes.rows({}, ["seen"], {}, filters, {"Camera.images": 1.0, "Panorama.images": 0.5, "Log.images": 0.0})
-    assert (row["divisor"], row["rate"]) == (1, 1.0)
-    assert row["divisors"] == {"Camera.images": 1, "Panorama.images": 2}
+    assert (row.divisor, row.rate) == (1, 1.0)
+    assert dict(zip(row.filters, row.divisors, strict=True)) == {"Camera.images": 1, "Panorama.images": 2}
     (row,) = lanes.rows({}, [], {}, dict.fromkeys(filters, CLOSED), dict.fromkeys(filters))
-    assert (row["divisor"], row["divisors"]) == (None, {})
+    assert (row.divisor, row.divisors) == (CLOSED, ())

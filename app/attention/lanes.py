@@ -4,33 +4,23 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Iterable, Mapping
-from typing import Any, Protocol
+from collections.abc import Callable, Iterable, Mapping
 
+from app.attention.desires import Desire
+from app.attention.problem import Reason
 from app.attention.strategies import CLOSED, Strategy
-from app.attention.timeline_writer import divisor_json
+from app.attention.translator import IntentionTranslator
+from app.attention.workspace import IntentionWorkspace
+from app.messages import LaneRow, Lanes, LaneState
+from app.runtime.channel import Channel
+from app.runtime.clock import Clock
 from app.runtime.graph import Graph
 
 #: Relative rates are measured over this long.
 WINDOW_S = 1.0
-
-
-class Wanted(Protocol):
-    """A desire, or the record of one."""
-
-    @property
-    def intensity(self) -> float: ...
-    @property
-    def utility(self) -> float: ...
-
-
-class Why(Protocol):
-    """A reason, or the record of one."""
-
-    @property
-    def state(self) -> str: ...
-    @property
-    def text(self) -> str: ...
+#: Between two samples while the channel is wanted, and while it is not: a page that comes later shows the past, too.
+PERIOD_S = 0.05
+UNWANTED_PERIOD_S = 0.5
 
 
 class RatioWindow:
@@ -94,69 +84,61 @@ class LaneSampler:
         every = {name for names in self._filters.values() for name in names}
         self._windows = {name: RatioWindow() for name in sorted(every)}
 
-    def forget(self) -> None:
+    def reset(self) -> None:
         """Measure from now on."""
         self._windows = {name: RatioWindow() for name in self._windows}
 
     def sample(
         self,
         now: float,
-        strongest: Mapping[str, Wanted],
+        strongest: Mapping[str, Desire],
         selected: Iterable[str],
-        reasons: Mapping[str, Why],
-    ) -> list[dict[str, Any]]:
-        """The rows now. ``selected`` are the strategies at work, ``reasons`` say why, by desired class."""
+        reasons: Mapping[str, Reason],
+    ) -> Lanes:
+        """The lanes at ``now``. ``selected`` are the strategies at work, ``reasons`` say why, by desired class."""
         for name, window in self._windows.items():
             window.add(now, *filter_counts(self._graph, name))
         ratios = {name: window.ratio() for name, window in self._windows.items()}
-        return self.rows(strongest, selected, reasons, self._graph.filters.divisors(), ratios)
-
-    @property
-    def filters(self) -> Iterable[str]:
-        """The filters (``Module.port``) that the lanes tell of."""
-        return self._windows.keys()
-
-    def channel(self, name: str) -> str | None:
-        """The channel that the filter ``Module.port`` is on; None where nothing is connected."""
-        module, _, port = name.partition(".")
-        context = self._graph.modules[module].context
-        end = context.inputs[port] if port in context.inputs else context.outputs[port]
-        return None if end.channel is None else end.channel.name
+        return Lanes(now, self.rows(strongest, selected, reasons, self._graph.filters.divisors(), ratios))
 
     def rows(
         self,
-        strongest: Mapping[str, Wanted],
+        strongest: Mapping[str, Desire],
         selected: Iterable[str],
-        reasons: Mapping[str, Why],
+        reasons: Mapping[str, Reason],
         divisors: Mapping[str, float],
         ratios: Mapping[str, float | None],
-    ) -> list[dict[str, Any]]:
-        """The rows at any moment of which this is known: φ by filter, and what it let through of what was offered."""
+    ) -> tuple[LaneRow, ...]:
+        """The rows for φ by filter, and what each filter let through of what was offered (None: nothing was)."""
         at_work: dict[str, list[str]] = {}
         for strategy in selected:
             if strategy in self._class_of:
                 at_work.setdefault(self._class_of[strategy], []).append(strategy)
-        return [
-            self._row(
-                cls,
-                strongest.get(cls),
-                strategies=at_work.get(cls, []),
-                reason=reasons.get(cls),
-                divisors=divisors,
-                passing=ratios,
+        rows = []
+        for cls in self._classes:
+            names, divisor, rate, each = self._passing(cls, at_work.get(cls, []), divisors, ratios)
+            desire = strongest.get(cls)
+            state, text = _state(desire, at_work.get(cls, []), reasons.get(cls))
+            rows.append(
+                LaneRow(
+                    cls=cls,
+                    intensity=None if desire is None else desire.intensity,
+                    utility=None if desire is None else desire.utility,
+                    rate=None if rate is None else round(rate, 4),
+                    divisor=divisor if names else CLOSED,
+                    filters=tuple(each),
+                    divisors=tuple(each.values()),
+                    state=state,
+                    text=text,
+                )
             )
-            for cls in self._classes
-        ]
+        return tuple(rows)
 
-    def _row(
-        self,
-        cls: str,
-        desire: Wanted | None,
-        strategies: list[str],
-        reason: Why | None,
-        divisors: Mapping[str, float],
-        passing: Mapping[str, float | None],
-    ) -> dict[str, Any]:
+    def _passing(
+        self, cls: str, strategies: list[str], divisors: Mapping[str, float], passing: Mapping[str, float | None]
+    ) -> tuple[tuple[str, ...], float, float | None, dict[str, float]]:
+        """The filters that ``cls`` is shown by, the largest φ of them, what they let through, and φ of every filter of
+        its ``strategies`` at work."""
         # What a strategy closes on purpose holds nothing up.
         served = [[name for name in self._of_strategy[s] if name not in self._closes[s]] for s in strategies]
         names = tuple(dict.fromkeys(names[0] for names in served if names)) or self._filters[cls]
@@ -165,21 +147,10 @@ class LaneSampler:
             divisor = math.inf  # what comes in does not get out
         ratios = [ratio for name in names if (ratio := passing[name]) is not None]
         rate = 0.0 if divisor == math.inf else min(ratios, default=None)
-        each = {name: divisor_json(divisors[name]) for names in served for name in names}
-        state, text = _state(desire, strategies, reason)
-        return {
-            "class": cls,
-            "intensity": None if desire is None else desire.intensity,
-            "utility": None if desire is None else desire.utility,
-            "rate": None if rate is None else round(rate, 4),
-            "divisor": divisor_json(divisor) if names else None,
-            "divisors": each,
-            "state": state,
-            "text": text,
-        }
+        return names, divisor, rate, {name: divisors[name] for names in served for name in names}
 
 
-def _state(desire: Wanted | None, strategies: list[str], reason: Why | None) -> tuple[str, str]:
+def _state(desire: Desire | None, strategies: list[str], reason: Reason | None) -> tuple[LaneState, str]:
     if desire is None:
         if strategies:
             return "needed", f"No desire for it, but another strategy needs it: {', '.join(strategies)}."
@@ -187,3 +158,47 @@ def _state(desire: Wanted | None, strategies: list[str], reason: Why | None) -> 
     if reason is None:
         return "unfulfilled", "Waiting for the next intention."
     return reason.state, reason.text
+
+
+class LaneMonitor:
+    """Publishes the lanes on ``channel`` until :meth:`run` is cancelled: 20 times a second of ``pace`` while that is
+    wanted, twice a second while it is not. ``now`` is the robot's clock."""
+
+    def __init__(
+        self,
+        channel: Channel[Lanes],
+        sampler: LaneSampler,
+        workspace: IntentionWorkspace,
+        translator: IntentionTranslator,
+        *,
+        now: Callable[[], float],
+        pace: Clock,
+    ) -> None:
+        self._channel = channel
+        self._sampler = sampler
+        self._workspace = workspace
+        self._translator = translator
+        self._now = now
+        self._pace = pace
+
+    async def run(self) -> None:
+        """Sample. Beats missed are skipped, never made up for."""
+        due = self._pace.now()
+        while True:
+            self._channel.publish(self._sample())
+            period_s = PERIOD_S if self._channel.wanted else UNWANTED_PERIOD_S
+            due = max(due + period_s, self._pace.now())
+            await self._pace.sleep_until(due)
+
+    def reset(self) -> None:
+        """Time has jumped."""
+        self._sampler.reset()
+
+    def _sample(self) -> Lanes:
+        current = self._translator.current
+        return self._sampler.sample(
+            self._now(),
+            self._workspace.strongest(),
+            () if current is None else [strategy.name for strategy in current.strategies],
+            {} if current is None else current.reasons,
+        )

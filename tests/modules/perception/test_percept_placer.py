@@ -1,10 +1,11 @@
-"""What is told of faces, sounds and noises, from what the channels said."""
+"""Where what is seen and heard is, from what was published of it."""
 
 from __future__ import annotations
 
+import asyncio
+import json
 import math
 import sys
-from collections.abc import Iterator
 from typing import Any
 
 import pytest
@@ -12,55 +13,57 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.base.geometry import Pose2, Pose3
-from app.console.perceived import perceived_json
-from app.console.percepts import Percepts
-from app.messages import LoudNoise, Odometry
-from app.runtime.channel_table import ChannelSpec
-from app.runtime.clock import VirtualClock
-from app.runtime.graph import Graph
+from app.console.wire import encode
+from app.messages import (
+    EncodedImage,
+    Faces,
+    LoudNoise,
+    Odometry,
+    PlacedPercepts,
+    QRCodes,
+    SoundSources,
+)
+from app.modules.perception.percept_placer import PERIOD_S, Percepts
+from app.runtime.clock import run_virtual
 from tests.console.percepts import P_BA, codes, faces, no_codes, panorama, sound_source, sound_sources
+from tests.modules.fakes import Bench
 
-CHANNELS = {
-    "odometry": "Odometry",
-    "faces": "Faces",
-    "sound_sources": "SoundSources",
-    "loud_noises": "LoudNoise",
-    "qr_codes": "QRCodes",
-    "panorama_jpeg": "EncodedImage",
+MODULE = "app.modules.perception.percept_placer:PerceptPlacer"
+INPUTS = {
+    "faces": Faces,
+    "codes": QRCodes,
+    "sounds": SoundSources,
+    "noises": LoudNoise,
+    "panorama": EncodedImage,
+    "odometry": Odometry,
 }
+NOTHING: dict[str, list[Any]] = {"faces": [], "sounds": [], "noises": [], "codes": []}
 
 
 class Perception:
-    """A graph of external channels, and what is told of them."""
+    """What is said on channels, and what becomes of it, as JSON."""
 
-    def __init__(self, names: tuple[str, ...] = tuple(CHANNELS)) -> None:
-        specs = {name: ChannelSpec.model_validate({"type": CHANNELS[name], "external": True}) for name in names}
-        self.graph = Graph(clock=VirtualClock(), channels=specs, modules={}, services={})
-        self.percepts = Percepts(self.graph)
-        self.end = self.percepts.open()
+    def __init__(self) -> None:
+        self.percepts = Percepts()
 
-    def say(self, channel: str, message: Any) -> None:
-        self.graph.channel(channel).publish(message)
+    def say(self, _: str, message: Any) -> None:
+        self.percepts.take(message)
 
     def odometry(self, stamp: float, pose: Pose2) -> None:
-        self.say("odometry", Odometry(stamp, pose, 0.0, 0.0))
+        self.percepts.take(Odometry(stamp, pose, 0.0, 0.0))
 
     def at(self, now: float) -> dict[str, Any]:
-        return perceived_json(self.percepts.at(now))
+        found: dict[str, Any] = json.loads(encode(self.percepts.at(now)))
+        return found
 
 
 @pytest.fixture
-def perception() -> Iterator[Perception]:
-    perception = Perception()
-    yield perception
-    perception.end()
+def perception() -> Perception:
+    return Perception()
 
 
-def test_nothing_is_told_of_nothing(perception: Perception) -> None:
-    assert perception.at(5.0) == {"stamp": 5.0, "faces": [], "sounds": [], "noises": [], "codes": []}
-    bare = Perception(())
-    assert bare.percepts.channels == ()
-    assert bare.at(1.0)["faces"] == []
+def test_nothing_is_perceived_where_nothing_was_said(perception: Perception) -> None:
+    assert perception.at(5.0) == {"stamp": 5.0, **NOTHING}
 
 
 def test_a_face_is_where_the_robot_was_when_it_was_seen(perception: Perception) -> None:
@@ -169,14 +172,6 @@ def test_noises_are_told_for_two_seconds(perception: Perception) -> None:
     assert perception.at(20.0)["noises"] == []
 
 
-def test_a_jump_in_time_forgets_everything(perception: Perception) -> None:
-    perception.odometry(10.0, Pose2())
-    perception.say("faces", faces(10.0))
-    perception.say("sound_sources", sound_sources(10.0))
-    perception.percepts.forget()
-    assert perception.at(9.0) == {"stamp": 9.0, "faces": [], "sounds": [], "noises": [], "codes": []}
-
-
 said = st.one_of(
     st.tuples(st.just("faces"), st.integers(1, 4)),
     st.tuples(st.just("sounds"), st.integers(1, 4)),
@@ -232,3 +227,68 @@ def test_what_is_over_is_forgotten_though_nobody_asks(perception: Perception) ->
     perception.say("qr_codes", no_codes(20.0))
     now = [sys.getrefcount(seen.faces[0]), sys.getrefcount(heard.sources[0]), sys.getrefcount(read.codes[0])]
     assert now == [count - 1 for count in remembered]
+
+
+def bench() -> Bench:
+    return Bench(MODULE, inputs=INPUTS, outputs={"percepts": PlacedPercepts})
+
+
+def test_percepts_are_published_as_they_change_and_are_over_by_themselves() -> None:
+    async def main() -> None:
+        async with bench() as robot:
+            published = robot.listen("percepts")
+            now = robot.clock.now()
+            robot.feed("odometry", Odometry(now - 0.1, Pose2(), 0.0, 0.0))
+            robot.feed("faces", faces(now))
+            first = await published.receive()
+            while not first.faces:
+                first = await published.receive()
+            assert first.faces[0].x is None, "odometry is not there yet"
+            robot.feed("odometry", Odometry(now + 0.1, Pose2(), 0.0, 0.0))
+            placed = await published.receive()
+            assert placed.faces[0].x == 2.0
+            assert placed.stamp == first.stamp
+            gone = await published.receive()
+            assert gone.faces == ()
+            assert 1.0 < gone.stamp - now < 1.0 + 2 * PERIOD_S
+
+    run_virtual(main())
+
+
+def test_where_time_stands_percepts_are_published_all_the_same() -> None:
+    """In a paused replay no timer comes round."""
+
+    async def main() -> None:
+        async with bench() as robot:
+            published = robot.listen("percepts")
+            await robot.clock.sleep(0.3 * PERIOD_S)
+            now = robot.clock.now()
+            for number in range(3):
+                robot.feed("odometry", Odometry(now, Pose2(float(number), 0.0, 0.0), 0.0, 0.0))
+                robot.feed("faces", faces(now, first=number))
+                # Every task gets its turn; no time passes.
+                for _ in range(10):
+                    await asyncio.sleep(0)
+            assert robot.clock.now() == now
+            newest = None
+            while published.waiting:
+                newest = published.receive_nowait()
+            assert newest is not None
+            assert [face.track for face in newest.faces] == [0, 1, 2]
+
+    run_virtual(main())
+
+
+def test_perceptions_rest_unless_placed_percepts_are_wanted() -> None:
+    async def main() -> None:
+        async with bench() as robot:
+            channels = {name: robot.graph.channel(name) for name in INPUTS}
+            assert not any(channel.wanted for channel in channels.values())
+            channel = robot.graph.channel("percepts")
+            wanted = channel.subscribe("test")
+            assert all(channel.wanted for name, channel in channels.items() if name != "panorama")
+            assert not channels["panorama"].wanted, "a picture nobody looks at"
+            channel.unsubscribe(wanted)
+            assert not any(channel.wanted for channel in channels.values())
+
+    run_virtual(main())

@@ -1,0 +1,108 @@
+"""Messages as the page and REST are given them, where that differs from the message: a record by message type."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, cast
+
+import numpy as np
+
+from app.attention.timeline import EventKind, TimelineEvent
+from app.attention.timeline_writer import divisor_json
+from app.base.geometry import Pose2
+from app.console import reports
+from app.console.live import messages
+from app.console.records.maps import LocalizationState, ZoneKind, ZoneList, ZoneReport
+from app.messages import EventRecord, Landmarks, LaneRow, Lanes, Localization, Zone, Zones
+
+
+def localization_report(message: Localization) -> messages.Localization:
+    """Where the robot is on the map."""
+    variances = np.clip(np.diagonal(message.covariance), 0.0, None)
+    x, y, theta = (_rounded(float(sigma)) for sigma in np.sqrt(variances))
+    place = _place(message.X_MB)
+    return messages.Localization(
+        stamp=message.stamp,
+        state=cast(LocalizationState, message.state),
+        map=message.map,
+        x=place.x,
+        y=place.y,
+        theta=place.theta,
+        sigma=(x, y, theta),
+        X_MO=_place(message.X_MO),
+        overlap=_rounded(message.overlap),
+    )
+
+
+def zone_reports(zones: Iterable[Zone]) -> ZoneList:
+    """Every zone."""
+    return ZoneList(
+        tuple(
+            ZoneReport(
+                name=zone.name,
+                kind=cast(ZoneKind, zone.kind),
+                polygon=tuple((round(float(x), 4), round(float(y), 4)) for x, y in zone.polygon),
+                speed=zone.speed,
+            )
+            for zone in zones
+        )
+    )
+
+
+def lane_rows(message: Lanes) -> tuple[messages.LaneRow, ...]:
+    """Every row; φ of a closed filter is None."""
+    return tuple(_lane_row(row) for row in message.rows)
+
+
+def _lane_row(row: LaneRow) -> messages.LaneRow:
+    return messages.LaneRow(
+        cls=row.cls,
+        intensity=row.intensity,
+        utility=row.utility,
+        rate=row.rate,
+        divisor=divisor_json(row.divisor),
+        divisors=dict(zip(row.filters, map(divisor_json, row.divisors), strict=True)),
+        state=row.state,
+        text=row.text,
+    )
+
+
+def _event(message: EventRecord) -> TimelineEvent:
+    """An event as on REST's timeline."""
+    return TimelineEvent(
+        message.id,
+        message.stamp,
+        kind=cast(EventKind, message.kind),
+        subject=message.subject,
+        text=message.text,
+        data=json.loads(message.data),
+    )
+
+
+#: By message type, the record of a message.
+FORMS: Mapping[type[Any], Callable[[Any], Any]] = {
+    EventRecord: _event,
+    Landmarks: lambda message: messages.Landmarks(reports.landmarks(message)),
+    Lanes: lambda message: messages.Lanes(message.stamp, lane_rows(message)),
+    Localization: localization_report,
+    Zones: lambda message: zone_reports(message.zones),
+}
+#: The same of types that list what there is, before the first message: there is nothing.
+NOTHING: Mapping[type[Any], Any] = {Landmarks: messages.Landmarks(()), Zones: ZoneList(())}
+
+
+def form(message: Any) -> Any:
+    """The record of ``message``: the message itself, or what its type has instead."""
+    make = FORMS.get(type(message))
+    return message if make is None else make(message)
+
+
+def _place(pose: Pose2) -> messages.Place:
+    return messages.Place(_rounded(pose.x), _rounded(pose.y), _rounded(pose.theta, 5))
+
+
+def _rounded(value: float, digits: int = 4) -> float:
+    """NaN, which JSON has as null, for what is not known."""
+    return round(value, digits) if math.isfinite(value) else math.nan
