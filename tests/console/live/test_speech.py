@@ -1,4 +1,4 @@
-"""Who speaks through the robot."""
+"""Push-to-talk: one operator at a time speaks through the robot."""
 
 from __future__ import annotations
 

@@ -5,7 +5,7 @@
 
 import type { JsonSchema } from "./jsonSchema";
 
-/** Whether the robot can be listened to, and be spoken through. */
+/** Whether the robot has microphones to listen to, and a loudspeaker to speak through. */
 export interface AudioFacts {
   listen: boolean;
   speak: boolean;
@@ -665,7 +665,7 @@ export interface SourceState {
   expected_hz: number | null;
 }
 
-/** Who speaks through the robot. */
+/** The operator who speaks through the robot. */
 export interface Speaker {
   operator: string;
   /** Whether it is this page's operator. */
