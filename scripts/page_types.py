@@ -1,6 +1,6 @@
 """The page's types of what crosses between it and the robot, made of the Python records that declare them.
 
-    make types     write web/src/protocol/generated.ts anew
+    make types     write web/src/protocol/generated.ts
 
 A test compares the file with the records.
 """

@@ -32,7 +32,7 @@ class RatioWindow:
     def add(self, now: float, offered: int, passed: int) -> None:
         """Note both counters at ``now`` (seconds)."""
         if self._samples and self._samples[-1][0] >= now:
-            # Time stands: the same moment again.
+            # Paused time: the same stamp again.
             self._samples.pop()
         self._samples.append((now, offered, passed))
         # The oldest kept sample is the last one at or before the window's begin.
@@ -71,7 +71,7 @@ class LaneSampler:
         self._filters: dict[str, tuple[str, ...]] = dict.fromkeys(self._classes, ())
         self._of_strategy: dict[str, tuple[str, ...]] = {}
         #: What a strategy closes on purpose: another behavior's output, a stream it does without. The first filter that
-        #: it does not close is the input it lives by.
+        #: it does not close is its main input.
         self._closes: dict[str, frozenset[str]] = {}
         self._class_of: dict[str, str] = {}
         for strategy in strategies:

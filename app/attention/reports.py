@@ -1,7 +1,7 @@
 """What attention reports to REST, the live stream and the commands: records that are JSON as they are.
 
 A desire and an event of the timeline are such records themselves. A record is a frozen dataclass, or a Struct where
-JSON has a member ``class`` or a ``kind`` that tells two records apart.
+JSON has a member ``class`` or a ``kind`` that distinguishes two records.
 """
 
 from __future__ import annotations

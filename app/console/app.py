@@ -55,10 +55,10 @@ def create_app(
 ) -> FastAPI:
     """The console of ``system``: REST and live stream under ``/api/v1``, the 3D view under ``/viser``, the page at /.
 
-    ``playback`` is what plays the recording that ``system`` lives again; None: what it lives is now.
-    ``static_dir`` holds the built page (default: where the build puts it). ``token`` None: whoever is on this computer
-    may use it, under a name of this computer; see :mod:`app.console.access.auth`. ``host_names`` are names that it is
-    reached by beside this computer's own, where a token is needed. ``host`` is where replays that are started from here
+    ``playback`` plays the recording of a ``system`` that is a replay; None: a running robot.
+    ``static_dir`` holds the built page (default: where the build puts it). ``token`` None: any client on this
+    computer may use it, under a name of this computer; see :mod:`app.console.access.auth`. ``host_names`` are its names
+    beside this computer's own, where a token is needed. ``host`` is where replays that are started from here
     listen. ``early_view``: start the 3D view with the program rather than with its first viewer. ``panels`` are those
     of packages, by name (:func:`app.console.panels.load_panels`).
     """

@@ -26,21 +26,21 @@ Beyond loopback every request needs the console's token as `Authorization: Beare
 """
 
 _TAGS = [
-    {"name": "desires", "description": "What the robot shall want."},
-    {"name": "attention", "description": "What it chose, from what, and what happened."},
-    {"name": "robot", "description": "Its body: pose, guard, emergency stop."},
-    {"name": "maps", "description": "Where the robot has been, where it is, and where it shall go."},
+    {"name": "desires", "description": "What the robot is asked to do: create, change and remove desires."},
+    {"name": "attention", "description": "The intention and its reasons, strategies, budgets, timeline."},
+    {"name": "robot", "description": "The body: pose, guard, emergency stop."},
+    {"name": "maps", "description": "Maps, the robot's place on them, and its goal."},
     {"name": "program", "description": "Modules and channels."},
     {"name": "recordings", "description": "Logs of the robot: record, list, download, replay."},
-    {"name": "playback", "description": "Where a recording is played: its transport."},
-    {"name": "session", "description": "Logging in."},
+    {"name": "playback", "description": "The transport of a played recording: play, pause, seek, speed."},
+    {"name": "session", "description": "Log in and out."},
 ]
 
 
 #: Swagger UI on ``openapi.json``, as Vite built it; relative to ``docs``.
 REST_PAGE = "../../rest.html"
 
-#: How a client shows that it may.
+#: How a client authenticates.
 _SCHEMES = {
     "token": {"type": "http", "scheme": "bearer", "description": "The token printed when the console was started."},
     "session": {
@@ -51,7 +51,7 @@ _SCHEMES = {
     },
 }
 
-#: Refusals by the door or the router, which any operation may meet before it is asked: name, status, when.
+#: Refusals by the authentication or the router, possible before any operation: name, status, when.
 _LOGIN_NEEDED = ("LoginNeeded", "401", "The console's token is needed.")
 _FOREIGN_ORIGIN = ("ForeignOrigin", "403", "A web page of another origin asks for a change.")
 _METHOD_NOT_ALLOWED = ("MethodNotAllowed", "405", "Another method, or with an empty name another path; see `Allow`.")
@@ -85,8 +85,7 @@ def describe(app: FastAPI, prefix: str, *, answers: Sequence[type[Any]] = (), to
     """Serve ``openapi.json``, ``live.json`` and ``docs`` under ``prefix``; must come after the routes it describes.
 
     ``answers`` are the records that its routes answer with. ``token_needed``: requests need the token or a session.
-    The first call of ``app.openapi()`` takes a fifth of a second, which a driver would notice: call it off the event
-    loop.
+    The first call of ``app.openapi()`` takes 0.2 s, which a driver would notice: call it off the event loop.
     """
 
     def document() -> dict[str, Any]:
@@ -97,7 +96,7 @@ def describe(app: FastAPI, prefix: str, *, answers: Sequence[type[Any]] = (), to
     # mypy takes a method for something that cannot be replaced.
     app.openapi = document  # type: ignore[method-assign]
 
-    # FastAPI remembers endpoints for as long as the process lives: one that held the application would keep it.
+    # FastAPI keeps endpoints until the process ends: one that held the application would keep it in memory.
     @app.get(f"{prefix}/openapi.json", include_in_schema=False)
     async def openapi(request: Request) -> Response:
         document = await asyncio.to_thread(request.app.openapi)
@@ -152,7 +151,7 @@ def _document(app: FastAPI, answers: Sequence[type[Any]], token_needed: bool) ->
 
 
 def _complete(path: str, method: str, operation: dict[str, Any]) -> None:
-    """Add to an operation what its route does not say: the permission it needs, and the answers of door and router."""
+    """Add to an operation what its route does not say: its permission, and the answers of authentication and router."""
     responses = operation["responses"]
     for status, response in responses.items():
         if status >= "400":

@@ -1,4 +1,4 @@
-"""What REST and the live stream tell of a recording that is played, and its transport's ten words a second."""
+"""The report of a recording's playback for REST and the live stream."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from app.runtime.replay_clock import ReplayClock
 if TYPE_CHECKING:
     from app.logs.replay.playback import Playback
 
-#: While it plays, where it is is told so often (s, real).
+#: While it plays, its position is sent this often (s, real).
 PERIOD_S = 0.1
 
 
 def playback_report(playback: Playback) -> PlaybackReport:
-    """What is played, and where it is; stamps are the recording's."""
+    """State of the playback; stamps are the recording's."""
     state = playback.state
     return PlaybackReport(
         file=playback.info.path.name,

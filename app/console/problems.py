@@ -34,7 +34,7 @@ class ProblemDocument(BaseModel):
 
     model_config = ConfigDict(extra="allow")
 
-    type: str = Field(description="What kind of problem it is: `urn:hbba:problem:` and a name that never changes.")
+    type: str = Field(description="The kind of problem: `urn:hbba:problem:` and a stable name.")
     title: str = Field(description="The kind of problem in words.")
     status: int = Field(description="The HTTP status.")
     detail: str = Field(description="What happened this time, and what is allowed.")

@@ -1,4 +1,4 @@
-"""What the console tells of the Recorder, and how people ask it to record: by desires, as for all else."""
+"""The Recorder's state for pages and REST, and requests to record, which are desires."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ INTENSITY = 8.0
 UTILITY = 1.0
 #: Who asks over the console; a motivation's desire to record is not for people here to withdraw.
 _ASKED_HERE = ("operator", "rest")
-#: While a file is being written, its size is told anew this often.
+#: While a file is being written, its size is sent this often (s).
 _NEWS_AFTER_S = 0.9
 
 
@@ -31,8 +31,8 @@ class RecorderWatch:
         self.channel: Channel[RecorderStatus] | None = graph.channels[found[0]] if found else None
         self._module = graph.producers[found[0]].partition(".")[0] if found else ""
         self._served = any(strategy.cls == RECORD for strategy in system.table.strategies)
-        self._told: tuple[Any, ...] = ()
-        self._told_at = 0.0
+        self._reported: tuple[Any, ...] = ()
+        self._reported_at = 0.0
 
     @property
     def available(self) -> bool:
@@ -95,7 +95,7 @@ class RecorderWatch:
         return f"recording stopped: {status.reason}" if status.state == "stopped" and status.reason else ""
 
     def news(self) -> bool:
-        """Whether there is something to tell since this was last true: a change, or that time has gone by."""
+        """Whether a new report is due since this was last True: after a change, or after enough time."""
         now_so = self.report()
         if now_so is None:
             return False
@@ -109,9 +109,9 @@ class RecorderWatch:
             now_so.available,
         )
         now = self._system.clock.now()
-        if words == self._told and now - self._told_at < _NEWS_AFTER_S:
+        if words == self._reported and now - self._reported_at < _NEWS_AFTER_S:
             return False
-        self._told, self._told_at = words, now
+        self._reported, self._reported_at = words, now
         return True
 
     def _state(self) -> RecorderState:

@@ -15,7 +15,7 @@ def main(arguments: list[str]) -> None:
     console, *rest = arguments
     end_with_parent()
     if str(os.getppid()) != console:
-        return  # it ended before we asked to be told
+        return  # it ended before its end could be watched
     sys.argv = ["hbba", "replay", *rest]
     runpy.run_module("app.cli", run_name="__main__", alter_sys=True)
 

@@ -121,7 +121,7 @@ class _Child:
 
     @staticmethod
     async def spawn(name: str, command: Sequence[str], environment: dict[str, str]) -> _Child:
-        """Start it, with a folder for what it needs while it lives. Raises ReplayFailed."""
+        """Start it, with a folder for its temporary files. Raises ReplayFailed."""
         try:
             folder = await asyncio.to_thread(tempfile.mkdtemp, prefix="hbba-replays-")
         except OSError as failure:
@@ -196,7 +196,7 @@ class _Child:
 
 
 def reached_by(url: str, scheme: str, host: str | None) -> str:
-    """``url`` of a console on this computer, as whoever reached this one under ``host`` reaches that one."""
+    """``url`` of a console on this computer, for a client that reached this one under ``host``."""
     parts = urlsplit(url)
     name = host or parts.hostname or "127.0.0.1"
     name = f"[{name}]" if ":" in name else name

@@ -83,7 +83,7 @@ def exploited(exploitation: Exploitation | None, now: float, rate: float = 1.0) 
 
 
 def limited(exploitation: Exploitation | None, now: float, rate: float = 1.0) -> str:
-    """Why the collision monitor slowed or stopped whoever drives, "" where it did not; ``rate`` as before."""
+    """Why the collision monitor limited the driving behavior, "" where it did not; ``rate`` as for :func:`guard`."""
     return exploitation.limited if exploitation is not None and _is_fresh(exploitation, now, rate) else ""
 
 

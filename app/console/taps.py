@@ -33,7 +33,7 @@ class Tap(Generic[M]):
         self._task = asyncio.create_task(self._run(), name=name)
 
     def close(self) -> None:
-        """Take nothing more; the channel's source may rest if nobody else listens."""
+        """Take nothing more; the channel's source may rest if it has no other subscriber."""
         self._channel.unsubscribe(self._subscription)
         self._task.cancel()
 

@@ -43,7 +43,7 @@ def test_what_was_before_the_last_second_does_not_count() -> None:
     assert window.ratio() == pytest.approx(1.0)
 
 
-def test_while_time_stands_nothing_piles_up_and_the_rate_stays() -> None:
+def test_in_paused_time_nothing_piles_up_and_the_rate_stays() -> None:
     window = RatioWindow()
     for beat in range(30):
         window.add(beat * 0.05, 10 * beat, 5 * beat)
@@ -61,20 +61,20 @@ def test_what_a_strategy_closes_on_purpose_holds_its_class_not_up() -> None:
     graph: Any = SimpleNamespace(filters=SimpleNamespace(names=lambda: {*planned, *straight}))
     lanes = LaneSampler(graph, ["GoTo"], strategies)
 
-    def told(selected: list[str], divisors: dict[str, float], ratios: dict[str, float]) -> tuple[Any, Any]:
+    def shown(selected: list[str], divisors: dict[str, float], ratios: dict[str, float]) -> tuple[Any, Any]:
         all_closed = dict.fromkeys([*planned, *straight], CLOSED)
         nothing: dict[str, float | None] = dict.fromkeys(all_closed)
         (row,) = lanes.rows({}, selected, {}, all_closed | divisors, nothing | ratios)
         return row.divisor, row.rate
 
-    assert told(["plan"], planned | {"Plan.twist": CLOSED}, {"Plan.scans": 1.0}) == (CLOSED, 0.0), "nothing comes out"
-    assert told(["toward"], straight, {"Toward.scans": 0.25, "Plan.twist": 0.0}) == (4, 0.25)
-    assert told(["plan"], planned, {"Plan.scans": 1.0, "Plan.twist": 1.0}) == (1, 1.0)
-    assert told(["plan"], planned | {"Plan.scans": CLOSED}, {"Plan.twist": 1.0}) == (CLOSED, 0.0), "not on purpose"
-    assert told([], {}, {}) == (CLOSED, 0.0)
+    assert shown(["plan"], planned | {"Plan.twist": CLOSED}, {"Plan.scans": 1.0}) == (CLOSED, 0.0), "nothing comes out"
+    assert shown(["toward"], straight, {"Toward.scans": 0.25, "Plan.twist": 0.0}) == (4, 0.25)
+    assert shown(["plan"], planned, {"Plan.scans": 1.0, "Plan.twist": 1.0}) == (1, 1.0)
+    assert shown(["plan"], planned | {"Plan.scans": CLOSED}, {"Plan.twist": 1.0}) == (CLOSED, 0.0), "not on purpose"
+    assert shown([], {}, {}) == (CLOSED, 0.0)
 
 
-def test_a_strategy_shows_what_it_thins_the_input_it_lives_by_to_and_tells_the_others_too() -> None:
+def test_a_strategy_shows_the_divisor_of_its_main_input_and_names_the_others() -> None:
     filters = {"Camera.images": 1.0, "Panorama.images": 2.0, "Log.images": CLOSED}
     strategies = [Strategy("seen", "Telepresence", 8.0, filters=filters)]
     graph: Any = SimpleNamespace(filters=SimpleNamespace(names=lambda: set(filters)))

@@ -71,7 +71,7 @@ class Robot:
         return self.request("GET", path)[2]
 
     def odometry(self) -> dict[str, float]:
-        """Pose and twist as the wheels tell."""
+        """Pose and twist by the wheels' odometry."""
         odometry: dict[str, float] = self.get("/robot")["odometry"]
         return odometry
 
@@ -90,8 +90,8 @@ class Robot:
 def running_robot(folder: Path, scenario: Path | None = None, *, calm: bool = False) -> Iterator[Robot]:
     """``hbba run`` on a free port, its files in ``folder``, with the people of ``scenario``; stopped at the end.
 
-    ``calm``: it desires codes and hands alone, and looks round seldom, so that two cores are enough for world, program
-    and browser together where a test is about time.
+    ``calm``: it desires codes and driving alone, and looks round seldom, so that two cores are enough for world,
+    program and browser together where a test is about time.
     """
     guard_log = folder / "guard.log"
     program, start = _program(folder, guard_log, scenario, calm=calm)

@@ -26,7 +26,7 @@ def lane(page: Page, desire_class: str) -> dict[str, str]:
 def test_a_desire_over_rest_moves_lanes_and_filters(robot: Robot, page: Page) -> None:
     """Perceptions compete for one budget: asking for one more takes from another, until the desire expires."""
     lane_at = "[data-testid=lane-{}][data-divisor='{}']"
-    # At its full rate is the camera, which it lives by: every second panorama is enough to look on.
+    # At its full rate is the camera, its main input: every second panorama is enough to look on.
     page.locator(lane_at.format("Telepresence", 1)).wait_for(state="attached")
     page.locator(lane_at.format("LocateFaces", 1)).wait_for(state="attached")
     before = robot.get("/intention")["filters"]

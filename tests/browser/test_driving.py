@@ -100,7 +100,7 @@ def stopped_by(robot: Robot, page: Page, take_away: Callable[[], float]) -> tupl
 
 
 def test_held_key_drives_and_release_stops(robot: Robot, page: Page) -> None:
-    """Forward by a held key, then still: the odometry tells."""
+    """Forward by a held key, then still, by odometry."""
     before = robot.odometry()
 
     def forward(odometry: dict[str, float]) -> float:
@@ -118,7 +118,7 @@ def test_held_key_drives_and_release_stops(robot: Robot, page: Page) -> None:
 
 @pytest.mark.parametrize("how", ["blur", "pagehide", "visibilitychange"])
 def test_whatever_takes_the_page_away_stops(robot: Robot, page: Page, how: str) -> None:
-    """A key is still down, but nobody is looking: stop; and do not start again when people come back."""
+    """A key is still down, but the page is hidden: stop; and do not start again when people come back."""
 
     def take_away() -> float:
         lost = time.monotonic()
@@ -185,7 +185,7 @@ def test_a_frozen_runtime_stops(robot: Robot, page: Page) -> None:
 
 
 def test_emergency_stop_latches(robot: Robot, page: Page) -> None:
-    """The button stops at once, keys do nothing until it is released on purpose, and then only pressed anew."""
+    """The button stops at once, keys do nothing until it is released on purpose, and then only when pressed again."""
     hold(page, "KeyW")
     page.get_by_test_id("estop").click()
     page.locator("[data-testid=guard-state][data-state=e_stopped]").wait_for()
@@ -204,7 +204,7 @@ def test_emergency_stop_latches(robot: Robot, page: Page) -> None:
 
 
 def test_two_pages_share_one_wheel(robot: Robot, open_page: Callable[[], Page]) -> None:
-    """The second page watches and is told who drives; it takes the wheel only by asking, and the first is stopped."""
+    """The second page watches and shows who drives; it takes the wheel only by asking, and the first is stopped."""
     first, second = open_page(), open_page()
     hold_until(first, "KeyW", second.locator("[data-testid=guard-state][data-state=driving]"))
     stopped = wait_for_rest(robot, first, lasting_s=0.3)

@@ -1,7 +1,7 @@
 """From an unknown place to going where the page points: mapped by hand, kept, found again, crossed from room to room.
 
 The map is made in virtual time by a teleoperation script; what people do with it is done in the page, to the real
-program. Where the robot truly is, the world tells; no module is asked. The body has laser and wheels alone: what
+program. The robot's true place comes from the world, not from a module. The body has laser and wheels alone: what
 cameras draw would take the time that world, program and browser need together.
 """
 
@@ -66,7 +66,7 @@ def maps(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def robot(maps: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Robot]:
-    """The same robot, started anew elsewhere, with the folder of maps."""
+    """The same robot, started again elsewhere, with the folder of maps."""
     monkeypatch.setenv("HBBA_MAPS", str(maps))
     with running_program(write_program(tmp_path, FOUND_AT), tmp_path / "guard.log", FOUND_AT) as running:
         running.request("POST", "/desires", {"class": "Teleoperation", "intensity": 8, "utility": 1, "security": True})
@@ -74,7 +74,7 @@ def robot(maps: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterat
 
 
 def write_program(folder: Path, start: Pose2, scans_hz: float = 40) -> Path:
-    """The lab's robot with what navigates by its laser, from ``start``; it tells the truth into ``truth`` beside."""
+    """The lab's robot with navigation by its laser, from ``start``; it writes its true pose into ``truth`` beside."""
     config = config_dir()
     body = yaml.safe_load((config / "robots" / "irl1_tr.yaml").read_text())
     body |= {

@@ -107,9 +107,9 @@ def pause(page: Page) -> None:
 
 
 def test_a_recording_is_replayed_in_a_tab_of_its_own(robot: Robot, page: Page) -> None:
-    """It plays, stands, steps, jumps and runs faster; camera and lanes follow its time; nothing can be driven."""
-    record(page, "lived")
-    row = page.locator("[data-testid=recording][data-name=lived]")
+    """It plays, pauses, steps, jumps and runs faster; camera and lanes follow its time; nothing can be driven."""
+    record(page, "before")
+    row = page.locator("[data-testid=recording][data-name=before]")
     with page.context.expect_page() as opened:
         row.get_by_test_id("recording-replay").click()
     row.locator("[data-testid=replay-state][data-state=running]").wait_for()
@@ -127,11 +127,11 @@ def test_a_recording_is_replayed_in_a_tab_of_its_own(robot: Robot, page: Page) -
     expect(transport).to_have_attribute("data-phase", "paused")
     stood = position(replay)
     replay.keyboard.press("Period")
-    # The next picture may have come right after where it stands.
+    # The next picture may have come right after where it paused.
     wait_position(replay, stood + 1e-5, stood + 0.5)
     replay.keyboard.press("KeyW")
     replay.keyboard.press("Escape")
-    # A recording that stands says nothing new for longer than a robot may, and is not called stale.
+    # A paused recording says nothing new for longer than a robot may, and is not called stale.
     replay.wait_for_timeout(1_000)
     expect(replay.get_by_test_id("page")).to_have_attribute("data-phase", "live")
     stepped = position(replay)

@@ -1,6 +1,6 @@
 """What the robot sees and hears of people is on the page where it really is, and can be listened to and answered.
 
-Where the talking person is, the world's own stage tells; no module is asked.
+The talking person's place comes from the world's own stage, not from a module.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ def robot(tmp_path: Path, scenario: Path) -> Iterator[Robot]:
 
 
 def seen_from_the_panorama(robot: Robot, p_W: tuple[float, float, float]) -> Direction:
-    """The direction of a point of the world for the robot where it starts, and stands."""
+    """The direction of a point of the world for the robot where it starts and stays."""
     X_BC = load_model(config_dir() / "robots" / "irl1_tr.urdf").pose("imv_optical_frame")
     p_B: FloatArray = robot.start.to_pose3().inverse().transform(np.array(p_W)) - X_BC.translation
     x, y, z = (float(value) for value in p_B)

@@ -1,4 +1,4 @@
-"""A module for tests alone: writes where the robot truly is into a file, for whoever watches from another process."""
+"""A module for tests alone: writes where the robot truly is into a file, for a test in another process."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class WitnessSettings(Settings):
 
 
 class Witness(Module):
-    """Sees the truth, and tells nobody in the program."""
+    """Sees the truth, and publishes nothing."""
 
     title = "Witness"
     Settings = WitnessSettings

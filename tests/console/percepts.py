@@ -1,4 +1,4 @@
-"""Percepts of people, for tests of what the console tells of them."""
+"""Percepts of people, for tests of how the console reports them."""
 
 from __future__ import annotations
 

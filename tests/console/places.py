@@ -1,4 +1,4 @@
-"""A place, a map and a way, as modules would tell of them; and somebody who keeps maps as the test says."""
+"""A place, a map and a way, as modules would publish them; and a keeper of maps that does as the test says."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A Recorder without sensors: it writes two messages, as attention tells it to, and says what the test wants."""
+"""A Recorder without sensors: it writes two messages, as attention asks, and reports what the test wants."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ class ScriptedRecorder(Module):
         messages: int = 0,
         dropped: int = 0,
     ) -> None:
-        """Tell the program."""
+        """Publish a status."""
         busy = state in ("recording", "ring")
         name, began = (self._name, self._began) if busy else ("", 0.0)
         status = RecorderStatus(

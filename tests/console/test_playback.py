@@ -1,4 +1,4 @@
-"""The console on a recording, really served: its transport, what follows it, what goes on while time stands."""
+"""The console on a recording, really served: its transport, what follows it, what goes on while it is paused."""
 
 from __future__ import annotations
 
@@ -44,48 +44,48 @@ async def rest(replay_url: str) -> AsyncIterator[httpx.AsyncClient]:
 async def patch(rest: httpx.AsyncClient, **change: Any) -> dict[str, Any]:
     answer = await rest.patch("/playback", json=change)
     assert answer.status_code == 200, answer.text
-    told: dict[str, Any] = answer.json()
-    return told
+    state: dict[str, Any] = answer.json()
+    return state
 
 
-async def test_a_page_is_told_what_it_sees(replay_url: str, rest: httpx.AsyncClient) -> None:
+async def test_a_page_gets_the_state_of_the_playback(replay_url: str, rest: httpx.AsyncClient) -> None:
     async with page(replay_url) as ann:
         hello = await ann.until("hello")
-        told = (await rest.get("/playback")).json()
-        assert told == {
+        state = (await rest.get("/playback")).json()
+        assert state == {
             "file": "memory.mcap", "begin": BEGIN, "end": END, "position": BEGIN,
             "speed": 1.0, "playing": False, "phase": "paused", "problem": None,
         }  # fmt: skip
-        assert hello["playback"] == told
+        assert hello["playback"] == state
         assert hello["robot"]["replayed"]
         assert hello["stamp"] == BEGIN
         served = {cls["name"] for cls in hello["classes"] if cls["served"]}
         assert "FindQRCodes" in served
-        assert "Record" not in served, "no Recorder runs where a recording is lived again"
-        assert await ann.until("playback") == {"type": "playback", **told}
+        assert "Record" not in served, "no Recorder runs in a replay"
+        assert await ann.until("playback") == {"type": "playback", **state}
 
 
-async def test_it_plays_and_stands_and_the_page_lives_on(replay_url: str, rest: httpx.AsyncClient) -> None:
+async def test_it_plays_and_pauses_and_the_page_goes_on(replay_url: str, rest: httpx.AsyncClient) -> None:
     async with page(replay_url) as ann:
         await patch(rest, playing=True)
         first = await ann.until("playback", lambda m: m["playing"])
         later = [await ann.until("playback") for _ in range(5)]
         assert later[-1]["position"] > first["position"] + 0.2
-        told = await patch(rest, playing=False)
-        assert told["phase"] == "paused"
+        state = await patch(rest, playing=False)
+        assert state["phase"] == "paused"
         await ann.until("playback", lambda m: m["phase"] == "paused")
         statuses: list[dict[str, Any]] = []
         while len(statuses) < 20:
             frame = await ann.until("status")
-            if frame["stamp"] == told["position"]:
+            if frame["stamp"] == state["position"]:
                 statuses.append(frame)
         # All of one moment, and the guard has not fallen silent.
         assert statuses[-1]["guard"]["state"] == "driving"
         assert {source["channel"]: source["state"] for source in statuses[-1]["sources"]}["odometry"] == "live"
         await ann.send("ping", t=7, rtt_ms=None)
-        assert (await ann.until("pong"))["stamp"] == told["position"]
-        assert (await ann.until("lanes"))["stamp"] == told["position"]
-        assert (await rest.get("/playback")).json()["position"] == told["position"]
+        assert (await ann.until("pong"))["stamp"] == state["position"]
+        assert (await ann.until("lanes"))["stamp"] == state["position"]
+        assert (await rest.get("/playback")).json()["position"] == state["position"]
 
 
 async def test_speed_and_end(replay_url: str, rest: httpx.AsyncClient) -> None:
@@ -94,8 +94,8 @@ async def test_speed_and_end(replay_url: str, rest: httpx.AsyncClient) -> None:
         ended = await ann.until("playback", lambda m: m["phase"] == "ended")
         assert (ended["position"], ended["playing"], ended["speed"]) == (END, False, 20)
         assert (await patch(rest, speed=None))["speed"] is None
-        told = await patch(rest, playing=True)
-        assert told["playing"]
+        state = await patch(rest, playing=True)
+        assert state["playing"]
         assert (await ann.until("jump"))["stamp"] == BEGIN
         await ann.until("playback", lambda m: m["phase"] == "ended")
 
@@ -121,8 +121,8 @@ async def test_lanes_landmarks_and_pose_follow_a_seek_forth_and_back(replay_url:
         await patch(rest, playing=True, speed=20)
         await ann.until("playback", lambda m: m["position"] > BEGIN + 3)
         for position, classes in ((BEGIN + 2.5, {"script", "ada"}), (BEGIN + 0.4, set()), (BEGIN + 4.0, {"script"})):
-            told, found = await asyncio.gather(patch(rest, playing=False, position=position), after_jump(ann, position))
-            assert (told["position"], told["phase"]) == (position, "paused")
+            now, found = await asyncio.gather(patch(rest, playing=False, position=position), after_jump(ann, position))
+            assert (now["position"], now["phase"]) == (position, "paused")
             # Nothing of another time came after the jump.
             for kind in ("lanes", "status"):
                 assert {frame["stamp"] for frame in found[kind]} == {position}, kind
@@ -138,7 +138,7 @@ async def test_lanes_landmarks_and_pose_follow_a_seek_forth_and_back(replay_url:
             assert rows["FindQRCodes"]["utility"] == (8.0 if "script" in classes else 1.0)
 
 
-async def test_a_page_that_comes_while_time_stands_sees_the_scene(replay_url: str, rest: httpx.AsyncClient) -> None:
+async def test_a_page_that_comes_while_it_is_paused_sees_the_scene(replay_url: str, rest: httpx.AsyncClient) -> None:
     await patch(rest, position=BEGIN + 1.5)
     async with page(replay_url) as ann:
         assert len(await ann.picture()) > 500
@@ -153,8 +153,8 @@ async def test_steps(replay_url: str, rest: httpx.AsyncClient) -> None:
         await patch(rest, position=BEGIN + 4.0)
         positions = [(await rest.post("/playback/step")).json()["position"] for _ in range(3)]
         assert positions == pytest.approx([BEGIN + 4.027, BEGIN + 4.127, BEGIN + 4.227], abs=1e-5)
-        told = await ann.until("playback", lambda m: m["position"] == positions[-1])
-        assert told["phase"] == "paused"
+        state = await ann.until("playback", lambda m: m["position"] == positions[-1])
+        assert state["phase"] == "paused"
         assert (await ann.until("status", lambda m: m["stamp"] == positions[-1]))["odometry"]["x"] > 0.42
 
 
@@ -166,9 +166,9 @@ async def test_dragging_is_answered_once_it_is_there(replay_url: str, rest: http
         await ann.until("jump", lambda m: m["stamp"] == BEGIN + 3.9)
 
 
-async def test_nobody_drives_or_stops_a_recording(replay_url: str, rest: httpx.AsyncClient, play: Played) -> None:
-    hands = play.replay.system.graph.channels["operator_drive"]
-    before = hands.published
+async def test_a_recording_is_never_driven_or_stopped(replay_url: str, rest: httpx.AsyncClient, play: Played) -> None:
+    commands = play.replay.system.graph.channels["operator_drive"]
+    before = commands.published
     async with page(replay_url) as ann:
         for kind, content in (
             ("drive", {"seq": 1, "held": True, "linear": 0.5, "angular": 0.0}),
@@ -189,7 +189,7 @@ async def test_nobody_drives_or_stops_a_recording(replay_url: str, rest: httpx.A
     for answer in (await rest.post("/robot/e-stop"), await rest.delete("/robot/e-stop")):
         assert answer.status_code == 409
         assert answer.json()["type"] == "urn:hbba:problem:a-recording"
-    assert hands.published == before
+    assert commands.published == before
     assert (await rest.get("/robot")).json()["robot"]["replayed"]
     assert (await rest.get("/health")).json()["status"] == "ok"
 
@@ -250,7 +250,7 @@ async def test_a_recording_without_pictures_or_a_robots_name_says_so(tmp_path: P
     assert hello["robot"]["name"] == "memory.mcap (memory)"
 
 
-async def test_a_damaged_part_is_told_and_everything_goes_on(tmp_path: Path) -> None:
+async def test_a_damaged_part_is_reported_and_everything_goes_on(tmp_path: Path) -> None:
     path = tmp_path / "hurt.mcap"
 
     def prepared() -> tuple[Any, McapLog, float]:
@@ -268,10 +268,10 @@ async def test_a_damaged_part_is_told_and_everything_goes_on(tmp_path: Path) -> 
             httpx.AsyncClient(base_url=f"{replay_url}/api/v1") as rest,
         ):
             await patch(rest, speed=10.0, playing=True)
-            told = await ann.until("playback", lambda m: m["problem"] is not None)
-            assert re.fullmatch(r"\d\.\d s from 0:0\d\.\d cannot be read", told["problem"])
-            assert (told["phase"], told["playing"]) == ("paused", False)
-            assert (await rest.get("/playback")).json()["problem"] == told["problem"]
+            state = await ann.until("playback", lambda m: m["problem"] is not None)
+            assert re.fullmatch(r"\d\.\d s from 0:0\d\.\d cannot be read", state["problem"])
+            assert (state["phase"], state["playing"]) == ("paused", False)
+            assert (await rest.get("/playback")).json()["problem"] == state["problem"]
             for position in (begin + 0.01, BEGIN + 1.0, begin + 0.01, BEGIN + 5.0):
                 await patch(rest, position=position)
             assert (await patch(rest, playing=True))["problem"] is None
@@ -311,7 +311,7 @@ async def test_every_field_is_described(replay_url: str, rest: httpx.AsyncClient
 
 @pytest.fixture
 def robot(tmp_path: Path) -> System:
-    """A program that lives now."""
+    """A program with a running robot."""
     return build(tmp_path)[0]
 
 
@@ -335,7 +335,7 @@ async def test_a_robot_has_no_transport(robot: System, tmp_path: Path) -> None:
                 assert answer.json()["type"] == "urn:hbba:problem:not-a-replay"
 
 
-async def test_whoever_watches_changes_no_intention(play: Played, replay_url: str) -> None:
+async def test_a_viewer_changes_no_intention(play: Played, replay_url: str) -> None:
     """One more desire would make other intentions than the robot had: the pictures come past attention."""
     system = play.replay.system
     before = system.translator.current
@@ -347,7 +347,7 @@ async def test_whoever_watches_changes_no_intention(play: Played, replay_url: st
         assert system.graph.filters.divisors()["PointCloudBuilder.images"] == 1
         assert not [d for d in system.workspace.desires() if d.cls == "Telepresence"]
         assert system.translator.current is before
-        await play.playback.seek(BEGIN + 1.5)  # where somebody desired it
+        await play.playback.seek(BEGIN + 1.5)  # where it was desired
         assert {d.cls for d in system.workspace.desires()} >= {"Telepresence"}
     await until_closed(system)
     current = system.translator.current
@@ -356,7 +356,7 @@ async def test_whoever_watches_changes_no_intention(play: Played, replay_url: st
 
 
 async def until_closed(system: System) -> None:
-    """Until nobody looks on past attention any more."""
+    """Until no viewer opens filters past attention any more."""
     async with asyncio.timeout(PATIENCE_S):
-        while system.graph.filters.pinned():  # noqa: ASYNC110  # a connection's end tells nobody in the program
+        while system.graph.filters.pinned():  # noqa: ASYNC110  # nothing in the program reports a connection's end
             await asyncio.sleep(0)

@@ -29,7 +29,7 @@ def prepared(tmp_path: Path) -> Any:
     return prepare(MemoryLog(messages, manifest(tmp_path)))
 
 
-async def test_recorded_lanes_are_shown_where_time_stands(replay_url: str, play: Played) -> None:
+async def test_recorded_lanes_are_shown_where_it_is_paused(replay_url: str, play: Played) -> None:
     async with page(replay_url) as ann:
         for second in (4, 2):
             await play.playback.seek(BEGIN + second + 0.5)

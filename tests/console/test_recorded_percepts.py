@@ -1,4 +1,4 @@
-"""People on a recording: seen and heard as they were, at the place in time that is played; nobody there hears us."""
+"""People on a recording: seen and heard as they were, at the place in time that is played; speech is not taken."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ def manifest(folder: Path) -> Manifest:
 
 @pytest.fixture
 def prepared(tmp_path: Path) -> Any:
-    """Six seconds of the lab: somebody is there from 1 to 3 s and claps at 2 s; the microphones hear until 4 s."""
-    told: list[tuple[str, Message]] = [("loud_noises", LoudNoise(BEGIN + 2.0, 40.0, -9.0))]
+    """Six seconds of the lab: a person is there from 1 to 3 s and claps at 2 s; the microphones hear until 4 s."""
+    recorded: list[tuple[str, Message]] = [("loud_noises", LoudNoise(BEGIN + 2.0, 40.0, -9.0))]
     for number in range(20):
         stamp = BEGIN + 1.0 + 0.1 * number
-        told += [("faces", faces(stamp)), ("sound_sources", sound_sources(stamp, sound_source(azimuth=0.5)))]
-    told += [("microphones", sound(BEGIN + number * 512 / 48_000, number * 512)) for number in range(375)]
-    messages = [*lab_messages(6.0), *(Logged(message.stamp, channel, message) for channel, message in told)]
+        recorded += [("faces", faces(stamp)), ("sound_sources", sound_sources(stamp, sound_source(azimuth=0.5)))]
+    recorded += [("microphones", sound(BEGIN + number * 512 / 48_000, number * 512)) for number in range(375)]
+    messages = [*lab_messages(6.0), *(Logged(message.stamp, channel, message) for channel, message in recorded)]
     return prepare(MemoryLog(sorted(messages, key=lambda logged: logged.at), manifest(tmp_path)))
 
 
@@ -47,12 +47,12 @@ async def test_people_are_there_when_they_were_there(replay_url: str, play: Play
         assert (await ann.until("perceived"))["faces"] == []
         await play.playback.seek(BEGIN + 1.9)
         play.playback.play()
-        told = await ann.until("perceived", lambda m: m["faces"] and m["sounds"] and m["noises"])
-        assert BEGIN + 1.9 <= told["faces"][0]["stamp"] < BEGIN + 3.0
+        recorded = await ann.until("perceived", lambda m: m["faces"] and m["sounds"] and m["noises"])
+        assert BEGIN + 1.9 <= recorded["faces"][0]["stamp"] < BEGIN + 3.0
         # The robot drives ahead at 0.1 m/s: the face is 2 m ahead of where it was at that stamp.
-        assert told["faces"][0]["x"] == pytest.approx(0.1 * (told["faces"][0]["stamp"] - BEGIN) + 2.0, abs=0.02)
-        assert told["sounds"][0]["azimuth"] == 0.5
-        assert told["noises"][0]["stamp"] == BEGIN + 2.0
+        assert recorded["faces"][0]["x"] == pytest.approx(0.1 * (recorded["faces"][0]["stamp"] - BEGIN) + 2.0, abs=0.02)
+        assert recorded["sounds"][0]["azimuth"] == 0.5
+        assert recorded["noises"][0]["stamp"] == BEGIN + 2.0
         await play.playback.seek(BEGIN + 4.9)
         await ann.until("jump")
         assert (await ann.until("perceived"))["faces"] == []
@@ -65,7 +65,7 @@ async def test_a_recording_can_be_listened_to(replay_url: str, play: Played) -> 
         await ann.send("ping", t=1)
         await ann.until("pong")
         system = play.replay.system
-        # Past attention: nobody desires it, so that no other intention is made than there was.
+        # Past attention: no desire asks for it, so that no other intention is made than there was.
         assert system.graph.filters.divisors()["AudioStream.audio"] == 1
         assert not [desire for desire in system.workspace.desires() if desire.cls == "Listen"]
         play.playback.play()
@@ -75,7 +75,7 @@ async def test_a_recording_can_be_listened_to(replay_url: str, play: Played) -> 
         assert heard[-1][1] - heard[0][1] == pytest.approx(9 * 1024 / 48_000, abs=1e-3)
 
 
-async def test_nobody_hears_what_is_said_into_a_recording(replay_url: str) -> None:
+async def test_a_recording_takes_no_speech(replay_url: str) -> None:
     async with page(replay_url) as ann:
         assert not (await ann.until("hello"))["audio"]["speak"]
         for number in range(3):

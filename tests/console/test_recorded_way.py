@@ -1,4 +1,4 @@
-"""Place, way and map on a recording: as they were told then, at the place in time that is played."""
+"""Place, way and map on a recording: as they were published then, at the place in time that is played."""
 
 from __future__ import annotations
 
@@ -25,21 +25,21 @@ SECOND = Pose2(5.0, 0.0, 0.0)
 @pytest.fixture
 def prepared(tmp_path: Path) -> Any:
     """Six seconds: a map at 0.2 s, another at 4 s; the robot goes somewhere from 1 s on; its place jumps at 4 s."""
-    told: list[tuple[str, Message]] = [
+    recorded: list[tuple[str, Message]] = [
         ("map", grid(BEGIN + 0.2, version=1)),
         ("map", grid(BEGIN + 4.0, version=2, corner=50)),
         ("zones", zones(BEGIN + 0.2, zone())),
         ("path", path(BEGIN + 1.0)),
         ("navigation", status(BEGIN + 1.0)),
     ]
-    told += [
+    recorded += [
         ("localization", localization(BEGIN + 0.1 * number, Pose2() if number < 40 else SECOND)) for number in range(59)
     ]
-    messages = [*lab_messages(6.0), *(Logged(message.stamp, channel, message) for channel, message in told)]
+    messages = [*lab_messages(6.0), *(Logged(message.stamp, channel, message) for channel, message in recorded)]
     return prepare(MemoryLog(sorted(messages, key=lambda logged: logged.at), manifest(tmp_path)))
 
 
-async def test_what_was_known_there_is_told_there(replay_url: str, play: Played) -> None:
+async def test_what_was_known_then_is_sent_then(replay_url: str, play: Played) -> None:
     async with page(replay_url) as ann:
         hello = await ann.until("hello")
         assert hello["channels"]["map"]
@@ -67,12 +67,12 @@ async def test_what_was_known_there_is_told_there(replay_url: str, play: Played)
         await play.playback.seek(BEGIN + 5.0)
         await ann.until("jump")
         # In whichever order they come.
-        told: dict[str, Any] = {}
-        while not {"map_info", "localization"} <= told.keys():
+        recorded: dict[str, Any] = {}
+        while not {"map_info", "localization"} <= recorded.keys():
             frame = await ann.receive()
-            told |= {frame["type"]: frame} if isinstance(frame, dict) else {}
-        assert told["map_info"]["version"] == 2
-        assert told["localization"]["x"] == 7.0
+            recorded |= {frame["type"]: frame} if isinstance(frame, dict) else {}
+        assert recorded["map_info"]["version"] == 2
+        assert recorded["localization"]["x"] == 7.0
         # Before anything was known, nothing is.
         await ann.send("ack", kind=3, seq=2)
         await play.playback.seek(BEGIN + 0.05)
@@ -81,8 +81,8 @@ async def test_what_was_known_there_is_told_there(replay_url: str, play: Played)
         assert (await ann.until("navigation"))["state"] == "idle"
 
 
-async def test_whoever_asks_for_the_map_while_time_goes_on_is_given_it(replay_url: str, play: Played) -> None:
-    """It was told once, seconds ago, while nobody asked."""
+async def test_a_page_that_asks_for_the_map_while_time_goes_on_gets_it(replay_url: str, play: Played) -> None:
+    """It was published once, seconds ago, before any page asked."""
     play.playback.play()
     await play.clock.sleep_until(BEGIN + 1.0)
     async with page(replay_url) as ann:

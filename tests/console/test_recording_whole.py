@@ -1,4 +1,4 @@
-"""The whole way over REST: the lab's program records with its own Recorder, and `hbba replay` lives that again."""
+"""The whole way over REST: the lab's program records with its own Recorder, and `hbba replay` plays that."""
 
 from __future__ import annotations
 
@@ -70,10 +70,10 @@ async def test_what_is_recorded_over_rest_is_replayed_over_rest(url: str, system
         await live(system, body, 1.5)
         await until(client, "recording")
         await client.post("/recordings/stop")
-        told = await until(client, "complete")
-        assert told["name"] == "tour"
-        assert told["robot"] == "a test body"
-        assert 0.5 < told["duration_s"] < 10
+        entry = await until(client, "complete")
+        assert entry["name"] == "tour"
+        assert entry["robot"] == "a test body"
+        assert 0.5 < entry["duration_s"] < 10
 
         download = await client.get("/recordings/tour")
         copy = system.recordings.folder.parent / "copy.mcap"
@@ -81,7 +81,7 @@ async def test_what_is_recorded_over_rest_is_replayed_over_rest(url: str, system
         log = await asyncio.to_thread(McapLog, copy)
         assert log.info.channels["odometry"].count >= 20
         assert log.info.channels["kinect"].count >= 5
-        assert log.info.end - log.info.begin == pytest.approx(told["duration_s"], abs=1e-3)
+        assert log.info.end - log.info.begin == pytest.approx(entry["duration_s"], abs=1e-3)
         await asyncio.to_thread(log.close)
 
         started = await client.post("/recordings/tour/replay")

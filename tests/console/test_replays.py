@@ -17,7 +17,7 @@ from app.console.access.token import VARIABLE
 from app.console.replays import ReplayFailed, ReplayReplaced, Replays, reached_by
 from tests.patience import PATIENCE_S
 
-#: Says where it is, who it is and what it was told, and stays.
+#: Prints its address and process id, and stays.
 UP = """
 echo "a note first"
 echo "HBBA replays tour.mcap: http://127.0.0.1:4711/#pid=$$  (Ctrl-C stops it)"
@@ -78,7 +78,7 @@ async def test_a_new_one_ends_the_former(replays: Replays) -> None:
     assert replays.current == ("bump", url)
 
 
-async def test_one_that_is_not_up_yet_is_told_that_it_was_replaced(replays: Replays) -> None:
+async def test_one_that_is_not_up_yet_ends_as_replaced(replays: Replays) -> None:
     replays.command = ("sh", "-c", "exec sleep 60")
     first = asyncio.create_task(replays.start("tour", Path("tour.mcap")))
     await asyncio.sleep(0)
@@ -89,7 +89,7 @@ async def test_one_that_is_not_up_yet_is_told_that_it_was_replaced(replays: Repl
     assert replays.current == ("bump", url)
 
 
-async def test_it_is_told_where_to_listen_and_when_to_leave(replays: Replays) -> None:
+async def test_its_arguments_say_where_to_listen_and_when_to_end(replays: Replays) -> None:
     replays.command = ("sh", "-c", 'echo "http://127.0.0.1:1/#$(echo "$@" | tr " " ,) "; exec sleep 60', "sh")
     url = await replays.start("tour", Path("/somewhere/tour.mcap"))
     assert url.endswith("#--port,0,--host,127.0.0.1,--exit-when-unwatched,180,--,/somewhere/tour.mcap")
@@ -117,7 +117,7 @@ async def test_one_that_cannot_be_started_says_why(replays: Replays) -> None:
         await replays.start("tour", Path("tour.mcap"))
 
 
-async def test_one_that_ended_by_itself_is_forgotten(replays: Replays) -> None:
+async def test_one_that_ended_by_itself_is_not_current(replays: Replays) -> None:
     replays.command = ("sh", "-c", "echo 'http://127.0.0.1:4711 '")
     await replays.start("tour", Path("tour.mcap"))
     (following,) = (task for task in asyncio.all_tasks() if task.get_name() == "replay of tour")
@@ -146,7 +146,7 @@ async def test_what_it_kept_in_its_folder_goes_with_it_however_it_ends(
     assert os.listdir(tmp_path) == []
 
 
-async def test_whatever_it_says_it_never_stands_still_for_want_of_a_listener(replays: Replays) -> None:
+async def test_its_output_never_fills_a_pipe(replays: Replays) -> None:
     replays.command = (sys.executable, "-c", CHATTY)
     await replays.start("tour", Path("tour.mcap"))
     (following,) = (task for task in asyncio.all_tasks() if task.get_name() == "replay of tour")
@@ -171,7 +171,7 @@ asyncio.run(main())
 
 
 async def test_a_killed_console_leaves_no_replay_behind(tmp_path: Path) -> None:
-    # Opening a pipe that nobody writes to takes for ever: the replay stays where it begins.
+    # Opening a pipe without a writer takes for ever: the replay stays where it begins.
     pipe = tmp_path / "tour.mcap"
     os.mkfifo(pipe)
     console = await asyncio.create_subprocess_exec(

@@ -20,14 +20,14 @@ from tests.console.program import Body, image
 from tests.patience import PATIENCE_S
 
 
-def test_freshness_is_told_in_milliseconds_and_beside_what_was_asked_for() -> None:
-    told = reports.source_state("scan", Freshness("live", 0.012345, 0.3, 15 / 4, 3.7512))
-    assert told == SourceState("scan", "live", age_ms=12.3, rate_hz=3.75, expected_hz=3.75)
-    told = reports.source_state("scan", Freshness("waiting", None, None, None))
-    assert told == SourceState("scan", "waiting", age_ms=None, rate_hz=None, expected_hz=None)
+def test_freshness_is_in_milliseconds_and_beside_the_expected_rate() -> None:
+    state = reports.source_state("scan", Freshness("live", 0.012345, 0.3, 15 / 4, 3.7512))
+    assert state == SourceState("scan", "live", age_ms=12.3, rate_hz=3.75, expected_hz=3.75)
+    state = reports.source_state("scan", Freshness("waiting", None, None, None))
+    assert state == SourceState("scan", "waiting", age_ms=None, rate_hz=None, expected_hz=None)
 
 
-async def test_page_and_rest_and_timeline_tell_one_story_of_a_channel(
+async def test_page_and_rest_and_timeline_agree_on_a_channel(
     client: httpx.AsyncClient, system: System, body: Body
 ) -> None:
     async def listed(name: str) -> dict[str, object]:
@@ -37,7 +37,7 @@ async def test_page_and_rest_and_timeline_tell_one_story_of_a_channel(
 
     def source(name: str) -> SourceState:
         fresh = system.freshness.read(system.clock.now())
-        return next(told for told in reports.source_states(system.graph, fresh) if told.channel == name)
+        return next(state for state in reports.source_states(system.graph, fresh) if state.channel == name)
 
     assert (await listed("kinect"))["state"] == source("kinect").state == "closed"
     subscription = system.graph.channel("kinect").subscribe("test")
@@ -52,7 +52,7 @@ async def test_page_and_rest_and_timeline_tell_one_story_of_a_channel(
     system.graph.channel("kinect").unsubscribe(subscription)
     assert (await listed("kinect"))["state"] == "closed"
     assert (await listed("kinect"))["expected_hz"] == 0.0
-    assert {told.channel for told in reports.source_states(system.graph, late)} == {
+    assert {state.channel for state in reports.source_states(system.graph, late)} == {
         "kinect", "imv", "microphones", "scan", "odometry", "joints", "exploitation",
     }  # fmt: skip
 
@@ -74,9 +74,9 @@ def test_the_guard_of_a_fast_recording_is_silent_only_when_it_is_so_in_real_time
     assert reports.guard(status, 100.6).state == "silent"
     assert reports.guard(status, 105.0, rate=20.0).state == "driving"
     assert reports.guard(status, 111.0, rate=20.0).state == "silent"
-    told = Exploitation(100.0, "Teleop", status.applied)
-    assert reports.exploited(told, 100.6) is None
-    assert reports.exploited(told, 105.0, rate=20.0) == "Teleop"
+    exploitation = Exploitation(100.0, "Teleop", status.applied)
+    assert reports.exploited(exploitation, 100.6) is None
+    assert reports.exploited(exploitation, 105.0, rate=20.0) == "Teleop"
 
 
 def test_only_a_recording_that_runs_fast_has_a_rate() -> None:

@@ -51,12 +51,12 @@ def test_a_schema_says_what_is_sent() -> None:
     message = schema.with_type("plan", schemas["Plan"])
     text = frame("plan", {"steps": [Step("a")], "corner": (0.0, 1.5), "model": {"colour": "red"}, "costs": {"x": None}})
     assert text.startswith('{"type":"plan","steps":[{"class":"a","after":null}],')
-    told = json.loads(text)
+    decoded = json.loads(text)
     checker = jsonschema.Draft202012Validator({**message, "$defs": schemas})
-    assert checker.is_valid(told)
-    assert not checker.is_valid({**told, "type": "jump"})
+    assert checker.is_valid(decoded)
+    assert not checker.is_valid({**decoded, "type": "jump"})
     for member in message["required"]:
-        assert not checker.is_valid({name: value for name, value in told.items() if name != member})
+        assert not checker.is_valid({name: value for name, value in decoded.items() if name != member})
 
 
 def test_what_is_no_number_is_null_on_the_wire() -> None:

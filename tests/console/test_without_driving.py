@@ -1,4 +1,4 @@
-"""A program that only looks: no base, nobody who takes operator_drive. It runs, and the console serves it."""
+"""A program that only looks: no base, and no module that takes operator_drive. It runs, and the console serves it."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ async def test_a_page_desires_no_pictures_where_nothing_makes_any(system: System
         hub.close()
 
 
-async def test_a_page_is_told_that_there_is_nothing_to_drive(system: System) -> None:
+async def test_a_page_learns_that_there_is_nothing_to_drive(system: System) -> None:
     async with system:
         hub = Hub(system)
         hub.open()
@@ -84,11 +84,11 @@ async def test_a_page_is_told_that_there_is_nothing_to_drive(system: System) -> 
         hub.close()
 
 
-async def test_who_would_drive_is_told_once_and_gets_no_wheel(system: System) -> None:
-    told: list[str] = []
+async def test_a_page_that_would_drive_gets_one_notice_and_no_wheel(system: System) -> None:
+    notices: list[str] = []
 
     def notify(session: str, level: Literal["info", "warning", "error"], text: str) -> None:
-        told.append(text)
+        notices.append(text)
 
     driving = Driving(system.clock, system.link, None, notify, lambda: None)
     driving.handle(drive_lease.Connected("page", "operator"))
@@ -96,5 +96,5 @@ async def test_who_would_drive_is_told_once_and_gets_no_wheel(system: System) ->
         driving.handle(drive_lease.Drive("page", sequence, True, 1.0, 0.0))
     driving.handle(drive_lease.TakeControl("page"))
     assert driving.lease.driver is None
-    assert told == ["This program drives nothing: no module takes operator_drive."]
+    assert notices == ["This program drives nothing: no module takes operator_drive."]
     driving.handle(drive_lease.Gone("page"))

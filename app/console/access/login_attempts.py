@@ -10,11 +10,11 @@ from dataclasses import dataclass
 #: So many mistakes cost nothing; each further one doubles the wait, from a second on.
 FREE = 5
 LONGEST_WAIT_S = 300.0
-#: Mistakes of an address are forgotten so long after its last one.
-FORGOTTEN_AFTER_S = 900.0
+#: Mistakes of an address expire so long after its last one.
+EXPIRE_AFTER_S = 900.0
 #: With so many mistakes a minute, of all addresses, only the first one of an address is free.
 MANY_A_MINUTE = 100
-#: More are not remembered: the one that was quiet for longest is forgotten.
+#: At most so many are kept; the one that was quiet for longest is dropped.
 MOST_ADDRESSES = 1000
 
 
@@ -48,7 +48,7 @@ class Attempts:
         """A token of ``address`` was wrong."""
         now, key = self._now(), origin_of(address)
         before = self._mistakes.pop(key, None)
-        if before is None or now - before.last > FORGOTTEN_AFTER_S:
+        if before is None or now - before.last > EXPIRE_AFTER_S:
             before = _Mistakes(0, now, now)
         count = before.count + 1
         self._recent.append(now)

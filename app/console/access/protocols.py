@@ -84,7 +84,7 @@ class BoundedHttp(H11Protocol):
     def connection_lost(self, exc: Exception | None) -> None:
         """It ended."""
         self._visitors.leave(self)
-        self._forget_timers()
+        self._cancel_timers()
         super().connection_lost(exc)
 
     def data_received(self, data: bytes) -> None:
@@ -116,7 +116,7 @@ class BoundedHttp(H11Protocol):
         if (problem := objection_to_header(event.target, self.headers)) is not None:
             self._refuse(problem)
             return
-        self._forget_timers()
+        self._cancel_timers()
         super().handle_websocket_upgrade(event)
 
     def send_400_response(self, msg: str) -> None:
@@ -168,7 +168,7 @@ class BoundedHttp(H11Protocol):
         self.transport.close()
         self._look()
 
-    def _forget_timers(self) -> None:
+    def _cancel_timers(self) -> None:
         for timer in (self._deadline, self._stalled):
             if timer is not None:
                 timer.cancel()
@@ -212,7 +212,7 @@ class BoundedWebSocket(WebSocketsSansIOProtocol):
         """What the application says."""
         await super().send(message)
         if message["type"] == "websocket.http.response.body" and not message.get("more_body", False):
-            # uvicorn takes a refusal in words for a handshake that was forgotten, and logs an error.
+            # uvicorn takes a refusal in words for a handshake that was left out, and logs an error.
             self.handshake_complete = True
 
     def keepalive_timeout(self) -> None:

@@ -81,8 +81,8 @@ class OffsetBound:
         heard, offset = self._samples[0]
         return offset - DRIFT * max(0.0, now - heard)
 
-    def forget(self) -> None:
-        """Begin afresh."""
+    def reset(self) -> None:
+        """Drop all samples."""
         self._samples.clear()
 
 
@@ -117,7 +117,7 @@ class CommandAge:
         age_s = now - (times.sent + self._offset.at(now))
         view_s = now - times.heard
         if not min(age_s, view_s) >= -FUTURE_TOLERANCE_S:
-            self._offset.forget()
+            self._offset.reset()
             return Judgement(FUTURE, lasting=True)
         age_s = max(0.0, age_s) + RESOLUTION_S
         if age_s > self._validity_s:

@@ -1,4 +1,4 @@
-"""Carries out what the lease decides: publishes the driver's hands, latches the emergency stop, tells the pages."""
+"""Carries out what the lease decides: publishes drive commands, latches the emergency stop, notifies the pages."""
 
 from __future__ import annotations
 
@@ -33,12 +33,12 @@ def hands(graph: Graph) -> Channel[OperatorDrive] | None:
 
 
 class Driving:
-    """The lease at work. ``notify(session, level, text)`` reaches one page; ``stopped()`` is called when the emergency
-    stop is latched, by whomever, and again when it is released, so that a robot that is released does not set out for
-    what was wanted before or meanwhile.
+    """The lease at work. ``notify(session, level, text)`` sends a notice to one page. ``stopped()`` is called when the
+    emergency stop is latched, by any source, and again when it is released: a released robot must not set out for an
+    older goal, nor for one of the meantime.
 
-    ``channel`` takes the driver's commands; None: this program drives nothing, and nobody is given the wheel. Nor is
-    anybody where what happens is a ``recording``.
+    ``channel`` takes the driver's commands; None: this program drives nothing, and every page is refused the wheel, as
+    in a ``recording``.
     """
 
     def __init__(
@@ -60,23 +60,23 @@ class Driving:
         self._lease = drive_lease.Lease()
         self._sequence = 0
         self._timer: asyncio.TimerHandle | None = None
-        self._told_undrivable: set[str] = set()
+        self._refused: set[str] = set()
         self._lost = False
         #: When the emergency stop was pressed last, or found latched (s, robot's clock).
         self._stopped_at = -math.inf
 
     @property
     def lease(self) -> drive_lease.Lease:
-        """Who drives, as it stands."""
+        """The current state: who drives, and until when."""
         return self._lease
 
     @property
     def drivable(self) -> bool:
-        """Whether hands can drive here."""
+        """Whether an operator can drive here."""
         return self._channel is not None
 
     def handle(self, event: drive_lease.Event) -> None:
-        """Let ``event`` happen now."""
+        """Apply ``event`` to the lease, as of now."""
         if self._channel is None and isinstance(event, drive_lease.Drive | drive_lease.TakeControl):
             self._refuse(event.session)
             return
@@ -99,7 +99,7 @@ class Driving:
                             override=override,
                         )
                     )
-                case drive_lease.Tell(session, level, text):
+                case drive_lease.Notice(session, level, text):
                     self._notify(session, level, text)
         self._set_timer(now)
 
@@ -158,7 +158,7 @@ class Driving:
         self._stopped()
 
     def close(self) -> None:
-        """Stop whoever drives; no timer is left."""
+        """Stop the driver, if there is one, and cancel the timer."""
         if self._lease.driver is not None:
             self.handle(drive_lease.ReleaseControl(self._lease.driver))
         if self._timer is not None:
@@ -166,8 +166,8 @@ class Driving:
             self._timer = None
 
     def _refuse(self, session: str) -> None:
-        if session not in self._told_undrivable:
-            self._told_undrivable.add(session)
+        if session not in self._refused:
+            self._refused.add(session)
             self._notify(session, "warning", RECORDING if self.recording else UNDRIVABLE)
 
     def _is_in_vain(self, session: str | None) -> bool:

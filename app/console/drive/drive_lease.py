@@ -1,6 +1,6 @@
 """The wheel: which page drives, and when it must stop. A pure state machine: (lease, now, event) -> (lease, actions).
 
-One driver, many spectators. The first held command while nobody drives takes the wheel; it is given up after 10 s of
+One driver, many spectators. The first held command while the wheel is free takes it; it is given up after 10 s of
 holding nothing, by word, by silence or by another's taking it, and the robot is always stopped first. A hold that was
 refused or ended by the robot's side (another drives, emergency stop) counts for nothing until released once: nothing
 moves because a key happens to be down still.
@@ -24,7 +24,7 @@ IDLE_AFTER_S = 10.0
 
 @dataclass(frozen=True, slots=True)
 class Connected:
-    """A page opened its connection ``session``; ``operator`` is what people call whoever sits there."""
+    """A page opened its connection ``session``; ``operator`` is the name of its user."""
 
     session: str
     operator: str
@@ -64,14 +64,14 @@ class Drive:
 
 @dataclass(frozen=True, slots=True)
 class Garbled:
-    """A command that could not be read; whoever sends such must not keep the robot moving."""
+    """A command that could not be read; its sender must not keep the robot moving."""
 
     session: str
 
 
 @dataclass(frozen=True, slots=True)
 class TakeControl:
-    """A page asks for the wheel, whoever has it."""
+    """A page asks for the wheel, even from another driver."""
 
     session: str
 
@@ -110,15 +110,15 @@ class Command:
 
 
 @dataclass(frozen=True, slots=True)
-class Tell:
-    """Say ``text`` to one page."""
+class Notice:
+    """Show ``text`` on one page."""
 
     session: str
     level: Literal["info", "warning", "error"]
     text: str
 
 
-Action: TypeAlias = Command | Tell
+Action: TypeAlias = Command | Notice
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,7 +160,7 @@ def step(lease: Lease, now: float, event: Event) -> Step:
             return (replace(lease, last_heard=now) if session == lease.driver else lease), ()
         case Garbled(session):
             stopped, actions = _stopped(lease) if session == lease.driver else (lease, ())
-            return stopped, (*actions, Tell(session, "error", "The robot could not read the last message."))
+            return stopped, (*actions, Notice(session, "error", "The robot could not read the last message."))
         case Drive():
             return _drive(lease, now, event)
         case TakeControl(session):
@@ -204,7 +204,7 @@ def _refused(lease: Lease, session: str, level: Literal["info", "warning", "erro
     """Refuse a hold, saying why once."""
     if session in lease.blocked:
         return lease, ()
-    return replace(lease, blocked=lease.blocked | {session}), (Tell(session, level, text),)
+    return replace(lease, blocked=lease.blocked | {session}), (Notice(session, level, text),)
 
 
 def _drive(lease: Lease, now: float, drive: Drive) -> Step:
@@ -232,7 +232,7 @@ def _drive(lease: Lease, now: float, drive: Drive) -> Step:
     if session in lease.blocked:
         return lease, ()
     if session == lease.driver and lease.moving and drive.sequence <= lease.sequence:
-        # A repeated or an older command: the newest stands.
+        # A repeated or an older command: the newest counts.
         return lease, ()
     command = Command(lease.operators[session], True, drive.linear, drive.angular, drive.override)
     held = replace(
@@ -272,9 +272,9 @@ def _take(lease: Lease, now: float, session: str) -> Step:
         lease, actions = _free(lease)
         # Still holding, perhaps: that hold is over.
         lease = replace(lease, blocked=lease.blocked | {before})
-        actions = (*actions, Tell(before, "warning", f"{taker} has taken control."))
+        actions = (*actions, Notice(before, "warning", f"{taker} has taken control."))
     taken = replace(lease, driver=session, sequence=0, last_drive=now, last_heard=now, last_held=now)
-    return taken, (*actions, Tell(session, "info", "You have control."))
+    return taken, (*actions, Notice(session, "info", "You have control."))
 
 
 def _e_stop(lease: Lease, latched: bool) -> Step:

@@ -1,4 +1,4 @@
-"""Where the robot is wanted to go: what people asked for over the console, and what ends it."""
+"""Goals of the robot that came over the console, and what ends them."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ def asked_here(workspace: IntentionWorkspace) -> list[Desire]:
 
 
 def withdraw(workspace: IntentionWorkspace) -> None:
-    """Nobody here wants the robot to go anywhere any more."""
+    """Remove every goal that came over the console."""
     with workspace.transaction():
         for desire in asked_here(workspace):
             workspace.remove(desire.id)
 
 
 def withdraw_all(workspace: IntentionWorkspace) -> None:
-    """Nobody wants it to, motivations and programs neither; who inhibits going anywhere still does."""
+    """Remove every goal, of motivations and programs too; a desire that inhibits going anywhere stays."""
     with workspace.transaction():
         for desire in workspace.desires():
             if desire.cls == GO_TO and desire.utility > 0:

@@ -1,8 +1,8 @@
-"""While somebody watches, pictures and the point cloud must come; while somebody listens, the sound.
+"""While a page watches, pictures and the point cloud must come; while one listens, the sound.
 
-On a robot that costs something, so the console desires Telepresence and Listen like anybody else. A recording was lived
-already: one more desire would make other intentions than it had, so there the filters that these would open are opened
-past attention.
+On a robot that costs something, so the console desires Telepresence and Listen like any other source of desires. A
+recording has its intentions already, and one more desire would change them: there, the filters that the desires would
+open are opened past attention.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ LINGER_S = 2.0
 
 
 class Presence:
-    """Keeps at most one desire of class ``cls`` in the workspace, as long as :meth:`attend` was last told True.
+    """Keeps at most one desire of class ``cls`` in the workspace, while the last call of :meth:`attend` said True.
 
-    None where no strategy of the program serves it (``served`` False): it would stand there unfulfilled for good.
+    None where no strategy of the program serves it (``served`` False): it would stay unfulfilled for good.
     """
 
     def __init__(self, workspace: IntentionWorkspace, cls: str, *, served: bool = True) -> None:
@@ -40,7 +40,7 @@ class Presence:
         self._leaving: asyncio.TimerHandle | None = None
 
     def attend(self, attended: bool) -> None:
-        """Somebody came while nobody was there, or the last one left."""
+        """The first viewer came (``attended``), or the last one left."""
         if not self._served:
             return
         if self._leaving is not None:
@@ -63,12 +63,12 @@ class Presence:
             try:
                 self._workspace.remove(desire)
             except UnknownDesire:
-                # Somebody removed it by hand, as is their right.
+                # An operator may remove it, like any desire.
                 return
 
 
 class Spectators:
-    """Opens what class ``cls`` at its best would open, past attention, as long as :meth:`attend` was last told True."""
+    """Opens, past attention, the filters of the best strategy for class ``cls`` while :meth:`attend` last said True."""
 
     def __init__(self, system: System, cls: str) -> None:
         self._system = system
@@ -76,7 +76,7 @@ class Spectators:
         self._opened: list[str] = []
 
     def attend(self, attended: bool) -> None:
-        """Somebody came while nobody was there, or the last one left."""
+        """The first viewer came (``attended``), or the last one left."""
         self.withdraw()
         if not attended:
             return

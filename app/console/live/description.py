@@ -14,11 +14,11 @@ _ABOUT = """One WebSocket carries everything that changes too fast for polling, 
 operator's drive commands and voice. Text frames are JSON objects, distinguished by their `type`; binary frames are
 pictures and sound, distinguished by their first byte, `kind`. More types and members may be added under the same
 `protocol`: ignore unknown ones.
-In words, with rates and what follows from each message: docs/live-stream.md.
+Rates, and the effect of each message: docs/live-stream.md.
 """
 
 _PICTURE = "A header of 24 bytes, then the picture: kind 1 camera and 2 panorama (JPEG), 3 map and 4 costmap (PNG)."
-_SOUND = "What the robot hears, kind 16: a header of 24 bytes, then `samples` of int16, little-endian."
+_SOUND = "Sound of the robot's microphones, kind 16: a header of 24 bytes, then `samples` of int16, little-endian."
 _VOICE = "An operator's voice, kind 17: a header of 24 bytes, then `samples` of int16, at most 40 ms."
 
 
@@ -54,7 +54,7 @@ def _channel_and_components() -> tuple[dict[str, Any], dict[str, Any], dict[str,
                         "operator": {
                             "type": "string",
                             "maxLength": 40,
-                            "description": "The name under which other people see this operator.",
+                            "description": "The operator's name, shown to other operators.",
                         }
                     },
                 }
@@ -79,7 +79,7 @@ def _channel_and_components() -> tuple[dict[str, Any], dict[str, Any], dict[str,
 def description(host: str, *, secure: bool = False, token_needed: bool = False, cookie: str = COOKIE) -> dict[str, Any]:
     """The AsyncAPI document of the console reached as ``host`` (name and port), whose session's cookie is ``cookie``.
 
-    The first takes a fifth of a second: call it off the event loop.
+    The first call takes 0.2 s: call it off the event loop.
     """
     channels, operations, components = _channel_and_components()
     schemes = components["securitySchemes"]

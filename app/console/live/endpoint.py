@@ -37,7 +37,7 @@ async def live(websocket: WebSocket, hub: Hub, clock: Clock) -> None:
             else:
                 _take(message.get("text") or binary or b"", viewer, hub, clock)
     finally:
-        # Before anything that could wait: whoever drove is stopped.
+        # Before anything that could wait: a driver is stopped.
         hub.leave(viewer)
         sending.cancel()
         await asyncio.wait({sending})

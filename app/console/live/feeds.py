@@ -53,7 +53,7 @@ def comes(graph: Graph, playback: Playback | None, channel: str) -> bool:
 
 
 class Feeds:
-    """Takes what the ``viewers`` want, and gives it to those who do. ``listening`` is told whether anybody listens."""
+    """Subscribes to what the ``viewers`` ask for and sends it to them; ``listening`` attends while any listens."""
 
     def __init__(
         self,
@@ -82,7 +82,7 @@ class Feeds:
         self._counts = dict.fromkeys((*PICTURES, SOUND_CHANNEL), 0)
 
     def update(self) -> None:
-        """Whoever is there, or what they want, has changed."""
+        """The viewers, or what they ask for, have changed."""
         for kind, channel in PICTURES.items():
             self._take(channel, self._is_shown(kind), partial(self._on_picture, kind), capacity=1)
         for kind, feed in self._grids.items():
@@ -102,7 +102,7 @@ class Feeds:
         self._listening.withdraw()
 
     def show_standing(self, viewer: Viewer, kind: int, *, of_camera: bool) -> None:
-        """Give a viewer the last picture there was, if it stays; one ``of_camera``, too."""
+        """Send a viewer the last picture, if it stays; one ``of_camera``, too."""
         if kind in GRIDS:
             feed = self._grids.get(kind)
             if feed is not None and feed.standing is not None:
@@ -110,10 +110,10 @@ class Feeds:
         elif of_camera and (image := reports.latest(self._graph, PICTURES[kind])) is not None:
             viewer.outbox.put_picture(kind, picture_frame(kind, image, self._counts[kind]))
 
-    def forget(self) -> None:
+    def clear(self) -> None:
         """Time has jumped: no grid of before is to be shown."""
         for feed in self._grids.values():
-            feed.forget()
+            feed.clear()
 
     def _is_shown(self, kind: int) -> bool:
         return any(kind in viewer.shows for viewer in self._viewers())

@@ -36,7 +36,7 @@ class GridFeed:
         self._period_s = period_s
         self._pace = pace
         self._deliver = deliver
-        self._count = self._times_forgotten = 0
+        self._count = self._times_cleared = 0
         self._newest: OccupancyGrid | None = None
         self._came = asyncio.Event()
         self.standing: tuple[bytes, str] | None = None
@@ -44,7 +44,7 @@ class GridFeed:
         self._working: asyncio.Task[None] | None = None
 
     def take(self, wanted: bool) -> None:
-        """Somebody wants it now, or nobody any more."""
+        """Subscribe to the grid while any viewer wants it."""
         if wanted and self._tap is None:
             self._tap = Tap(self._channel, f"console.{self._channel.name}", self._on_grid)
             self._working = asyncio.create_task(self._work(), name=f"console {self._channel.name}")
@@ -56,11 +56,11 @@ class GridFeed:
             self._tap = None
             assert self._working is not None
             self._working.cancel()
-            self.forget()
+            self.clear()
 
-    def forget(self) -> None:
-        """What was before is of another time."""
-        self._times_forgotten += 1
+    def clear(self) -> None:
+        """Drop the newest and the sent grid: they are of another time."""
+        self._times_cleared += 1
         self._newest = self.standing = None
 
     def _on_grid(self, grid: OccupancyGrid) -> None:
@@ -77,9 +77,9 @@ class GridFeed:
                 continue
             if self.standing is None:
                 shown = None
-            times_forgotten = self._times_forgotten
+            times_cleared = self._times_cleared
             part, encoded = await asyncio.to_thread(_encoded, grid, shown)
-            if encoded is None or self._times_forgotten != times_forgotten:
+            if encoded is None or self._times_cleared != times_cleared:
                 continue
             shown = part
             self.standing = self._announced(part, encoded)
@@ -106,7 +106,7 @@ class GridFeed:
 
 def _encoded(grid: OccupancyGrid, shown: OccupancyGrid | None) -> tuple[OccupancyGrid, bytes | None]:
     """The known part of ``grid`` and its PNG; None if it looks as what is ``shown`` already."""
-    # OpenCV takes a third of a second the first time; nobody waits for it here.
+    # OpenCV's first import takes 0.3 s: not on the event loop.
     from app.maps.picture import values_png
 
     part = known_part(grid)

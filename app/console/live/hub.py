@@ -1,7 +1,7 @@
-"""All viewers of the live stream. Frames are built once and shared; nobody's slowness delays anyone else.
+"""All viewers of the live stream. Frames are built once and shared; a slow viewer delays no other.
 
-While nobody watches, nothing is subscribed to or encoded; the lanes alone are remembered, so that whoever comes sees
-what was.
+Without viewers nothing is subscribed to or encoded; the lanes alone are sampled, so that the next viewer sees their
+past.
 """
 
 from __future__ import annotations
@@ -92,7 +92,7 @@ class Hub:
     # --- Life --------------------------------------------------------------------------------------------------------
 
     def open(self) -> None:
-        """Begin to follow the guard's reports and to remember the lanes."""
+        """Subscribe to the guard's reports and sample the lanes."""
         self._stack.callback(self._system.link.attach("status", self._on_status))
         self._stack.callback(self._system.body_restarter.observe(self._on_body))
         self._remember_lanes()
@@ -116,7 +116,7 @@ class Hub:
             self._lanes.add(lanes)
 
     def close(self) -> None:
-        """Stop whoever drives and forget everybody."""
+        """Stop the driver, and drop all viewers."""
         self.driving.close()
         self._presence.withdraw()
         self._feeds.close()
@@ -126,23 +126,23 @@ class Hub:
 
     @property
     def moving(self) -> bool:
-        """Whether a recording's time is just being moved: what is said meanwhile is of no time."""
+        """Whether a recording's time is being moved: messages of that moment are of no time."""
         return self._playback is not None and self._playback.moving
 
     def _on_jump(self, position: float) -> None:
         self.link_status = None
-        self._feeds.forget()
-        self._channels.forget()
-        self._sampler.forget()
-        self._panels.forget()
+        self._feeds.clear()
+        self._channels.clear()
+        self._sampler.clear()
+        self._panels.clear()
         assert self._playback is not None
-        self._lanes.forget()
+        self._lanes.clear()
         for lanes in self._playback.lanes:
             self._lanes.add(lanes)
         jump = frame("jump", messages.Jump(position))
         frames = {**self._past_and_present(), **self._channels.states(), **self._panels.frames()}
         for viewer in self._viewers.values():
-            viewer.outbox.begin_anew(jump)
+            viewer.outbox.reset(jump)
             for kind, text in frames.items():
                 viewer.outbox.put(kind, text)
 
@@ -152,8 +152,8 @@ class Hub:
         for session in self._viewers:
             self.notify(session, "error" if problem else "info", problem or REVIVED)
         if not problem:
-            self._feeds.forget()
-            self._channels.forget()
+            self._feeds.clear()
+            self._channels.clear()
             for kind, text in self._channels.standing().items():
                 self.broadcast(kind, text)
 
@@ -165,7 +165,7 @@ class Hub:
         return tuple(self._viewers.values())
 
     def join(self, operator: str) -> Viewer:
-        """A page connected: greet it and tell it all there is."""
+        """A page connected: send it `hello` and the current state."""
         validity_s = self._system.config.program.console.command_validity_s
         viewer = Viewer(secrets.token_hex(6), operator, CommandAge(validity_s))
         first = not self._viewers
@@ -181,7 +181,7 @@ class Hub:
         return viewer
 
     def leave(self, viewer: Viewer) -> None:
-        """Its connection ended: the robot stops at once if it drove, and is silent if it spoke."""
+        """A connection ended: if it drove, the robot stops at once; if it spoke, its talk ends."""
         self.driving.handle(drive_lease.Gone(viewer.session))
         self.speech.gone(viewer.session)
         self._viewers.pop(viewer.session, None)
@@ -203,7 +203,7 @@ class Hub:
         self._feeds.update()
 
     def listen(self, viewer: Viewer, on: bool) -> None:
-        """The page wants to hear what the robot hears, or does not any more."""
+        """Begin or end to send the microphones' sound to a page."""
         if on and not self._comes(SOUND_CHANNEL):
             self.notify(viewer.session, "warning", SILENT)
             return
@@ -213,7 +213,7 @@ class Hub:
         self._feeds.update()
 
     def _show_standing_picture(self, viewer: Viewer, kind: int) -> None:
-        """A map may stay as it is, and where time may stand, no picture may follow: whoever comes is given the last."""
+        """A map may not change, and in paused time no picture follows: a new viewer gets the last one."""
         self._feeds.show_standing(viewer, kind, of_camera=self._playback is not None)
 
     def is_shown(self, kind: int) -> bool:
@@ -221,7 +221,7 @@ class Hub:
         return any(kind in viewer.shows for viewer in self._viewers.values())
 
     def notify(self, session: str, level: messages.Level, text: str) -> None:
-        """Tell one viewer something."""
+        """Send a notice to one viewer."""
         viewer = self._viewers.get(session)
         if viewer is not None:
             viewer.outbox.put_urgent(frame("notice", messages.Notice(level, text)))
@@ -260,7 +260,7 @@ class Hub:
         judged = viewer.age.last
         return f"{judged.cause}: driving waits." if judged.lasting and self.driving.drivable else ""
 
-    # --- What is watched only while somebody watches -----------------------------------------------------------------
+    # --- What is subscribed to only while there are viewers ----------------------------------------------------------
 
     def _start_watching(self) -> None:
         system = self._system
@@ -317,7 +317,7 @@ class Hub:
     def _refresh(self) -> None:
         stale, self._stale = self._stale, set()
         if self.moving:
-            # All of it is told when it is there, but for where it goes.
+            # The rest is sent once the seek has ended; only its position changes before.
             stale &= {"playback"}
         for kind, build in self._builders().items():
             if kind in stale:
@@ -332,7 +332,7 @@ class Hub:
         return builders if self._recorder.channel is None else builders | {"recorder": self._recording}
 
     def _standing_frames(self) -> dict[str, str]:
-        """What a newcomer must know that is otherwise told on change only."""
+        """What a new viewer gets that is otherwise sent on change only."""
         return {
             **self._past_and_present(),
             **self._channels.standing(),

@@ -44,9 +44,9 @@ class LaneHistory:
     def __init__(self, classes: Iterable[str], most_samples: int = MOST_SAMPLES) -> None:
         self._most = most_samples
         self._classes = tuple(classes)
-        self.forget()
+        self.clear()
 
-    def forget(self) -> None:
+    def clear(self) -> None:
         """Begin with no past."""
         self._count = 0
         self._due = -math.inf

@@ -39,7 +39,7 @@ class Channels:
 
 @dataclass(frozen=True, slots=True)
 class AudioFacts:
-    """Whether the robot can be listened to, and be spoken through."""
+    """Whether the robot has microphones to listen to, and a loudspeaker to speak through."""
 
     listen: bool
     speak: bool
@@ -63,7 +63,7 @@ class Hello:
 
 @dataclass(frozen=True, slots=True)
 class Speaker:
-    """Who speaks through the robot."""
+    """The operator who speaks through the robot."""
 
     operator: str
     mine: Annotated[bool, doc("Whether it is this page's operator.")]

@@ -16,7 +16,7 @@ from app.console.wire import frame
 #: Of a list of which each item counts (events), so many may wait; a viewer further behind gets a notice instead.
 MOST_ITEMS = 1000
 MOST_NOTICES = 32
-#: Frames of sound, 0.3 s of them: who is further behind would hear what was, and nobody waits for that.
+#: Frames of sound, 0.3 s of them: older ones are dropped, since late sound is of no use.
 MOST_SOUND = 14
 
 _SOUND = "sound"
@@ -69,8 +69,8 @@ class Outbox:
         self._newest[kind] = frame
         self._due.set()
 
-    def begin_anew(self, frame: str) -> None:
-        """Drop everything of before that waits, notices excepted, and let ``frame``, which says so, go out first."""
+    def reset(self, frame: str) -> None:
+        """Drop all waiting frames but notices; ``frame``, which says so, goes out first."""
         self._newest.clear()
         self._items.clear()
         self._overrun.clear()
@@ -97,7 +97,7 @@ class Outbox:
         self._offer_picture(kind)
 
     def picture_drawn(self, kind: int) -> None:
-        """The page has drawn the last picture of ``kind``, or shows such pictures anew: the next may go out."""
+        """The page has drawn the last picture of ``kind``, or shows such pictures again: the next may go out."""
         self._under_way.discard(kind)
         self._offer_picture(kind)
 

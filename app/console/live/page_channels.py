@@ -56,10 +56,10 @@ class PageChannels:
             stack.callback(feed.open())
         return stack.close
 
-    def forget(self) -> None:
+    def clear(self) -> None:
         """Time has jumped: what waits to be sent is of another time."""
         for feed in self._feeds:
-            feed.forget()
+            feed.clear()
 
     def standing(self) -> dict[str, str]:
         """By type, the frames of the newest messages, for a page that comes."""
@@ -90,11 +90,11 @@ class PageFeed:
 
         def end() -> None:
             tap.close()
-            self.forget()
+            self.clear()
 
         return end
 
-    def forget(self) -> None:
+    def clear(self) -> None:
         """Send nothing that waits."""
         self._due = float("-inf")
         if self._waiting is not None:

@@ -57,7 +57,7 @@ class PanelFeed:
         made = {name: self._frame(name, message) for name, message in latest.items() if message is not None}
         return {CHANNEL + name: frame for name, frame in made.items() if frame is not None}
 
-    def forget(self) -> None:
+    def clear(self) -> None:
         """Leave out what came before a recording jumped."""
         self._new.clear()
 

@@ -45,7 +45,7 @@ class TimedMessage(msgspec.Struct):
 
 
 class DriveMessage(TimedMessage, tag="drive", kw_only=True):
-    """The operator's hands."""
+    """A drive command of the operator."""
 
     seq: int
     held: bool
@@ -59,7 +59,7 @@ class EStopMessage(msgspec.Struct, tag="e_stop"):
 
 
 class ClearEStopMessage(TimedMessage, tag="clear_e_stop"):
-    """Release it."""
+    """Release the emergency stop."""
 
 
 class TakeControlMessage(TimedMessage, tag="take_control"):
@@ -67,11 +67,11 @@ class TakeControlMessage(TimedMessage, tag="take_control"):
 
 
 class ReleaseControlMessage(msgspec.Struct, tag="release_control"):
-    """Give it back."""
+    """Give the wheel back."""
 
 
 class PingMessage(TimedMessage, tag="ping"):
-    """A sign of life; ``t`` comes back as it is."""
+    """Ping; the pong returns ``t`` unchanged."""
 
     rtt_ms: float | None = None
 
@@ -84,7 +84,7 @@ class AckMessage(msgspec.Struct, tag="ack"):
 
 
 class ViewMessage(msgspec.Struct, tag="view"):
-    """Which pictures the page shows; None: as it was."""
+    """Which pictures the page shows; None: unchanged."""
 
     camera: bool | None = None
     panorama: bool | None = None
@@ -93,7 +93,7 @@ class ViewMessage(msgspec.Struct, tag="view"):
 
 
 class ListenMessage(msgspec.Struct, tag="listen"):
-    """Whether the page wants to hear what the robot hears."""
+    """Subscribe to the microphones' sound, or end that."""
 
     on: bool
 

@@ -37,7 +37,7 @@ class Audience(Protocol):
 
 
 class Sampler:
-    """Samples the program: :meth:`run` while somebody watches."""
+    """Samples the program: :meth:`run` while there are viewers."""
 
     def __init__(self, system: System, audience: Audience) -> None:
         self._system = system
@@ -67,7 +67,7 @@ class Sampler:
             due = max(due + PERIOD_S, pace.now())
             await pace.sleep_until(due)
 
-    def forget(self) -> None:
+    def clear(self) -> None:
         """Time has jumped."""
         self._exploitation = None
         self._odometry = None

@@ -1,4 +1,4 @@
-"""Who speaks through the robot: one at a time, while push-to-talk is held. What is said goes to ``operator_voice``."""
+"""Push-to-talk: one operator at a time speaks through the robot, on the channel ``operator_voice``."""
 
 from __future__ import annotations
 
@@ -18,30 +18,30 @@ from app.runtime.clock import Clock
 PAUSE_S = 0.5
 #: A frame that is older (s) when it comes is passed over, as is one that so much waits to be played before.
 LATE_S = 0.5
-#: Who has spoken for so long (s) and was not heard at all is told.
+#: A talk of so long (s) of which nothing could be played gets a notice.
 MUTE_S = 1.0
 
-RECORDING = "This is a recording: nobody there can hear you."
-NO_LOUDSPEAKER = "{robot} has no loudspeaker: nobody there can hear you."
+RECORDING = "This is a recording: nothing can be said in it."
+NO_LOUDSPEAKER = "{robot} has no loudspeaker."
 TOO_LATE = (
     "What you say arrives too late to be played: the connection is slow, or this page's clock is wrong; reload it."
 )
-NO_CHANNEL = "This program has no channel operator_voice: nobody there can hear you."
+NO_CHANNEL = "This program has no channel operator_voice: speech cannot be played."
 
 Notify = Callable[[str, Literal["info", "warning", "error"], str], None]
 
 
 @dataclass(slots=True)
 class _Talk:
-    """One page's push-to-talk, held since ``began``. ``refused``: it began while another spoke. ``told``: it had its
-    notice. ``played``: something of it was."""
+    """One page's push-to-talk, held since ``began``. ``refused``: it began while another spoke.
+    ``notified``: it had its notice. ``played``: something of it was."""
 
     began: float
     heard: float
     seq: int
     played: bool = False
     refused: bool = False
-    told: bool = False
+    notified: bool = False
 
 
 class Speech:
@@ -59,7 +59,7 @@ class Speech:
         self._clock = clock
         self._channel = channel
         self._notify = notify
-        #: Why nobody can speak here, "" where one can.
+        #: Why speech cannot be played here; "" where it can.
         self.in_vain = ""
         if recording:
             self.in_vain = RECORDING
@@ -95,14 +95,14 @@ class Speech:
         try:
             voice = decode_voice(frame)
         except ValueError as error:
-            self._tell(session, talk, f"What you say cannot be played: {error}.")
+            self._warn(session, talk, f"What you say cannot be played: {error}.")
             return
         if len(voice.samples) == 0:
             self.gone(session)
             return
         if (speaker := self.speaker) is not None and speaker[0] != session:
             talk.refused = True
-            self._tell(session, talk, f"The robot's voice is in use by {speaker[1]}: press again when they have ended.")
+            self._warn(session, talk, f"The robot's voice is in use by {speaker[1]}: press again when they have ended.")
             return
         if talk.refused or voice.seq <= talk.seq:
             return
@@ -110,7 +110,7 @@ class Speech:
         self._speaker = (session, operator)
         talk.played |= self._publish(voice, now)
         if not talk.played and now - talk.began > MUTE_S:
-            self._tell(session, talk, TOO_LATE)
+            self._warn(session, talk, TOO_LATE)
 
     def gone(self, session: str) -> None:
         """It let go, or its connection ended."""
@@ -122,9 +122,9 @@ class Speech:
         talk = self._talks.get(session)
         return talk is not None and now - talk.heard <= PAUSE_S
 
-    def _tell(self, session: str, talk: _Talk, text: str) -> None:
-        if not talk.told:
-            talk.told = True
+    def _warn(self, session: str, talk: _Talk, text: str) -> None:
+        if not talk.notified:
+            talk.notified = True
             self._notify(session, "warning", text)
 
     def _publish(self, voice: Voice, now: float) -> bool:

@@ -11,7 +11,7 @@ from app.console.live.protocol import CAMERA
 
 @dataclass(slots=True, eq=False)
 class Viewer:
-    """One connection: its id ``session``, who sits there, what waits for it, what it wants to see and hear."""
+    """One connection: its id ``session``, its operator's name, its outbox, the pictures and sound it subscribes to."""
 
     session: str
     operator: str

@@ -26,14 +26,14 @@ class GivenUpModel(BaseModel):
 
 
 class NavigationModel(BaseModel):
-    """What the behavior that goes somewhere is about; as `navigation` on the live stream."""
+    """State of the behavior that drives to a goal; as `navigation` on the live stream."""
 
     stamp: Stamp
-    behavior: str = Field(description="Empty before any has spoken.")
+    behavior: str = Field(description="Empty before the first report.")
     state: Literal["idle", "planning", "following", "recovering", "waiting", "arrived", "unreachable"]
     reason: str = Field(description="In words, and what would help.")
     goal: PlaceModel | None
-    target: PlaceModel | None = Field(description="Where it really goes: the nearest reachable place.")
+    target: PlaceModel | None = Field(description="The nearest reachable place, which it drives to.")
     remaining_m: float | None
     recoveries: int
     desire: str | None = Field(description="Id of the strongest desire to go somewhere.")

@@ -69,7 +69,7 @@ class ModuleList:
 
 @dataclass(frozen=True, slots=True)
 class SourceState:
-    """How fresh a channel is, measured beside commanded."""
+    """Freshness of a channel: its measured and its expected rate."""
 
     channel: str
     state: FreshnessState
@@ -111,7 +111,7 @@ class ChannelList:
 
 @dataclass(frozen=True, slots=True)
 class Health:
-    """Sign of life."""
+    """Health of the program."""
 
     status: Literal["ok", "degraded"]
     stamp: Stamp
@@ -153,7 +153,7 @@ class ViewReport:
 
 @dataclass(frozen=True, slots=True)
 class ViewerList:
-    """Who watches."""
+    """Connected pages and 3D views."""
 
     pages: tuple[PageReport, ...]
     views: tuple[ViewReport, ...]

@@ -15,7 +15,7 @@ from app.messages.base import Stamp, doc
 
 @dataclass(frozen=True, slots=True)
 class RecorderReport:
-    """What the Recorder does."""
+    """State of the Recorder."""
 
     stamp: Stamp
     state: Annotated[
@@ -71,7 +71,7 @@ class RecordingList:
 
 @dataclass(frozen=True, slots=True)
 class Withdrawn:
-    """What became of the desires to record."""
+    """Desires to record that were withdrawn, and those that remain."""
 
     withdrawn: Annotated[tuple[str, ...], doc("Ids of the desires withdrawn.")]
     remaining: Annotated[tuple[Desire, ...], doc("Those of motivations, which go on.")]
@@ -86,7 +86,7 @@ class Saved:
 
 @dataclass(frozen=True, slots=True)
 class PlaybackReport:
-    """What is played, and where it is; stamps are the recording's."""
+    """State of the playback; stamps are the recording's."""
 
     file: Annotated[str, Meta(description="Name of the recording's file.", examples=["tour.mcap"])]
     begin: Stamp
@@ -100,7 +100,7 @@ class PlaybackReport:
     problem: Annotated[
         str | None,
         Meta(
-            description="What cannot be read of the recording here, in words, why it stands.",
+            description="Why it cannot go on: the part of the recording that cannot be read.",
             examples=["0.1 s from 0:07.5 cannot be read"],
         ),
     ]

@@ -12,7 +12,7 @@ from app.runtime.module import Caution
 
 @dataclass(frozen=True, slots=True)
 class RobotFacts:
-    """What the body is, and what people must know of it."""
+    """The body and its limits."""
 
     name: str
     simulated: bool
@@ -35,7 +35,7 @@ class Velocity:
 
 @dataclass(frozen=True, slots=True)
 class Guard:
-    """What the guard says."""
+    """State of the guard."""
 
     state: Annotated[str, doc("idle, driving, stale_command, e_stopped, sensor_failure, waiting or silent.")]
     reason: str
@@ -85,7 +85,7 @@ class RobotReport:
 
 @dataclass(frozen=True, slots=True)
 class EStop:
-    """What was asked of the guard; GET /api/v1/robot shows within 50 ms what it did."""
+    """The request to the guard; GET /api/v1/robot shows within 50 ms what it did."""
 
     e_stop: Literal["latched", "released"]
     stamp: Annotated[float, doc("The robot's clock then (s): what a release names by `seen`.")]

@@ -35,7 +35,10 @@ def attention_router(system: System) -> APIRouter:
         return resource_report(system.table.resources[name], translator.capacities[name], translator.current)
 
     @router.get(
-        "/intention", response_model=IntentionReport, summary="What was chosen, and why", responses=problems(409)
+        "/intention",
+        response_model=IntentionReport,
+        summary="The intention and its reasons",
+        responses=problems(409),
     )
     async def get_intention() -> Response:
         """The strategies at work, the filters they set, Ω, what they use of each resource, and for each desired class
@@ -45,14 +48,14 @@ def attention_router(system: System) -> APIRouter:
             raise Problem(409, "no-intention-yet", "Attention has not chosen anything yet; ask again in a moment.")
         return Json(intention_report(current, system.table.resources))
 
-    @router.get("/strategies", response_model=StrategyList, summary="Every strategy there is")
+    @router.get("/strategies", response_model=StrategyList, summary="List all strategies")
     async def list_strategies() -> Response:
         current = system.translator.current
         selected = frozenset(() if current is None else current.selection.strategies)
         strategies = tuple(strategy_report(s, selected=s.name in selected) for s in system.table.strategies)
         return Json(StrategyList(strategies))
 
-    @router.get("/resources", response_model=ResourceList, summary="Budgets and what is used of them")
+    @router.get("/resources", response_model=ResourceList, summary="Resources: budgets and use")
     async def list_resources() -> Response:
         return Json(ResourceList(tuple(resource(name) for name in system.table.resources)))
 
@@ -66,14 +69,14 @@ def attention_router(system: System) -> APIRouter:
     async def change_resource(
         name: Annotated[str, Path(min_length=1, examples=["cpu"])], change: ResourceChange, request: Request
     ) -> Response:
-        """Attention chooses anew within the new budget at once; it lasts until changed again or the program ends."""
+        """Attention selects again within the new budget at once; it lasts until changed again or the program ends."""
         if name not in system.table.resources:
             known = ", ".join(system.table.resources) or "none"
             raise Problem(404, "no-such-resource", f"No resource is called {name}; there are: {known}.")
         system.translator.set_capacity(name, change.capacity, f"asked for by {source_of(request).name}")
         return Json(resource(name))
 
-    @router.get("/timeline", response_model=EventList, summary="What happened", responses=problems(422))
+    @router.get("/timeline", response_model=EventList, summary="Events of the timeline", responses=problems(422))
     async def get_timeline(
         since: Annotated[
             float | None, Query(allow_inf_nan=False, description="Robot's clock (s); events from then on.")

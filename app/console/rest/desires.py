@@ -26,14 +26,14 @@ DesireId = Annotated[str, Path(min_length=1, description="Id of the desire.", ex
 #: Of people and programs together. The robot's own motivations are not counted, nor kept from theirs.
 MOST_DESIRES = 1000
 OPERATOR_HEADER = "X-HBBA-Operator"
-#: For the OpenAPI description of what is done in somebody's name.
+#: The header of operations on behalf of an operator, for the OpenAPI description.
 IN_SOMEBODYS_NAME = {
     "parameters": [
         {
             "name": OPERATOR_HEADER,
             "in": "header",
             "schema": {"type": "string"},
-            "description": "The person in whose name it is done, percent-encoded, of at most 40 characters; left out: "
+            "description": "The operator's name, percent-encoded, of at most 40 characters; left out: "
             "a program does it.",
         }
     ]
@@ -164,7 +164,7 @@ def desires_router(system: System) -> APIRouter:
         workspace.remove(desire_id)
         return Response(status_code=204)
 
-    @router.get("/desire-classes", response_model=DesireClassList, summary="What can be desired")
+    @router.get("/desire-classes", response_model=DesireClassList, summary="List all desire classes")
     async def list_desire_classes() -> Response:
         """Each class with the JSON Schema of its parameters: enough to build a form from."""
         classes = tuple(desire_class_report(each, system.table) for each in system.classes.values())

@@ -24,10 +24,10 @@ from app.messages.base import doc
 if TYPE_CHECKING:
     from app.program.system import System
 
-#: As much as anything can be desired, since whoever points somewhere wants it now; of equals the newest is heard.
+#: The greatest there is: a goal given by a person is for now. Of equal desires the newest counts.
 INTENSITY = 8.0
-#: What finds its way around things and sees with all that the robot has, though slowly: not whatever goes somewhere.
-#: Asked for less, attention would hand the wheel to the straight line under way, for any sound that is worth a look.
+#: The utility of the strategy that plans a path with all sensors, though it is slow. Asked for less, attention would
+#: choose the straight line under way, for any sound that is worth a look.
 UTILITY = 4.0
 LATCHED = "The emergency stop is latched: release it first."
 RECORDING = "This is a recording: there is no robot to send anywhere."
@@ -35,7 +35,7 @@ RECORDING = "This is a recording: there is no robot to send anywhere."
 
 @dataclass(frozen=True, slots=True)
 class Goal:
-    """What is desired, and what became of it."""
+    """The goal desired, and the state of navigation."""
 
     desire: Annotated[Desire | None, doc("The strongest desire of class GoTo; null: there is none.")]
     navigation: Annotated[NavigationModel | None, doc("null: this program goes nowhere by itself.")]
@@ -46,7 +46,7 @@ def goal_router(system: System, hub: Hub) -> APIRouter:
     router = api_router("maps")
     workspace = system.workspace
 
-    @router.get("/goal", response_model=Goal, summary="Where the robot is going")
+    @router.get("/goal", response_model=Goal, summary="The goal and the state of navigation")
     async def get_goal() -> Response:
         """What is desired, and what the behavior that goes there is about."""
         desire = workspace.wanted(GO_TO)
@@ -83,13 +83,13 @@ def goal_router(system: System, hub: Hub) -> APIRouter:
         with workspace.transaction():
             standing = asked_here(workspace)
             heard = workspace.strongest().get(GO_TO)
-            # Only the newest of equally intense desires is heard: one that would not be gives way to a new one.
+            # Only the newest of equally intense desires counts: an older one is replaced.
             kept = next((d for d in standing if heard is not None and d.id == heard.id and d.source == source), None)
             for desire in standing:
                 if desire is not kept:
                     workspace.remove(desire.id)
             if kept is not None and kept.params == system.classes[GO_TO].validated(params):
-                # What the robot made of it meanwhile, to get there, stands.
+                # Its progress so far, its path among it, is kept.
                 desire = kept
             elif kept is None:
                 desire = workspace.add(GO_TO, intensity=INTENSITY, utility=UTILITY, params=params, source=source)
@@ -101,8 +101,8 @@ def goal_router(system: System, hub: Hub) -> APIRouter:
 
     @router.delete("/goal", status_code=204, summary="Cancel the goal")
     async def cancel_goal() -> Response:
-        """Withdraws every desire of class GoTo that came over the console; a goal that the robot gave up is told no
-        more. May be repeated."""
+        """Withdraws every desire of class GoTo that came over the console; a goal that the robot gave up is no
+        longer reported. May be repeated."""
         withdraw(workspace)
         dismiss_given_up(system)
         return Response(status_code=204)

@@ -35,9 +35,9 @@ class LoadRequest(Request):
     model_config = ConfigDict(json_schema_extra={"examples": [{"pose": {"x": 0, "y": 0, "theta": 0}}]})
 
     pose: PoseRequest | None = Field(
-        None, description="Where the robot is about, within 1 m and 0.5 rad; null: it looks for itself."
+        None, description="Rough pose of the robot, within 1 m and 0.5 rad; null: global localization searches for it."
     )
-    extend: bool = Field(False, description="Whether the map goes on growing; else it stays as it is.")
+    extend: bool = Field(False, description="Whether mapping continues in this map; else it is only localized in.")
 
 
 class RenameRequest(Request):
@@ -45,13 +45,13 @@ class RenameRequest(Request):
 
     model_config = ConfigDict(json_schema_extra={"examples": [{"name": "ground-floor"}]})
 
-    name: str = Field(description="What it is called from now on.", json_schema_extra={"pattern": NAME_PATTERN})
+    name: str = Field(description="The new name.", json_schema_extra={"pattern": NAME_PATTERN})
 
 
 class ZoneRequest(Request):
-    """A part of the map where the robot is told how to drive."""
+    """A part of the map with a rule for driving in it."""
 
-    name: str = Field(min_length=1, max_length=100, description="What people call it; no two share one.")
+    name: str = Field(min_length=1, max_length=100, description="Unique name for people.")
     kind: Literal["keep_out", "slow"] = Field(description="The robot keeps out of it, or drives slowly in it.")
     polygon: list[Annotated[list[Metres], Field(min_length=2, max_length=2)]] = Field(
         min_length=3, max_length=1000, description="Its corners, x and y on the map (m)."
@@ -76,11 +76,11 @@ class ZonesRequest(Request):
 
 
 class GoalRequest(Request):
-    """Where to go."""
+    """A goal for the robot."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [{"x": 2.5, "y": 1.0, "heading": 1.57}]})
 
     x: Metres = Field(description="On the map (m).")
     y: Metres = Field(description="On the map (m).")
-    heading: Radians | None = Field(None, description="On the map (rad); null: any will do.")
+    heading: Radians | None = Field(None, description="On the map (rad); null: any heading.")
     speed: float | None = Field(None, gt=0, le=1, description="Share of the robot's greatest speed; null: as usual.")

@@ -51,7 +51,7 @@ def maps_router(system: System) -> APIRouter:
 
     system.map.on_change(forget_goals)
 
-    @router.get("/maps", response_model=MapList, summary="Every map that is kept", responses=problems(409))
+    @router.get("/maps", response_model=MapList, summary="List all maps", responses=problems(409))
     async def list_maps() -> Response:
         """By name; and the one in use, which may have no name yet."""
         facts = await _on_disk(library.listing)
@@ -143,7 +143,7 @@ def maps_router(system: System) -> APIRouter:
     @router.put(
         "/map/pose",
         response_model=CurrentMap,
-        summary="Say where the robot is",
+        summary="Set the robot's pose on the map",
         responses=problems(400, 409, 422),
     )
     async def place_robot(pose: PoseRequest) -> Response:
@@ -152,9 +152,7 @@ def maps_router(system: System) -> APIRouter:
             await keeper.place(_pose(pose))
         return Json(current())
 
-    @router.post(
-        "/map/search", response_model=CurrentMap, summary="Have the robot look for itself", responses=problems(409)
-    )
+    @router.post("/map/search", response_model=CurrentMap, summary="Start global localization", responses=problems(409))
     async def search_robot() -> Response:
         """It is somewhere on the map in use, and finds out where. Needs no body."""
         async with _keeper() as keeper:
@@ -188,7 +186,7 @@ def maps_router(system: System) -> APIRouter:
 
     @asynccontextmanager
     async def _keeper() -> AsyncIterator[MapKeeper]:
-        """Whoever keeps the map; its refusals, and the disk's, become problems."""
+        """The module that keeps the map; its refusals, and the disk's, become problems."""
         try:
             yield system.map.keeper
         except (UnknownMap, MapNameTaken, MapUnavailable, ConfigError, OSError) as refusal:

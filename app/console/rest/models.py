@@ -69,7 +69,7 @@ class DesireChange(Request):
 
 
 class ResourceChange(Request):
-    """A new budget; attention chooses anew at once."""
+    """A new budget; attention selects again at once."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [{"capacity": 60}]})
 

@@ -21,24 +21,22 @@ if TYPE_CHECKING:
 
 
 def playback_router(playback: Playback | None) -> APIRouter:
-    """Routes of ``/playback``; they refuse where a robot lives (None)."""
+    """Routes of ``/playback``; 404 where no recording is played (None)."""
     router = api_router("playback")
 
     def played() -> Playback:
         if playback is None:
-            raise Problem(404, "not-a-replay", "This is no recording: what the robot lives now cannot be wound.")
+            raise Problem(404, "not-a-replay", "This is no recording: there is nothing to play, pause or seek.")
         return playback
 
-    @router.get(
-        "/playback", response_model=PlaybackReport, summary="What is played, and where", responses=problems(404)
-    )
+    @router.get("/playback", response_model=PlaybackReport, summary="State of the playback", responses=problems(404))
     async def get_playback() -> Response:
         return Json(playback_report(played()))
 
     @router.patch(
         "/playback",
         response_model=PlaybackReport,
-        summary="Play, pause, go elsewhere, faster or slower",
+        summary="Play, pause, seek, change the speed",
         responses=problems(400, 404, 409, 422),
     )
     async def change_playback(change: PlaybackChange) -> Response:
@@ -60,7 +58,7 @@ def playback_router(playback: Playback | None) -> APIRouter:
     @router.post(
         "/playback/step",
         response_model=PlaybackReport,
-        summary="On to the next image, then stand",
+        summary="Step to the next image",
         responses=problems(404, 409),
     )
     async def step_playback() -> Response:

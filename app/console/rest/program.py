@@ -43,7 +43,7 @@ def robot_router(system: System, hub: Hub) -> APIRouter:
     """Routes of ``/robot``."""
     router = api_router("robot")
 
-    @router.get("/robot", response_model=RobotReport, summary="Where the robot is and how it does")
+    @router.get("/robot", response_model=RobotReport, summary="State of the robot: pose, guard, driver")
     async def get_robot() -> Response:
         now, speed = system.clock.now(), rate(system.clock)
         status = hub.link_status
@@ -63,7 +63,7 @@ def robot_router(system: System, hub: Hub) -> APIRouter:
     @router.post(
         "/robot/e-stop",
         response_model=EStop,
-        summary="Stop, and stay stopped",
+        summary="Latch the emergency stop",
         openapi_extra=IN_SOMEBODYS_NAME,
         responses=problems(409, 504),
     )
@@ -149,12 +149,12 @@ def program_router(system: System, hub: Hub) -> APIRouter:
             raise Problem(404, "no-such-module", f"No module is called {name}; there are: {known}.")
         return Json(reports.ModuleMeter(system).module(slot))
 
-    @router.get("/channels", response_model=ChannelList, summary="Channels and how fresh they are")
+    @router.get("/channels", response_model=ChannelList, summary="Channels, their freshness and counters")
     async def list_channels() -> Response:
         fresh = system.freshness.read(system.clock.now())
         return Json(ChannelList(tuple(_channel(system.graph, name, fresh[name]) for name in system.graph.channels)))
 
-    @router.get("/health", response_model=Health, summary="Sign of life")
+    @router.get("/health", response_model=Health, summary="Health of the program")
     async def get_health() -> Response:
         """Open to all; `degraded` while a module does not run, the body is silent, or a recording has ended by itself,
         until that is stopped (`POST /recordings/stop`) or another begins."""

@@ -62,7 +62,7 @@ def recordings_router(system: System, replays: Replays, played: FilePath | None 
         "/recordings",
         response_model=Desire,
         status_code=201,
-        summary="Record",
+        summary="Start recording",
         openapi_extra=IN_SOMEBODYS_NAME,
         responses={
             201: {
@@ -132,7 +132,7 @@ def recordings_router(system: System, replays: Replays, played: FilePath | None 
         },
     )
     async def save_ring(save: SaveRequest | None = None) -> Response:
-        """Makes a recording of what the ring holds, and lets it turn on. Needs no body."""
+        """Makes a recording of what the ring holds; the ring goes on. Needs no body."""
         save = save or SaveRequest()
         _need_recorder(report)
         await _need_free(save.name)

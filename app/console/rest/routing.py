@@ -1,4 +1,4 @@
-"""Routers of REST: they take a JSON body as it stands, and none that says one thing twice."""
+"""Routers of REST: strict about JSON bodies, which may not repeat a key, and about query parameters."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class _Route(APIRoute):
         known = [parameter.alias for parameter in self.dependant.query_params]
 
         async def handle_strictly(request: Request) -> Response:
-            # A route that takes none is asked with one by caches' users, to have it anew.
+            # A route without parameters may be asked with one, to get past a cache.
             if known and (unknown := [name for name in request.query_params if name not in known]):
                 errors = [(f"query.{name}", f"unknown parameter; {suggestion(name, known)}") for name in unknown]
                 raise Problem(422, "invalid-request", "; ".join(map(": ".join, errors)), errors=errors)
@@ -90,7 +90,7 @@ class _StrictRequest(Request):
                 if len(members) < len(pairs):
                     name = Counter(name for name, _ in pairs).most_common(1)[0][0]
                     second = max(body.rfind(json.dumps(name, ensure_ascii=plain)) for plain in (True, False))
-                    raise json.JSONDecodeError(f"{name!r} stands twice in one object", body, max(second, 0))
+                    raise json.JSONDecodeError(f"{name!r} occurs twice in one object", body, max(second, 0))
                 return members
 
             value = load_json(body, member)

@@ -23,9 +23,9 @@ def session_router(door: Door) -> APIRouter:
     """Routes of ``/session``."""
     router = api_router("session")
 
-    @router.get("/session", response_model=Session, summary="May I?", responses=problems(401, 429))
+    @router.get("/session", response_model=Session, summary="Check the login", responses=problems(401, 429))
     async def get_session(request: Request) -> Response:
-        """Answers if this client may use the console; 401 where it must log in."""
+        """200 if this client may use the console; 401 where it must log in."""
         if (refusal := door.refusal(request.scope)) is not None:
             raise refusal
         return Json(Session(True, door.asks))

@@ -1,4 +1,4 @@
-"""Who watches, and how well they are served."""
+"""Connected pages and 3D views, and the quality of their connections."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def viewers_router(hub: Hub, view: View) -> APIRouter:
     """Routes of ``/viewers``."""
     router = api_router("session")
 
-    @router.get("/viewers", response_model=ViewerList, summary="Who watches, and how well they are served")
+    @router.get("/viewers", response_model=ViewerList, summary="Connected pages and 3D views, and their connections")
     async def list_viewers() -> Response:
         driver = hub.driving.lease.driver
         pages = []

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 FEWEST_POINTS = 400
 MOST_POINTS = 76_800
 FIRST_POINTS = 4_000
-#: What was asked for and stands between the robot and the eye at most.
+#: Greatest delay from the robot to the eye (s) that the budget aims at.
 TARGET_LAG_S = 0.2
 #: Two frames should not take longer: a page must have time for more than drawing.
 TARGET_FRAMES_S = 0.1

@@ -50,7 +50,7 @@ def _palette(stops: list[tuple[int, tuple[int, int, int, int]]]) -> NDArray[np.u
     return palette
 
 
-#: What is free lies dark on the floor, what is not stands out.
+#: Free space is dark, obstacles are bright.
 MAP_COLORS = _palette([(0, (66, 88, 116, 130)), (50, (110, 132, 160, 160)), (100, (238, 243, 250, 240))])
 #: Of the costmap only what costs something is drawn.
 COST_COLORS = _palette([(0, (60, 120, 200, 0)), (99, (250, 150, 50, 255)), (100, (230, 50, 70, 255))])
@@ -170,7 +170,7 @@ def ribbon(points: NDArray[np.float64]) -> tuple[NDArray[np.float32], NDArray[np
     """A path (N, 2) as a ribbon on the floor: vertices (V, 3) in the path's frame, and faces (F, 3)."""
     points = thinned_path(points)
     if len(points) > 1:
-        # One that stands still has no direction.
+        # A repeated point has no direction.
         points = points[np.concatenate([[True], np.abs(np.diff(points, axis=0)).max(axis=1) > 1e-6])]
     if len(points) < 2:
         return np.zeros((0, 3), np.float32), np.zeros((0, 3), np.uint32)

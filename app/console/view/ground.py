@@ -24,7 +24,7 @@ from app.console.view.scene_state import World
 from app.console.view.viewer_rate import Pace
 from app.messages import OccupancyGrid, PlannedPath, Zones
 
-#: A map is drawn anew no more often than this (s), the costmap than that; more seldom where drawing takes long.
+#: Least time (s) between two pictures of the map, and of the costmap; longer where drawing takes long.
 MAP_PERIOD_S = 2.0
 COSTMAP_PERIOD_S = 0.4
 _PERIODS = 10.0

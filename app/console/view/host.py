@@ -1,7 +1,7 @@
 """viser's server, on a loopback port of its own, that answers to our relay alone.
 
-viser has no doors: whoever reaches its port is a viewer, and any viewer may have it open a public tunnel. What it takes
-to close them is not part of its public interface; all of that is in this file.
+viser has no access control: any client that reaches its port is a viewer, and any viewer may have it open a public
+tunnel. What closes both is not part of its public interface; all of that is in this file.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class ViewHost:
     ) -> None:
         # A viewer may leave while it is drawn for: viser's warning of that says nothing.
         warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
-        # viser prints a banner with an address that nobody is to use; it alone uses rich.
+        # viser prints a banner with an address that is not for users; it alone uses rich.
         rich.get_console().quiet = True
         self.server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
         # viser wakes its own loop from other threads in a way that asyncio's debug mode takes for an error.

@@ -15,7 +15,7 @@ PATIENCE_S = 5.0
 
 
 class MapPose:
-    """Gives X_OM, the map's pose in the scene, which itself stands still when the robot's place on the map jumps.
+    """Gives X_OM, the map's pose in the scene, which itself does not move when the robot's place on the map jumps.
 
     When a loop is closed while the map grows, the pose jumps at once and the picture of the map follows: until it does,
     the picture there is stays where it fits what the laser sees.
@@ -28,7 +28,7 @@ class MapPose:
         self._jumped = 0.0
 
     def take(self, localization: Localization) -> None:
-        """The robot was found on the map. May be told the same again."""
+        """Take the robot's place on the map; the same message may come again."""
         before, self._last = self._last, localization
         if before is localization:
             return

@@ -27,7 +27,7 @@ GREY = (150, 156, 168)
 _LEVELS_DB = (-65.0, -15.0)
 _LENGTHS_M = (0.35, 1.6)
 _OPACITY = 0.9
-#: A distance is told if it is known better than this share of itself.
+#: A distance is shown if its uncertainty is below this share of it.
 _KNOWN = 0.5
 
 Color = tuple[int, int, int]
@@ -37,7 +37,7 @@ Quaternion = tuple[float, float, float, float]
 
 @dataclass(frozen=True, slots=True)
 class Arrow:
-    """From ``position`` (m in O) along x of ``wxyz`` to its ``head``, ``length`` m away; ``text`` stands there."""
+    """From ``position`` (m in O) along x of ``wxyz`` to its ``head``, ``length`` m away; ``text`` is shown there."""
 
     position: Vector
     wxyz: Quaternion
@@ -50,7 +50,7 @@ class Arrow:
 
 @dataclass(frozen=True, slots=True)
 class FaceFrame:
-    """A frame around a face at ``position`` (m in O), x of ``wxyz`` towards the robot; ``text`` stands above."""
+    """A frame around a face at ``position`` (m in O), x of ``wxyz`` towards the robot; ``text`` is shown above it."""
 
     position: Vector
     wxyz: Quaternion

@@ -53,7 +53,7 @@ def wished_layers(frame: str | bytes) -> Layers | None:
 
 
 class _Typed(msgspec.Struct):
-    """The part of viser's messages that tells what they are."""
+    """The type of a viser message."""
 
     type: str
 
@@ -136,7 +136,7 @@ async def _relay(websocket: WebSocket, view: View, look: Look, protocol: str) ->
         return
     sock = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     sock.setblocking(False)
-    # Bound before it connects: viser takes nobody whose port it was not told.
+    # Bound before it connects: the view admits connections by their local port.
     sock.bind(("127.0.0.1", 0))
     port = sock.getsockname()[1]
     view.admit(port, look.viewer)

@@ -1,4 +1,4 @@
-"""What is drawn: floor, map, way, robot, laser, clouds, posters, people. Lives in one worker thread: viser is slow.
+"""What is drawn: floor, map, way, robot, laser, clouds, posters, people. For one worker thread: viser is slow.
 
 Each viewer has a scene of its own (viser keeps nothing of what it was sent, and each is drawn at its own pace). The
 camera follows the robot without being moved: everything of the world hangs below a frame with the robot's inverse pose,
@@ -53,7 +53,7 @@ class ViewerScene:
         scene = client.scene
         with client.atomic():
             self._world = scene.add_frame(WORLD, show_axes=False)
-            # One quad with a shader. Lines would be fat lines, hundreds of times dearer where there is no GPU.
+            # One quad with a shader. Lines would be fat lines, hundreds of times slower where there is no GPU.
             scene.add_grid(
                 f"{WORLD}/floor",
                 width=60.0,
@@ -169,7 +169,7 @@ class Scene:
         self._due[viewer] = 0.0
 
     def viewer_left(self, viewer: str) -> None:
-        """Forget a viewer."""
+        """Remove a viewer's scene."""
         self._viewers.pop(viewer, None)
         self._due.pop(viewer, None)
 

@@ -20,7 +20,7 @@ from app.messages import (
 
 @dataclass(frozen=True, slots=True)
 class World:
-    """Each part is replaced as a whole, so that ``is`` tells whether it is new.
+    """Each part is replaced as a whole, so that ``is`` shows whether it is new.
 
     ``robot`` is ``X_OB`` now. ``scan`` comes with the pose of its own instant, as the cloud does by itself, and what is
     ``perceived`` of people. ``localization`` says where that lies which is on the map: ``map`` itself, ``zones``, the

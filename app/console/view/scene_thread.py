@@ -1,4 +1,4 @@
-"""The one thread that owns the scenes. It is told the newest of the world and draws it at each viewer's pace."""
+"""The one thread that owns the scenes. It draws the newest state of the world at each viewer's pace."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class PainterStatistics:
 
 
 class Painter:
-    """Starts viser and draws, in a daemon thread of its own, since a call of viser that hangs must hold up nobody.
+    """Starts viser and draws, in a daemon thread of its own: a call of viser that hangs must not hold up the program.
 
     ``admitted`` is called in viser's thread; ``pace`` says what each viewer bears and is called in the painter's, as is
     ``ready(port)``, once viser listens.
@@ -84,7 +84,7 @@ class Painter:
         self._ring()
 
     def _run(self) -> None:
-        # Seconds of imports, which a program that nobody looks at is spared, and its event loop in any case.
+        # Imports take seconds: only a program with a viewer spends them, and never on its event loop.
         from app.console.view.body import Body
         from app.console.view.host import ViewHost
         from app.console.view.scene import Scene

@@ -43,9 +43,9 @@ PERIOD_S = 0.04
 SLOW_BEATS = 3
 STOP_WITHIN_S = 0.8
 COSTMAP = "local_costmap"
-#: A local costmap older than this (s) does not show what stands around now: no other is made any more.
+#: A local costmap older than this (s) does not show the present obstacles: its source has stopped.
 COSTMAP_FRESH_S = 2.0
-#: Of these the newest message is drawn; they are wanted while somebody looks.
+#: Of these the newest message is drawn; they are subscribed to while there are viewers.
 STANDING = ("placed_percepts", "navigation_report", "path", "localization", "zones", "map")
 #: The goal is drawn in these states of navigation.
 GOAL_STATES = ("planning", "following", "recovering", "waiting", "unreachable")
@@ -75,7 +75,7 @@ class View:
         early: bool,
         playback: Playback | None = None,
     ) -> None:
-        """``costmap_asked()`` tells whether any page shows the local costmap."""
+        """``costmap_asked()``: whether any page shows the local costmap."""
         self._system = system
         self._costmap_asked = costmap_asked
         self._playback = playback
@@ -145,7 +145,7 @@ class View:
     def _painter_ended(self, ended: asyncio.Future[None]) -> None:
         if not ended.cancelled() and (failure := ended.exception()) is not None:
             log.error(
-                "the 3D view failed: %s: %s; a reload of the page starts it anew", type(failure).__name__, failure
+                "the 3D view failed: %s: %s; a reload of the page starts it again", type(failure).__name__, failure
             )
             self._painter = self._port = None
             forget_half_imports()
@@ -158,7 +158,7 @@ class View:
         return tuple(self._looks.values())
 
     def pace(self) -> dict[str, Pace]:
-        """By viewer, what it bears and wants. May be asked in any thread."""
+        """Pace and layers by viewer. Safe in any thread."""
         return {
             look.viewer: Pace(
                 int(look.budget.points),
@@ -193,7 +193,7 @@ class View:
         self._ports.pop(port, None)
 
     def set_layers(self, look: Look, costmap: bool | None) -> None:
-        """The viewer wants to see the local costmap, or not; None: as the pages do."""
+        """Show the viewer the local costmap, or not; None: as the pages do."""
         look.costmap = costmap
 
     def answered(self, look: Look, round_trip_s: float | None, frames_s: float = 0.0) -> None:
@@ -203,7 +203,7 @@ class View:
         else:
             look.budget = measured(look.budget, round_trip_s + look.drain_s, frames_s)
 
-    # --- What they are fed, only while somebody looks ----------------------------------------------------------------
+    # --- Subscriptions, only while there are viewers -----------------------------------------------------------------
 
     def _start_feeding(self) -> None:
         graph = self._system.graph
@@ -218,7 +218,7 @@ class View:
             if name in graph.channels:
                 channel = graph.channel(name)
                 self._watching.callback(Tap(channel, f"console.view.{name}", handler).close)
-                # Of a recording that stands, nothing else may come.
+                # Of a paused recording, nothing else may come.
                 if channel.latest is not None and (name == "landmarks" or self._playback is not None):
                     handler(channel.latest)
         for name in (name for name in STANDING if name in graph.channels):
@@ -257,7 +257,7 @@ class View:
         self._landmarks = message
 
     def _look_for_costmap(self) -> None:
-        """Take the local costmap as long as any view shows it: whoever makes it may rest else."""
+        """Subscribe to the local costmap as long as any view shows it: its source may rest otherwise."""
         self._pages_show_costmap = self._costmap_asked()
         wanted = any(pace.costmap for pace in self.pace().values())
         if wanted and self._costmap is None and COSTMAP in self._system.graph.channels:

@@ -274,11 +274,11 @@ async def test_every_answer_carries_its_security_headers(client: httpx.AsyncClie
 
 
 @pytest.mark.parametrize(("host", "loopback"), [("127.8.9.1", True), ("0.0.0.0", False), ("example.org", False)])
-def test_loopback_is_told(host: str, loopback: bool) -> None:
+def test_loopback_addresses(host: str, loopback: bool) -> None:
     assert is_loopback(host) is loopback
 
 
-def test_a_taken_port_is_told_before_anything_starts() -> None:
+def test_a_taken_port_is_refused_before_anything_starts() -> None:
     with listen("127.0.0.1", 0) as first:
         port = first.getsockname()[1]
         assert url_of(first) == f"http://127.0.0.1:{port}"

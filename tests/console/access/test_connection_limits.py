@@ -47,7 +47,7 @@ def test_who_has_waited_longest_gives_way() -> None:
     assert len(visitors) == 3
 
 
-def test_where_nobody_waits_nobody_gives_way() -> None:
+def test_busy_connections_do_not_give_way() -> None:
     visitors = Visitors(2)
     busy = [Guest(waits=False), Guest(waits=False)]
     for guest in busy:

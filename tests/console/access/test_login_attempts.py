@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.console.access.login_attempts import (
-    FORGOTTEN_AFTER_S,
+    EXPIRE_AFTER_S,
     FREE,
     LONGEST_WAIT_S,
     MANY_A_MINUTE,
@@ -32,12 +32,12 @@ def test_some_mistakes_are_free_and_then_waits_double() -> None:
     assert waits[-1] == LONGEST_WAIT_S
 
 
-def test_mistakes_are_forgotten() -> None:
+def test_mistakes_expire() -> None:
     now = Now()
     attempts = Attempts(now)
     for _ in range(FREE + 3):
         attempts.failed("192.0.2.1")
-    now.time += FORGOTTEN_AFTER_S + 1
+    now.time += EXPIRE_AFTER_S + 1
     attempts.failed("192.0.2.1")
     assert attempts.wait_s("192.0.2.1") == 0
 

@@ -76,7 +76,7 @@ async def test_a_connection_that_was_served_ends_in_its_time(
         assert (b"408" in await raw.rest()) == bool(after)
 
 
-async def test_an_answer_that_nobody_takes_is_given_up(url: str, page: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_an_answer_that_is_not_read_is_given_up(url: str, page: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     ended, end = asyncio.Event(), protocols.BoundedHttp.connection_lost
 
     def connection_lost(self: protocols.BoundedHttp, exc: Exception | None) -> None:
@@ -93,7 +93,7 @@ async def test_an_answer_that_nobody_takes_is_given_up(url: str, page: Path, mon
         await ended.wait()
 
 
-async def test_who_waits_keeps_nobody_out(app: FastAPI, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_waiting_connections_keep_no_other_out(app: FastAPI, monkeypatch: pytest.MonkeyPatch) -> None:
     """There is room for 64: of 200 half requests and silent connections, those that wait longest give way."""
     monkeypatch.setattr(server, "most_connections", lambda: connection_limits.FEWEST_CONNECTIONS)
     async with served(app) as url, AsyncExitStack() as stack:

@@ -6,7 +6,7 @@ from app.console.access.sessions import LASTS_S, MOST_SESSIONS, Sessions
 
 
 class Now:
-    """A clock in the test's hands."""
+    """A clock that the test sets."""
 
     def __init__(self) -> None:
         self.time = 0.0

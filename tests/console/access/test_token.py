@@ -10,7 +10,7 @@ from app.base.errors import ConfigError
 from app.console.access.token import VARIABLE, given_token, new_token
 
 
-def test_a_file_wins_over_the_environment_which_keeps_it_from_nobody_else(tmp_path: Path) -> None:
+def test_a_file_wins_over_the_environment_which_other_processes_can_read(tmp_path: Path) -> None:
     file = tmp_path / "token"
     file.write_text("of the file, with spaces\n")
     environment = {VARIABLE: "of the environment", "HOME": "/"}

@@ -76,7 +76,7 @@ def test_on_a_quick_link_commands_are_valid(down: float, up: float, drift: float
         assert judged.age_s == pytest.approx(up, abs=down + 0.02 + 2 * DRIFT * WINDOW_S + 0.001)
 
 
-def test_one_quick_answer_is_remembered_and_forgotten_in_time() -> None:
+def test_one_quick_answer_counts_and_expires() -> None:
     link = Link()
     assert link.send(0.0, down=0.0, up=0.1).cause == ""
     # The robot's words take longer now; the page's do not.
@@ -202,7 +202,7 @@ def test_a_hitch_stops_and_goes_on_but_what_lasts_must_be_pressed_again() -> Non
     ):
         lease, actions = drive(lease, judged, 0.05 * seq, seq)
         assert [a for a in actions if isinstance(a, drive_lease.Command)] == expected
-        notices += [a for a in actions if isinstance(a, drive_lease.Tell)]
+        notices += [a for a in actions if isinstance(a, drive_lease.Notice)]
     assert [notice.text for notice in notices] == ["Commands arrive up to 3.0 s late: driving waits."]
     lease, _ = drive(lease, late, 1.0, 10, held=False)
     assert drive(lease, fresh, 1.1, 11)[1] == (go,)

@@ -41,7 +41,7 @@ class Wheel:
         self.withdrawn += 1
 
     def drive(self, sequence: int, *, held: bool = True) -> None:
-        """What Ann's hands say."""
+        """Ann's drive commands."""
         self.driving.handle(drive_lease.Drive("a", sequence, held, 1.0 if held else 0.0, 0.0))
 
     @property

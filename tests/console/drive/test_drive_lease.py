@@ -22,9 +22,9 @@ from app.console.drive.drive_lease import (
     Gone,
     Heard,
     Lease,
+    Notice,
     ReleaseControl,
     TakeControl,
-    Tell,
     Tick,
     deadline,
     step,
@@ -61,8 +61,8 @@ def commands(actions: tuple[Action, ...] | list[Action]) -> list[Command]:
     return [action for action in actions if isinstance(action, Command)]
 
 
-def told(actions: tuple[Action, ...] | list[Action]) -> list[str]:
-    return [action.session for action in actions if isinstance(action, Tell)]
+def notified(actions: tuple[Action, ...] | list[Action]) -> list[str]:
+    return [action.session for action in actions if isinstance(action, Notice)]
 
 
 def test_the_first_held_drive_takes_the_wheel() -> None:
@@ -76,15 +76,15 @@ def test_the_first_held_drive_takes_the_wheel() -> None:
     assert story.lease.driver == "a"
 
 
-def test_another_is_refused_and_told_once_for_each_hold() -> None:
+def test_another_is_refused_with_one_notice_for_each_hold() -> None:
     story = Story()
     story.hold()
     first = story.hold("b")
     assert commands(first) == []
-    assert told(first) == ["b"]
+    assert notified(first) == ["b"]
     assert story.hold("b") == []
     story.release("b")
-    assert told(story.hold("b")) == ["b"]
+    assert notified(story.hold("b")) == ["b"]
     assert story.hold() == [Command("Ann", True, 0.5, 0.0)]
 
 
@@ -98,12 +98,12 @@ def test_a_refused_hold_does_not_drive_off_when_the_wheel_falls_free() -> None:
     assert commands(story.hold("b")) == [Command("Bob", True, 0.5, 0.0)]
 
 
-def test_taking_control_stops_first_then_tells() -> None:
+def test_taking_control_stops_first_then_notifies() -> None:
     story = Story()
     story.hold()
     actions = story.do(TakeControl("b"))
     assert actions[0] == STOP_ANN
-    assert told(actions) == ["a", "b"]
+    assert notified(actions) == ["a", "b"]
     assert story.lease.driver == "b"
     assert commands(story.hold("a")) == []
     assert story.hold("b") == [Command("Bob", True, 0.5, 0.0)]
@@ -117,7 +117,7 @@ def test_the_end_of_the_connection_stops_at_once() -> None:
     assert "a" not in story.lease.operators
 
 
-def test_a_spectator_who_leaves_stops_nobody() -> None:
+def test_a_spectator_who_leaves_stops_no_driver() -> None:
     story = Story()
     story.hold()
     assert story.do(Gone("b")) == ()
@@ -170,7 +170,7 @@ def test_what_is_out_of_range_is_refused_and_stops(linear: float, angular: float
     story.hold()
     actions = story.hold(linear=linear, angular=angular)
     assert commands(actions) == [STOP_ANN]
-    assert told(actions) == ["a"]
+    assert notified(actions) == ["a"]
     # That hold is over.
     assert story.hold() == []
 
@@ -181,7 +181,7 @@ def test_what_cannot_be_read_stops_who_drives() -> None:
     assert commands(story.do(Garbled("b"))) == []
     actions = story.do(Garbled("a"))
     assert commands(actions) == [STOP_ANN]
-    assert told(actions) == ["a"]
+    assert notified(actions) == ["a"]
 
 
 def test_the_emergency_stop_ends_the_hold_until_pressed_again() -> None:
@@ -189,9 +189,9 @@ def test_the_emergency_stop_ends_the_hold_until_pressed_again() -> None:
     story.hold()
     actions = story.do(EmergencyStop(True))
     assert commands(actions) == [STOP_ANN]
-    assert told(actions) == ["a"]
+    assert notified(actions) == ["a"]
     assert story.hold() == []
-    assert told(story.hold("b")) == ["b"]
+    assert notified(story.hold("b")) == ["b"]
     assert story.do(EmergencyStop(True)) == ()
     assert story.do(EmergencyStop(False)) == ()
     assert story.hold() == []
@@ -208,7 +208,7 @@ def test_an_older_command_does_not_come_back() -> None:
 sessions = st.sampled_from(["a", "b", "c"])
 axis = st.one_of(st.floats(-1, 1), st.sampled_from([math.nan, 1.5, -math.inf]))
 events = st.one_of(
-    st.builds(Connected, sessions, st.just("somebody")),
+    st.builds(Connected, sessions, st.just("Cleo")),
     st.builds(Gone, sessions),
     st.builds(Heard, sessions),
     st.builds(Drive, sessions, st.integers(0, 50), st.booleans(), axis, axis),
@@ -222,7 +222,7 @@ events = st.one_of(
 
 @given(st.lists(st.tuples(events, st.floats(0, 2)), max_size=60))
 def test_whatever_happens_nothing_moves_without_a_fresh_hold(story: list[tuple[Event, float]]) -> None:
-    """The robot was told to move only by its driver, in range, and is stopped by each deadline and each change."""
+    """Commands to move come from the driver alone, in range; each deadline and each change stops the robot."""
     lease, now = Lease(), 0.0
     moving = False
     for event, wait in story:

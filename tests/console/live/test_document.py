@@ -31,7 +31,7 @@ def text() -> str:
 
 @pytest.fixture
 def built(tmp_path: Path) -> tuple[System, Body]:
-    """A program with everything that the stream tells of."""
+    """A program with everything that the stream can carry."""
     return build(tmp_path, recorder=True)
 
 
@@ -69,8 +69,8 @@ async def test_every_type_and_field_from_the_robot_is_described(
     assert frames["navigation"]["path"]
     assert frames["zones"]["zones"]
     for kind, frame in frames.items():
-        told = set(re.findall(r"\w+", rows[kind]))
-        assert set(names(frame)) - {"type"} <= told, kind
+        listed = set(re.findall(r"\w+", rows[kind]))
+        assert set(names(frame)) - {"type"} <= listed, kind
 
 
 def test_every_type_and_field_from_the_page_is_described(text: str) -> None:

@@ -20,7 +20,7 @@ from tests.console.program import Body, image
 from tests.patience import PATIENCE_S
 
 
-async def test_a_newcomer_is_greeted_first_and_told_all_there_is(url: str, system: System) -> None:
+async def test_a_new_page_gets_hello_first_and_then_the_whole_state(url: str, system: System) -> None:
     async with page(url) as ann:
         hello = await ann.receive()
         assert isinstance(hello, dict)
@@ -42,8 +42,8 @@ async def test_a_newcomer_is_greeted_first_and_told_all_there_is(url: str, syste
         assert came.count("lanes_history") == 1
 
 
-async def test_a_reloaded_page_is_told_what_the_lanes_were(url: str, system: System) -> None:
-    """A desire comes and goes while the page is not there; each reload tells the past anew."""
+async def test_a_reloaded_page_gets_the_past_of_the_lanes(url: str, system: System) -> None:
+    """A desire comes and goes while the page is not there; each reload gets the past."""
 
     async def reloaded() -> list[dict[str, Any]]:
         async with page(url) as ann:
@@ -129,15 +129,15 @@ async def test_events_come_in_order_and_once(url: str, system: System) -> None:
         await ann.until("lanes")
         before = system.timeline.statistics().added
         for number in range(50):
-            system.timeline.add("module", "Nobody", f"event {number}")
+            system.timeline.add("module", "Nothing", f"event {number}")
         got: list[int] = []
         while len(got) < 50:
             frame = await ann.until("events")
-            got += [event["id"] for event in frame["events"] if event["subject"] == "Nobody"]
+            got += [event["id"] for event in frame["events"] if event["subject"] == "Nothing"]
         assert got == list(range(before + 1, before + 51))
 
 
-async def test_landmarks_and_exploitation_are_told(url: str, system: System) -> None:
+async def test_landmarks_and_exploitation_are_sent(url: str, system: System) -> None:
     async with page(url) as ann:
         await ann.until("landmarks", lambda m: m["landmarks"] == [])
         now = system.clock.now()
@@ -226,7 +226,7 @@ async def test_the_robot_desires_telepresence_while_watched(url: str, system: Sy
 
 
 class Wheel:
-    """What the console publishes of the operators' hands, with the time."""
+    """The drive commands that the console publishes, with the time."""
 
     def __init__(self, system: System) -> None:
         self._subscription = system.graph.channel("operator_drive").subscribe("test", capacity=100)
@@ -249,7 +249,7 @@ async def test_a_held_key_drives_and_its_release_stops(url: str, system: System)
         stop = await wheel.next()
         assert (stop.held, stop.linear, stop.angular) == (False, 0.0, 0.0)
         assert stop.sequence == drive.sequence + 1
-        # She keeps the wheel for a while, but drives no more, as is told within two beats.
+        # She keeps the wheel for a while, but drives no more, as `status` says within two beats.
         after = await ann.until("status", lambda s: not s["driver"]["holds"])
         assert after["driver"] == {"operator": "Ann", "mine": True, "holds": False}
         assert after["stamp"] - stop.stamp < 0.5
@@ -369,7 +369,7 @@ async def test_what_is_no_command_is_refused_and_stops(url: str, system: System)
 # --- Slow viewers ---------------------------------------------------------------------------------------------------
 
 
-async def test_a_viewer_that_does_not_read_delays_nobody(url: str, system: System, hub: Hub) -> None:
+async def test_a_viewer_that_does_not_read_delays_no_other(url: str, system: System, hub: Hub) -> None:
     """Its sockets full, frames are replaced, not queued, and others are served on time."""
     async with page(url, "slow", max_queue=1) as slow, page(url, "fast") as fast:
         await slow.until("hello")
@@ -378,11 +378,11 @@ async def test_a_viewer_that_does_not_read_delays_nobody(url: str, system: Syste
         long = "x" * 50_000
         number = 0
         while viewer.outbox.statistics().replaced < 40:
-            system.timeline.add("module", "Nobody", f"{number} {long}")
+            system.timeline.add("module", "Nothing", f"{number} {long}")
             await fast.until("events", lambda f: any(e["text"].startswith(f"{number} ") for e in f["events"]))  # noqa: B023
             number += 1
         for _ in range(MOST_ITEMS + 1):
-            system.timeline.add("module", "Nobody", "one too many")
+            system.timeline.add("module", "Nothing", "one too many")
         first = await fast.until("status")
         second = await fast.until("status")
         assert second["stamp"] - first["stamp"] < 0.25

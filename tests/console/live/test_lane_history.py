@@ -1,4 +1,4 @@
-"""The past of the lanes as a newcomer is told it."""
+"""The past of the lanes as a new page gets it."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ ROWS = st.builds(
 )
 
 
-def told(frame: str) -> list[tuple[float, list[dict[str, Any]]]]:
+def spelled_out(frame: str) -> list[tuple[float, list[dict[str, Any]]]]:
     """The frame spelled out as the page does: each sample's stamp and rows."""
     message = json.loads(frame)
     assert message["type"] == "lanes_history"
@@ -62,7 +62,7 @@ def told(frame: str) -> list[tuple[float, list[dict[str, Any]]]]:
 
 
 @given(st.lists(st.tuples(ROWS, ROWS), max_size=40), st.integers(1, 12))
-def test_the_newest_samples_are_told_as_they_were_and_no_more_are_kept(
+def test_the_newest_samples_are_sent_as_they_were_and_no_more_are_kept(
     noted: list[tuple[LaneRow, LaneRow]], most: int
 ) -> None:
     history = LaneHistory(CLASSES, most)
@@ -75,7 +75,7 @@ def test_the_newest_samples_are_told_as_they_were_and_no_more_are_kept(
         # Those of a moment later are left out.
         history.add(replace(lanes, stamp=lanes.stamp + 0.05, rows=()))
         assert all(len(spells) <= most for spells in history._spells.values())
-    assert told(history.frame()) == samples[-most:]
+    assert spelled_out(history.frame()) == samples[-most:]
 
 
 def test_the_frame_is_never_too_large_and_keeps_the_newest() -> None:
@@ -86,7 +86,7 @@ def test_the_frame_is_never_too_large_and_keeps_the_newest() -> None:
         history.add(Lanes(0.5 * number, tuple(replace(row, cls=cls) for cls in CLASSES)))
     frame = history.frame()
     assert len(frame) <= 200_000
-    samples = told(frame)
+    samples = spelled_out(frame)
     assert len(samples) >= 300
     assert samples[-1][0] == 0.5 * 1299
     assert samples[-1][1][0]["text"].startswith("1299 ")
@@ -106,4 +106,4 @@ def test_a_usual_past_is_small() -> None:
 
 
 def test_before_the_first_sample_there_is_no_past() -> None:
-    assert told(LaneHistory(CLASSES).frame()) == []
+    assert spelled_out(LaneHistory(CLASSES).frame()) == []

@@ -36,7 +36,7 @@ def body(robot: Robot) -> psutil.Process | None:
     return None
 
 
-async def test_a_killed_body_is_replaced_and_drives_when_pressed_anew(robot: Robot) -> None:
+async def test_a_killed_body_is_replaced_and_drives_when_pressed_again(robot: Robot) -> None:
     async with page(robot.url) as ann, httpx.AsyncClient(base_url=f"{robot.url}/api/v1", timeout=PATIENCE_S) as rest:
         goal = {"class": "GoTo", "intensity": 1, "utility": 1, "params": {"x": 1, "y": 0}}
         async with held(ann):

@@ -147,7 +147,7 @@ async def test_at_a_jump_all_of_before_is_dropped_but_notices() -> None:
     outbox.put_each("events", ['{"id":1}'])
     outbox.put_picture(1, b"old")
     outbox.put_sound(b"old")
-    outbox.begin_anew("jump")
+    outbox.reset("jump")
     outbox.put("lanes_history", "past")
     outbox.put_each("events", ['{"id":2}'])
     assert await drained(outbox) == ["notice", "jump", "past", '{"type":"events","events":[{"id":2}]}']

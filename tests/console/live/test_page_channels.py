@@ -127,7 +127,7 @@ def test_while_time_is_moved_nothing_comes_and_what_waited_is_dropped() -> None:
         pages.moving = True
         pages.say("drive", twist(3.0))
         await pages.settle()
-        pages.channels.forget()
+        pages.channels.clear()
         pages.moving = False
         await pages.clock.sleep(1.0)
         assert [frame["stamp"] for frame in pages.frames] == [1.0]

@@ -1,4 +1,4 @@
-"""What pages are told of people: seen, heard, and spoken to."""
+"""People on the live stream: seen, heard, and spoken to."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from tests.console.program import Body, sound
 from tests.patience import PATIENCE_S
 
 
-async def test_faces_sounds_and_noises_are_told_as_they_change(url: str, system: System, body: Body) -> None:
+async def test_faces_sounds_and_noises_are_sent_as_they_change(url: str, system: System, body: Body) -> None:
     async with page(url) as ann:
         first = await ann.until("perceived")
         assert (first["faces"], first["sounds"], first["noises"]) == ([], [], [])
@@ -31,8 +31,8 @@ async def test_faces_sounds_and_noises_are_told_as_they_change(url: str, system:
         system.graph.channel("faces").publish(faces(now, (2.0, 0.5, 1.6)))
         system.graph.channel("sound_sources").publish(sound_sources(now, sound_source(7, 0.3)))
         system.graph.channel("loud_noises").publish(LoudNoise(now, 40.0, -9.0))
-        told = await ann.until("perceived", lambda m: m["faces"] and m["sounds"] and m["noises"])
-        (face,), (heard,), (noise,) = told["faces"], told["sounds"], told["noises"]
+        sent = await ann.until("perceived", lambda m: m["faces"] and m["sounds"] and m["noises"])
+        (face,), (heard,), (noise,) = sent["faces"], sent["sounds"], sent["noises"]
         assert (face["track"], face["x"], face["y"], face["z"]) == (1, 3.0, 0.5, 1.6)
         assert (heard["track"], heard["azimuth"], heard["active"]) == (7, 0.3, True)
         assert noise == {"stamp": now, "ratio": 40.0, "level_db": -9.0}
@@ -43,19 +43,19 @@ async def test_faces_sounds_and_noises_are_told_as_they_change(url: str, system:
         assert last["faces"] == []
 
 
-async def test_what_does_not_change_is_not_told_again_and_never_more_than_ten_times_a_second(
+async def test_what_does_not_change_is_not_sent_again_and_never_more_than_ten_times_a_second(
     url: str, system: System
 ) -> None:
     async with page(url) as ann:
         await ann.until("perceived")
-        beats, told = 0, 0
+        beats, sent = 0, 0
         while beats < 20:
             system.graph.channel("faces").publish(faces(system.clock.now()))
             frame = await ann.receive()
             if isinstance(frame, dict):
                 beats += frame["type"] == "status"
-                told += frame["type"] == "perceived"
-        assert 5 <= told <= 11
+                sent += frame["type"] == "perceived"
+        assert 5 <= sent <= 11
         await ann.until("perceived", lambda m: not m["faces"])
         while beats < 30:
             frame = await ann.receive()
@@ -63,7 +63,7 @@ async def test_what_does_not_change_is_not_told_again_and_never_more_than_ten_ti
             beats += isinstance(frame, dict) and frame["type"] == "status"
 
 
-async def test_perceptions_are_wanted_while_somebody_watches(url: str, system: System) -> None:
+async def test_perceptions_are_wanted_while_a_page_watches(url: str, system: System) -> None:
     channels = [system.graph.channel(name) for name in ("faces", "sound_sources", "loud_noises")]
     assert not any(channel.wanted for channel in channels)
     async with page(url) as ann:
@@ -71,7 +71,7 @@ async def test_perceptions_are_wanted_while_somebody_watches(url: str, system: S
         assert all(channel.wanted for channel in channels)
 
 
-async def test_the_panorama_comes_to_whoever_shows_it_at_its_own_pace(url: str, system: System) -> None:
+async def test_the_panorama_comes_to_the_page_that_shows_it_at_its_own_pace(url: str, system: System) -> None:
     channel = system.graph.channel("panorama_jpeg")
     async with page(url) as ann:
         await ann.until("status")
@@ -96,7 +96,7 @@ async def test_the_panorama_comes_to_whoever_shows_it_at_its_own_pace(url: str, 
 
 
 async def until(holds) -> None:  # type: ignore[no-untyped-def]
-    """What a page's message leads to is told to nobody in the program."""
+    """Nothing in the program reports the effect of a page's message: poll for it."""
     async with asyncio.timeout(PATIENCE_S):
         while not holds():  # noqa: ASYNC110
             await asyncio.sleep(0)
@@ -130,7 +130,7 @@ async def test_one_click_lets_a_page_hear_the_robot(url: str, system: System, bo
             assert isinstance(frame, dict), "who does not listen hears nothing"
 
 
-async def test_a_slow_listener_loses_sound_and_is_told_how_much(url: str, system: System, hub: Hub) -> None:
+async def test_a_slow_listener_loses_sound_and_learns_how_much(url: str, system: System, hub: Hub) -> None:
     channel = system.graph.channel(SOUND_CHANNEL)
     async with page(url, "slow", max_queue=1) as slow, page(url, "fast") as fast:
         for ann in (slow, fast):
@@ -140,7 +140,7 @@ async def test_a_slow_listener_loses_sound_and_is_told_how_much(url: str, system
         await slow.stop_reading()
         long = "x" * 50_000
         while viewer.outbox.statistics().replaced < 20:
-            system.timeline.add("module", "Nobody", long)
+            system.timeline.add("module", "Nothing", long)
             await fast.until("events")
         for number in range(40):
             channel.publish(sound(number / 50, 960 * number, samples=960))
@@ -162,7 +162,7 @@ async def test_a_listener_that_goes_is_not_listened_for(url: str, system: System
     await until(lambda: not system.graph.channel("microphones").wanted)
 
 
-async def test_a_page_that_cannot_hear_is_told(url: str, system: System, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_page_that_cannot_hear_gets_a_notice(url: str, system: System, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delitem(system.graph.producers, SOUND_CHANNEL)
     async with page(url) as ann:
         assert not (await ann.until("hello"))["audio"]["listen"]
@@ -190,7 +190,7 @@ async def test_what_is_said_into_a_page_is_played_by_the_robot(url: str, system:
     assert hub.speech.speaker is None
 
 
-async def test_speech_that_cannot_be_is_told_and_stops_nobody(url: str, body: Body, hub: Hub) -> None:
+async def test_malformed_speech_gets_a_notice_and_stops_no_other(url: str, body: Body, hub: Hub) -> None:
     async with page(url) as ann:
         await ann.drive(0.1)
         await ann.until("status", lambda m: m["driver"] is not None)
@@ -211,9 +211,9 @@ async def test_a_lost_connection_ends_a_talk(url: str, hub: Hub) -> None:
         await ben.until("status", lambda m: m["speaker"] == {"operator": "Ben", "mine": True})
 
 
-async def test_rest_tells_what_is_perceived(url: str, system: System) -> None:
+async def test_rest_lists_what_is_perceived(url: str, system: System) -> None:
     async with httpx.AsyncClient(base_url=f"{url}/api/v1") as rest:
         system.graph.channel("faces").publish(faces(system.clock.now()))
-        told = (await rest.get("/percepts")).json()
-    assert [face["track"] for face in told["faces"]] == [1]
-    assert told["sounds"] == told["noises"] == []
+        sent = (await rest.get("/percepts")).json()
+    assert [face["track"] for face in sent["faces"]] == [1]
+    assert sent["sounds"] == sent["noises"] == []

@@ -21,45 +21,45 @@ def built(tmp_path: Path) -> tuple[System, Body]:
     return build(tmp_path, recorder=True)
 
 
-async def test_a_newcomer_is_told_and_so_is_every_change(url: str, system: System, recorder: ScriptedRecorder) -> None:
+async def test_a_new_page_gets_the_state_and_every_change(url: str, system: System, recorder: ScriptedRecorder) -> None:
     async with page(url) as ann, httpx.AsyncClient(base_url=f"{url}/api/v1") as client:
         first = await ann.until("recorder")
         assert (first["state"], first["name"], first["desired"], first["available"]) == ("idle", "", False, True)
         await client.post("/recordings", json={"name": "tour"})
         await ann.until("recorder", lambda m: m["desired"])
-        told = await ann.until("recorder", lambda m: m["state"] == "recording")
-        assert (told["name"], told["duration_s"], told["bytes"], told["reason"]) == ("tour", 1.5, 1000, "")
-        assert told["began"] <= told["stamp"]
+        state = await ann.until("recorder", lambda m: m["state"] == "recording")
+        assert (state["name"], state["duration_s"], state["bytes"], state["reason"]) == ("tour", 1.5, 1000, "")
+        assert state["began"] <= state["stamp"]
         async with page(url, "Bob") as bob:
             assert (await bob.until("recorder"))["state"] == "recording"
         recorder.say("stopped", reason="the disk is full")
-        told = await ann.until("recorder", lambda m: m["state"] == "stopped")
-        assert (told["reason"], told["desired"], told["began"]) == ("the disk is full", True, None)
+        state = await ann.until("recorder", lambda m: m["state"] == "stopped")
+        assert (state["reason"], state["desired"], state["began"]) == ("the disk is full", True, None)
         await client.post("/recordings/stop")
         assert not (await ann.until("recorder", lambda m: m["state"] == "idle"))["desired"]
 
 
-async def test_what_attention_refuses_is_told_with_its_reason(url: str) -> None:
+async def test_what_attention_refuses_has_its_reason(url: str) -> None:
     async with page(url) as ann, httpx.AsyncClient(base_url=f"{url}/api/v1") as client:
         await client.patch("/resources/cpu", json={"capacity": 4})
         await client.post("/recordings", json={"intensity": 1})
-        told = await ann.until("recorder", lambda m: m["reason"] != "")
-        assert told["state"] == "idle"
-        assert told["reason"].startswith("unfulfilled: ")
+        state = await ann.until("recorder", lambda m: m["reason"] != "")
+        assert state["state"] == "idle"
+        assert state["reason"].startswith("unfulfilled: ")
         await client.patch("/resources/cpu", json={"capacity": 100})
         await ann.until("recorder", lambda m: m["state"] == "recording" and m["reason"] == "")
 
 
-async def test_a_failed_recorder_is_told_and_its_return(url: str, recorder: ScriptedRecorder) -> None:
+async def test_a_failed_recorder_is_reported_and_its_return(url: str, recorder: ScriptedRecorder) -> None:
     async with page(url) as ann:
         await ann.until("recorder", lambda m: m["available"])
         recorder.fail(OSError("no such device"))
-        told = await ann.until("recorder", lambda m: not m["available"])
-        assert "no such device" in told["reason"]
+        state = await ann.until("recorder", lambda m: not m["available"])
+        assert "no such device" in state["reason"]
         await ann.until("recorder", lambda m: m["available"] and m["reason"] == "")
 
 
-async def test_numbers_alone_are_told_once_a_second(
+async def test_numbers_alone_are_sent_once_a_second(
     system: System, recorder: ScriptedRecorder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     await heard(system, "idle")
@@ -76,7 +76,7 @@ async def test_numbers_alone_are_told_once_a_second(
     assert report.news()
 
 
-async def test_without_a_recorder_nothing_is_told(tmp_path: Path) -> None:
+async def test_without_a_recorder_nothing_is_sent(tmp_path: Path) -> None:
     system, _ = await asyncio.to_thread(build, tmp_path)
     report = RecorderWatch(system)
     assert report.channel is None

@@ -1,4 +1,4 @@
-"""Who speaks through the robot."""
+"""Push-to-talk: one operator at a time speaks through the robot."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Now:
 
 
 class Floor:
-    """Speech, who is told what, and what is played."""
+    """Speech, its notices, and what is played."""
 
     def __init__(self, **options: bool) -> None:
         self.clock = Now()
@@ -62,7 +62,7 @@ def test_what_is_said_is_played_in_order(floor: Floor) -> None:
     assert floor.notices == []
 
 
-def test_one_speaks_at_a_time_and_the_second_is_told_once(floor: Floor) -> None:
+def test_one_speaks_at_a_time_and_the_second_gets_one_notice(floor: Floor) -> None:
     floor.say("ann")
     floor.say("ben")
     floor.say("ben")
@@ -106,7 +106,7 @@ def test_a_pause_and_a_lost_connection_end_a_talk(floor: Floor) -> None:
         (b"\x11", "not 1 in all"),
     ],
 )
-def test_a_frame_that_cannot_be_is_passed_over_and_told_once(floor: Floor, frame: bytes, words: str) -> None:
+def test_a_malformed_frame_is_passed_over_with_one_notice(floor: Floor, frame: bytes, words: str) -> None:
     for _ in range(3):
         floor.speech.hear("ann", "Ann", frame)
     assert len(floor.notices) == 1
@@ -116,7 +116,7 @@ def test_a_frame_that_cannot_be_is_passed_over_and_told_once(floor: Floor, frame
     assert len(floor.spoken) == 1
 
 
-def test_who_is_never_heard_is_told_why(floor: Floor) -> None:
+def test_a_talk_that_is_never_played_gets_the_reason(floor: Floor) -> None:
     for _ in range(100):
         floor.say("ann", stamp=10.0)
     assert not floor.spoken
@@ -148,7 +148,7 @@ def test_a_frame_that_came_twice_is_played_once(floor: Floor) -> None:
     assert len(floor.spoken) == 1
 
 
-def test_nobody_speaks_in_a_recording() -> None:
+def test_a_recording_takes_no_speech() -> None:
     floor = Floor(recording=True)
     floor.say("ann")
     floor.say("ann")

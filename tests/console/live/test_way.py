@@ -53,7 +53,7 @@ async def answered(ann: Page) -> list[dict[str, Any] | bytes]:
         frames.append(frame)
 
 
-async def test_a_map_is_cut_to_what_is_known_and_told_before_its_picture(url: str, system: System) -> None:
+async def test_a_map_is_cut_to_what_is_known_and_described_before_its_picture(url: str, system: System) -> None:
     channel = system.graph.channel("map")
     channel.publish(grid(5.0, version=7))
     async with page(url) as ann:
@@ -73,7 +73,7 @@ async def test_a_map_is_cut_to_what_is_known_and_told_before_its_picture(url: st
         assert pixels[0, 0] == pixels[19, 1] == 0
 
 
-async def test_nobody_who_has_not_asked_is_sent_a_map(url: str, system: System) -> None:
+async def test_only_a_page_that_asked_gets_a_map(url: str, system: System) -> None:
     channel, costmap = system.graph.channel("map"), system.graph.channel("local_costmap")
     async with page(url) as ann, page(url, "Bob") as bob:
         assert not channel.wanted
@@ -84,7 +84,7 @@ async def test_nobody_who_has_not_asked_is_sent_a_map(url: str, system: System) 
         channel.publish(grid(1.0))
         await pictured(ann, "map_info")
         assert not [frame for frame in await answered(bob) if isinstance(frame, bytes)]
-        # Whoever comes later is given the one there is.
+        # A later page gets the current one.
         await bob.send("view", map=True, costmap=True)
         assert (await pictured(bob, "map_info"))[0]["seq"] == 1
         costmap.publish(grid(2.0, frame="odom"))
@@ -107,7 +107,7 @@ async def test_the_next_map_waits_for_the_page_and_is_the_newest(url: str, syste
         await pictured(bob, "map_info")
         for version in (2, 3):
             channel.publish(grid(float(version), version=version, corner=10 * version))
-            # Bob, who draws at once, paces nobody.
+            # Bob, who draws at once, paces no other page.
             await bob.send("ack", kind=3, seq=version)
             assert (await pictured(bob, "map_info"))[0]["version"] == version
         assert not [frame for frame in await answered(ann) if isinstance(frame, bytes)]
@@ -133,13 +133,13 @@ async def test_the_loop_goes_on_while_a_large_map_is_encoded(
     url: str, system: System, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Encoding, held up here, holds up nothing else; of the maps that come meanwhile the newest is encoded next."""
-    begun, go_on = asyncio.Event(), threading.Event()
+    started, go_on = asyncio.Event(), threading.Event()
     loop, encoded = asyncio.get_running_loop(), []
 
     def slowly(whole: OccupancyGrid) -> OccupancyGrid:
         assert threading.current_thread() is not threading.main_thread()
         encoded.append(whole.version)
-        loop.call_soon_threadsafe(begun.set)
+        loop.call_soon_threadsafe(started.set)
         assert go_on.wait(PATIENCE_S)
         return grids.known_part(whole)
 
@@ -149,7 +149,7 @@ async def test_the_loop_goes_on_while_a_large_map_is_encoded(
         await ann.send("view", map=True)
         await answered(ann)
         channel.publish(grid(1.0, size=1000, version=1))
-        await begun.wait()
+        await started.wait()
         for version in range(2, 6):
             channel.publish(grid(float(version), size=1000, version=version, corner=version))
             await answered(ann)
@@ -160,14 +160,14 @@ async def test_the_loop_goes_on_while_a_large_map_is_encoded(
     assert encoded == [1, 5]
 
 
-async def test_place_zones_and_way_are_told_as_they_change(url: str, system: System) -> None:
+async def test_place_zones_and_way_are_sent_as_they_change(url: str, system: System) -> None:
     graph, now = system.graph, system.clock.now
     async with page(url) as ann:
         assert (await ann.until("zones"))["zones"] == []
         assert (await ann.until("navigation"))["state"] == "idle"
         graph.channel("localization").publish(localization(12.5))
-        told = await ann.until("localization")
-        assert told == {
+        got = await ann.until("localization")
+        assert got == {
             "type": "localization",
             "stamp": 12.5,
             "state": "mapping",
@@ -196,7 +196,7 @@ async def test_place_zones_and_way_are_told_as_they_change(url: str, system: Sys
             None,
         )
         assert way["path"] == [[0.0, 0.0], [0.2, 0.0]]
-        # A path in odom is told on the map.
+        # A path in odom is sent on the map.
         graph.channel("path").publish(path(now(), 2, frame="odom"))
         assert (await ann.until("navigation", lambda m: m["path"] != way["path"]))["path"] == [[1.0, 0.5], [1.1, 0.5]]
         graph.channel("navigation").publish(status(now(), "arrived"))
@@ -208,14 +208,14 @@ async def test_place_zones_and_way_are_told_as_they_change(url: str, system: Sys
             kinds |= {frame["type"]} if isinstance(frame, dict) else set()
 
 
-async def test_why_the_monitor_slowed_whoever_drives_is_told(url: str, system: System) -> None:
+async def test_why_the_monitor_slowed_the_driver_is_sent(url: str, system: System) -> None:
     async with page(url) as ann:
         assert (await ann.until("status"))["limited"] == ""
         now = system.clock.now()
         system.graph.channel("exploitation").publish(
-            Exploitation(now, "Teleop", Twist(now, 0.1, 0.0), "0.4 m to what stands ahead")
+            Exploitation(now, "Teleop", Twist(now, 0.1, 0.0), "0.4 m to the obstacle ahead")
         )
-        await ann.until("status", lambda s: s["limited"] == "0.4 m to what stands ahead")
+        await ann.until("status", lambda s: s["limited"] == "0.4 m to the obstacle ahead")
         # What was said a while ago says nothing about now.
         await ann.until("status", lambda s: s["limited"] == "")
 
@@ -236,15 +236,15 @@ async def test_the_override_is_held_with_the_drive(url: str, system: System) -> 
     ]
 
 
-async def test_an_arrival_is_told_though_it_is_over_at_once(url: str, system: System) -> None:
-    """Whoever arrives ends the desire, and is idle within milliseconds."""
+async def test_an_arrival_is_sent_though_it_is_over_at_once(url: str, system: System) -> None:
+    """An arrival ends the desire, and navigation is idle within milliseconds."""
     channel, now = system.graph.channel("navigation"), system.clock.now
     async with page(url) as ann:
         arrived = status(now(), "arrived")
         channel.publish(arrived)
         channel.publish(NavigationStatus(now(), "PlanAndFollowPath", "idle", "no goal"))
         assert (await ann.until("navigation", lambda m: m["state"] == "arrived"))["stamp"] == arrived.stamp
-        # Another goal takes its place; and what is long over is not told.
+        # Another goal takes its place; and what is long over is not sent.
         channel.publish(status(now(), "planning"))
         await ann.until("navigation", lambda m: m["state"] == "planning")
         channel.publish(status(now() - ARRIVED_S, "arrived"))
@@ -259,20 +259,20 @@ def gave_up(system: System, x: float = 3.0) -> None:
     system.timeline.add("goal", "GoTo", "Gave up going there", about)
 
 
-async def test_a_goal_that_was_given_up_stays_told_until_the_next_one(url: str, system: System) -> None:
+async def test_a_goal_that_was_given_up_is_sent_until_the_next_one(url: str, system: System) -> None:
     async with page(url) as ann:
         assert (await ann.until("navigation"))["given_up"] is None
         gave_up(system)
-        told = (await ann.until("navigation", lambda m: m["given_up"]))["given_up"]
-        assert told["goal"] == {"x": 3.0, "y": 1.0, "theta": None}
-        assert told["reason"] == "the zone “stairs” is in the way"
+        got = (await ann.until("navigation", lambda m: m["given_up"]))["given_up"]
+        assert got["goal"] == {"x": 3.0, "y": 1.0, "theta": None}
+        assert got["reason"] == "the zone “stairs” is in the way"
         async with page(url, "Bob") as bob:
-            assert (await bob.until("navigation"))["given_up"] == told, "whoever comes later is told too"
+            assert (await bob.until("navigation"))["given_up"] == got, "a later page gets it too"
         system.workspace.add("GoTo", intensity=8, utility=4, params={"x": 1, "y": 1}, source=Source("rest", "ann"))
         assert (await ann.until("navigation", lambda m: m["desire"]))["given_up"] is None
 
 
-async def test_a_goal_given_up_is_not_told_once_it_was_read(url: str, system: System, hub: Hub) -> None:
+async def test_a_goal_given_up_is_not_sent_once_it_was_read(url: str, system: System, hub: Hub) -> None:
     async with page(url) as ann, httpx.AsyncClient(base_url=f"{url}/api/v1") as rest:
         gave_up(system)
         await ann.until("navigation", lambda m: m["given_up"])

@@ -42,7 +42,7 @@ async def heard(
         await ann.send("ping", t=1, rtt_ms=None)
         await ann.send("view", map=True, costmap=True)
         await ann.connection.send("{")
-        system.timeline.add("module", "Nobody", "said")
+        system.timeline.add("module", "Nothing", "said")
         await ann.drive(0.1)
         await ann.connection.send(voice(1))
         while frames.keys() != wanted or None in (frames["status"]["driver"], frames["status"]["speaker"]):

@@ -90,7 +90,7 @@ async def reported(system: System, state: str) -> None:
             await asyncio.sleep(0)
 
 
-async def test_what_became_of_it_is_told(client: httpx.AsyncClient, system: System) -> None:
+async def test_what_became_of_it_is_reported(client: httpx.AsyncClient, system: System) -> None:
     await reported(system, "idle")
     desired, going = await goal_now(client)
     assert desired is None
@@ -128,7 +128,7 @@ async def test_a_goal_that_cannot_be_is_refused_by_name(client: httpx.AsyncClien
     assert goals(system) == [("rest", 1)]
 
 
-async def test_whoever_stops_the_robot_it_does_not_set_out_again(
+async def test_a_stop_by_any_source_ends_the_goal(
     client: httpx.AsyncClient, system: System, body: Body, hub: Hub
 ) -> None:
     own = Source("motivation", "Patrol")
@@ -212,7 +212,7 @@ async def test_a_program_that_goes_nowhere_says_so(
     assert "GoTo" in document["detail"]
 
 
-async def test_a_goal_that_was_given_up_is_told_until_it_was_read(
+async def test_a_goal_that_was_given_up_is_reported_until_it_was_read(
     client: httpx.AsyncClient, system: System, hub: Hub
 ) -> None:
     goal = {"x": 3.0, "y": 1.0, "heading": None}

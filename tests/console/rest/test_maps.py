@@ -24,13 +24,13 @@ ZONE: dict[str, Any] = {"name": "a", "kind": "slow", "polygon": [[0, 0], [2, 0],
 
 @pytest.fixture
 def keeper(system: System) -> Keeper:
-    """Whoever keeps the map."""
+    """The module that keeps the map."""
     keeper = Keeper(system.maps)
     system.map.attach(keeper)
     return keeper
 
 
-async def test_a_map_lives_its_life(client: httpx.AsyncClient, system: System, keeper: Keeper) -> None:
+async def test_a_map_from_keeping_to_deletion(client: httpx.AsyncClient, system: System, keeper: Keeper) -> None:
     system.graph.channel("localization").publish(localization(system.clock.now()))
     saved = await client.put("/maps/lab")
     assert saved.status_code == 200, saved.text
@@ -136,13 +136,13 @@ async def test_zones_are_drawn_as_a_whole(client: httpx.AsyncClient, system: Sys
     assert answer.status_code == 200, answer.text
     assert answer.json()["zones"][0] == ZONE
     assert keeper.asked == [("mark", "a", "b")]
-    system.graph.channel("zones").publish(zones(system.clock.now(), zone("told", "slow", 0.25)))
-    told = (await client.get("/map/zones")).json()
-    assert told["zones"] == [
-        {"name": "told", "kind": "slow", "polygon": [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0]], "speed": 0.25}
+    system.graph.channel("zones").publish(zones(system.clock.now(), zone("ramp", "slow", 0.25)))
+    listed = (await client.get("/map/zones")).json()
+    assert listed["zones"] == [
+        {"name": "ramp", "kind": "slow", "polygon": [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0]], "speed": 0.25}
     ]
     # What was read can be written back.
-    assert (await client.put("/map/zones", json=told)).json() == told
+    assert (await client.put("/map/zones", json=listed)).json() == listed
     assert (await client.put("/map/zones", json={"zones": []})).json() == {"zones": []}
 
 
@@ -213,7 +213,7 @@ async def test_who_keeps_no_maps_says_so(client: httpx.AsyncClient) -> None:
         assert "makes no maps" in document["detail"]
 
 
-async def test_the_keepers_refusal_is_told_in_its_words(client: httpx.AsyncClient, keeper: Keeper) -> None:
+async def test_the_keepers_refusal_keeps_its_words(client: httpx.AsyncClient, keeper: Keeper) -> None:
     await client.put("/maps/lab")
     keeper.refusal = "there is nothing on the map yet: drive a little"
     for method, path in (("PUT", "/maps/lab"), ("POST", "/maps/lab/load"), ("POST", "/map/search")):

@@ -81,7 +81,7 @@ async def test_before_the_first_recording_the_list_is_empty(client: httpx.AsyncC
     assert found["recorder"]["available"]
 
 
-async def test_a_recording_lives_its_life(client: httpx.AsyncClient, system: System) -> None:
+async def test_a_recording_from_start_to_deletion(client: httpx.AsyncClient, system: System) -> None:
     created = await client.post("/recordings", json={"name": "tour"}, headers={"X-HBBA-Operator": "Ann"})
     assert created.status_code == 201
     desire = answered(created, Desire)
@@ -168,7 +168,7 @@ async def test_one_recording_does_not_end_another(
     client: httpx.AsyncClient, system: System, recorder: ScriptedRecorder
 ) -> None:
     await client.post("/recordings", json={"name": "tour"})
-    # Whether it has begun or not.
+    # Whether it has started or not.
     for _ in range(2):
         for body in ({}, {"name": "over"}, {"keep_minutes": 1}):
             refused = is_problem(await client.post("/recordings", json=body), 409, "recording-in-progress")
@@ -193,8 +193,8 @@ async def test_a_recording_takes_the_place_of_a_ring_and_of_what_the_robot_itsel
 
 async def test_why_it_stopped_by_itself_is_said(client: httpx.AsyncClient, recorder: ScriptedRecorder) -> None:
     recorder.say("stopped", reason="the disk is full", dropped=3)
-    told = (await listed(client))["recorder"]
-    assert (told["state"], told["reason"], told["dropped"]) == ("stopped", "the disk is full", 3)
+    report = (await listed(client))["recorder"]
+    assert (report["state"], report["reason"], report["dropped"]) == ("stopped", "the disk is full", 3)
 
 
 async def test_a_ring_is_saved(client: httpx.AsyncClient, system: System, recorder: ScriptedRecorder) -> None:
@@ -202,8 +202,8 @@ async def test_a_ring_is_saved(client: httpx.AsyncClient, system: System, record
     assert "keep_minutes" in refused["detail"]
     await client.post("/recordings", json={"keep_minutes": 5})
     await heard(system, "ring")
-    told = (await listed(client))["recorder"]
-    assert (told["state"], told["keep_minutes"]) == ("ring", 5)
+    report = (await listed(client))["recorder"]
+    assert (report["state"], report["keep_minutes"]) == ("ring", 5)
     saved = await client.post("/recordings/save", json={"minutes": 1, "name": "bump"})
     assert saved.status_code == 201
     assert saved.json() == {"name": "bump"}
@@ -222,16 +222,16 @@ async def test_a_recorder_that_does_not_run_is_missed(
     async def broken(_: ScriptedRecorder) -> None:
         raise OSError("no such device")
 
-    monkeypatch.setattr(ScriptedRecorder, "start", broken)  # its next lives end as this one does
+    monkeypatch.setattr(ScriptedRecorder, "start", broken)  # every restart fails too
     failed = asyncio.Event()
     system.supervisor.observe(lambda state: failed.set() if state.status == "failed" else None)
     recorder.fail(OSError("no such device"))
     await asyncio.wait_for(failed.wait(), PATIENCE_S)
     refused = is_problem(await client.post("/recordings"), 409, "recorder-missing")
     assert "no such device" in refused["detail"]
-    told = (await listed(client))["recorder"]
-    assert not told["available"]
-    assert "no such device" in told["reason"]
+    report = (await listed(client))["recorder"]
+    assert not report["available"]
+    assert "no such device" in report["reason"]
     is_problem(await client.post("/recordings/save"), 409, "recorder-missing")
 
 
@@ -257,7 +257,7 @@ async def test_what_is_not_allowed_is_named(client: httpx.AsyncClient, path: str
     assert (await client.get("/desires")).json()["desires"] == []
 
 
-async def test_a_disk_that_refuses_is_told(client: httpx.AsyncClient, system: System) -> None:
+async def test_a_disk_that_refuses_is_reported(client: httpx.AsyncClient, system: System) -> None:
     await asyncio.to_thread(system.recordings.folder.write_text, "no folder")
     refused = is_problem(await client.get("/recordings"), 409, "disk-refuses")
     assert str(system.recordings.folder) in refused["detail"]
@@ -325,7 +325,7 @@ async def test_a_large_recording_is_sent_piece_by_piece(url: str, system: System
         async for piece in response.aiter_raw():
             got += len(piece)
             if got > size // 4:
-                break  # whoever leaves in the middle takes nothing down
+                break  # a client that leaves in the middle breaks nothing
     assert peak_kib() - before < 64 * 1024
     async with httpx.AsyncClient() as client:
         assert (await client.get(f"{url}/api/v1/health")).json()["status"] in ("ok", "degraded")

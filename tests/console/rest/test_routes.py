@@ -59,7 +59,7 @@ async def test_every_answer_has_the_shape_that_is_declared(
     answered(await client.get(path), record)
 
 
-async def test_a_desire_lives_its_life(client: httpx.AsyncClient, system: System) -> None:
+async def test_a_desire_from_creation_to_removal(client: httpx.AsyncClient, system: System) -> None:
     created = await client.post("/desires", json=NEW)
     assert created.status_code == 201
     desire = answered(created, Desire)
@@ -188,7 +188,7 @@ async def test_null_is_no_change(client: httpx.AsyncClient) -> None:
 async def test_what_is_not_there_is_a_problem(client: httpx.AsyncClient) -> None:
     is_problem(await client.get("/nonsense"), 404, "not-found")
     is_problem(await client.get("/desires/d-0"), 404, "no-such-desire")
-    is_problem(await client.get("/modules/Nobody"), 404, "no-such-module")
+    is_problem(await client.get("/modules/Nothing"), 404, "no-such-module")
     is_problem(await client.get("/desire-classes/Fly"), 404, "no-such-desire-class")
     is_problem(await client.patch("/resources/gold", json={"capacity": 1}), 404, "no-such-resource")
 
@@ -262,7 +262,7 @@ async def test_the_emergency_stop_is_latched_and_released(client: httpx.AsyncCli
     assert (await client.delete("/robot/e-stop")).json()["e_stop"] == "released", "nothing is latched: may be repeated"
 
 
-async def test_a_stop_that_nobody_has_seen_is_not_released(
+async def test_a_stop_that_was_not_seen_is_not_released(
     client: httpx.AsyncClient, body: Body, system: System, hub: Hub
 ) -> None:
     before = (await client.get("/robot")).json()["stamp"]
@@ -289,7 +289,7 @@ async def test_a_stop_that_the_guard_does_not_confirm_is_not_called_latched(
     assert body.e_stopped
 
 
-async def test_a_body_that_falls_silent_is_told(client: httpx.AsyncClient, system: System, body: Body) -> None:
+async def test_a_body_that_falls_silent_is_reported(client: httpx.AsyncClient, system: System, body: Body) -> None:
     body.emit_status(system.clock.now())
     assert (await client.get("/robot")).json()["guard"]["state"] == "idle"
     body.emit_status(system.clock.now() - 2)
@@ -302,7 +302,7 @@ async def test_a_body_that_falls_silent_is_told(client: httpx.AsyncClient, syste
 
 
 @pytest.mark.parametrize("body", [b"", b"[]", b"null", b"class=FindQRCodes"])
-async def test_a_body_that_is_no_object_is_told_what_it_should_be(client: httpx.AsyncClient, body: bytes) -> None:
+async def test_a_body_that_is_no_object_is_refused_with_the_right_form(client: httpx.AsyncClient, body: bytes) -> None:
     plain = await client.post("/desires", content=body, headers={"Content-Type": "text/plain"})
     problem = is_problem(plain, 422, "invalid-request")
     assert "Content-Type: application/json" in problem["detail"]
@@ -350,7 +350,7 @@ def walk(value: Any) -> Any:
             yield from walk(inner)
 
 
-async def test_the_health_tells_of_a_module_that_fails(client: httpx.AsyncClient, system: System) -> None:
+async def test_the_health_names_a_module_that_fails(client: httpx.AsyncClient, system: System) -> None:
     assert (await client.get("/health")).json()["status"] == "ok"
     failed = asyncio.Event()
     system.supervisor.observe(lambda state: failed.set() if state.status == "failed" else None)

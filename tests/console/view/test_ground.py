@@ -26,8 +26,8 @@ pytestmark = pytest.mark.filterwarnings("default::DeprecationWarning")
 X_MO = Pose2(1.0, 0.5, math.pi / 2)
 
 
-def told(viewer: Viewer, kind: str, node: str) -> list[dict[str, Any]]:
-    """What ``node`` was told."""
+def sent_to(viewer: Viewer, kind: str, node: str) -> list[dict[str, Any]]:
+    """The messages to ``node``."""
     return [message for message in viewer.seen if message["type"] == kind and message.get("name") == node]
 
 
@@ -47,13 +47,13 @@ async def test_map_way_and_goal_lie_on_the_floor_where_the_robot_is_on_them(url:
             ("SetPositionMessage", "/odom/map"),
         )
         X_OM = X_MO.inverse()
-        position = told(viewer, "SetPositionMessage", "/odom/map")[-1]["position"]
+        position = sent_to(viewer, "SetPositionMessage", "/odom/map")[-1]["position"]
         np.testing.assert_allclose(position, (X_OM.x, X_OM.y, 0.0), atol=1e-6)
         await shown(viewer, "/odom/map", True)
         # No heading was asked for: there is a flag, but no arrow.
         await shown(viewer, "/odom/map/heading", False)
         # Of the map only what is known, and the zone beside it.
-        (image,) = told(viewer, "ImageMessage", "/odom/map/floor")
+        (image,) = sent_to(viewer, "ImageMessage", "/odom/map/floor")
         assert image["props"]["render_width"] == pytest.approx(2.0 + 0.75)
         assert image["props"]["render_height"] == pytest.approx(1.0 + 1.5)
 
@@ -63,15 +63,15 @@ async def test_map_way_and_goal_lie_on_the_floor_where_the_robot_is_on_them(url:
         graph.channel("navigation").publish(NavigationStatus(now(), "PlanAndFollowPath", "idle", ""))
         await viewer.until(("SetPositionMessage", "/odom/map"))
         np.testing.assert_allclose(
-            told(viewer, "SetPositionMessage", "/odom/map")[-1]["position"], (0, 0, 0), atol=1e-6
+            sent_to(viewer, "SetPositionMessage", "/odom/map")[-1]["position"], (0, 0, 0), atol=1e-6
         )
         await shown(viewer, "/odom/map/path", False)
         await shown(viewer, "/odom/map/goal", False)
-        assert not told(viewer, "SetPositionMessage", "/odom")
+        assert not sent_to(viewer, "SetPositionMessage", "/odom")
         assert not [message for message in viewer.seen if "Remove" in message["type"]]
 
 
-async def test_a_costmap_is_taken_while_somebody_wants_to_see_it(
+async def test_a_costmap_is_taken_while_a_viewer_wants_to_see_it(
     url: str,
     system: System,
     view: View,  # noqa: F811

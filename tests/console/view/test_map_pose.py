@@ -37,7 +37,7 @@ def test_drift_is_followed_at_once() -> None:
 def test_a_map_of_before_a_loop_was_closed_stays_where_it_fits() -> None:
     pose = closed()
     assert pose.at(9.0) == BEFORE.inverse()
-    # Whoever is told the same again, and corrects a little more, waits on.
+    # The same place again, corrected a little more: the map still waits.
     pose.take(localization(10.1, AFTER @ Pose2(0.2, 0.0, 0.0)))
     assert pose.at(9.0) == BEFORE.inverse()
     assert pose.at(10.2) == (AFTER @ Pose2(0.2, 0.0, 0.0)).inverse()
@@ -52,7 +52,7 @@ def test_a_map_that_does_not_follow_is_waited_for_no_longer() -> None:
 
 
 @pytest.mark.parametrize(("state", "name"), [("tracking", "lab"), ("mapping", "other")])
-def test_whoever_is_found_elsewhere_is_there_at_once(state: str, name: str) -> None:
+def test_a_robot_found_elsewhere_is_there_at_once(state: str, name: str) -> None:
     assert closed(state, name).at(9.0) == AFTER.inverse()
 
 

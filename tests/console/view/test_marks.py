@@ -87,7 +87,7 @@ def test_an_arrow_points_from_the_microphones_towards_its_sound(v: tuple[float, 
     assert arrow.position == (0.1, 0.2, 0.5)
 
 
-def test_louder_is_longer_and_colour_tells_a_voice() -> None:
+def test_louder_is_longer_and_colour_marks_a_voice() -> None:
     def arrow(**changes: Any) -> object:
         return arrow_marks(PlacedPercepts(NOW, sounds=(replace(heard(), **changes),)))[1]
 

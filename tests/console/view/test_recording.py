@@ -1,4 +1,4 @@
-"""The 3D view on a recording: whoever looks while time stands sees the scene, and nothing of another time stays."""
+"""The 3D view on a recording: a paused scene is shown to a new viewer too, and nothing of another time stays."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ pytestmark = pytest.mark.filterwarnings("default::DeprecationWarning")
 
 @pytest.fixture
 def prepared() -> Any:
-    """Some seconds of the lab; somebody wanted the cloud from 1 s to 3 s."""
+    """Some seconds of the lab; the cloud was wanted from 1 s to 3 s."""
     return prepare(lab_log(5.0))
 
 
-async def told(viewer: Viewer, kind: str, node: str, field: str, holds: Callable[[Any], bool]) -> None:
-    """Read until what ``node`` was last told ``holds``."""
+async def until(viewer: Viewer, kind: str, node: str, field: str, holds: Callable[[Any], bool]) -> None:
+    """Read until ``holds`` of the last message to ``node``."""
     async with asyncio.timeout(PATIENCE_S):
         while True:
             said = [m[field] for m in viewer.seen if m["type"] == kind and m["name"] == node]
@@ -35,18 +35,20 @@ async def told(viewer: Viewer, kind: str, node: str, field: str, holds: Callable
 
 async def visible(viewer: Viewer, node: str, expected: bool) -> None:
     """Read until ``node`` is as it should be."""
-    await told(viewer, "SetSceneNodeVisibilityMessage", node, "visible", lambda said: said is expected)
+    await until(viewer, "SetSceneNodeVisibilityMessage", node, "visible", lambda said: said is expected)
 
 
 async def gone(viewer: Viewer, metres: float) -> None:
     """Read until the robot is shown so far from where it began."""
-    await told(viewer, "SetPositionMessage", "/odom", "position", lambda p: abs(math.hypot(p[0], p[1]) - metres) < 0.01)
+    await until(
+        viewer, "SetPositionMessage", "/odom", "position", lambda p: abs(math.hypot(p[0], p[1]) - metres) < 0.01
+    )
 
 
 async def test_the_scene_follows_a_recording_forth_and_back(replay_url: str, play: Played) -> None:
     await play.playback.seek(BEGIN + 1.5)
     async with looking(replay_url) as viewer:
-        # Time stands: all of this is shown because somebody looks.
+        # Time stands still: all of this is shown because of the viewer.
         await viewer.until(
             ("SetPositionMessage", "/odom"),
             ("SceneNodeUpdateMessage", "/odom/scan"),

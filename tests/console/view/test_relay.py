@@ -78,7 +78,7 @@ class Viewer:
 
 @contextlib.asynccontextmanager
 async def looking(url: str, name: str = "abc", **options: Any) -> AsyncIterator[Viewer]:
-    """A page that looks, known to viser as soon as it has told its camera."""
+    """A page that looks, known to viser as soon as it has sent its camera."""
     async with websockets.connect(
         f"{url.replace('http', 'ws')}/viser?viewer={name}",
         subprotocols=[websockets.Subprotocol(PROTOCOL)],
@@ -159,7 +159,7 @@ async def test_a_cloud_is_thinned_to_what_its_viewer_bears(url: str, system: Sys
         assert look.sent_bytes - before < 9 * view.pace()["abc"].points + 4_000
 
 
-async def test_the_laser_is_listened_to_only_while_somebody_looks(url: str, system: System, view: View) -> None:
+async def test_the_laser_is_listened_to_only_while_a_viewer_looks(url: str, system: System, view: View) -> None:
     channel = system.graph.channel("scan")
     assert not channel.wanted
     async with looking(url) as viewer:
@@ -211,7 +211,7 @@ async def test_no_viewer_can_open_a_tunnel(url: str, view: View) -> None:
         assert view._painter.host.server._share_tunnel is None
 
 
-async def test_viser_takes_nobody_but_our_relay(url: str, view: View) -> None:
+async def test_viser_takes_no_client_but_our_relay(url: str, view: View) -> None:
     """A page elsewhere can reach any port of this computer's loopback; without our relay it is shown out."""
     port = await view.port()
     async with websockets.connect(
@@ -270,7 +270,7 @@ async def test_a_page_of_another_viser_is_closed_with_one_line_in_the_log(
     assert not [record for record in caplog.records if record.exc_info]
 
 
-async def test_a_view_that_fails_is_told_closed_and_tried_anew(
+async def test_a_view_that_fails_is_reported_closed_and_tried_again(
     url: str, body: Body, caplog: pytest.LogCaptureFixture
 ) -> None:
     whole = body.description

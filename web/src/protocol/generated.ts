@@ -5,7 +5,7 @@
 
 import type { JsonSchema } from "./jsonSchema";
 
-/** Whether the robot can be listened to, and be spoken through. */
+/** Whether the robot has microphones to listen to, and a loudspeaker to speak through. */
 export interface AudioFacts {
   listen: boolean;
   speak: boolean;
@@ -130,7 +130,7 @@ export interface GridInfo {
   height: number;
 }
 
-/** What the guard says. */
+/** State of the guard. */
 export interface Guard {
   /** idle, driving, stale_command, e_stopped, sensor_failure, waiting or silent. */
   state: string;
@@ -381,16 +381,16 @@ export interface MoreCapacity {
   unit: string;
 }
 
-/** What the behavior that goes somewhere is about; as `navigation` on the live stream. */
+/** State of the behavior that drives to a goal; as `navigation` on the live stream. */
 export interface NavigationModel {
   stamp: number;
-  /** Empty before any has spoken. */
+  /** Empty before the first report. */
   behavior: string;
   state: "idle" | "planning" | "following" | "recovering" | "waiting" | "arrived" | "unreachable";
   /** In words, and what would help. */
   reason: string;
   goal: PlaceModel | null;
-  /** Where it really goes: the nearest reachable place. */
+  /** The nearest reachable place, which it drives to. */
   target: PlaceModel | null;
   remaining_m: number | null;
   recoveries: number;
@@ -508,7 +508,7 @@ export interface PlacedSound {
   speech: number | null;
 }
 
-/** What is played, and where it is; stamps are the recording's. */
+/** State of the playback; stamps are the recording's. */
 export interface PlaybackReport {
   /** Name of the recording's file. */
   file: string;
@@ -523,7 +523,7 @@ export interface PlaybackReport {
   /** Whether time goes on, or will after the seek under way. */
   playing: boolean;
   phase: "ended" | "paused" | "playing" | "seeking";
-  /** What cannot be read of the recording here, in words, why it stands. */
+  /** Why it cannot go on: the part of the recording that cannot be read. */
   problem: string | null;
 }
 
@@ -549,7 +549,7 @@ export interface ReasonReport {
   alternatives: (MoreCapacity | WithoutClass)[];
 }
 
-/** What the Recorder does. */
+/** State of the Recorder. */
 export interface RecorderReport {
   /** Seconds of the robot's clock (Unix epoch). */
   stamp: number;
@@ -618,7 +618,7 @@ export interface ResourceUse {
   unit: string;
 }
 
-/** What the body is, and what people must know of it. */
+/** The body and its limits. */
 export interface RobotFacts {
   name: string;
   simulated: boolean;
@@ -656,7 +656,7 @@ export interface Source {
   name: string;
 }
 
-/** How fresh a channel is, measured beside commanded. */
+/** Freshness of a channel: its measured and its expected rate. */
 export interface SourceState {
   channel: string;
   state: "closed" | "live" | "stale" | "waiting";
@@ -665,7 +665,7 @@ export interface SourceState {
   expected_hz: number | null;
 }
 
-/** Who speaks through the robot. */
+/** The operator who speaks through the robot. */
 export interface Speaker {
   operator: string;
   /** Whether it is this page's operator. */
@@ -757,7 +757,7 @@ export interface AckMessage {
   seq: number;
 }
 
-/** Release it. */
+/** Release the emergency stop. */
 export interface ClearEStopMessage {
   type: "clear_e_stop";
   t?: number | null;
@@ -776,7 +776,7 @@ export interface DesireChange {
   ttl?: number | null;
 }
 
-/** The operator's hands. */
+/** A drive command of the operator. */
 export interface DriveMessage {
   type: "drive";
   t?: number | null;
@@ -794,19 +794,19 @@ export interface EStopMessage {
   type: "e_stop";
 }
 
-/** Where to go. */
+/** A goal for the robot. */
 export interface GoalRequest {
   /** On the map (m). */
   x: number;
   /** On the map (m). */
   y: number;
-  /** On the map (rad); null: any will do. */
+  /** On the map (rad); null: any heading. */
   heading?: number | null;
   /** Share of the robot's greatest speed; null: as usual. */
   speed?: number | null;
 }
 
-/** Whether the page wants to hear what the robot hears. */
+/** Subscribe to the microphones' sound, or end that. */
 export interface ListenMessage {
   type: "listen";
   on: boolean;
@@ -814,9 +814,9 @@ export interface ListenMessage {
 
 /** How to take a map into use. */
 export interface LoadRequest {
-  /** Where the robot is about, within 1 m and 0.5 rad; null: it looks for itself. */
+  /** Rough pose of the robot, within 1 m and 0.5 rad; null: global localization searches for it. */
   pose?: PoseRequest | null;
-  /** Whether the map goes on growing; else it stays as it is. */
+  /** Whether mapping continues in this map; else it is only localized in. */
   extend?: boolean;
 }
 
@@ -853,7 +853,7 @@ export interface NewRecording {
   utility?: number;
 }
 
-/** A sign of life; ``t`` comes back as it is. */
+/** Ping; the pong returns ``t`` unchanged. */
 export interface PingMessage {
   type: "ping";
   t?: number | null;
@@ -879,14 +879,14 @@ export interface PoseRequest {
   theta: number;
 }
 
-/** Give it back. */
+/** Give the wheel back. */
 export interface ReleaseControlMessage {
   type: "release_control";
 }
 
 /** What to change of a map. */
 export interface RenameRequest {
-  /** What it is called from now on. */
+  /** The new name. */
   name: string;
 }
 
@@ -917,7 +917,7 @@ export interface TimedMessage {
   heard_t?: number | null;
 }
 
-/** Which pictures the page shows; None: as it was. */
+/** Which pictures the page shows; None: unchanged. */
 export interface ViewMessage {
   type: "view";
   camera?: boolean | null;
@@ -926,9 +926,9 @@ export interface ViewMessage {
   costmap?: boolean | null;
 }
 
-/** A part of the map where the robot is told how to drive. */
+/** A part of the map with a rule for driving in it. */
 export interface ZoneRequest {
-  /** What people call it; no two share one. */
+  /** Unique name for people. */
   name: string;
   /** The robot keeps out of it, or drives slowly in it. */
   kind: "keep_out" | "slow";

@@ -60,7 +60,7 @@ class Recovery:
 
     def __init__(self, settings: RecoverySettings | None = None) -> None:
         self.settings = settings or RecoverySettings()
-        #: Actions begun since the goal was given.
+        #: Actions started since the goal was given.
         self.count = 0
         self._rung = 0
         self._round = 0
