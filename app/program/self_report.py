@@ -100,7 +100,10 @@ class SelfReport:
 
     def _event(self, event: TimelineEvent) -> None:
         data = json.dumps(dict(event.data), ensure_ascii=False)
-        self._publish("events", EventRecord(event.stamp, event.kind, event.subject, event.text, data, event.id))
+        self._publish(
+            "events",
+            EventRecord(event.stamp, event.kind, subject=event.subject, text=event.text, data=data, id=event.id),
+        )
 
     def _log_line(self, level: int, source: str, text: str) -> None:
         self._publish("log", LogLine(self._now(), level, source, text))

@@ -54,6 +54,10 @@ modules:
     class: app.modules.perception.camera_stream:CameraStream
     inputs: {images: kinect}
     outputs: {pictures: camera_jpeg}
+  PanoramaStream:
+    class: app.modules.perception.panorama_stream:PanoramaStream
+    inputs: {images: imv}
+    outputs: {pictures: panorama_jpeg}
   PointCloudBuilder:
     class: app.modules.perception.point_cloud_builder:PointCloudBuilder
     inputs: {images: kinect, odometry: odometry}
@@ -119,7 +123,7 @@ sound_sources: {type: SoundSources, external: true}
 loud_noises: {type: LoudNoise, decimable: false, external: true}
 percept_events: {type: PerceptEvent, decimable: false, external: true}
 imv: {type: Image, rate_hz: 10, external: true}
-panorama_jpeg: {type: EncodedImage, external: true, log: never}
+panorama_jpeg: {type: EncodedImage, log: never}
 localization: {type: Localization, frame: map, decimable: false, external: true, page: {every_hz: 10}}
 map: {type: OccupancyGrid, latched: true, frame: map, decimable: false, external: true}
 zones: {type: Zones, latched: true, frame: map, decimable: false, external: true, page: {every_hz: 10}}

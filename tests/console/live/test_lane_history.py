@@ -70,7 +70,7 @@ def test_the_newest_samples_are_sent_as_they_were_and_no_more_are_kept(
     for number, pair in enumerate(noted):
         rows = tuple(replace(row, cls=cls) for cls, row in zip(CLASSES, pair, strict=True))
         lanes = Lanes(100.0 + 0.5 * number, rows)
-        samples.append((lanes.stamp, msgspec.to_builtins(lane_rows(lanes))))
+        samples.append((lanes.stamp, [msgspec.to_builtins(row) for row in lane_rows(lanes)]))
         history.add(lanes)
         # Those of a moment later are left out.
         history.add(replace(lanes, stamp=lanes.stamp + 0.05, rows=()))

@@ -282,12 +282,12 @@ def test_where_time_stands_percepts_are_published_all_the_same() -> None:
 def test_perceptions_rest_unless_placed_percepts_are_wanted() -> None:
     async def main() -> None:
         async with bench() as robot:
-            channels = {name: robot.graph.channel(name) for name in INPUTS}
+            assert robot.slot.context.inputs["panorama"].wants == "never", "a picture nobody looks at"
+            channels = {name: robot.graph.channel(name) for name in INPUTS if name != "panorama"}
             assert not any(channel.wanted for channel in channels.values())
             channel = robot.graph.channel("percepts")
             wanted = channel.subscribe("test")
-            assert all(channel.wanted for name, channel in channels.items() if name != "panorama")
-            assert not channels["panorama"].wanted, "a picture nobody looks at"
+            assert all(channel.wanted for channel in channels.values())
             channel.unsubscribe(wanted)
             assert not any(channel.wanted for channel in channels.values())
 
