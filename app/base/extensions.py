@@ -137,7 +137,7 @@ def _absent(what: str, name: str, known: list[str]) -> str:
 def may_be_imported_for_a_log(path: str) -> bool:
     """Whether the module of ``package.module:Name`` may be imported because a log names it.
 
-    A log is a file of strangers: it may name what is imported already, and what announces itself to this program.
+    A log is a file of unknown origin: it may name what is imported already, and what announces itself to this program.
     """
     module_path = path.partition(":")[0]
     return module_path in sys.modules or module_path.partition(".")[0] in announced_packages()
