@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
+import pkgutil
 import sys
 import tomllib
 import traceback
@@ -14,6 +15,7 @@ from pathlib import Path
 
 from app.base import paths
 from app.base.errors import ConfigError
+from app.base.yaml_source import likeliest
 
 DISTRIBUTION = "hbba"
 #: The groups of entry points, and what each brings.
@@ -108,16 +110,34 @@ def load_named(path: str) -> object | None:
         raise ConfigError(f"{module_path} cannot be imported: {_sentence(failure)}") from failure
 
 
-def missing_package(path: str) -> str | None:
-    """The top package of ``package.module:Name`` if no such package is installed, else None."""
-    top = path.partition(":")[0].partition(".")[0]
-    return top if top.isidentifier() and importlib.util.find_spec(top) is None else None
+def why_absent(path: str) -> str | None:
+    """Which part of ``package.module:Name`` is absent, in words; None where none is, or where it is no such path.
+
+    Imports the packages above the module, as :func:`load_named` does.
+    """
+    module_path, _, name = path.partition(":")
+    parts = module_path.split(".")
+    if not all(part.isidentifier() for part in (*parts, name)):
+        return None
+    if parts[0] not in sys.modules and importlib.util.find_spec(parts[0]) is None:
+        return f"no package {parts[0]!r} is installed here"
+    for count in range(1, len(parts)):
+        parent = importlib.import_module(".".join(parts[:count]))
+        inside = [found.name for found in pkgutil.iter_modules(getattr(parent, "__path__", ()))]
+        if parts[count] not in inside:
+            return _absent(f"{parent.__name__} has no module", parts[count], inside)
+    names = [known for known in vars(importlib.import_module(module_path)) if not known.startswith("_")]
+    return None if name in names else _absent(f"{module_path} has no class", name, names)
+
+
+def _absent(what: str, name: str, known: list[str]) -> str:
+    return f"{what} {name!r}; {likeliest(name, known)}".rstrip("; ")
 
 
 def may_be_imported_for_a_log(path: str) -> bool:
     """Whether the module of ``package.module:Name`` may be imported because a log names it.
 
-    A log is a file of strangers: it may name what is imported already, and what announces itself to this program.
+    A log is a file of unknown origin: it may name what is imported already, and what announces itself to this program.
     """
     module_path = path.partition(":")[0]
     return module_path in sys.modules or module_path.partition(".")[0] in announced_packages()

@@ -131,14 +131,17 @@ def packages() -> Finding:
     try:
         announced_configurations()
         for group, kind in GROUPS.items():
+            names: list[str] = []
             for name, extension in extensions(group).items():
                 if group != "hbba.configurations":
                     extension.load()
                 if extension.distribution != DISTRIBUTION:
-                    found.append(f"{kind}: {name} ({extension.distribution})")
+                    names.append(f"{name} ({extension.distribution})")
+            if names:
+                found.append(f"{kind}: {', '.join(sorted(names))}")
     except ConfigError as failure:
         return Finding("packages", False, False, str(failure), "correct or uninstall the package")
-    return Finding("packages", True, False, ", ".join(found) or "none beside the program's own")
+    return Finding("packages", True, False, "; ".join(found) or "none beside the program's own")
 
 
 def graphics() -> Finding:

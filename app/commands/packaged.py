@@ -55,7 +55,8 @@ def config_file(named: str | Path, kind: Kind, option: str = "") -> Path:
     close = difflib.get_close_matches(inside.stem, known, n=1)
     hint = f"; did you mean {close[0]!r}? Allowed:" if close else ";"
     none = "none, " if kind == "scenario" else ""
-    raise ConfigError(f"there is no {kind} {named}{hint} a file, {none}or one of: {', '.join(known)}", option)
+    more = "; those of a package are known once it is installed" if kind in _OF_PACKAGES else ""
+    raise ConfigError(f"there is no {kind} {named}{hint} a file, {none}or one of: {', '.join(known)}{more}", option)
 
 
 def program_named(named: str | Path | None) -> Path | None:

@@ -56,7 +56,8 @@ def body_kind(name: object) -> BodyKind:
     kinds = extensions("hbba.bodies")
     extension = kinds.get(str(name))
     if extension is None:
-        raise ConfigError(f"there is no kind of body {name!r}; {suggestion(str(name), list(kinds))}")
+        known = suggestion(str(name), list(kinds))
+        raise ConfigError(f"there is no kind of body {name!r}; {known}, and those of a package once it is installed")
     found = extension.load()
     if not isinstance(found, BodyKind):
         raise ConfigError(f"{extension.value} of {extension.distribution} is no BodyKind")

@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from app.base.errors import ConfigError
-from app.base.extensions import load_named, missing_package
+from app.base.extensions import load_named, why_absent
 from app.base.yaml_source import likeliest, validation_message
 from app.runtime.channel import Channel
 from app.runtime.channel_table import ChannelSpec
@@ -331,8 +331,8 @@ class Graph:
         except ConfigError as failure:
             raise self._error(failure.message, (*key, "class")) from failure
         if module_class is None:
-            missing = missing_package(spec.class_path)
-            why = "" if missing is None else f"; no package {missing!r} is installed here"
+            absent = why_absent(spec.class_path)
+            why = "" if absent is None else f": {absent}"
             raise self._error(f"{spec.class_path!r} is not a module class (package.module:Class){why}", (*key, "class"))
         try:
             settings: Settings = module_class.Settings.model_validate(spec.settings)

@@ -63,7 +63,11 @@ def test_the_doctor_lists_packages_and_names_one_that_is_broken(site: Path) -> N
     install(site, "hbba-wind", {"wind_e.py": SOURCE}, experiments={"drift": "wind_e"})
     finding = packages()
     assert finding.ok
-    assert "experiments: drift (hbba-wind)" in finding.found
+    assert finding.found == "experiments: drift (hbba-wind)"
+    install(site, "hbba-tide", {"tide_e.py": SOURCE}, experiments={"ebb": "tide_e"}, messages={"tide": "tide_e"})
+    finding = packages()
+    assert finding.ok
+    assert finding.found == "experiments: drift (hbba-wind), ebb (hbba-tide); messages: tide (hbba-tide)"
     install(site, "hbba-storm", {"storm_e.py": "1 / 0\n"}, panels={"storm": "storm_e:PANEL"})
     finding = packages()
     assert not finding.ok

@@ -98,6 +98,7 @@ def test_a_wrong_name_is_one_sentence_with_those_there_are(named: str, kind: Kin
         config_file(named, kind, "--option")
     assert str(refused.value).startswith("--option: ")
     assert message in str(refused.value)
+    assert ("those of a package are known once it is installed" in str(refused.value)) == (kind == "program")
 
 
 @pytest.mark.parametrize(

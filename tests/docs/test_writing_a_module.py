@@ -79,7 +79,10 @@ def test_the_page_begins_with_a_skeleton_that_is_written(
     assert named is not None
     assert cli.main([*named[1].split(), "--in", str(tmp_path)]) == 0
     (package,) = tmp_path.iterdir()
-    assert f"cd ~/robots/{package.name}\n" in text
+    _, entered, steps = text.partition(f"cd ~/robots/{package.name}\n")
+    assert entered
+    readme = re.findall(r"^    (.+)$", (package / "README.md").read_text("utf-8"), flags=re.MULTILINE)
+    assert [line.split("  #")[0].strip() for line in steps.partition("```")[0].splitlines()] == readme
     announce(package)
     monkeypatch.syspath_prepend(str(package))
     (name,) = re.findall(r"^hbba check (\w+)$", text, flags=re.MULTILINE)

@@ -70,6 +70,7 @@ def test_an_unknown_kind_names_those_there_are(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match=r"no kind of body 'simulate'; did you mean 'simulated'\?") as refused:
         load_body(body_file(tmp_path, "simulate"))
     assert refused.value.line == 3
+    assert refused.value.message.endswith(", and those of a package once it is installed")
 
 
 @pytest.mark.parametrize(

@@ -206,8 +206,21 @@ def test_a_path_that_is_no_module_class_is_refused(build: Build, path: str) -> N
     assert f"{path!r} is not a module class" in refused(build, {"A": (path, {}, {})}, {})
 
 
-def test_a_package_that_is_not_installed_is_named(build: Build) -> None:
-    assert "no package 'hbba_absent' is installed here" in refused(build, {"A": ("hbba_absent.a:A", {}, {})}, {})
+@pytest.mark.parametrize(
+    ("path", "why"),
+    [
+        ("hbba_absent.a:A", "no package 'hbba_absent' is installed here"),
+        ("app.runtme.module:Module", "app has no module 'runtme'; did you mean 'runtime'?"),
+        ("app.runtime.modul:Module", "app.runtime has no module 'modul'; did you mean 'module'?"),
+        ("app.runtime.module.x:Module", "app.runtime.module has no module 'x'"),
+        ("app.runtime.module:Modul", "app.runtime.module has no class 'Modul'; did you mean 'Module'?"),
+        ("app.runtime.module:Xyzzy", "app.runtime.module has no class 'Xyzzy'"),
+        ("__main__:Xyzzy", "__main__ has no class 'Xyzzy'"),
+    ],
+)
+def test_what_is_absent_of_a_path_is_named(build: Build, path: str, why: str) -> None:
+    said = refused(build, {"A": (path, {}, {})}, {})
+    assert said == f"modules.A.class: {path!r} is not a module class (package.module:Class): {why}"
 
 
 def test_a_broken_import_inside_a_module_file_is_one_sentence(

@@ -1,4 +1,4 @@
-"""A recording's files put back on disk: what a log carries is a stranger's word, and may not write where it likes."""
+"""A recording's files put back on disk: a log is of unknown origin, and its files may not be written anywhere else."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ test("on the map walls are lighter than floor, and what is unknown shows the gro
   expect(map[4 * 255 + 3]).toBe(0);
 });
 
-test("of the costmap only what costs something is shown, the dearer the denser", () => {
+test("of the costmap only what costs something is shown, the costlier the denser", () => {
   const costs = palette("costmap_info");
   expect(costs[3]).toBe(0);
   expect(costs[4 * 255 + 3]).toBe(0);

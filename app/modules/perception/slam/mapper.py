@@ -307,8 +307,8 @@ class Slam:
         other = fitted(submap.grid, scan.points, found[0], prior, loose)
         # A similar place one door further fits, too: the required advantage grows with the distance from odometry.
         X_MS = self._poses[submap.keyframes[0]]
-        dearer = self._price(X_MS @ other.X_SB) - self._price(X_MS @ fit.X_SB)
-        return other if other.inliers > fit.inliers + _RESCUE_GAIN + dearer else fit
+        surcharge = self._price(X_MS @ other.X_SB) - self._price(X_MS @ fit.X_SB)
+        return other if other.inliers > fit.inliers + _RESCUE_GAIN + surcharge else fit
 
     def _price(self, X_MB: Pose2) -> float:
         """Required advantage in share of the scan of a fit at ``X_MB``, by its distance from odometry.
