@@ -15,7 +15,6 @@ from pathlib import Path
 
 from app.base import paths
 from app.base.errors import ConfigError
-from app.base.yaml_source import likeliest
 
 DISTRIBUTION = "hbba"
 #: The groups of entry points, and what each brings.
@@ -131,6 +130,8 @@ def why_absent(path: str) -> str | None:
 
 
 def _absent(what: str, name: str, known: list[str]) -> str:
+    from app.base.yaml_source import likeliest  # brings pydantic, which the parser of the command line does without
+
     return f"{what} {name!r}; {likeliest(name, known)}".rstrip("; ")
 
 
