@@ -10,6 +10,7 @@ A thing is a run of neighbouring rays that end within ``within_m``, a parameter 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -65,8 +66,9 @@ class NearThingCounter(Module):
 
 
 def near_things(scan: LaserScan, within_m: float) -> NearThings:
-    """What of ``scan`` is nearer than ``within_m`` (m)."""
+    """The things of ``scan`` nearer than ``within_m`` (m). The first and the last ray of a full circle are neighbours."""
     near = scan.ranges < within_m
-    starts = near & ~np.concatenate(([False], near[:-1]))
+    is_circle = len(near) * abs(scan.angle_increment) > 2 * math.pi - 1e-3
+    starts = near & ~np.concatenate(([is_circle and near[-1]], near[:-1]))
     nearest = float(scan.ranges[near].min()) if near.any() else None
     return NearThings(scan.stamp, int(starts.sum()), nearest)

@@ -21,7 +21,7 @@ def post() -> PostConfig:
     return load_body_config(Path(hbba_example.__file__).with_name("robot.yaml"), PostConfig)
 
 
-@pytest.mark.parametrize("at_s", [0.0, 2.5, 7.0, 13.0])
+@pytest.mark.parametrize("at_s", [0.0, 2.5, 7.0, 9.9, 10.0, 10.1, 13.0])
 def test_the_thing_is_one_wherever_it_is(post: PostConfig, at_s: float) -> None:
     assert near_things(scan(at_s, post, Pose3.identity()), 1.5) == NearThings(at_s, 1, 1.0)
 
