@@ -66,7 +66,7 @@ class NearThingCounter(Module):
 
 
 def near_things(scan: LaserScan, within_m: float) -> NearThings:
-    """The things of ``scan`` nearer than ``within_m`` (m). The first and the last ray of a full circle are neighbours."""
+    """Things of ``scan`` nearer than ``within_m`` (m). The first and last ray of a full circle are neighbours."""
     near = scan.ranges < within_m
     is_circle = len(near) * abs(scan.angle_increment) > 2 * math.pi - 1e-3
     starts = near & ~np.concatenate(([is_circle and near[-1]], near[:-1]))
