@@ -39,10 +39,10 @@ def app(system: System, page: Path) -> FastAPI:
     return create_app(system, static_dir=page, token=TOKEN, early_view=False)
 
 
-async def live(system: System, body: Body, seconds: float) -> None:
-    """The body senses for so long."""
-    end = system.clock.now() + seconds
-    while (now := system.clock.now()) < end:
+async def live(system: System, body: Body, rounds: int) -> None:
+    """The body senses so many times, 20 times a second."""
+    for _ in range(rounds):
+        now = system.clock.now()
         body.emit("odometry", Odometry(now, Pose2(0.0, 0.0, 0.0), 0.1, 0.0))
         body.emit("kinect", image(now))
         body.emit_status(now)
@@ -67,13 +67,14 @@ async def test_what_is_recorded_over_rest_is_replayed_over_rest(url: str, system
         httpx.AsyncClient(base_url=f"{url}/api/v1", headers=login, timeout=PATIENCE_S) as client,
     ):
         assert (await client.post("/recordings", json={"name": "tour"})).status_code == 201
-        await live(system, body, 1.5)
+        await live(system, body, 10)
         await until(client, "recording")
+        await live(system, body, 30)
         await client.post("/recordings/stop")
         entry = await until(client, "complete")
         assert entry["name"] == "tour"
         assert entry["robot"] == "a test body"
-        assert 0.5 < entry["duration_s"] < 10
+        assert entry["duration_s"] > 0.5
 
         download = await client.get("/recordings/tour")
         copy = system.recordings.folder.parent / "copy.mcap"
