@@ -90,6 +90,14 @@ async def blind(robot: RobotConfig, hall: WorldConfig) -> AsyncIterator[Listener
     await link.stop()
 
 
+async def note_lateness(late_s: list[float]) -> None:
+    """Note how late (s) this process's event loop is, until cancelled."""
+    while True:
+        due = time.monotonic() + 0.02
+        await asyncio.sleep(0.02)
+        late_s.append(time.monotonic() - due)
+
+
 @needs_gl
 async def test_every_stream_runs_at_its_rate_in_real_time_and_unwanted_ones_not(
     robot: RobotConfig, lab: WorldConfig, tmp_path: Path
@@ -98,6 +106,8 @@ async def test_every_stream_runs_at_its_rate_in_real_time_and_unwanted_ones_not(
     link = SimulatedLink(robot.model_copy(update={"guard_log": guard_log}), lab, OFFSET)
     listener = Listener(link)
     await link.start()
+    late_s: list[float] = []
+    watching = asyncio.create_task(note_lateness(late_s))
     try:
         await listener.next("odometry", 30)
         assert not any(listener.messages[name] for name in SENSORS)
@@ -155,8 +165,10 @@ async def test_every_stream_runs_at_its_rate_in_real_time_and_unwanted_ones_not(
         while before != (counts := {name: len(listener.messages[name]) for name in SENSORS}):
             before = counts
             await listener.next("status", 6)
-        assert link.images_overwritten == 0
+        # An image waits in its ring for some periods of the camera: only a late reader finds it overwritten.
+        assert link.images_overwritten == 0 or max(late_s) > 0.1
     finally:
+        watching.cancel()
         await link.stop()
 
 
