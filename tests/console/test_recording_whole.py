@@ -80,10 +80,11 @@ async def test_what_is_recorded_over_rest_is_replayed_over_rest(url: str, system
         copy = system.recordings.folder.parent / "copy.mcap"
         await asyncio.to_thread(copy.write_bytes, download.content)
         log = await asyncio.to_thread(McapLog, copy)
-        assert log.info.channels["odometry"].count >= 20
-        assert log.info.channels["kinect"].count >= 5
-        assert log.info.end - log.info.begin == pytest.approx(entry["duration_s"], abs=1e-3)
+        info = log.info
         await asyncio.to_thread(log.close)
+        assert info.channels["odometry"].count >= 20
+        assert info.channels["kinect"].count >= 5
+        assert info.end - info.begin == pytest.approx(entry["duration_s"], abs=1e-3)
 
         started = await client.post("/recordings/tour/replay")
         assert started.status_code == 201, started.text
