@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from app.base.geometry import Pose2, Pose3
-from app.log_tools.export.target import Target, Write
+from app.log_tools.export.target import Format, Target, Write
 from app.log_tools.export.wav import is_audio
 from app.logs.log import LoggedChannel
 from app.messages import (
@@ -46,7 +46,7 @@ BULKY = (Image, EncodedImage, PointCloud)
 Row = dict[str, Any]
 
 
-class Csv:
+class Csv(Format):
     """``<channel>.csv``. Columns are those of all messages, so every message is looked at before."""
 
     surveys = True

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.log_tools.export.png import rgb_of
-from app.log_tools.export.target import Target, Unsurveyed, Write
+from app.log_tools.export.target import Format, Target, Write
 from app.logs.log import LogError, LoggedChannel
 from app.logs.output_file import DiskTrouble, disk_trouble
 from app.messages import EncodedImage, Image
@@ -45,7 +45,7 @@ class Video(Protocol):
         ...
 
 
-class Mp4(Unsurveyed):
+class Mp4(Format):
     """``<channel>.mp4``; it begins with the first image, and is within the requested time.
 
     An image may arrive long after it was captured, from a busy computer: one captured more than ``LATE_S`` before that

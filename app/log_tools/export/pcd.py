@@ -13,14 +13,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.log_tools.export.target import Target, Unsurveyed, Write, stamp_name
+from app.log_tools.export.target import Format, Target, Write, stamp_name
 from app.logs.log import LoggedChannel
 from app.messages import Image, LaserScan, PointCloud
 
 Points = NDArray[np.float32]
 
 
-class Pcd(Unsurveyed):
+class Pcd(Format):
     """``<channel>-points/<stamp>.pcd``."""
 
     def accepts(self, message_type: type[Any]) -> bool:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.base.image_source import TooLarge, decoded
-from app.log_tools.export.target import Target, Unsurveyed, Write, stamp_name
+from app.log_tools.export.target import Format, Target, Write, stamp_name
 from app.logs.log import LogError, LoggedChannel
 from app.messages import EncodedImage, Image
 
@@ -19,7 +19,7 @@ from app.messages import EncodedImage, Image
 _LEVEL = [cv2.IMWRITE_PNG_COMPRESSION, 1]
 
 
-class Png(Unsurveyed):
+class Png(Format):
     """``<channel>/<stamp>.png`` and ``<channel>-depth/<stamp>.png``."""
 
     def accepts(self, message_type: type[Any]) -> bool:

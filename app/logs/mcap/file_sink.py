@@ -10,14 +10,15 @@ from pathlib import Path
 from typing import Any
 
 from app.logs.manifest import Manifest
-from app.logs.mcap.open_file import McapFile, OpenFile, RecordEncoder, create
+from app.logs.mcap.open_file import McapFile, OpenFile, create
+from app.logs.ros.encoder import Encoder
 
 
 class FileSink:
     """A recording in one file, created under the first free name."""
 
     def __init__(
-        self, paths: Iterable[Path], encoder: RecordEncoder, manifest: Manifest, at: float, open_file: OpenFile = create
+        self, paths: Iterable[Path], encoder: Encoder, manifest: Manifest, at: float, open_file: OpenFile = create
     ) -> None:
         """Take the first of ``paths`` that does not exist yet; its folder is made. Raises OSError."""
         self._file = _first_free(paths, lambda path: McapFile(path, encoder, manifest, at, open_file=open_file))

@@ -18,14 +18,18 @@ from concurrent.futures import Future
 from contextlib import suppress
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 
 from app.logs.mcap.disk_time import DiskTime
+from app.logs.mcap.file_sink import FileSink
 from app.logs.mcap.open_file import UnrecordableMessage
+from app.logs.mcap.ring import Ring
 
 T = TypeVar("T")
+#: The destination of a recording, used by the writer's thread alone.
+Sink: TypeAlias = FileSink | Ring
 
 log = logging.getLogger("hbba.recording")
 
@@ -38,51 +42,6 @@ BEAT_S = 0.05
 FLUSH_S = 0.5
 #: Period (s) of checking the free space.
 LOOK_S = 1.0
-
-
-class Sink(Protocol):
-    """The destination of a recording: one file, or a ring of them. Used by the writer's thread alone."""
-
-    @property
-    def name(self) -> str:
-        """Name of the recording."""
-        ...
-
-    @property
-    def folder(self) -> Path:
-        """A folder of the disk it goes to."""
-        ...
-
-    @property
-    def begin(self) -> float:
-        """Begin of the data it holds now (robot's clock, s)."""
-        ...
-
-    @property
-    def bytes(self) -> int:
-        """Bytes it takes on disk now."""
-        ...
-
-    @property
-    def messages(self) -> int:
-        """Messages in it now."""
-        ...
-
-    def write(self, at: float, channel: str, message: Any) -> None:
-        """Take a message that arrived ``at``. Raises UnrecordableMessage, OSError."""
-        ...
-
-    def flush(self) -> None:
-        """Put on disk what waits in memory. Raises OSError."""
-        ...
-
-    def close(self, discard: bool) -> None:
-        """Close it; ``discard``: delete the data that may be deleted. Raises OSError."""
-        ...
-
-    def abandon(self) -> None:
-        """After an OSError: save what can be saved. Never raises."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -247,7 +206,7 @@ class RecordingWriter:
         return future
 
     def finish(self, discard: bool = False) -> None:
-        """Accept no more messages; queued ones are still written. See :meth:`Sink.close` for ``discard``."""
+        """Accept no more messages; queued ones are still written. See :meth:`Ring.close` for ``discard``."""
         self._discard = discard
         self._end("")
 

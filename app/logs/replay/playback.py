@@ -14,10 +14,10 @@ from app.base.observers import Observers
 from app.logs.log import Log, LogError, LogInfo
 from app.logs.mcap.damage import LogDamaged, missing
 from app.logs.replay.playback_state import Phase, PlaybackState, checked_speed
-from app.logs.replay.replay_body import ReplayBody
 from app.logs.replay.seek import ReplaySeeker
 from app.messages import Lanes
 from app.program.system import System
+from app.robots.replayed.link import ReplayedLink
 from app.runtime.channel import Channel
 from app.runtime.filter import CLOSED
 from app.runtime.replay_clock import ReplayClock
@@ -36,7 +36,7 @@ class Playback:
     def __init__(
         self,
         system: System,
-        body: ReplayBody,
+        body: ReplayedLink,
         clock: ReplayClock,
         log: Log,
         *,

@@ -6,20 +6,14 @@ It is the main part of its message: there is one for each, written last.
 from __future__ import annotations
 
 from collections.abc import Hashable
-from typing import Generic, Protocol, TypeVar
+from typing import Generic, TypeVar
 
 from app.base.geometry import Pose3
 from app.logs.ros.generated import generated
 from app.logs.ros.record import Record, RecordTopic
 from app.logs.ros.record_templates import stamped
 
-
-class _Stamped(Protocol):
-    @property
-    def stamp(self) -> float: ...
-
-
-InfoT = TypeVar("InfoT", bound=_Stamped)
+InfoT = TypeVar("InfoT")
 
 
 class InfoTopic(Generic[InfoT]):
