@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from datetime import datetime
 from pathlib import Path
 from typing import Any, Literal
 
-from app.commands.output import print_json
+from app.commands.output import aligned, print_json
 from app.log_tools.repair import NOTHING, RepairReport, examine
 from app.logs.catalog import Recording
 from app.logs.importers.remap import Remap, Undecided
@@ -188,7 +188,7 @@ def print_contents(contents: LogContents, *, as_json: bool) -> None:
         print(f"\n{contents.undecided}")
         return
     head = ("channel", "type", "messages", "Hz", "nominal", "bytes")
-    print("", *table(head, _channel_rows(contents.channels), {2, 3, 4, 5}), sep="\n")
+    print("", *aligned([head, *_channel_rows(contents.channels)], {2, 3, 4, 5}), sep="\n")
     if contents.files:
         print("\nAttached")
         for attached in contents.files:
@@ -214,18 +214,6 @@ def _channel_rows(channels: Iterable[ChannelContents]) -> list[tuple[str, ...]]:
             "–" if channel.bytes is None else size(channel.bytes),
         )
         for channel in channels
-    ]
-
-
-def table(head: Sequence[str], rows: Sequence[Sequence[str]], right: Collection[int]) -> list[str]:
-    """Lines of aligned columns, those of ``right`` to the right; never wrapped, so that others can read them."""
-    widths = [max(map(len, column)) for column in zip(head, *rows, strict=True)]
-    return [
-        "  ".join(
-            cell.rjust(width) if index in right else cell.ljust(width)
-            for index, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ).rstrip()
-        for row in (head, *rows)
     ]
 
 
@@ -261,7 +249,7 @@ def print_recordings(found: Sequence[Recording], folder: Path, free_bytes: int) 
         )
         for each in found
     ]
-    print(*table(("name", "began", "length", "size", "robot", "state"), rows, {2, 3}), sep="\n")
+    print(*aligned([("name", "began", "length", "size", "robot", "state"), *rows], {2, 3}), sep="\n")
     print(f"\n{len(found)} in {folder}, {size(free_bytes)} free")
 
 

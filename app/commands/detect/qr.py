@@ -6,7 +6,8 @@ import argparse
 import json
 from typing import TYPE_CHECKING, Any
 
-from app.commands.detect.pictures import Found, add_pictures, counted, exit_code, for_json, look_through
+from app.commands.detect.outputs import exit_code
+from app.commands.detect.pictures import Found, add_pictures, counted, for_json, look_through
 from app.commands.output import print_json
 
 if TYPE_CHECKING:
@@ -46,7 +47,7 @@ def run(args: argparse.Namespace) -> int:
         print_json({"files": for_json(documents)})
     else:
         _print_table(documents)
-    return exit_code(documents)
+    return exit_code(documents, "found")
 
 
 class _Codes:

@@ -43,16 +43,6 @@ class WorldResult:
         """As JSON has it."""
         return asdict(self) | {"score": round(self.score, 4)}
 
-    @classmethod
-    def of(cls, document: dict[str, Any]) -> WorldResult:
-        """The result of a JSON document. Raises KeyError, TypeError or ValueError for an invalid one."""
-        fields = {name: document[name] for name in cls.__dataclass_fields__}
-        fields["trace"] = tuple(tuple(float(v) for v in row) for row in fields["trace"])
-        fields["story"] = tuple((float(time_s), str(said)) for time_s, said in fields["story"])
-        if fields["outcome"] not in OUTCOMES:
-            raise ValueError(f"no outcome {fields['outcome']!r}")
-        return cls(**fields)
-
 
 @dataclass(frozen=True, slots=True)
 class BarnSummary:

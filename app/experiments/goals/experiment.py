@@ -17,7 +17,7 @@ from app.experiments.goals.reachable_floor import survey
 from app.experiments.goals.result import GoalResult
 from app.experiments.goals.tour import Tour, drive
 from app.experiments.pool import TrialSeries
-from app.experiments.results_store import ResultsStore, program_digest
+from app.experiments.results_store import ResultsStore, program_digest, results_in
 from app.program.config import load_configuration
 from app.robots.factory import simulated_parts
 
@@ -91,7 +91,7 @@ def run(
     ``began(text)`` is called at the begin of each long step. Raises ConfigError, TrialLost, ScriptBlocked,
     MapUnavailable, and any programming error.
     """
-    results = _done(kept, what.count)
+    results = {result.number: result for result in done(what, kept)}
     if len(results) < what.count:
         compiled.make_ready()  # before the children start
     maps = kept.file.parent / "maps"
@@ -115,8 +115,9 @@ def run(
 
 
 def done(what: GoalsPlan, kept: ResultsStore) -> tuple[GoalResult, ...]:
-    """The stored results of the planned goals."""
-    return tuple(_done(kept, what.count).values())
+    """The stored results of the planned goals, the last of each. Raises ConfigError for a line that is none."""
+    found = {result.number: result for result in results_in(kept, GoalResult)}
+    return tuple(result for number, result in found.items() if number <= what.count)
 
 
 def _goal_runs(what: GoalsPlan, maps: Path) -> list[GoalRun]:
@@ -147,16 +148,3 @@ def _goal_runs(what: GoalsPlan, maps: Path) -> list[GoalRun]:
             )
         )
     return goal_runs
-
-
-def _done(kept: ResultsStore, count: int) -> dict[int, GoalResult]:
-    found = {}
-    for document in kept.found:
-        try:
-            result = GoalResult.of(document)
-        except (KeyError, TypeError, ValueError) as failure:
-            problem = f"holds a line that is no result ({failure}); --fresh starts again"
-            raise ConfigError(problem, str(kept.file)) from None
-        if result.number <= count:
-            found[result.number] = result
-    return found
