@@ -8,12 +8,12 @@ import zlib
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
 
 from mcap.opcode import Opcode
-from mcap.records import Channel, Header, MessageIndex, Metadata, Schema
+from mcap.records import Attachment, Channel, Header, MessageIndex, Metadata, Schema
 
 from app.base.plain_file import open_plain
 from app.log_tools import recover
@@ -303,9 +303,11 @@ def _rewrite(data: mmap.mmap, found: _Examination, stream: IO[bytes], progress: 
         elif part.opcode == Opcode.MESSAGE:
             message(part.content)
         elif part.opcode == Opcode.ATTACHMENT:
-            attached = recover.read_attachment(part.content)
+            attached = recover.strict(Attachment, part.content)
             if attached is not None:
-                copy.attachment(*astuple(attached))
+                copy.attachment(
+                    attached.log_time, attached.create_time, attached.name, attached.media_type, attached.data
+                )
         elif part.opcode == Opcode.METADATA:
             metadata = recover.strict(Metadata, part.content)
             if metadata is not None:
