@@ -33,7 +33,6 @@ class LandmarksConverter(GeneratedConverter):
         self._drawn: tuple[Landmark, ...] = ()
 
     def encode(self, message: Landmarks, stamp_ns: int) -> list[Record]:
-        """Markers now and then, and the landmarks."""
         records = super().encode(message, stamp_ns)
         if _moved(self._drawn, message.landmarks):
             self._drawn = message.landmarks

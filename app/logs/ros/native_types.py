@@ -33,11 +33,9 @@ class GeneratedConverter:
         self.topics: tuple[RecordTopic, ...] = (RecordTopic(self._topic, self._generated.type),)
 
     def encode(self, message: Any, stamp_ns: int) -> list[Record]:
-        """Encode to one record."""
         return [Record(self._topic, self._generated.type, stamp_ns, self._generated.encode(message))]
 
     def decode(self, parts: Mapping[str, bytes]) -> Any:
-        """The message."""
         return self._written.decode(parts[MAIN])
 
 
@@ -72,13 +70,11 @@ class OdometryConverter:
         self._transform = Transform(ODOM, BASE)
 
     def encode(self, message: Odometry, stamp_ns: int) -> list[Record]:
-        """Odometry and its transform."""
         pose = pose2_numbers(message.X_OB)
         data = self._numbers.fill(stamp_ns, pose, (message.linear_mps, 0.0, 0.0, 0.0, 0.0, message.angular_radps))
         return [Record(self.topics[0].name, self._TYPE, stamp_ns, data), self._transform.record(stamp_ns, pose)]
 
     def decode(self, parts: Mapping[str, bytes]) -> Odometry:
-        """The message."""
         ros = typestore.deserialise(self._TYPE, parts[MAIN])
         position, turn = ros.pose.pose.position, ros.pose.pose.orientation
         twist = ros.twist.twist
@@ -97,12 +93,10 @@ class TwistConverter:
         self._numbers = Numbers(template, (6 * _NUMBER, 6))
 
     def encode(self, message: Twist, stamp_ns: int) -> list[Record]:
-        """Encode to one record."""
         data = self._numbers.fill(stamp_ns, (message.linear_mps, 0.0, 0.0, 0.0, 0.0, message.angular_radps))
         return [Record(self.topics[0].name, self._TYPE, stamp_ns, data)]
 
     def decode(self, parts: Mapping[str, bytes]) -> Twist:
-        """The message."""
         ros = typestore.deserialise(self._TYPE, parts[MAIN])
         return Twist(stamp_of(ros.header.stamp), ros.twist.linear.x, ros.twist.angular.z)
 
@@ -118,7 +112,6 @@ class JointStateConverter:
         self._numbers = self._template(())
 
     def encode(self, message: JointState, stamp_ns: int) -> list[Record]:
-        """Encode to one record."""
         if message.names != self._names:
             self._names = message.names
             self._numbers = self._template(message.names)
@@ -126,7 +119,6 @@ class JointStateConverter:
         return [Record(self.topics[0].name, self._TYPE, stamp_ns, data)]
 
     def decode(self, parts: Mapping[str, bytes]) -> JointState:
-        """The message."""
         ros = typestore.deserialise(self._TYPE, parts[MAIN])
         return JointState(stamp_of(ros.header.stamp), tuple(ros.name), tuple(ros.position.tolist()))
 
@@ -146,7 +138,6 @@ class LogLineConverter:
         self.topics = (RecordTopic(f"/{channel}", self._TYPE),)
 
     def encode(self, message: LogLine, stamp_ns: int) -> list[Record]:
-        """Encode to one record; a level above 255 is written as 255."""
         time = typestore.make("builtin_interfaces/msg/Time", *divmod(stamp_ns, SECOND))
         level = min(max(message.level, 0), 255)
         source, text = typestore.encodable(message.source), typestore.encodable(message.text)
@@ -154,7 +145,6 @@ class LogLineConverter:
         return [Record(self.topics[0].name, self._TYPE, stamp_ns, data)]
 
     def decode(self, parts: Mapping[str, bytes]) -> LogLine:
-        """The message."""
         ros = typestore.deserialise(self._TYPE, parts[MAIN])
         return LogLine(stamp_of(ros.stamp), ros.level, ros.name, ros.msg)
 
