@@ -13,7 +13,7 @@ import zlib
 from bisect import bisect_left
 from collections import Counter
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import BinaryIO, cast
 
@@ -77,23 +77,23 @@ class _Mark:
 class _Survey:
     """Facts from one pass through a log."""
 
-    kinds: Counter[str]
-    untimed: Counter[str]
-    malformed: int
-    complaint: str
-    begin: float
-    end: float
-    params: dict[str, str]
-    farthest_m: dict[str, float]
-    far_ends: dict[str, FarEnd]
-    #: Readings that are no distance, and lines that say no maximum range, by kind.
-    blank: Counter[str]
-    wordless: Counter[str]
-    #: Notes about stamps that go back, and about unusable times.
-    back: str
-    wrong_times: str
     marks: list[_Mark]
-    truncated: str
+    kinds: Counter[str] = field(default_factory=Counter)
+    untimed: Counter[str] = field(default_factory=Counter)
+    malformed: int = 0
+    complaint: str = ""
+    begin: float = math.inf
+    end: float = -math.inf
+    params: dict[str, str] = field(default_factory=dict)
+    farthest_m: dict[str, float] = field(default_factory=dict)
+    far_ends: dict[str, FarEnd] = field(default_factory=dict)
+    #: Readings that are no distance, and lines that say no maximum range, by kind.
+    blank: Counter[str] = field(default_factory=Counter)
+    wordless: Counter[str] = field(default_factory=Counter)
+    #: Notes about stamps that go back, and about unusable times.
+    back: str = ""
+    wrong_times: str = ""
+    truncated: str = ""
 
 
 class CarmenLog:
@@ -145,7 +145,6 @@ class CarmenLog:
 
     @property
     def manifest(self) -> Manifest:
-        """Which channel is which stream of a body."""
         return self._manifest
 
     def messages(self, begin: float | None = None, channels: Collection[str] | None = None) -> Iterator[Logged]:
@@ -298,23 +297,7 @@ def _surveyed(path: Path) -> _Survey:
 
 
 def _gone_through(path: Path, clock: Clock, advance: Advance) -> _Survey:
-    survey = _Survey(
-        Counter(),
-        Counter(),
-        malformed=0,
-        complaint="",
-        begin=math.inf,
-        end=-math.inf,
-        params={},
-        farthest_m={},
-        far_ends={},
-        blank=Counter(),
-        wordless=Counter(),
-        back="",
-        wrong_times="",
-        marks=[_Mark(0, clock.copy(), (0.0, 0.0))],
-        truncated="",
-    )
+    survey = _Survey([_Mark(0, clock.copy(), (0.0, 0.0))])
     twist = (0.0, 0.0)
     number = 0
     first_back = 0

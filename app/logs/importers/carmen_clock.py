@@ -59,7 +59,6 @@ class CarmenClock:
         return max((stamps.most_back_s for stamps in self.stamps.values()), default=0.0)
 
     def copy(self) -> Self:
-        """The same, which goes on by itself."""
         stamps = {kind: stamps.copy() for kind, stamps in self.stamps.items()}
         return type(self)(self.at, self.shift, self.started, stamps)
 
@@ -82,7 +81,6 @@ class OrderClock:
         return self.at, self.at
 
     def copy(self) -> Self:
-        """The same, which goes on by itself."""
         return type(self)(self.period_s, self.lines)
 
 

@@ -109,7 +109,6 @@ class RosBag:
 
     @property
     def manifest(self) -> Manifest:
-        """Which channel is which stream of a body."""
         return self._manifest
 
     def messages(self, begin: float | None = None, channels: Collection[str] | None = None) -> Iterator[Logged]:
@@ -129,7 +128,6 @@ class RosBag:
         yield from stream.read(self._received(connections, begin), begin)
 
     def close(self) -> None:
-        """Release the file."""
         if self._reader.stack is not None:
             self._reader.close()
         if self._named is not None:
