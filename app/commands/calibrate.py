@@ -30,7 +30,6 @@ _FROM_0 = real(0, rule="seconds are a number from 0")
 
 
 def add_parser(subparsers: Any) -> None:
-    """Declare ``hbba calibrate``."""
     parser = subparsers.add_parser(
         "calibrate",
         help="measure what each perception costs at each φ on this computer",
@@ -65,7 +64,6 @@ def add_parser(subparsers: Any) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Measure, write, plot. Raises ConfigError."""
     import cv2
 
     from app.link import LinkFailed

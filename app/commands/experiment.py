@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
 
 def add_parser(subparsers: Any) -> None:
-    """Declare ``hbba experiment``; the experiments there are, once its arguments are read."""
     parser: Parser = subparsers.add_parser(
         "experiment",
         help="run an experiment and report it",

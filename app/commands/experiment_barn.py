@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
 
 def add_parser(experiments: Any) -> None:
-    """Declare ``hbba experiment barn``."""
     parser = experiments.add_parser(
         "barn",
         help="worlds of the BARN challenge, crossed by the robot on its own",
@@ -44,7 +43,6 @@ def add_parser(experiments: Any) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Run it. Raises ConfigError."""
     from app.experiments.barn.experiment import done, plan
     from app.experiments.barn.experiment import run as run_worlds
 

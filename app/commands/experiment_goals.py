@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
 
 def add_parser(experiments: Any) -> None:
-    """Declare ``hbba experiment goals``."""
     parser = experiments.add_parser(
         "goals",
         help="random goals in the lab among three people who walk",
@@ -37,7 +36,6 @@ def add_parser(experiments: Any) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Run it. Raises ConfigError."""
     from app.base import logging_setup
     from app.commands.body_options import scenario_file
     from app.commands.progress import shown

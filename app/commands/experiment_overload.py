@@ -15,7 +15,6 @@ from app.commands.packaged import program_named
 
 
 def add_parser(experiments: Any) -> None:
-    """Declare ``hbba experiment overload``."""
     parser = experiments.add_parser(
         "overload",
         help="what falls behind on a small computer without attention, and what attention keeps",
@@ -45,7 +44,6 @@ def add_parser(experiments: Any) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Run it. Raises ConfigError."""
     from app.base import logging_setup
     from app.commands.progress import shown
     from app.experiments.observation import document

@@ -12,7 +12,6 @@ from app.commands.packaged import program_named
 
 
 def add_parser(experiments: Any) -> None:
-    """Declare ``hbba experiment trial``."""
     parser = experiments.add_parser(
         "trial",
         help="the thesis's tour-guide trial, driven by its script",
@@ -33,7 +32,6 @@ def add_parser(experiments: Any) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Run it. Raises ConfigError."""
     from app.base import logging_setup
     from app.commands.progress import shown
     from app.experiments.observation import document

@@ -30,7 +30,6 @@ _TAKEN = frozenset(
 
 
 def add_parser(subparsers: Any) -> None:
-    """Declare ``hbba new``."""
     parser = subparsers.add_parser(
         "new",
         help="write the skeleton of a package with a module, motivation, behavior or body",
@@ -46,7 +45,6 @@ def add_parser(subparsers: Any) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Write it, and say what comes next. Raises ConfigError."""
     names = names_of(args.kind, args.name)
     package = write(args.kind, names, args.folder)
     if args.json:

@@ -33,7 +33,6 @@ LOOK_S = 1.0
 
 
 def add_parser(subparsers: Any) -> None:
-    """Declare ``hbba replay``."""
     parser = subparsers.add_parser(
         "replay",
         help="play a recording back",

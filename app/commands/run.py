@@ -36,7 +36,6 @@ log = logging.getLogger("hbba.run")
 
 
 def add_parser(subparsers: Any) -> None:
-    """Declare ``hbba run``."""
     parser = subparsers.add_parser(
         "run",
         help="start the robot and its console",

@@ -84,7 +84,6 @@ class Outcome:
 
 
 def document(outcomes: Sequence[Outcome], settings: dict[str, Any]) -> dict[str, Any]:
-    """All but the series, as JSON; unknown values are null."""
     entries = []
     for outcome in outcomes:
         entry = asdict(outcome)

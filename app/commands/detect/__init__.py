@@ -19,7 +19,6 @@ DETECTORS: Mapping[str, ModuleType] = {
 
 
 def add_parser(subparsers: Any) -> None:
-    """Declare ``hbba detect`` and its detectors."""
     parser = subparsers.add_parser(
         "detect",
         help="find faces, QR codes, voices and loud noises in your own files",
@@ -31,6 +30,5 @@ def add_parser(subparsers: Any) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Do it and return the exit code. May raise ConfigError for a person's mistake."""
     code: int = DETECTORS[args.what].run(args)
     return code

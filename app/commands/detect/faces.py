@@ -28,7 +28,6 @@ LANDMARKS = ("right_eye", "left_eye", "nose", "mouth_right", "mouth_left")
 
 
 def add_parser(kinds: Any) -> None:
-    """Declare ``hbba detect faces``."""
     parser = kinds.add_parser(
         "faces",
         help="faces in photographs and videos",
@@ -47,7 +46,6 @@ def add_parser(kinds: Any) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Look through the files. Raises ConfigError."""
     from app.modules.perception.faces.yunet import THRESHOLD, YuNetDetector
 
     finder = YuNetDetector(THRESHOLD if args.threshold is None else args.threshold)

@@ -34,7 +34,6 @@ LEAST_RATE = 8_000
 
 
 def add_parser(kinds: Any) -> None:
-    """Declare ``hbba detect noises``."""
     parser = kinds.add_parser(
         "noises",
         help="claps, bangs and calls in recordings",
@@ -92,7 +91,6 @@ def add_parser(kinds: Any) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Listen to the files. Raises ConfigError."""
     paths = find_files(args.files, SUFFIXES, "recording")
     if args.draw is not None:
         make_folder(args.draw, "--draw")

@@ -100,7 +100,6 @@ class _PictureSearch:
         self._names: set[str] = set()
 
     def at(self, path: Path) -> Found:
-        """A photograph's document."""
         key = self._seeker.key
         try:
             color = read_image(path)
@@ -120,7 +119,6 @@ class _PictureSearch:
         }
 
     def through(self, path: Path, progress: Progress) -> Found:
-        """A video's document."""
         try:
             video = VideoFile(path)
         except NoVideo as failure:

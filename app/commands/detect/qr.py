@@ -23,7 +23,6 @@ COMMAND = "hbba detect qr"
 
 
 def add_parser(kinds: Any) -> None:
-    """Declare ``hbba detect qr``."""
     parser = kinds.add_parser(
         "qr",
         help="QR codes in photographs and videos",
@@ -41,7 +40,6 @@ def add_parser(kinds: Any) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Look through the files. Raises ConfigError."""
     documents = look_through(args, _Codes(args.fisheye), "look for QR codes", COMMAND)
     if args.json:
         print_json({"files": for_json(documents)})

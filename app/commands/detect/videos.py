@@ -135,7 +135,6 @@ class VideoFile:
         return last_s + 1 / self.rate_hz
 
     def close(self) -> None:
-        """Let go of the file."""
         self._capture.release()
 
 
@@ -164,7 +163,6 @@ class Copy:
             self._video.add(picture, time_s - self._first)
 
     def close(self) -> None:
-        """End the file. Raises ConfigError."""
         if self._video is not None:
             with _Written(self._file):
                 self._video.close()

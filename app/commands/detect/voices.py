@@ -37,7 +37,6 @@ LEAST_RATE = 16_000
 
 
 def add_parser(kinds: Any) -> None:
-    """Declare ``hbba detect voices``."""
     parser = kinds.add_parser(
         "voices",
         help="who speaks from where, in recordings of several microphones",
@@ -73,7 +72,6 @@ def add_parser(kinds: Any) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Listen to the files. Raises ConfigError."""
     paths = find_files(args.files, SUFFIXES, "recording")
     from app.modules.perception.voices.microphone_array import load_array
 

@@ -32,7 +32,6 @@ class TrackSummary:
     file: str | None = None
 
     def add(self, time_s: float, source: SoundSource) -> None:
-        """Add one percept of the track."""
         if not source.active:
             return
         self.end_s = time_s

@@ -14,7 +14,6 @@ _NUMBER = real(rule="must be a number")
 
 
 def add_parser(subparsers: Any) -> None:
-    """Declare ``hbba slam``."""
     parser = subparsers.add_parser(
         "slam",
         help="map a place from a log of a laser and odometry",
@@ -51,7 +50,6 @@ def add_parser(subparsers: Any) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Map the log. Raises ConfigError."""
     from app.commands.detect.outputs import make_folder
     from app.commands.progress import shown
     from app.commands.slam.report import figures, print_figures

@@ -40,7 +40,6 @@ class WorldResult:
         return self.optimal_s / min(max(self.time_s, 2 * self.optimal_s), 8 * self.optimal_s)
 
     def document(self) -> dict[str, Any]:
-        """As JSON has it."""
         return asdict(self) | {"score": round(self.score, 4)}
 
 
@@ -66,5 +65,4 @@ class BarnSummary:
         )
 
     def document(self) -> dict[str, Any]:
-        """As JSON, without NaN."""
         return asdict(self) | {"mean_time_s": None if math.isnan(self.mean_time_s) else self.mean_time_s}

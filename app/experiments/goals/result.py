@@ -35,7 +35,6 @@ class GoalResult:
     story: tuple[tuple[float, str], ...] = ()
 
     def document(self) -> dict[str, Any]:
-        """As JSON has it."""
         return asdict(self)
 
 
@@ -75,7 +74,6 @@ class GoalsSummary:
         )
 
     def document(self) -> dict[str, Any]:
-        """As JSON has it."""
         return asdict(self)
 
 

@@ -55,18 +55,15 @@ class Csv(Format):
         self._columns: dict[str, dict[str, None]] = {}
 
     def accepts(self, message_type: type[Any]) -> bool:
-        """Everything but images, clouds and sound."""
         return message_type not in BULKY and not is_audio(message_type)
 
     def survey(self, channel: str, message: Any) -> None:
-        """Learn the columns."""
         columns = self._columns.setdefault(channel, {})
         # A dict keeps the order in which columns were met.
         columns.update(dict.fromkeys(flat(message)))
 
     @contextmanager
     def writer(self, channel: LoggedChannel, target: Target) -> Iterator[Write]:
-        """Write one table."""
         name = f"{channel.name}.csv"
         target.check(name)
         columns = list(self._columns.get(channel.name, {}))

@@ -53,12 +53,10 @@ class Mp4(Format):
     """
 
     def accepts(self, message_type: type[Any]) -> bool:
-        """Images, also those that are JPEG already."""
         return message_type in (Image, EncodedImage)
 
     @contextmanager
     def writer(self, channel: LoggedChannel, target: Target) -> Iterator[Write]:
-        """Write one video."""
         name = f"{channel.name}.mp4"
         target.check(name)
         video: Video | None = None
@@ -149,7 +147,6 @@ class ExactVideo:
             raise disk_trouble(OSError(failure.errno, failure.strerror), self._path) from failure
 
     def close(self) -> str:
-        """End the file."""
         try:
             self._file.mux(self._stream.encode(None))
             self._file.close()

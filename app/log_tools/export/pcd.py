@@ -24,12 +24,10 @@ class Pcd(Format):
     """``<channel>-points/<stamp>.pcd``."""
 
     def accepts(self, message_type: type[Any]) -> bool:
-        """Point clouds, scans, and images, which may have depth."""
         return message_type in (PointCloud, LaserScan, Image)
 
     @contextmanager
     def writer(self, channel: LoggedChannel, target: Target) -> Iterator[Write]:
-        """Each cloud by itself; an image without depth gives none."""
         folder: Target | None = None
         count, flat = 0, 0
 

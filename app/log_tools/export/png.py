@@ -23,12 +23,10 @@ class Png(Format):
     """``<channel>/<stamp>.png`` and ``<channel>-depth/<stamp>.png``."""
 
     def accepts(self, message_type: type[Any]) -> bool:
-        """Images, also those that are JPEG already."""
         return message_type in (Image, EncodedImage)
 
     @contextmanager
     def writer(self, channel: LoggedChannel, target: Target) -> Iterator[Write]:
-        """Each image by itself."""
         colors = target.subfolder(channel.name)
         depths: Target | None = None
         count, deep = 0, 0

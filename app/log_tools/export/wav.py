@@ -39,7 +39,6 @@ class Wav(Format):
     """
 
     def accepts(self, message_type: type[Any]) -> bool:
-        """Every class of sound."""
         return is_audio(message_type)
 
     @contextmanager

@@ -27,21 +27,17 @@ class FileSink:
 
     @property
     def name(self) -> str:
-        """Name of the recording."""
         return self._file.path.stem
 
     @property
     def bytes(self) -> int:
-        """Bytes on disk."""
         return self._file.bytes
 
     @property
     def messages(self) -> int:
-        """Messages taken."""
         return self._file.messages
 
     def write(self, at: float, channel: str, message: Any) -> None:
-        """Take a message that arrived ``at``. Raises UnrecordableMessage, OSError."""
         self._file.write(at, channel, message)
 
     def flush(self) -> None:
@@ -56,7 +52,6 @@ class FileSink:
         self._forget_if_empty()
 
     def abandon(self) -> None:
-        """Cut off an incomplete record."""
         self._file.abandon()
         with suppress(OSError):
             self._forget_if_empty()

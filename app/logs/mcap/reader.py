@@ -53,7 +53,6 @@ class McapLog:
 
     @property
     def info(self) -> LogInfo:
-        """Facts of the log, from the file's summary."""
         return self._info
 
     @cached_property
@@ -83,7 +82,6 @@ class McapLog:
         return self._messages(decoder, None if begin is None else to_ns(begin))
 
     def close(self) -> None:
-        """Release the file."""
         self._file.close()
 
     def _messages(self, decoder: Decoder, begin_ns: int | None) -> Iterator[Logged]:

@@ -106,11 +106,9 @@ class ReplayedLink:
 
     @property
     def description(self) -> RobotDescription:
-        """The recorded description, with the streams that the log has."""
         return self._description
 
     async def start(self) -> None:
-        """Start reading."""
         self._reader = ThreadPoolExecutor(1, thread_name_prefix="log reader")
         self._failure = asyncio.get_running_loop().create_future()
         self._pump = asyncio.create_task(self._run(None), name="replayed body")
@@ -135,7 +133,6 @@ class ReplayedLink:
         return await asyncio.shield(self._failure)
 
     def attach(self, stream: str, receive: Callable[[Any], None]) -> Callable[[], None]:
-        """Call ``receive(message)`` on the loop for each message of ``stream``; returns the detacher."""
         receivers = self._of(stream)
         receivers.append(receive)
         self._changed()
@@ -148,7 +145,6 @@ class ReplayedLink:
         return detach
 
     def demand(self, stream: str, wanted: bool) -> None:
-        """Set whether ``stream`` has subscribers; without any, its messages are not decoded."""
         self._of(stream)
         if stream not in ALWAYS_ON and wanted != (stream in self._wanted):
             (self._wanted.add if wanted else self._wanted.discard)(stream)
