@@ -322,7 +322,8 @@ def _chunk_span(file: BinaryIO, span: Span) -> ChunkSpan:
 
 
 def _chunk(file: BinaryIO, chunk: ChunkSpan) -> Chunk:
-    return Chunk.read(body(file, Span(Opcode.CHUNK, chunk.offset, chunk.index.chunk_length)))
+    record: Chunk = Chunk.read(body(file, Span(Opcode.CHUNK, chunk.offset, chunk.index.chunk_length)))
+    return record
 
 
 def _all_indexed(file: BinaryIO, chunk: ChunkSpan) -> bool:

@@ -50,8 +50,8 @@ class RestTopic(InfoTopic[Any]):
 
     def __init__(self, channel: str, cls: type[Any], *elsewhere: str) -> None:
         """``elsewhere``: the fields that are in other records."""
-        self._cls = cls
-        self._rest = _rest_of(cls, elsewhere)
+        self._cls: Any = cls
+        self._rest = _rest_of(self._cls, elsewhere)
         super().__init__(channel, self._rest)
 
     def record_of(self, message: Any, stamp_ns: int, key: Hashable) -> Record:
