@@ -48,10 +48,10 @@ def pose_key(pose: Pose3) -> Hashable:
 class RestTopic(InfoTopic[Any]):
     """The fields of a message class but those that its other records hold exactly: ``hbba_msgs/<Class>Info``."""
 
-    def __init__(self, channel: str, cls: type[Any], *elsewhere: str) -> None:
+    def __init__(self, channel: str, cls: Any, *elsewhere: str) -> None:
         """``elsewhere``: the fields that are in other records."""
-        self._cls: Any = cls
-        self._rest = _rest_of(self._cls, elsewhere)
+        self._cls = cls
+        self._rest = _rest_of(cls, elsewhere)
         super().__init__(channel, self._rest)
 
     def record_of(self, message: Any, stamp_ns: int, key: Hashable) -> Record:
@@ -66,7 +66,7 @@ class RestTopic(InfoTopic[Any]):
 
 
 @cache
-def _rest_of(cls: type[Any], elsewhere: tuple[str, ...]) -> type[Any]:
+def _rest_of(cls: Any, elsewhere: tuple[str, ...]) -> type[Any]:
     hints = get_type_hints(cls)
     rest = [(field.name, hints[field.name]) for field in fields(cls) if field.name not in elsewhere]
     return make_dataclass(f"{cls.__name__}Info", rest, frozen=True, slots=True, namespace={"__module__": __name__})
