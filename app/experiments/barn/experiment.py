@@ -12,7 +12,7 @@ from app.base.errors import ConfigError
 from app.experiments.barn.result import WorldResult
 from app.experiments.barn.trial import Drive, Trial, cross, desire_goal
 from app.experiments.barn.worlds import BarnWorld, Worlds, chosen, load_worlds
-from app.experiments.pool import Trials
+from app.experiments.pool import TrialSeries
 from app.experiments.results_store import ResultsStore, program_digest, results_in
 
 OnResult = Callable[[WorldResult, int, int], None]
@@ -82,11 +82,15 @@ def run(what: BarnPlan, kept: ResultsStore, on_result: OnResult, drive: Drive = 
     trials = [Trial(what.config, world, what.worlds.max_mps, what.seed, what.overrides) for world in left]
     if trials:
         compiled.make_ready()  # before the children start
-    for _, result in Trials(functools.partial(cross, drive=drive), trials, what.jobs):
+    for _, result in TrialSeries(functools.partial(_cross, drive=drive), trials, what.jobs):
         kept.add(result.document())
         results[result.world] = result
         on_result(result, len(results), len(what.chosen))
     return tuple(results[world.name] for world in what.chosen)
+
+
+def _cross(trial: Trial, give: Callable[[WorldResult], None], *, drive: Drive) -> None:
+    give(cross(trial, drive))
 
 
 def done(what: BarnPlan, kept: ResultsStore) -> tuple[WorldResult, ...]:

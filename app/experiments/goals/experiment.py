@@ -12,7 +12,7 @@ import numpy as np
 from app.base import compiled, paths
 from app.base.errors import ConfigError
 from app.base.geometry import Pose2
-from app.experiments.goals.goal_run import MAP, GoalRun, seeing, simulated_body, work
+from app.experiments.goals.goal_run import MAP, GoalRun, body_in, seeing, work
 from app.experiments.goals.reachable_floor import survey
 from app.experiments.goals.result import GoalResult
 from app.experiments.goals.tour import Tour, drive
@@ -76,7 +76,7 @@ def plan(
         raise ConfigError(
             "this program makes no maps or drives nothing: it needs SLAM2D and MobileBaseControl", str(config)
         )
-    simulated_parts(simulated_body(config, scenario))
+    simulated_parts(body_in(config, scenario))
     tour = folder / "scenarios" / "mapping.yaml"
     return GoalsPlan(
         config, scenario, tour=tour, count=count, seed=seed, jobs=jobs, cameras=cameras, digest=program_digest(config)
@@ -122,7 +122,7 @@ def done(what: GoalsPlan, kept: ResultsStore) -> tuple[GoalResult, ...]:
 
 def _goal_runs(what: GoalsPlan, maps: Path) -> list[GoalRun]:
     """Every goal of the plan, in runs; each run begins at the robot's usual start pose."""
-    body, world, _ = simulated_parts(seeing(simulated_body(what.config, what.scenario)))
+    body, world, _ = simulated_parts(seeing(body_in(what.config, what.scenario)))
     origin = Pose2(body.start.x, body.start.y, np.deg2rad(body.start.heading_deg))
     ground = survey(world, body)
     reach = max(float(np.hypot(x, y)) for x, y in body.footprint)
