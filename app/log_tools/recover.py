@@ -25,13 +25,10 @@ from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Header, MessageIndex, Metadata, Schema
 
 from app.logs.mcap.decompression import MOST_UNPACKED, amount
-from app.logs.mcap.structure import MAGIC, RECORD_HEAD
+from app.logs.mcap.structure import CHUNK_HEAD, MAGIC, RECORD_HEAD
 
 #: Channel (2), sequence (4), log time (8), publish time (8); the payload follows.
 MESSAGE = struct.Struct("<HIQQ")
-#: Fields before a chunk's records: begin (8), end (8), size and checksum of the records (8, 4), length of the
-#: compression's name (4).
-CHUNK = struct.Struct("<QQQII")
 
 #: No record is a terabyte: bytes that say so are none.
 _LONGEST = 1 << 40
@@ -47,17 +44,14 @@ Buffer: TypeAlias = mmap | bytes
 
 @dataclass(frozen=True, slots=True)
 class IntactRecord:
-    """An intact record. ``content`` of a chunk is its records, decompressed.
-
-    ``whole`` is False for a chunk whose end is missing: ``content`` is then the part that could be decompressed.
-    """
+    """An intact record. ``content`` of a chunk is its records, decompressed; of one whose end is missing, the whole
+    records that could be."""
 
     opcode: int
     offset: int
     end: int
     content: bytes
     compression: str = ""
-    whole: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +94,7 @@ def scan(data: Buffer) -> Iterator[IntactRecord | DamagedStretch]:
         end = by_length or _next_record(data, position + 1, chunked)
         if end == size and broken.remains and broken.end > size:
             # Cut off rather than damaged: the part written is valid.
-            yield IntactRecord(Opcode.CHUNK, position, end, _whole_records(broken.remains), whole=False)
+            yield IntactRecord(Opcode.CHUNK, position, end, _whole_records(broken.remains))
             yield replace(
                 broken, end=end, what="the file ends within a chunk, whose readable begin was kept", remains=b""
             )
@@ -192,16 +186,16 @@ _CERTAIN = frozenset({*_KINDS, Opcode.CHUNK, Opcode.ATTACHMENT, Opcode.FOOTER})
 def _chunk(data: Buffer, position: int, end: int) -> IntactRecord | DamagedStretch:
     """The chunk at ``position``. Its length is written twice; where they differ, the one that the checksum proves."""
     begin = position + RECORD_HEAD.size
-    head = data[begin : begin + CHUNK.size + 4 + 8]
+    head = data[begin : begin + CHUNK_HEAD.size + 4 + 8]
     try:
-        first, last, size, crc, name_length = CHUNK.unpack_from(head)
-        compression = {b"": "", b"lz4": "lz4", b"zstd": "zstd"}[head[CHUNK.size : CHUNK.size + name_length]]
-        (inner,) = struct.unpack_from("<Q", head, CHUNK.size + name_length)
+        first, last, size, crc, name_length = CHUNK_HEAD.unpack_from(head)
+        compression = {b"": "", b"lz4": "lz4", b"zstd": "zstd"}[head[CHUNK_HEAD.size : CHUNK_HEAD.size + name_length]]
+        (inner,) = struct.unpack_from("<Q", head, CHUNK_HEAD.size + name_length)
     except (struct.error, KeyError):
         return DamagedStretch(position, end, "a chunk's head")
     if size > MOST_UNPACKED:
         return DamagedStretch(position, end, f"a chunk that says it unpacks to {amount(size)}", first, last)
-    payload = begin + CHUNK.size + name_length + 8
+    payload = begin + CHUNK_HEAD.size + name_length + 8
     remains = b""
     for stop in dict.fromkeys((payload + inner, end)):
         if payload <= stop <= len(data):

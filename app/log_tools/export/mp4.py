@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol, cast
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 import cv2
 import numpy as np
@@ -31,18 +31,6 @@ SLOWEST_HZ, FASTEST_HZ = 1.0, 60.0
 LATE_S = 0.5
 #: Ticks a second of a video's own clock, the usual one.
 CLOCK_HZ = 90_000
-
-
-class Video(Protocol):
-    """A video being written."""
-
-    def add(self, image: NDArray[np.uint8], at: float) -> None:
-        """Show ``image`` (H, W, 3) RGB from ``at`` seconds after the first."""
-        ...
-
-    def close(self) -> str:
-        """End the file; returns a summary for people. Raises DiskTrouble if it could not be written."""
-        ...
 
 
 class Mp4(Format):
@@ -134,7 +122,8 @@ class ExactVideo:
         self._last = -1
 
     def add(self, image: NDArray[np.uint8], at: float) -> None:
-        """Show ``image`` from ``at``; one that is not later than the one before is left out."""
+        """Show ``image`` (H, W, 3) RGB from ``at`` seconds after the first; a frame not later than the last is left
+        out."""
         tick = round(at * CLOCK_HZ)
         if tick <= self._last:
             return
@@ -147,6 +136,7 @@ class ExactVideo:
             raise disk_trouble(OSError(failure.errno, failure.strerror), self._path) from failure
 
     def close(self) -> str:
+        """End the file; returns a summary for people. Raises DiskTrouble if it could not be written."""
         try:
             self._file.mux(self._stream.encode(None))
             self._file.close()
@@ -192,6 +182,9 @@ class ConstantRateVideo:
                 self._writer.write(self._shown)
                 self._frames += 1
             self._slot = until
+
+
+Video: TypeAlias = ExactVideo | ConstantRateVideo
 
 
 def even_sided(image: NDArray[np.uint8]) -> NDArray[np.uint8]:

@@ -34,9 +34,8 @@ from mcap.records import (
 
 from app.logs.log import LogError
 from app.logs.mcap.bounds import records_of
-from app.logs.mcap.structure import MAGIC, RECORD_HEAD, is_closed
+from app.logs.mcap.structure import CHUNK_HEAD, MAGIC, RECORD_HEAD, is_closed
 
-_CHUNK_HEAD = struct.Struct("<QQQII")
 _INDEX_HEAD = struct.Struct("<HI")
 _COPY_BYTES = 1 << 20
 
@@ -304,7 +303,7 @@ def _head(file: BinaryIO, span: Span, size: int) -> bytes:
 
 
 def _chunk_span(file: BinaryIO, span: Span) -> ChunkSpan:
-    begin_ns, end_ns, uncompressed, _, name_length = _CHUNK_HEAD.unpack(_head(file, span, _CHUNK_HEAD.size))
+    begin_ns, end_ns, uncompressed, _, name_length = CHUNK_HEAD.unpack(_head(file, span, CHUNK_HEAD.size))
     compression = file.read(name_length).decode()
     (compressed,) = struct.unpack("<Q", file.read(8))
     index = ChunkIndex(

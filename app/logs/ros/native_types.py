@@ -14,7 +14,6 @@ from app.logs.ros.frames import BASE, ODOM, TF, Transform, header, pose2_numbers
 from app.logs.ros.generated import generated
 from app.logs.ros.record import MAIN, Record, RecordTopic
 from app.logs.ros.record_templates import Numbers
-from app.logs.stamps import SECOND, from_ns
 from app.messages import JointState, LogLine, Odometry, Twist
 
 _COVARIANCE = 36
@@ -79,7 +78,7 @@ class OdometryConverter:
         position, turn = ros.pose.pose.position, ros.pose.pose.orientation
         twist = ros.twist.twist
         pose = Pose2(position.x, position.y, 2.0 * math.atan2(turn.z, turn.w))
-        return Odometry(stamp_of(ros.header.stamp), pose, twist.linear.x, twist.angular.z)
+        return Odometry(typestore.seconds(ros.header.stamp), pose, twist.linear.x, twist.angular.z)
 
 
 class TwistConverter:
@@ -98,7 +97,7 @@ class TwistConverter:
 
     def decode(self, parts: Mapping[str, bytes]) -> Twist:
         ros = typestore.deserialise(self._TYPE, parts[MAIN])
-        return Twist(stamp_of(ros.header.stamp), ros.twist.linear.x, ros.twist.angular.z)
+        return Twist(typestore.seconds(ros.header.stamp), ros.twist.linear.x, ros.twist.angular.z)
 
 
 class JointStateConverter:
@@ -120,7 +119,7 @@ class JointStateConverter:
 
     def decode(self, parts: Mapping[str, bytes]) -> JointState:
         ros = typestore.deserialise(self._TYPE, parts[MAIN])
-        return JointState(stamp_of(ros.header.stamp), tuple(ros.name), tuple(ros.position.tolist()))
+        return JointState(typestore.seconds(ros.header.stamp), tuple(ros.name), tuple(ros.position.tolist()))
 
     def _template(self, names: tuple[str, ...]) -> Numbers:
         none = np.zeros(0)
@@ -138,20 +137,14 @@ class LogLineConverter:
         self.topics = (RecordTopic(f"/{channel}", self._TYPE),)
 
     def encode(self, message: LogLine, stamp_ns: int) -> list[Record]:
-        time = typestore.make("builtin_interfaces/msg/Time", *divmod(stamp_ns, SECOND))
         level = min(max(message.level, 0), 255)
         source, text = typestore.encodable(message.source), typestore.encodable(message.text)
-        data = typestore.serialise(self._TYPE, time, level, source, text, "", "", 0)
+        data = typestore.serialise(self._TYPE, typestore.time(stamp_ns), level, source, text, "", "", 0)
         return [Record(self.topics[0].name, self._TYPE, stamp_ns, data)]
 
     def decode(self, parts: Mapping[str, bytes]) -> LogLine:
         ros = typestore.deserialise(self._TYPE, parts[MAIN])
-        return LogLine(stamp_of(ros.stamp), ros.level, ros.name, ros.msg)
-
-
-def stamp_of(time: Any) -> float:
-    """Seconds of a ``builtin_interfaces/Time``."""
-    return from_ns(time.sec * SECOND + time.nanosec)
+        return LogLine(typestore.seconds(ros.stamp), ros.level, ros.name, ros.msg)
 
 
 def _twist(linear: float, angular: float) -> Any:

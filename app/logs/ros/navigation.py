@@ -12,7 +12,6 @@ import numpy as np
 from app.logs.ros import typestore
 from app.logs.ros.info import RestTopic
 from app.logs.ros.record import MAIN, Record, RecordTopic
-from app.logs.stamps import SECOND
 from app.messages import OccupancyGrid, PlannedPath, read_only
 
 _GRID = "nav_msgs/msg/OccupancyGrid"
@@ -30,7 +29,7 @@ class OccupancyGridConverter:
     def encode(self, message: OccupancyGrid, stamp_ns: int) -> list[Record]:
         height, width = message.cells.shape
         corner = _pose(*message.origin, 0.0)
-        time = _time(stamp_ns)
+        time = typestore.time(stamp_ns)
         about = typestore.make("nav_msgs/msg/MapMetaData", time, message.resolution_m, width, height, corner)
         cells = np.ascontiguousarray(message.cells).reshape(-1)
         key = (message.frame, message.resolution_m, message.origin, message.version)
@@ -59,7 +58,7 @@ class PlannedPathConverter:
         self.topics = (self._path, self._info.topic)
 
     def encode(self, message: PlannedPath, stamp_ns: int) -> list[Record]:
-        head = _header(message.frame, _time(stamp_ns))
+        head = _header(message.frame, typestore.time(stamp_ns))
         poses = [typestore.make("geometry_msgs/msg/PoseStamped", head, _pose(*pose)) for pose in message.poses.tolist()]
         return [
             Record(self._path.name, _PATH, stamp_ns, typestore.serialise(_PATH, head, poses)),
@@ -69,10 +68,6 @@ class PlannedPathConverter:
     def decode(self, parts: Mapping[str, bytes]) -> PlannedPath:
         path: PlannedPath = self._info.message(parts[MAIN])
         return path
-
-
-def _time(stamp_ns: int) -> Any:
-    return typestore.make("builtin_interfaces/msg/Time", *divmod(stamp_ns, SECOND))
 
 
 def _header(frame: str, time: Any) -> Any:
