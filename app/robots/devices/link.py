@@ -59,7 +59,7 @@ class DevicesLink:
             )  # fmt: skip
             rate_hz = config.microphones.rate / config.microphones.frame_samples
             streams["microphones"] = StreamDescription("microphones", Audio, rate_hz)
-        self._description = RobotDescription(
+        self.description = RobotDescription(
             config.name,
             config.model,
             config.limits.base(),
@@ -67,11 +67,7 @@ class DevicesLink:
             simulated=False,
             loudspeaker=self._player is not None,
         )
-        self._receivers = Receivers(self._description)
-
-    @property
-    def description(self) -> RobotDescription:
-        return self._description
+        self._receivers = Receivers(self.description)
 
     async def start(self) -> None:
         """Open the devices. A device that cannot be opened is logged and tried again; LinkFailed if none can."""

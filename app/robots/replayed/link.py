@@ -65,7 +65,7 @@ class ReplayedLink:
     ) -> None:
         self.log = log
         self._clock = clock
-        self._description = description
+        self.description = description
         self._channels = dict(streams)
         self.begin = log.info.begin if begin is None else begin
         self.end = log.info.end if end is None else end
@@ -103,10 +103,6 @@ class ReplayedLink:
         self._failure: asyncio.Future[LinkFailed] | None = None
 
     # --- RobotLink ---------------------------------------------------------------------------------------------------
-
-    @property
-    def description(self) -> RobotDescription:
-        return self._description
 
     async def start(self) -> None:
         self._reader = ThreadPoolExecutor(1, thread_name_prefix="log reader")
@@ -162,8 +158,7 @@ class ReplayedLink:
     def clear_e_stop(self) -> None:
         """No effect."""
 
-    # --- Control of the replay
-    # -----------------------------------------------------------------------------------------
+    # --- Control of the replay ---------------------------------------------------------------------------------------
 
     def feed(self, channel: str, receive: Callable[[Any], None]) -> LogFeed:
         """Call ``receive(message)`` for each message of the log's ``channel`` while the feed has demand."""
@@ -215,7 +210,7 @@ class ReplayedLink:
             return self._receivers[stream]
         except KeyError:
             streams = ", ".join(self._receivers) or "none"
-            raise KeyError(f"{self._description.name} has no stream {stream!r}; it has {streams}") from None
+            raise KeyError(f"{self.description.name} has no stream {stream!r}; it has {streams}") from None
 
     def _changed(self) -> None:
         """The demand changed: once all changes are in, read with the new demand."""
