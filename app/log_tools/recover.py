@@ -221,13 +221,15 @@ def _decompress(data: bytes, compression: str, size: int) -> bytes:
     """All of ``data`` that can be decompressed, little more than ``size`` bytes."""
     if not compression:
         return data
-    make = lz4.frame.LZ4FrameDecompressor if compression == "lz4" else zstandard.ZstdDecompressor().decompressobj
-    machine, content = make(), bytearray()
+    machine: Any = (
+        lz4.frame.LZ4FrameFile(BytesIO(data))
+        if compression == "lz4"
+        else zstandard.ZstdDecompressor().stream_reader(data, read_size=_PIECE)
+    )
+    content = bytearray()
     with suppress(zstandard.ZstdError, RuntimeError, EOFError, MemoryError):
-        for begin in range(0, len(data), _PIECE):
-            content += machine.decompress(data[begin : begin + _PIECE])
-            if machine.eof or len(content) > size:
-                break
+        while len(content) <= size and (piece := machine.read1(_PIECE)):
+            content += piece
     return bytes(content)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
@@ -48,22 +49,22 @@ class Target:
             part.write_bytes(data)
 
 
-class Format:
+class Format(ABC):
     """A kind of files, for one export."""
 
     #: Whether it wants to see all messages once before any is written.
     surveys = False
 
+    @abstractmethod
     def accepts(self, message_type: type[Any]) -> bool:
         """Whether messages of this class can be written so."""
-        raise NotImplementedError
 
-    def survey(self, channel: str, message: Any) -> None:
+    def survey(self, channel: str, message: Any) -> None:  # noqa: B027  # most formats look at nothing before
         """See a message before anything is written."""
 
+    @abstractmethod
     def writer(self, channel: LoggedChannel, target: Target) -> AbstractContextManager[Write]:
         """Write the messages of ``channel``. On any exception the unfinished file is deleted. Raises LogError."""
-        raise NotImplementedError
 
 
 def stamp_name(stamp: float) -> str:
