@@ -26,7 +26,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     os.environ.setdefault(_QUIET, "SILENT")
     args = build_parser().parse_args(argv)
     try:
-        code = COMMANDS[args.command].run(args)
+        code: int = COMMANDS[args.command].run(args)
         sys.stdout.flush()
         return code
     except ConfigError as failure:

@@ -29,13 +29,13 @@ from app.base import paths
 from app.base.geometry import Pose2
 from app.experiments.world_run import able
 from app.logs.library import RecordingLibrary
-from app.logs.replay.references import LOG, VALUES, compare, load_values, measure, write_values
 from app.messages import Odometry, OperatorDrive
 from app.program.config import Configuration, load_configuration
 from app.program.system import System
 from app.robots.config import RobotConfig
 from app.robots.factory import create_lockstep, load_body
 from app.runtime.clock import VirtualClock, run_virtual
+from tests.references.figures import LOG, VALUES, compare, load_values, measure, write_values
 
 OPERATOR = Source("operator", "ada")
 PROGRAM = Source("rest", "scenario")

@@ -42,7 +42,6 @@ class RateLimitedHandler(logging.StreamHandler[TextIO]):
         self._timer: threading.Timer | None = None
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Write an event, or count it."""
         key = _key(record)
         self._end_windows(self._now())
         line = self._lines.get(key)

@@ -65,7 +65,6 @@ class LineFormatter(logging.Formatter):
         self._colored = colored
 
     def format(self, record: logging.LogRecord) -> str:
-        """The event as text."""
         moment = datetime.fromtimestamp(record.created)
         time = f"{moment:%H:%M:%S}.{moment.microsecond // 1000:03d}"
         message = " ".join(record.getMessage().splitlines())
@@ -87,7 +86,6 @@ class JsonFormatter(logging.Formatter):
     """Formats an event as a JSON object: time (ISO 8601, UTC), level, module, message, then the event's own members."""
 
     def format(self, record: logging.LogRecord) -> str:
-        """The event as one line of JSON."""
         event: dict[str, Any] = {
             "time": datetime.fromtimestamp(record.created, UTC).isoformat(timespec="milliseconds"),
             "level": record.levelname.lower(),

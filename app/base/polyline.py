@@ -10,14 +10,14 @@ MOST_POINTS = 200
 _HEADING_STEP = 0.01
 
 
-def thinned_path(points: NDArray[np.float64], most: int = MOST_POINTS) -> NDArray[np.float64]:
-    """At most ``most`` (at least 2) of ``points`` (N, 2), both ends among them: those where it turns, then evenly."""
+def thinned_path(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """At most ``MOST_POINTS`` of ``points`` (N, 2), both ends among them: those where it turns, then evenly."""
     if len(points) > 2:
         steps = np.diff(points, axis=0)
         headings = np.unwrap(np.arctan2(steps[:, 1], steps[:, 0]))
         # Between two that are kept, the heading stays within one step: a wide bend is no straight line.
         turns = np.diff(np.floor(headings / _HEADING_STEP)) != 0
         points = points[np.concatenate([[True], turns, [True]])]
-    if len(points) > most:
-        points = points[np.linspace(0, len(points) - 1, most).round().astype(np.intp)]
+    if len(points) > MOST_POINTS:
+        points = points[np.linspace(0, len(points) - 1, MOST_POINTS).round().astype(np.intp)]
     return points

@@ -86,10 +86,6 @@ def _int(text: str) -> int:
     return int(text, 16) if "x" in text else int(text)  # a leading 0 is decimal in YAML 1.2, octal in 1.1
 
 
-def _float(text: str) -> float:
-    return float(text.replace(".inf", "inf").replace(".nan", "nan"))
-
-
 _TAG = "tag:yaml.org,2002:"
 _INT, _MERGE = f"{_TAG}int", f"{_TAG}merge"
 _PATTERNS = {_TAG + name: re.compile(pattern) for name, pattern, _ in _SCALARS}
@@ -97,7 +93,7 @@ _CONSTRUCT: dict[str, Callable[[str], Any]] = {
     f"{_TAG}null": lambda text: None,
     f"{_TAG}bool": lambda text: text.lower() == "true",
     _INT: _int,
-    f"{_TAG}float": lambda text: _float(text.lower()),
+    f"{_TAG}float": lambda text: float(text.lower().replace(".inf", "inf").replace(".nan", "nan")),
 }
 for _loader in (_CoreLoader, _QuickLoader):
     _loader.yaml_implicit_resolvers = {}
@@ -137,23 +133,18 @@ class Document:
         """A :class:`ConfigError` (to raise) that points at ``key_path``."""
         return ConfigError(message, self.file, self.line(key_path), dotted(key_path))
 
-    def validate(self, model: type[ModelT], at: KeyPath = ()) -> ModelT:
-        """The part of the document under ``at`` as a ``model``; raises ConfigError at the first value that does not
-        fit."""
-        value = self.data
-        for key in at:
-            value = value[key]
+    def validate(self, model: type[ModelT]) -> ModelT:
+        """The document as a ``model``; raises ConfigError at the first value that does not fit."""
         try:
-            return model.model_validate({} if value is None else value)
+            return model.model_validate({} if self.data is None else self.data)
         except ValidationError as failure:
-            raise self._explained(model, failure, at) from None
+            raise self._explained(model, failure) from None
 
-    def _explained(self, model: type[BaseModel], failure: ValidationError, at: KeyPath) -> ConfigError:
+    def _explained(self, model: type[BaseModel], failure: ValidationError) -> ConfigError:
         details = failure.errors(include_url=False)
         # A misspelt key is also a missing one: the message about the misspelling is more helpful.
         first = next((detail for detail in details if detail["type"] == "extra_forbidden"), details[0])
-        location = tuple(part for part in first["loc"] if part != "[key]")
-        path = (*at, *location)
+        path = tuple(part for part in first["loc"] if part != "[key]")
         message = validation_message(model, first)
         if len(details) > 1:
             message += f" (and {len(details) - 1} more mistake{'s' * (len(details) > 2)})"

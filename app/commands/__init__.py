@@ -1,10 +1,13 @@
-"""The commands of ``hbba``, one file each: ``add_parser(subparsers)`` declares it, ``run(args)`` does it."""
+"""The commands of ``hbba``, one file each.
+
+``add_parser(subparsers)`` declares the command's name, help and arguments; ``run(args)`` does it and returns the exit
+code. It may raise ConfigError for a person's mistake.
+"""
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Mapping
-from typing import Any, Protocol
+from types import ModuleType
 
 from app.commands import (
     bench,
@@ -22,23 +25,7 @@ from app.commands import (
     solve,
 )
 
-#: The object that ``argparse`` returns for adding commands; its own type is private and generic.
-Subparsers = Any
-
-
-class CliCommand(Protocol):
-    """The functions of each command's file."""
-
-    def add_parser(self, subparsers: Subparsers) -> None:
-        """Declare the command's name, help and arguments."""
-        ...
-
-    def run(self, args: argparse.Namespace) -> int:
-        """Do it and return the exit code. May raise ConfigError for a person's mistake."""
-        ...
-
-
-COMMANDS: Mapping[str, CliCommand] = {
+COMMANDS: Mapping[str, ModuleType] = {
     "run": run,
     "replay": replay,
     "log": log,

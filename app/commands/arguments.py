@@ -9,6 +9,7 @@ from datetime import datetime
 from pathlib import Path
 
 from app.base.errors import ConfigError
+from app.commands.output import add_json
 
 #: A time on the command line, once the begin of the log (robot's clock, s) is known.
 Moment = Callable[[float], float]
@@ -64,6 +65,39 @@ def number(text: str) -> float | None:
     except ValueError:
         return None
     return value if math.isfinite(value) else None
+
+
+def real(
+    least: float = -math.inf, most: float = math.inf, *, above: bool = False, rule: str = ""
+) -> Callable[[str], float]:
+    """A function for argparse that reads a finite number from ``least`` (``above``: greater than that) to ``most``.
+
+    ``rule`` says in its error what is allowed, where "must be a number from … to …" does not.
+    """
+    rule = rule or f"must be a number {'above' if above else 'from'} {least:g} to {most:g}"
+
+    def read(text: str) -> float:
+        value = number(text)
+        if value is None or not least <= value <= most or (above and value == least):
+            raise argparse.ArgumentTypeError(f"{rule}, not {text!r}")
+        return value
+
+    return read
+
+
+def add_config(parser: argparse.ArgumentParser) -> None:
+    """Declare ``--config``, the program."""
+    parser.add_argument(
+        "--config", type=Path, metavar="FILE", help="the program: a file, or a name as jackal (default: lab)"
+    )
+
+
+def add_results_options(parser: argparse.ArgumentParser, jobs: str) -> None:
+    """Declare the options of an experiment of many trials; ``jobs`` is the noun for these."""
+    parser.add_argument("--jobs", type=whole(1, 256), metavar="N", help=f"{jobs} at a time (default: one a core)")
+    parser.add_argument("--out", type=Path, metavar="FOLDER", help="where results are kept (default: your data folder)")
+    parser.add_argument("--fresh", action="store_true", help="start again; earlier results are moved aside")
+    add_json(parser)
 
 
 def moment(text: str) -> Moment:

@@ -14,7 +14,6 @@ from app.commands.output import add_json
 
 
 def add_parser(subparsers: Any) -> None:
-    """Declare ``hbba bench``; arguments after it are passed to ``python -m benchmarks``."""
     parser = subparsers.add_parser(
         "bench",
         help="measure this program beside its peers",

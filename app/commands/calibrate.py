@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from app.base import paths
 from app.base.errors import ConfigError
-from app.commands.arguments import find_log, names, number, whole
+from app.commands.arguments import add_config, find_log, names, real, whole
 from app.commands.output import add_json, print_json
 from app.commands.packaged import program_named
 
@@ -26,10 +26,10 @@ if TYPE_CHECKING:
 LEAST_S = 5.0
 #: A channel with a smaller share of its nominal rate is reported.
 ENOUGH = 0.9
+_FROM_0 = real(0, rule="seconds are a number from 0")
 
 
 def add_parser(subparsers: Any) -> None:
-    """Declare ``hbba calibrate``."""
     parser = subparsers.add_parser(
         "calibrate",
         help="measure what each perception costs at each φ on this computer",
@@ -38,11 +38,9 @@ def add_parser(subparsers: Any) -> None:
         "print the cost of each strategy. After an interruption, the next run continues.",
     )
     parser.add_argument("log", nargs="?", metavar="LOG", help="a log or a recording's name (default: the newest one)")
-    parser.add_argument(
-        "--config", type=Path, metavar="FILE", help="the program: a file, or a name as jackal (default: lab)"
-    )
-    parser.add_argument("--seconds", type=_seconds, default=60.0, metavar="S", help="seconds of it to use (default 60)")
-    parser.add_argument("--from", dest="begin", type=_seconds, default=0.0, metavar="S", help="begin S seconds into it")
+    add_config(parser)
+    parser.add_argument("--seconds", type=_FROM_0, default=60.0, metavar="S", help="seconds of it to use (default 60)")
+    parser.add_argument("--from", dest="begin", type=_FROM_0, default=0.0, metavar="S", help="begin S seconds into it")
     parser.add_argument("--only", type=names, metavar="A,B", help="these modules alone")
     parser.add_argument(
         "--phi", type=_sweep, action="append", metavar="M.PORT=A-B",
@@ -66,7 +64,6 @@ def add_parser(subparsers: Any) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Measure, write, plot. Raises ConfigError."""
     import cv2
 
     from app.link import LinkFailed
@@ -321,10 +318,3 @@ def _checked(sweep: dict[str, range], inputs: dict[str, list[str]], configuratio
                 configuration.program_document.file,
             )
     return sweep
-
-
-def _seconds(text: str) -> float:
-    seconds = number(text)
-    if seconds is None or seconds < 0:
-        raise argparse.ArgumentTypeError(f"seconds are a number from 0, not {text!r}")
-    return seconds

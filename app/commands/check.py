@@ -17,7 +17,6 @@ _Check = Callable[[Path], "tuple[str, ...] | None"]
 
 
 def add_parser(subparsers: Any) -> None:
-    """Declare ``hbba check``."""
     parser = subparsers.add_parser(
         "check",
         help="validate configuration files",

@@ -62,7 +62,6 @@ end
 
 
 def add_parser(subparsers: Any) -> None:
-    """Declare ``hbba completion``."""
     parser = subparsers.add_parser(
         "completion",
         help="print a completion script for your shell",
@@ -74,7 +73,6 @@ def add_parser(subparsers: Any) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Print the script."""
     import shtab
 
     from app.commands.parser import build_parser

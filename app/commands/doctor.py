@@ -41,7 +41,6 @@ class Finding:
 
 
 def add_parser(subparsers: Any) -> None:
-    """Declare ``hbba doctor``."""
     parser = subparsers.add_parser(
         "doctor",
         help="check this computer and say what is missing",
@@ -52,7 +51,6 @@ def add_parser(subparsers: Any) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Look at everything, print the findings."""
     findings = [look() for look in checks(args.port)]
     if args.json:
         print_json([asdict(finding) for finding in findings])

@@ -8,15 +8,17 @@ from __future__ import annotations
 
 import argparse
 import sys
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from app.base.errors import ConfigError
 from app.base.extensions import Extension, extensions
 from app.commands.parser import Parser
 
+if TYPE_CHECKING:
+    from app.experiments.results_store import ResultsStore
+
 
 def add_parser(subparsers: Any) -> None:
-    """Declare ``hbba experiment``; the experiments there are, once its arguments are read."""
     parser: Parser = subparsers.add_parser(
         "experiment",
         help="run an experiment and report it",
@@ -43,6 +45,20 @@ def run(args: argparse.Namespace) -> int:
     except (LinkFailed, MapUnavailable, ScriptBlocked, TrialLost) as failure:
         print(f"hbba experiment {args.experiment}: {failure}", file=sys.stderr)
         return 1
+
+
+def open_results(args: argparse.Namespace, of: dict[str, object]) -> ResultsStore:
+    """The store of the experiment's results of the identity ``of``; says so if it moved others aside.
+
+    Raises ConfigError.
+    """
+    from app.experiments.results_store import ResultsStore, default_folder
+
+    kept = ResultsStore(args.out or default_folder(args.experiment), of, fresh=args.fresh)
+    if kept.moved and not args.fresh:
+        said = f"other results were there; they are in {kept.moved} now"
+        print(f"hbba experiment {args.experiment}: {said}", file=sys.stderr)
+    return kept
 
 
 def _fill(parser: Parser, experiments: Any) -> None:

@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.base.errors import ConfigError
-from app.commands.arguments import whole
-from app.commands.output import add_json, print_json
+from app.commands.arguments import add_results_options, whole
+from app.commands.experiment import open_results
+from app.commands.output import print_json
 from app.commands.packaged import program_named
 
 if TYPE_CHECKING:
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
 
 
 def add_parser(experiments: Any) -> None:
-    """Declare ``hbba experiment barn``."""
     parser = experiments.add_parser(
         "barn",
         help="worlds of the BARN challenge, crossed by the robot on its own",
@@ -38,18 +38,13 @@ def add_parser(experiments: Any) -> None:
     parser.add_argument("--config", type=Path, metavar="FILE", help="the program: a file, or a name (default: jackal)")
     parser.add_argument("--controller", metavar="NAME", help="how paths are followed (default: as configured)")
     parser.add_argument("--seed", type=whole(0), default=1, metavar="S", help="of the robot's noise (default 1)")
-    parser.add_argument("--jobs", type=whole(1, 256), metavar="N", help="worlds at a time (default: one a core)")
-    parser.add_argument("--out", type=Path, metavar="FOLDER", help="where results are kept (default: your data folder)")
-    parser.add_argument("--fresh", action="store_true", help="start again; earlier results are moved aside")
-    add_json(parser)
+    add_results_options(parser, "worlds")
     parser.add_argument("--plot", action="append", default=[], metavar="ID", help="draw this world and the way driven")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Run it. Raises ConfigError."""
     from app.experiments.barn.experiment import done, plan
     from app.experiments.barn.experiment import run as run_worlds
-    from app.experiments.results_store import ResultsStore, default_folder
 
     what = plan(
         args.worlds or _default_worlds(),
@@ -62,9 +57,7 @@ def run(args: argparse.Namespace) -> int:
     for named in args.plot:
         if named not in {world.name for world in what.chosen}:
             raise ConfigError(f"world {named!r} is not among those to run", "--plot")
-    kept = ResultsStore(args.out or default_folder("barn"), what.of(), fresh=args.fresh)
-    if kept.moved and not args.fresh:
-        print(f"hbba experiment barn: other results were there; they are in {kept.moved} now", file=sys.stderr)
+    kept = open_results(args, what.of())
     before = done(what, kept)
     if before:
         print(f"hbba experiment barn: {len(before)} of {len(what.chosen)} worlds are done already", file=sys.stderr)
@@ -97,18 +90,11 @@ def _report(args: argparse.Namespace, what: BarnPlan, kept: ResultsStore, result
     from app.experiments.barn.result import BarnSummary
     from app.robots.factory import load_body
 
+    rows = [result.document() for result in results]
     if args.json:
-        print_json(
-            {
-                "of": what.of(),
-                "summary": BarnSummary.of(results).document(),
-                "worlds": [result.document() for result in results],
-            }
-        )
+        print_json({"of": what.of(), "summary": BarnSummary.of(results).document(), "worlds": rows})
     else:
-        print(table(results))
-        if failed := failures(results):
-            print("\n" + "\n".join(failed))
+        print("\n\n".join(filter(None, (table(results), "\n".join(failures(results))))))
     for named in args.plot:
         (world,) = (world for world in what.chosen if world.name == named)
         (result,) = (result for result in results if result.world == named)

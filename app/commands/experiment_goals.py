@@ -5,12 +5,12 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.base.errors import ConfigError
-from app.commands.arguments import whole
-from app.commands.output import add_json, print_json
+from app.commands.arguments import add_config, add_results_options, whole
+from app.commands.experiment import open_results
+from app.commands.output import print_json
 from app.commands.packaged import program_named
 
 if TYPE_CHECKING:
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
 
 def add_parser(experiments: Any) -> None:
-    """Declare ``hbba experiment goals``."""
     parser = experiments.add_parser(
         "goals",
         help="random goals in the lab among three people who walk",
@@ -28,21 +27,15 @@ def add_parser(experiments: Any) -> None:
     )
     parser.add_argument("--count", type=whole(1, 10_000), default=100, metavar="N", help="how many goals (default 100)")
     parser.add_argument("--seed", type=whole(0), default=1, metavar="S", help="of the goals and the noise (default 1)")
-    parser.add_argument(
-        "--config", type=Path, metavar="FILE", help="the program: a file, or a name as jackal (default: lab)"
-    )
+    add_config(parser)
     parser.add_argument("--scenario", metavar="FILE", help="who walks there (default: walkers)")
-    parser.add_argument("--jobs", type=whole(1, 256), metavar="N", help="shifts at a time (default: one a core)")
     parser.add_argument(
         "--blind", action="store_true", help="without the Kinect: quicker, but what is lower than the laser is not seen"
     )
-    parser.add_argument("--out", type=Path, metavar="FOLDER", help="where results are kept (default: your data folder)")
-    parser.add_argument("--fresh", action="store_true", help="start again; earlier results are moved aside")
-    add_json(parser)
+    add_results_options(parser, "shifts")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Run it. Raises ConfigError."""
     from app.base import logging_setup
     from app.commands.body_options import scenario_file
     from app.commands.progress import shown
@@ -50,7 +43,6 @@ def run(args: argparse.Namespace) -> int:
     from app.experiments.goals.experiment import run as run_goals
     from app.experiments.goals.report import failures, table
     from app.experiments.goals.result import GoalsSummary
-    from app.experiments.results_store import ResultsStore, default_folder
 
     scenario = None if args.scenario is None else scenario_file(args.scenario)
     if args.scenario is not None and scenario is None:
@@ -63,9 +55,7 @@ def run(args: argparse.Namespace) -> int:
         jobs=args.jobs or os.cpu_count() or 1,
         cameras=not args.blind,
     )
-    kept = ResultsStore(args.out or default_folder("goals"), what.of(), fresh=args.fresh)
-    if kept.moved and not args.fresh:
-        print(f"hbba experiment goals: other results were there; they are in {kept.moved} now", file=sys.stderr)
+    kept = open_results(args, what.of())
     before = done(what, kept)
     if before:
         print(f"hbba experiment goals: {len(before)} of {args.count} goals are done already", file=sys.stderr)
@@ -87,17 +77,10 @@ def run(args: argparse.Namespace) -> int:
             )
 
         results = run_goals(what, kept, finished, lambda stage: progress(len(before), args.count, stage))
+    rows = [result.document() for result in results]
     if args.json:
-        print_json(
-            {
-                "of": what.of(),
-                "summary": GoalsSummary.of(results).document(),
-                "goals": [result.document() for result in results],
-            }
-        )
+        print_json({"of": what.of(), "summary": GoalsSummary.of(results).document(), "goals": rows})
     else:
-        print(table(results))
-        if lines := failures(results):
-            print("\n" + "\n".join(lines))
+        print("\n\n".join(filter(None, (table(results), "\n".join(failures(results))))))
     print(f"kept: {kept.file}", file=sys.stderr)
     return 0

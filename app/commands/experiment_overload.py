@@ -8,36 +8,42 @@ from pathlib import Path
 from typing import Any
 
 from app.base.errors import ConfigError
-from app.commands.arguments import number
+from app.commands.arguments import add_config, real
 from app.commands.body_options import experiment_scenario
 from app.commands.output import add_json, print_json
 from app.commands.packaged import program_named
 
 
 def add_parser(experiments: Any) -> None:
-    """Declare ``hbba experiment overload``."""
     parser = experiments.add_parser(
         "overload",
         help="what falls behind on a small computer without attention, and what attention keeps",
         description="Run the scripted trial twice with the program kept on one core: every filter open, then with "
         "attention. Reports CPU, ages of messages, missed beats and what was found.",
     )
-    parser.add_argument(
-        "--config", type=Path, metavar="FILE", help="the program: a file, or a name as jackal (default: lab)"
-    )
+    add_config(parser)
     parser.add_argument(
         "--scenario", metavar="FILE", help="one that drives: a file, or a name as mapping (default: trial)"
     )
-    parser.add_argument("--seconds", type=_seconds, default=60.0, metavar="S", help="how long each (default 60)")
     parser.add_argument(
-        "--budget", type=_budget, default=100.0, metavar="PERCENT", help="how much of one core (default 100, least 10)"
+        "--seconds",
+        type=real(5, 3600, rule="seconds are a number from 5 to 3600"),
+        default=60.0,
+        metavar="S",
+        help="how long each (default 60)",
+    )
+    parser.add_argument(
+        "--budget",
+        type=real(10, 100, rule="a budget is 10 to 100 % of a core"),
+        default=100.0,
+        metavar="PERCENT",
+        help="how much of one core (default 100, least 10)",
     )
     add_json(parser)
     parser.add_argument("--plot", type=Path, metavar="FILE", help="draw it there (PNG or SVG)")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Run it. Raises ConfigError."""
     from app.base import logging_setup
     from app.commands.progress import shown
     from app.experiments.observation import document
@@ -62,17 +68,3 @@ def run(args: argparse.Namespace) -> int:
         except OSError as failure:
             raise ConfigError(f"cannot be written: {failure.strerror or failure}", str(args.plot)) from None
     return 0
-
-
-def _seconds(text: str) -> float:
-    value = number(text)
-    if value is None or not 5 <= value <= 3600:
-        raise argparse.ArgumentTypeError(f"seconds are a number from 5 to 3600, not {text!r}")
-    return value
-
-
-def _budget(text: str) -> float:
-    value = number(text)
-    if value is None or not 10 <= value <= 100:
-        raise argparse.ArgumentTypeError(f"a budget is 10 to 100 % of a core, not {text!r}")
-    return value

@@ -3,26 +3,22 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 from typing import Any
 
-from app.commands.arguments import recording_name
+from app.commands.arguments import add_config, recording_name
 from app.commands.body_options import experiment_scenario
 from app.commands.output import add_json, print_json
 from app.commands.packaged import program_named
 
 
 def add_parser(experiments: Any) -> None:
-    """Declare ``hbba experiment trial``."""
     parser = experiments.add_parser(
         "trial",
         help="the thesis's tour-guide trial, driven by its script",
         description="Drive the robot along a scenario's script (default: the tour-guide trial of the thesis, figure "
         "4.8), with attention, and report what it attended to and found. Ctrl-C stops it and the robot.",
     )
-    parser.add_argument(
-        "--config", type=Path, metavar="FILE", help="the program: a file, or a name as jackal (default: lab)"
-    )
+    add_config(parser)
     parser.add_argument(
         "--scenario", metavar="FILE", help="one that drives: a file, or a name as mapping (default: trial)"
     )
@@ -36,7 +32,6 @@ def add_parser(experiments: Any) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Run it. Raises ConfigError."""
     from app.base import logging_setup
     from app.commands.progress import shown
     from app.experiments.observation import document

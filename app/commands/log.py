@@ -15,7 +15,6 @@ from app.commands.output import add_json, print_json
 
 
 def add_parser(subparsers: Any) -> None:
-    """Declare ``hbba log`` and its actions."""
     parser = subparsers.add_parser(
         "log",
         help="list, inspect, cut, repair and export recordings",

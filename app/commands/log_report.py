@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
 from datetime import datetime
 from pathlib import Path
 from typing import Any, Literal
 
-from app.commands.output import print_json
+from app.commands.output import aligned, print_json
 from app.log_tools.repair import NOTHING, RepairReport, examine
 from app.logs.catalog import Recording
 from app.logs.importers.remap import Remap, Undecided
-from app.logs.log import LogError
+from app.logs.log import LogError, LogInfo
 from app.logs.mcap.channel_sizes import channel_bytes
 from app.logs.mcap.open_file import is_being_written
 from app.logs.mcap.structure import is_mcap
@@ -56,10 +56,10 @@ class LogContents:
     duration_s: float
     bytes: int
     messages: int
-    facts: Mapping[str, str]
-    channels: tuple[ChannelContents, ...]
-    files: tuple[Mapping[str, Any], ...]
-    ignored: Mapping[str, str]
+    facts: Mapping[str, str] = field(default_factory=dict)
+    channels: tuple[ChannelContents, ...] = ()
+    files: tuple[Mapping[str, Any], ...] = ()
+    ignored: Mapping[str, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     #: Why a bag's topics are no channels yet, and a remap file that would make them some.
     undecided: str = ""
@@ -77,7 +77,7 @@ def look_into(path: Path, remap: Remap | None = None, progress: Progress = unwat
         finally:
             log.close()
     except Undecided as doubt:
-        return _undecided(doubt)
+        return replace(_described(doubt.info), undecided=str(doubt).removeprefix(f"{doubt.info.path}: "))
     except LogError as failure:
         if not is_mcap(path):
             raise
@@ -94,27 +94,16 @@ def look_into(path: Path, remap: Remap | None = None, progress: Progress = unwat
         )
         for channel in sorted(info.channels.values(), key=lambda channel: channel.name)
     )
-    return LogContents(
-        path=str(path),
-        format=info.format,
-        state="complete",
-        problem="",
-        begin=info.begin,
-        end=info.end,
-        duration_s=info.duration_s,
-        bytes=info.bytes,
+    return replace(
+        _described(info),
         messages=sum(channel.messages for channel in channels),
         facts=dict(manifest.facts),
         channels=channels,
         files=tuple({"name": f.name, "media_type": f.media_type, "bytes": len(f.data)} for f in manifest.files),
-        ignored=dict(info.ignored),
-        notes=info.notes,
     )
 
 
-def _undecided(doubt: Undecided) -> LogContents:
-    """Facts of a bag before a remap file assigns its topics to channels."""
-    info = doubt.info
+def _described(info: LogInfo) -> LogContents:
     return LogContents(
         path=str(info.path),
         format=info.format,
@@ -125,11 +114,8 @@ def _undecided(doubt: Undecided) -> LogContents:
         duration_s=info.duration_s,
         bytes=info.bytes,
         messages=0,
-        facts={},
-        channels=(),
-        files=(),
         ignored=dict(info.ignored),
-        undecided=str(doubt).removeprefix(f"{info.path}: "),
+        notes=info.notes,
     )
 
 
@@ -153,10 +139,6 @@ def _unreadable(path: Path, failure: LogError, progress: Progress) -> LogContent
         duration_s=found.end - found.begin,
         bytes=found.bytes,
         messages=found.messages,
-        facts={},
-        channels=(),
-        files=(),
-        ignored={},
     )
 
 
@@ -188,7 +170,7 @@ def print_contents(contents: LogContents, *, as_json: bool) -> None:
         print(f"\n{contents.undecided}")
         return
     head = ("channel", "type", "messages", "Hz", "nominal", "bytes")
-    print("", *table(head, _channel_rows(contents.channels), {2, 3, 4, 5}), sep="\n")
+    print("", *aligned([head, *_channel_rows(contents.channels)], {2, 3, 4, 5}), sep="\n")
     if contents.files:
         print("\nAttached")
         for attached in contents.files:
@@ -214,18 +196,6 @@ def _channel_rows(channels: Iterable[ChannelContents]) -> list[tuple[str, ...]]:
             "–" if channel.bytes is None else size(channel.bytes),
         )
         for channel in channels
-    ]
-
-
-def table(head: Sequence[str], rows: Sequence[Sequence[str]], right: Collection[int]) -> list[str]:
-    """Lines of aligned columns, those of ``right`` to the right; never wrapped, so that others can read them."""
-    widths = [max(map(len, column)) for column in zip(head, *rows, strict=True)]
-    return [
-        "  ".join(
-            cell.rjust(width) if index in right else cell.ljust(width)
-            for index, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ).rstrip()
-        for row in (head, *rows)
     ]
 
 
@@ -261,7 +231,7 @@ def print_recordings(found: Sequence[Recording], folder: Path, free_bytes: int) 
         )
         for each in found
     ]
-    print(*table(("name", "began", "length", "size", "robot", "state"), rows, {2, 3}), sep="\n")
+    print(*aligned([("name", "began", "length", "size", "robot", "state"), *rows], {2, 3}), sep="\n")
     print(f"\n{len(found)} in {folder}, {size(free_bytes)} free")
 
 

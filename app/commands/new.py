@@ -30,14 +30,14 @@ _TAKEN = frozenset(
 
 
 def add_parser(subparsers: Any) -> None:
-    """Declare ``hbba new``."""
     parser = subparsers.add_parser(
         "new",
         help="write the skeleton of a package with a module, motivation, behavior or body",
         description="Write a package into a folder of its own: code, configuration by name, and a test. It works as it "
         "is; change it into what you want. docs/writing-a-module.md begins with it.",
     )
-    parser.add_argument("kind", choices=list(KINDS), metavar="KIND", help=_kinds())
+    kinds = "; ".join(f"{kind}: {what}" for kind, what in KINDS.items())
+    parser.add_argument("kind", choices=list(KINDS), metavar="KIND", help=kinds)
     parser.add_argument("name", metavar="NAME", help="of its class, such as DoorDetector")
     parser.add_argument(
         "--in", dest="folder", type=Path, default=Path(), metavar="FOLDER", help="where (default: the working folder)"
@@ -46,7 +46,6 @@ def add_parser(subparsers: Any) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Write it, and say what comes next. Raises ConfigError."""
     names = names_of(args.kind, args.name)
     package = write(args.kind, names, args.folder)
     if args.json:
@@ -97,7 +96,7 @@ def write(kind: str, names: dict[str, str], folder: Path) -> Path:
     if package.exists():
         raise ConfigError("is there already; nothing is overwritten", str(package))
     files = {
-        target: _filled(source.read_text("utf-8"), names)
+        target: _PLACEHOLDER.sub(lambda found: names[found[1]], source.read_text("utf-8"))
         for root in (TEMPLATES / "common", TEMPLATES / kind)
         for source in sorted(root.rglob(f"*{_SUFFIX}"))
         for target in [package / _target(source.relative_to(root), names)]
@@ -117,17 +116,9 @@ _BODY = """
 """
 
 
-def _filled(text: str, names: dict[str, str]) -> str:
-    return _PLACEHOLDER.sub(lambda found: names[found[1]], text)
-
-
 def _target(path: Path, names: dict[str, str]) -> Path:
     named = path.as_posix().removesuffix(_SUFFIX).replace("PACKAGE", names["package"])
     return Path(named.replace("MODULE", names["module"]))
-
-
-def _kinds() -> str:
-    return "; ".join(f"{kind}: {what}" for kind, what in KINDS.items())
 
 
 def _taken(lab: Configuration) -> frozenset[str]:

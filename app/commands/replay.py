@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from app.base import logging_setup
 from app.base.errors import ConfigError
-from app.commands.arguments import TIMES, find_log, moment, names, number, recording_name, whole
+from app.commands.arguments import TIMES, find_log, moment, names, real, recording_name, whole
 from app.commands.kernels import kernels_ready
 from app.commands.output import add_json, check_writable, json_text, print_json, write_text
 from app.commands.packaged import program_named
@@ -33,7 +33,6 @@ LOOK_S = 1.0
 
 
 def add_parser(subparsers: Any) -> None:
-    """Declare ``hbba replay``."""
     parser = subparsers.add_parser(
         "replay",
         help="play a recording back",
@@ -71,7 +70,10 @@ def add_parser(subparsers: Any) -> None:
     add_json(parser, "with --headless: print the report as one JSON document instead")
     parser.add_argument("--out", type=Path, metavar="FILE", help="with --headless: write that JSON document here")
     parser.add_argument(
-        "--exit-when-unwatched", type=_seconds, metavar="S", help="end S seconds after the last viewer left"
+        "--exit-when-unwatched",
+        type=real(0, above=True, rule="must be a number of seconds greater than 0"),
+        metavar="S",
+        help="end S seconds after the last viewer left",
     )
     add_console_options(parser)
 
@@ -253,20 +255,11 @@ def _finite(speed: float | None) -> float | None:
 # --- Arguments -------------------------------------------------------------------------------------------------------
 
 
+_NUMBER = real(0.1, 100, rule="a speed is a number from 0.1 to 100, or max")
+
+
 def _speed(text: str) -> float:
-    if text == "max":
-        return math.inf
-    speed = number(text)
-    if speed is None or not 0.1 <= speed <= 100:
-        raise argparse.ArgumentTypeError(f"a speed is a number from 0.1 to 100, or max, not {text!r}")
-    return speed
-
-
-def _seconds(text: str) -> float:
-    seconds = number(text)
-    if seconds is None or seconds <= 0:
-        raise argparse.ArgumentTypeError(f"must be a number of seconds greater than 0, not {text!r}")
-    return seconds
+    return math.inf if text == "max" else _NUMBER(text)
 
 
 def _phi(text: str) -> tuple[str, float]:

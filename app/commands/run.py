@@ -14,13 +14,12 @@ import sys
 import threading
 import webbrowser
 from collections.abc import Callable, Coroutine, Sequence
-from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
 from app.base import logging_setup
-from app.commands.arguments import file_named
+from app.commands.arguments import add_config, file_named
 from app.commands.body_options import add_body_options, chosen
 from app.commands.kernels import kernels_ready
 from app.runtime.realtime import tune_for_latency
@@ -37,15 +36,12 @@ log = logging.getLogger("hbba.run")
 
 
 def add_parser(subparsers: Any) -> None:
-    """Declare ``hbba run``."""
     parser = subparsers.add_parser(
         "run",
         help="start the robot and its console",
         description="Start the robot and its console; Ctrl-C stops both. Options win over the configuration.",
     )
-    parser.add_argument(
-        "--config", type=Path, metavar="FILE", help="the program: a file, or a name as jackal (default: lab)"
-    )
+    add_config(parser)
     add_body_options(parser)
     add_console_options(parser)
 

@@ -25,7 +25,6 @@ MORE_TIME: Final = "try a greater --time-limit"
 
 
 def add_parser(subparsers: Any) -> None:
-    """Declare ``hbba solve``."""
     parser = subparsers.add_parser(
         "solve",
         help="choose strategies for a problem in a file, and say why",

@@ -10,6 +10,7 @@ from app.attention.problem import Selection
 from app.attention.problem_file import StatedProblem
 from app.attention.strategies import CLOSED
 from app.base.yaml_source import likeliest
+from app.commands.output import aligned
 from app.commands.printable import one_line
 
 _BAR = 24
@@ -137,14 +138,6 @@ def _phi(divisor: float) -> str:
 def _table(
     header: Sequence[str] | None, rows: Sequence[Sequence[str]], right: frozenset[int] | set[int] = frozenset()
 ) -> list[str]:
-    """Rows in aligned columns, two spaces between; ``right`` columns are aligned to the right."""
+    """Rows in aligned columns, without what steers a terminal; ``right`` columns are aligned to the right."""
     every = [[one_line(cell) for cell in row] for row in ([header, *rows] if header is not None else rows)]
-    widths = [max(len(row[column]) for row in every) for column in range(len(every[0]))]
-    return [
-        "  "
-        + "  ".join(
-            cell.rjust(width) if column in right else cell.ljust(width)
-            for column, (cell, width) in enumerate(zip(row, widths, strict=True))
-        )
-        for row in every
-    ]
+    return [f"  {line}" for line in aligned(every, right)]

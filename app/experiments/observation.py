@@ -84,7 +84,6 @@ class Outcome:
 
 
 def document(outcomes: Sequence[Outcome], settings: dict[str, Any]) -> dict[str, Any]:
-    """All but the series, as JSON; unknown values are null."""
     entries = []
     for outcome in outcomes:
         entry = asdict(outcome)
@@ -110,7 +109,7 @@ class Observer:
         self._guard = ""
         self._world_rates: list[float] = []
         self._late: list[float] = []
-        self._ends: list[Callable[[], None]] = []
+        self._ends: list[Callable[[], object]] = []
         self._origin = 0.0
         self._spent = (0.0, 0.0, 0.0)
         self._dropped: Counter[str] = Counter()
@@ -129,7 +128,7 @@ class Observer:
         self._dropped = self._drops()
         self._spent = self._spend()
         beat = asyncio.create_task(self._measure_loop_delay(), name="loop lateness")
-        self._ends.append(lambda: _cancel(beat))
+        self._ends.append(beat.cancel)
 
     def outcome(self, *, attention: bool, script: str = "") -> Outcome:
         """The observation since :meth:`begin`; ends it."""
@@ -201,7 +200,7 @@ class Observer:
         """CPU time (s) of the program, of its body and of all programs; NaN for a body without a process of its own."""
         if self._body is None:
             return math.nan, math.nan, math.nan
-        return _cpu_s([self._process]), _cpu_s(_family(self._body)), _busy_s()
+        return _cpu_s([self._process]), _cpu_s([self._body, *self._body.children(recursive=True)]), _busy_s()
 
     def _drops(self) -> Counter[str]:
         return Counter(
@@ -219,14 +218,6 @@ class Observer:
             due = loop.time() + LOOP_BEAT_S
             await asyncio.sleep(LOOP_BEAT_S)
             self._late.append(loop.time() - due)
-
-
-def _cancel(task: asyncio.Task[None]) -> None:
-    task.cancel()
-
-
-def _family(process: psutil.Process) -> list[psutil.Process]:
-    return [process, *process.children(recursive=True)]
 
 
 def _cpu_s(processes: Iterable[psutil.Process]) -> float:

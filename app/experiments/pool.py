@@ -1,7 +1,4 @@
-"""Trials in child processes, several at a time: a crash of one process loses no other trial.
-
-``Trials`` gives one result per trial; ``TrialSeries`` any number of them, each at once.
-"""
+"""Trials in child processes, several at a time, each with any number of results: a crash loses no other trial."""
 
 from __future__ import annotations
 
@@ -93,25 +90,6 @@ class TrialSeries(Generic[T, R]):
                 child.terminate()
             for child in children:
                 child.join()
-
-
-class Trials(Generic[T, R]):
-    """``work(trial)`` for every one of ``trials`` in ``jobs`` processes; both must be picklable."""
-
-    def __init__(self, work: Callable[[T], R], trials: Sequence[T], jobs: int) -> None:
-        self._series: TrialSeries[T, R] = TrialSeries(_Once(work), trials, jobs)
-
-    def __iter__(self) -> Iterator[tuple[T, R]]:
-        """Trials with their results, in the order of completion. Raises the errors of ``work``, and TrialLost."""
-        return iter(self._series)
-
-
-@dataclass(frozen=True, slots=True)
-class _Once(Generic[T, R]):
-    work: Callable[[T], R]
-
-    def __call__(self, trial: T, give: Callable[[R], None]) -> None:
-        give(self.work(trial))
 
 
 def _give(connection: Connection, trial: object) -> None:

@@ -6,10 +6,14 @@ import hashlib
 import json
 import os
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
+
+import msgspec
 
 from app.base import paths
 from app.base.errors import ConfigError
+
+T = TypeVar("T")
 
 
 def default_folder(experiment: str) -> Path:
@@ -74,6 +78,14 @@ class ResultsStore:
             return None
         os.truncate(self.file, whole)
         return found
+
+
+def results_in(kept: ResultsStore, kind: type[T]) -> list[T]:
+    """The stored results as ``kind``, a dataclass. Raises ConfigError for a line that is none."""
+    try:
+        return [msgspec.convert(document, kind) for document in kept.found]
+    except msgspec.ValidationError as failure:
+        raise ConfigError(f"holds a line that is no result ({failure}); --fresh starts again", str(kept.file)) from None
 
 
 def program_digest(config: Path) -> str:

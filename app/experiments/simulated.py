@@ -44,13 +44,19 @@ class SimulatedProgram:
         return system, link
 
 
-def simulated_program(config: Path | None = None, scenario: Path | None = None) -> SimulatedProgram:
-    """The program of ``config`` (default: the lab) in ``scenario`` (default: the trial). Raises ConfigError."""
-    configuration = load_configuration(config or paths.config_dir() / "lab.yaml")
+def simulated_body(configuration: Configuration) -> RobotConfig:
+    """The program's body. Raises ConfigError for one that is not simulated."""
     robot = configuration.path(configuration.program.robot)
     body = load_body(robot)
     if not isinstance(body, RobotConfig):
         raise ConfigError("is no simulated robot, and experiments need a world whose truth is known", str(robot))
+    return body
+
+
+def simulated_program(config: Path | None = None, scenario: Path | None = None) -> SimulatedProgram:
+    """The program of ``config`` (default: the lab) in ``scenario`` (default: the trial). Raises ConfigError."""
+    configuration = load_configuration(config or paths.config_dir() / "lab.yaml")
+    body = simulated_body(configuration)
     scenario = (scenario or paths.config_dir() / "scenarios" / "trial.yaml").resolve()
     return SimulatedProgram(
         configuration, body.model_copy(update={"scenario": scenario, "ground_truth": True}), scenario

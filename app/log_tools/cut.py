@@ -76,12 +76,36 @@ def cut(
             )
         wanted = _wanted(path, summary, channels)
         with replacing(out, force) as part, part.open("wb") as target:
-            messages, standing = _copy(
-                path, stream, summary=summary, target=target, span=(begin_ns, end_ns), wanted=wanted, progress=progress
-            )
+            stream.seek(0)
+            reader = BoundedReader(stream, validate_crcs=True)
+            try:
+                header = reader.get_header()
+                copy = McapCopy(target, header.profile, header.library)
+                for metadata in reader.iter_metadata():
+                    copy.metadata(metadata.name, metadata.metadata)
+                for file in reader.iter_attachments():
+                    copy.attachment(file.log_time, file.create_time, file.name, file.media_type, file.data)
+                for channel in wanted.values():
+                    copy.declare(channel, summary.schemas[channel.schema_id] if channel.schema_id else None)
+                standing = list(_standing(reader, wanted, begin_ns))
+                for message in standing:
+                    copy.message(message.channel_id, begin_ns, message.data, message.publish_time, message.sequence)
+                count = 0
+                topics = sorted({channel.topic for channel in wanted.values()})
+                if topics:
+                    for _, channel, message in reader.iter_messages(
+                        topics, starting_at=begin_ns, ending_before=end_ns + 1
+                    ):
+                        progress(message.log_time - begin_ns, max(1, end_ns - begin_ns))
+                        copy.message(channel.id, message.log_time, message.data, message.publish_time, message.sequence)
+                        count += 1
+                copy.finish()
+            except DAMAGE as failure:
+                raise _damaged(path, failure) from failure
+            progress(1, 1)
             durable(target)
     return CutReport(
-        out, from_ns(begin_ns), end=from_ns(end_ns), messages=messages, standing=standing, bytes=out.stat().st_size
+        out, from_ns(begin_ns), end=from_ns(end_ns), messages=count, standing=len(standing), bytes=out.stat().st_size
     )
 
 
@@ -90,44 +114,6 @@ def span(path: Path) -> tuple[float, float]:
     with _opened(path) as (_, summary):
         first, last = _span(path, summary)
     return from_ns(first), from_ns(last)
-
-
-def _copy(
-    path: Path,
-    stream: IO[bytes],
-    summary: Summary,
-    target: IO[bytes],
-    span: tuple[int, int],
-    wanted: dict[int, Channel],
-    progress: Progress,
-) -> tuple[int, int]:
-    begin, end = span
-    stream.seek(0)
-    reader = BoundedReader(stream, validate_crcs=True)
-    topics = sorted({channel.topic for channel in wanted.values()})
-    try:
-        header = reader.get_header()
-        copy = McapCopy(target, header.profile, header.library)
-        for metadata in reader.iter_metadata():
-            copy.metadata(metadata.name, metadata.metadata)
-        for attached in reader.iter_attachments():
-            copy.attachment(attached.log_time, attached.create_time, attached.name, attached.media_type, attached.data)
-        for channel in wanted.values():
-            copy.declare(channel, summary.schemas[channel.schema_id] if channel.schema_id else None)
-        standing = list(_standing(reader, wanted, begin))
-        for message in standing:
-            copy.message(message.channel_id, begin, message.data, message.publish_time, message.sequence)
-        count = 0
-        if topics:
-            for _, channel, message in reader.iter_messages(topics, starting_at=begin, ending_before=end + 1):
-                progress(message.log_time - begin, max(1, end - begin))
-                copy.message(channel.id, message.log_time, message.data, message.publish_time, message.sequence)
-                count += 1
-        copy.finish()
-    except DAMAGE as failure:
-        raise _damaged(path, failure) from failure
-    progress(1, 1)
-    return count, len(standing)
 
 
 def _standing(reader: SeekingReader, wanted: dict[int, Channel], begin: int) -> Iterator[Message]:

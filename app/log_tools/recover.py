@@ -10,33 +10,30 @@ from __future__ import annotations
 import re
 import struct
 import zlib
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from io import BytesIO
 from mmap import mmap
-from typing import TypeAlias, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 import lz4.frame
 import zstandard
 from mcap.data_stream import ReadDataStream, RecordBuilder
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
-from mcap.records import Channel, Header, MessageIndex, Metadata, Schema
+from mcap.records import Attachment, Channel, Header, MessageIndex, Metadata, Schema
 
 from app.logs.mcap.decompression import MOST_UNPACKED, amount
-from app.logs.mcap.structure import MAGIC, RECORD_HEAD
+from app.logs.mcap.structure import CHUNK_HEAD, MAGIC, RECORD_HEAD
 
 #: Channel (2), sequence (4), log time (8), publish time (8); the payload follows.
 MESSAGE = struct.Struct("<HIQQ")
-#: Fields before a chunk's records: begin (8), end (8), size and checksum of the records (8, 4), length of the
-#: compression's name (4).
-CHUNK = struct.Struct("<QQQII")
-ATTACHMENT_TIMES = struct.Struct("<QQ")
 
 #: No record is a terabyte: bytes that say so are none.
 _LONGEST = 1 << 40
-_PIECE = 1 << 18
-_SMALL_PIECE = 1 << 10
+#: Bytes unpacked at once: what a piece gives before its damage is lost with it, so small ones keep more.
+_PIECE = 1 << 10
 _CANDIDATE = re.compile(rb"[\x01-\x0f].{5}\x00\x00\x00", re.DOTALL)
 _BAD = (McapError, struct.error, ValueError, OverflowError)
 
@@ -47,17 +44,14 @@ Buffer: TypeAlias = mmap | bytes
 
 @dataclass(frozen=True, slots=True)
 class IntactRecord:
-    """An intact record. ``content`` of a chunk is its records, decompressed.
-
-    ``whole`` is False for a chunk whose end is missing: ``content`` is then the part that could be decompressed.
-    """
+    """An intact record. ``content`` of a chunk is its records, decompressed; of one whose end is missing, the whole
+    records that could be."""
 
     opcode: int
     offset: int
     end: int
     content: bytes
     compression: str = ""
-    whole: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,17 +69,6 @@ class DamagedStretch:
     remains: bytes = b""
 
 
-@dataclass(frozen=True, slots=True)
-class RecoveredAttachment:
-    """An attachment, its checksum checked."""
-
-    log_time: int
-    create_time: int
-    name: str
-    media_type: str
-    data: bytes
-
-
 def scan(data: Buffer) -> Iterator[IntactRecord | DamagedStretch]:
     """Every record of an MCAP file, in order, and every stretch between them that is none.
 
@@ -98,7 +81,7 @@ def scan(data: Buffer) -> Iterator[IntactRecord | DamagedStretch]:
     chunked = False
     while position < size:
         found = _record(data, position)
-        if isinstance(found, IntactRecord) and (_checked(found.opcode) or _head_like(data, found.end)):
+        if isinstance(found, IntactRecord) and (found.opcode in _CERTAIN or _head_like(data, found.end)):
             chunked = chunked or found.opcode == Opcode.CHUNK
             yield found
             position = found.end
@@ -111,18 +94,13 @@ def scan(data: Buffer) -> Iterator[IntactRecord | DamagedStretch]:
         end = by_length or _next_record(data, position + 1, chunked)
         if end == size and broken.remains and broken.end > size:
             # Cut off rather than damaged: the part written is valid.
-            yield IntactRecord(Opcode.CHUNK, position, end, _whole_records(broken.remains), whole=False)
-            yield DamagedStretch(
-                position,
-                end,
-                "the file ends within a chunk, whose readable begin was kept",
-                broken.begin_ns,
-                broken.end_ns,
+            yield IntactRecord(Opcode.CHUNK, position, end, _whole_records(broken.remains))
+            yield replace(
+                broken, end=end, what="the file ends within a chunk, whose readable begin was kept", remains=b""
             )
             return
-        what = "the file ends within a record" if end == size and broken.end > size else broken.what
-        yield DamagedStretch(
-            position, end, what=what, begin_ns=broken.begin_ns, end_ns=broken.end_ns, remains=broken.remains
+        yield replace(
+            broken, end=end, what="the file ends within a record" if end == size < broken.end else broken.what
         )
         position = end
 
@@ -141,7 +119,7 @@ def records(content: bytes) -> Iterator[tuple[int, int, bytes]]:
         position = end
 
 
-RecordT = TypeVar("RecordT", Schema, Channel, Header, Metadata, MessageIndex)
+RecordT = TypeVar("RecordT", Schema, Channel, Header, Metadata, MessageIndex, Attachment)
 
 
 def strict(kind: type[RecordT], content: bytes) -> RecordT | None:
@@ -152,28 +130,9 @@ def strict(kind: type[RecordT], content: bytes) -> RecordT | None:
         record.write(builder)
     except _BAD:
         return None
-    written: bytes = builder.end()  # type: ignore[no-untyped-call]
-    return record if written[RECORD_HEAD.size :] == content else None
-
-
-def read_attachment(content: bytes) -> RecoveredAttachment | None:
-    """The attachment in ``content``, or None where it is damaged."""
-    length = _attachment_length(content)
-    if length is None or length != len(content):
-        return None
-    (crc,) = struct.unpack_from("<I", content, length - 4)
-    if crc and zlib.crc32(content[: length - 4]) != crc:
-        return None
-    log_time, create_time = ATTACHMENT_TIMES.unpack_from(content)
-    position, texts = ATTACHMENT_TIMES.size, []
-    try:
-        for _ in range(2):
-            (size,) = struct.unpack_from("<I", content, position)
-            texts.append(str(content[position + 4 : position + 4 + size], "utf-8"))
-            position += 4 + size
-    except UnicodeDecodeError:
-        return None
-    return RecoveredAttachment(log_time, create_time, texts[0], texts[1], content[position + 8 : length - 4])
+    written: bytes = builder.end()[RECORD_HEAD.size :]  # type: ignore[no-untyped-call]
+    unchecked = kind is Attachment and written[:-4] + bytes(4) == content  # a checksum of 0 is none
+    return record if written == content or unchecked else None
 
 
 # --- One record ----------------------------------------------------------------------------------------------------
@@ -208,47 +167,35 @@ def _record(data: Buffer, position: int) -> IntactRecord | DamagedStretch:
 
 def _holds(opcode: int, content: bytes) -> bool:
     """Whether ``content`` can be that of a record of this kind."""
-    match opcode:
-        case Opcode.SCHEMA:
-            return strict(Schema, content) is not None
-        case Opcode.CHANNEL:
-            return strict(Channel, content) is not None
-        case Opcode.HEADER:
-            return strict(Header, content) is not None
-        case Opcode.METADATA:
-            return strict(Metadata, content) is not None
-        case Opcode.MESSAGE_INDEX:
-            return strict(MessageIndex, content) is not None
-        case Opcode.MESSAGE:
-            return len(content) >= MESSAGE.size
-        case Opcode.DATA_END:
-            return len(content) == 4
-        case _:
-            return True
+    if (kind := _KINDS.get(opcode)) is not None:
+        return strict(kind, content) is not None
+    return len(content) >= MESSAGE.size if opcode == Opcode.MESSAGE else opcode != Opcode.DATA_END or len(content) == 4
 
 
-def _checked(opcode: int) -> bool:
-    """Whether a sound record of this kind is surely one, so that nothing needs to follow it."""
-    return opcode in _CERTAIN
-
-
-_CERTAIN = frozenset({Opcode.CHUNK, Opcode.ATTACHMENT, Opcode.MESSAGE_INDEX, Opcode.METADATA, Opcode.FOOTER,
-                      Opcode.HEADER, Opcode.SCHEMA, Opcode.CHANNEL})  # fmt: skip
+_KINDS: Mapping[int, Any] = {
+    Opcode.SCHEMA: Schema,
+    Opcode.CHANNEL: Channel,
+    Opcode.HEADER: Header,
+    Opcode.METADATA: Metadata,
+    Opcode.MESSAGE_INDEX: MessageIndex,
+}
+#: Sound records of these kinds are surely records: nothing needs to follow them.
+_CERTAIN = frozenset({*_KINDS, Opcode.CHUNK, Opcode.ATTACHMENT, Opcode.FOOTER})
 
 
 def _chunk(data: Buffer, position: int, end: int) -> IntactRecord | DamagedStretch:
     """The chunk at ``position``. Its length is written twice; where they differ, the one that the checksum proves."""
     begin = position + RECORD_HEAD.size
-    head = data[begin : begin + CHUNK.size + 4 + 8]
+    head = data[begin : begin + CHUNK_HEAD.size + 4 + 8]
     try:
-        first, last, size, crc, name_length = CHUNK.unpack_from(head)
-        compression = {b"": "", b"lz4": "lz4", b"zstd": "zstd"}[head[CHUNK.size : CHUNK.size + name_length]]
-        (inner,) = struct.unpack_from("<Q", head, CHUNK.size + name_length)
+        first, last, size, crc, name_length = CHUNK_HEAD.unpack_from(head)
+        compression = {b"": "", b"lz4": "lz4", b"zstd": "zstd"}[head[CHUNK_HEAD.size : CHUNK_HEAD.size + name_length]]
+        (inner,) = struct.unpack_from("<Q", head, CHUNK_HEAD.size + name_length)
     except (struct.error, KeyError):
         return DamagedStretch(position, end, "a chunk's head")
     if size > MOST_UNPACKED:
         return DamagedStretch(position, end, f"a chunk that says it unpacks to {amount(size)}", first, last)
-    payload = begin + CHUNK.size + name_length + 8
+    payload = begin + CHUNK_HEAD.size + name_length + 8
     remains = b""
     for stop in dict.fromkeys((payload + inner, end)):
         if payload <= stop <= len(data):
@@ -274,54 +221,24 @@ def _decompress(data: bytes, compression: str, size: int) -> bytes:
     """All of ``data`` that can be decompressed, little more than ``size`` bytes."""
     if not compression:
         return data
-    content, broken = _decompress_pieces(data, compression, size, _PIECE)
-    # The output of a piece before its damage is lost with it: with damage, small pieces keep more.
-    return _decompress_pieces(data, compression, size, _SMALL_PIECE)[0] if broken else content
-
-
-def _decompress_pieces(data: bytes, compression: str, size: int, step: int) -> tuple[bytes, bool]:
-    """The bytes that can be decompressed with ``step`` bytes of input at a time, and whether damage was found."""
-    pieces: list[bytes] = []
-    length = 0
-    try:
-        for piece in (_lz4 if compression == "lz4" else _zstd)(data, step):
-            pieces.append(piece)
-            length += len(piece)
-            if length > size:
-                break
-    except (zstandard.ZstdError, RuntimeError, EOFError, MemoryError):
-        return b"".join(pieces), True
-    return b"".join(pieces), False
-
-
-def _lz4(data: bytes, step: int) -> Iterator[bytes]:
-    """The unpacked content of ``data``, in pieces of ``_PIECE`` at most."""
-    machine = lz4.frame.LZ4FrameDecompressor()
-    for begin in range(0, len(data), step):
-        piece = machine.decompress(data[begin : begin + step], max_length=_PIECE)
-        yield piece
-        while not machine.needs_input and not machine.eof:
-            piece = machine.decompress(b"", max_length=_PIECE)
-            yield piece
-        if machine.eof:
-            return
-
-
-def _zstd(data: bytes, step: int) -> Iterator[bytes]:
-    """The same of Zstandard."""
-    with zstandard.ZstdDecompressor().stream_reader(data, read_size=step) as machine:
-        while piece := machine.read1(min(step, _PIECE)):
-            yield piece
+    machine: Any = (
+        lz4.frame.LZ4FrameFile(BytesIO(data))
+        if compression == "lz4"
+        else zstandard.ZstdDecompressor().stream_reader(data, read_size=_PIECE)
+    )
+    content = bytearray()
+    with suppress(zstandard.ZstdError, RuntimeError, EOFError, MemoryError):
+        while len(content) <= size and (piece := machine.read1(_PIECE)):
+            content += piece
+    return bytes(content)
 
 
 def _whole_records(content: bytes) -> bytes:
     """The begin of ``content``, up to the last record that is all there."""
     end = 0
-    try:
+    with suppress(ValueError):
         for _, offset, record in records(content):
             end = offset + RECORD_HEAD.size + len(record)
-    except ValueError:
-        pass
     return content[:end]
 
 
@@ -330,14 +247,14 @@ def _attachment(data: Buffer, position: int, end: int) -> IntactRecord | Damaged
     for stop in (end, begin + (_attachment_length(data[begin : begin + 4096]) or 0)):
         if begin < stop <= len(data):
             content = data[begin:stop]
-            if read_attachment(content) is not None:
+            if strict(Attachment, content) is not None:
                 return IntactRecord(Opcode.ATTACHMENT, position, stop, content)
     return DamagedStretch(position, end, "an attached file")
 
 
 def _attachment_length(content: bytes) -> int | None:
     """Length of the attachment at the begin of ``content``, by its own fields."""
-    position = ATTACHMENT_TIMES.size
+    position = 16  # behind two times
     try:
         for _ in range(2):
             (size,) = struct.unpack_from("<I", content, position)

@@ -8,12 +8,12 @@ import zlib
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
 
 from mcap.opcode import Opcode
-from mcap.records import Channel, Header, MessageIndex, Metadata, Schema
+from mcap.records import Attachment, Channel, Header, MessageIndex, Metadata, Schema
 
 from app.base.plain_file import open_plain
 from app.log_tools import recover
@@ -287,27 +287,18 @@ def _rewrite(data: mmap.mmap, found: _Examination, stream: IO[bytes], progress: 
     for channel in found.channels.values():
         copy.declare(channel, found.schemas.get(channel.schema_id))
 
-    def message(content: bytes) -> None:
-        number, sequence, log_time, publish_time = recover.MESSAGE.unpack_from(content)
-        if number in found.channels:
-            copy.message(number, log_time, content[recover.MESSAGE.size :], publish_time, sequence)
-
     for part in recover.scan(data):
         progress(len(data) + part.end, 2 * len(data))
         if isinstance(part, DamagedStretch):
             continue
-        if part.opcode == Opcode.CHUNK:
-            for opcode, _, content in recover.records(part.content):
-                if opcode == Opcode.MESSAGE:
-                    message(content)
-        elif part.opcode == Opcode.MESSAGE:
-            message(part.content)
-        elif part.opcode == Opcode.ATTACHMENT:
-            attached = recover.read_attachment(part.content)
-            if attached is not None:
-                copy.attachment(*astuple(attached))
-        elif part.opcode == Opcode.METADATA:
-            metadata = recover.strict(Metadata, part.content)
-            if metadata is not None:
+        inside = recover.records(part.content) if part.opcode == Opcode.CHUNK else [(part.opcode, 0, part.content)]
+        for opcode, _, content in inside:
+            if opcode == Opcode.MESSAGE:
+                number, sequence, log_time, publish_time = recover.MESSAGE.unpack_from(content)
+                if number in found.channels:
+                    copy.message(number, log_time, content[recover.MESSAGE.size :], publish_time, sequence)
+            elif opcode == Opcode.ATTACHMENT and (file := recover.strict(Attachment, content)) is not None:
+                copy.attachment(file.log_time, file.create_time, file.name, file.media_type, file.data)
+            elif opcode == Opcode.METADATA and (metadata := recover.strict(Metadata, content)) is not None:
                 copy.metadata(metadata.name, metadata.metadata)
     copy.finish()

@@ -19,6 +19,7 @@ _SQLITE = b"SQLite format 3\x00"
 _GZIP = b"\x1f\x8b"
 #: Bytes of a file's head that suffice to recognise every format: the beginning of a CARMEN log is text.
 _HEAD = 4096
+_NAMED = 3
 
 ACCEPTED = (
     "accepted are recordings of hbba (.mcap), ROS 1 bags (.bag), ROS 2 bags (a folder with metadata.yaml, or its .mcap "
@@ -59,10 +60,10 @@ def _instead(folder: Path) -> str:
     return f"name one file in it instead: {some(files)}; " if files else ""
 
 
-def some(names: Sequence[str], most: int = 3) -> str:
+def some(names: Sequence[str]) -> str:
     """The first of ``names``, and how many there are besides."""
-    more = [f"… and {len(names) - most} more"] if len(names) > most else []
-    return ", ".join([*names[:most], *more])
+    more = [f"… and {len(names) - _NAMED} more"] if len(names) > _NAMED else []
+    return ", ".join([*names[:_NAMED], *more])
 
 
 def _head(path: Path) -> bytes:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Self
 
 SECOND = 1_000_000_000
 #: A stamp that goes back is replaced by the one before plus the last step, which counts as at most this (s).
@@ -68,10 +67,3 @@ class Onward:
         self._newest = stamp
         self._given = stamp if stamp >= self._given else self._given + _LEAST_STEP_S
         return self._given
-
-    def copy(self) -> Self:
-        """An independent copy of this state."""
-        other = type(self)()
-        for name in self.__slots__:
-            setattr(other, name, getattr(self, name))
-        return other

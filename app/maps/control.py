@@ -16,6 +16,8 @@ from app.base.observers import Observers
 from app.base.service_slot import ServiceSlot
 from app.messages import Zone
 
+log = logging.getLogger(__name__)
+
 #: File names, and what writes each.
 Files = Mapping[str, Callable[[Path], None]]
 
@@ -90,11 +92,10 @@ class MapLayer(Protocol):
 class MapControl(ServiceSlot[MapKeeper]):
     """The service of the map in use: its keeper, which a module attaches while it runs, and the layers beside it."""
 
-    def __init__(self, log: logging.Logger | None = None) -> None:
+    def __init__(self) -> None:
         super().__init__(lambda: MapUnavailable("this program makes no maps: SLAM2D does not run"))
         self._layers = MapLayers()
         self._observers: Observers[[]] = Observers("the map in use")
-        self._log = log or logging.getLogger(__name__)
 
     async def add(self, layer: MapLayer) -> Callable[[], None]:
         """Save ``layer`` with every map, and load it for the map in use; returns a function that removes it."""
@@ -125,7 +126,7 @@ class MapControl(ServiceSlot[MapKeeper]):
         try:
             await self._layers.load(name, same=same)
         except MapUnavailable as lack:
-            self._log.warning("%s", lack)
+            log.warning("%s", lack)
 
 
 class MapLayers:

@@ -45,20 +45,15 @@ class TimelineFeed:
         """``budgets``: the CPU (% of one core) each module is expected to stay under."""
         self._timeline = timeline
         self._budgets = dict(budgets)
+        self.reset()
+
+    def reset(self) -> None:
+        """Clear the known states: the next report of each is an event again."""
         self._guard = ""
         self._behavior: str | None = None
         self._slow_world = False
         self._world_turned: float | None = None
         self._stale: dict[str, int] = {}
-        self._over = dict.fromkeys(budgets, 0)
-
-    def reset(self) -> None:
-        """Clear the known states: the next report of each is an event again."""
-        self._guard = ""
-        self._behavior = None
-        self._slow_world = False
-        self._world_turned = None
-        self._stale.clear()
         self._over = dict.fromkeys(self._budgets, 0)
 
     def module(self, state: ModuleState) -> None:

@@ -6,24 +6,24 @@ import os
 
 import pytest
 
-from app.experiments.pool import TrialLost, Trials, TrialSeries
+from app.experiments.pool import TrialLost, TrialSeries
 from tests.experiments.tripling import multiples, tripled
 
 pytestmark = pytest.mark.slow
 
 
 def test_every_trial_comes_with_its_result_from_other_processes() -> None:
-    results = dict(Trials(tripled, [1, 2, 3, 4, 5], 2))
+    results = dict(TrialSeries(tripled, [1, 2, 3, 4, 5], 2))
     assert {number: result for number, (result, _) in results.items()} == {n: 3 * n for n in (1, 2, 3, 4, 5)}
     assert os.getpid() not in {process for _, process in results.values()}
-    assert list(Trials(tripled, [], 2)) == []
+    assert list(TrialSeries(tripled, [], 2)) == []
 
 
 def test_a_trials_mistake_is_raised_and_a_dead_child_said() -> None:
     with pytest.raises(ValueError, match="thirteen"):
-        list(Trials(tripled, [13], 1))
+        list(TrialSeries(tripled, [13], 1))
     with pytest.raises(TrialLost, match="start it again to go on"):
-        list(Trials(tripled, [99], 1))
+        list(TrialSeries(tripled, [99], 1))
 
 
 def test_a_series_gives_each_result_when_it_is_there_also_those_before_a_mistake() -> None:

@@ -4,25 +4,13 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping
-from typing import Any, Protocol
+from types import ModuleType
+from typing import Any
 
 from app.commands.detect import faces, noises, qr, voices
 
-
-class Detector(Protocol):
-    """The functions of each file here."""
-
-    def add_parser(self, kinds: Any) -> None:
-        """Declare the word after ``hbba detect``, its help and arguments."""
-        ...
-
-    def run(self, args: argparse.Namespace) -> int:
-        """Do it and return the exit code. May raise ConfigError for a person's mistake."""
-        ...
-
-
 #: Detectors, by the word after ``hbba detect``.
-DETECTORS: Mapping[str, Detector] = {
+DETECTORS: Mapping[str, ModuleType] = {
     "faces": faces,
     "qr": qr,
     "voices": voices,
@@ -31,7 +19,6 @@ DETECTORS: Mapping[str, Detector] = {
 
 
 def add_parser(subparsers: Any) -> None:
-    """Declare ``hbba detect`` and its detectors."""
     parser = subparsers.add_parser(
         "detect",
         help="find faces, QR codes, voices and loud noises in your own files",
@@ -43,5 +30,5 @@ def add_parser(subparsers: Any) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Do it and return the exit code. May raise ConfigError for a person's mistake."""
-    return DETECTORS[args.what].run(args)
+    code: int = DETECTORS[args.what].run(args)
+    return code

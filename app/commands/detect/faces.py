@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import argparse
-import math
 from typing import TYPE_CHECKING, Any
 
+from app.commands.arguments import real
+from app.commands.detect.outputs import exit_code
 from app.commands.detect.pictures import (
     Found,
     add_pictures,
     counted,
-    exit_code,
     for_json,
     look_through,
 )
-from app.commands.output import print_json
+from app.commands.output import aligned, print_json
 
 if TYPE_CHECKING:
     import numpy as np
@@ -28,7 +28,6 @@ LANDMARKS = ("right_eye", "left_eye", "nose", "mouth_right", "mouth_left")
 
 
 def add_parser(kinds: Any) -> None:
-    """Declare ``hbba detect faces``."""
     parser = kinds.add_parser(
         "faces",
         help="faces in photographs and videos",
@@ -42,12 +41,11 @@ def add_parser(kinds: Any) -> None:
         "write copies with the faces framed into FOLDER: JPEG of images, MP4 of videos",
     )
     parser.add_argument(
-        "--threshold", type=_share, default=None, metavar="S", help="least score of a face, 0 to 1 (default 0.8)"
+        "--threshold", type=real(0, 1), default=None, metavar="S", help="least score of a face, 0 to 1 (default 0.8)"
     )
 
 
 def run(args: argparse.Namespace) -> int:
-    """Look through the files. Raises ConfigError."""
     from app.modules.perception.faces.yunet import THRESHOLD, YuNetDetector
 
     finder = YuNetDetector(THRESHOLD if args.threshold is None else args.threshold)
@@ -56,17 +54,7 @@ def run(args: argparse.Namespace) -> int:
         print_json({"threshold": round(finder.threshold, 6), "files": for_json(documents)})
     else:
         _print_table(documents)
-    return exit_code(documents)
-
-
-def _share(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not 0 <= value <= 1:
-        raise argparse.ArgumentTypeError(f"must be a number from 0 to 1, not {text!r}")
-    return value
+    return exit_code(documents, "found")
 
 
 class _Faces:
@@ -155,7 +143,4 @@ def _print_rows(rows: list[tuple[str, ...]]) -> None:
     """A table, where there is anything below its head."""
     if len(rows) < 2:
         return
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for file, *cells in rows:
-        figures = (cell.rjust(width) for cell, width in zip(cells, widths[1:], strict=True))
-        print("  ".join((file.ljust(widths[0]), *figures)).rstrip())
+    print(*aligned(rows, range(1, len(rows[0]))), sep="\n")

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from app.base.errors import ConfigError
 from app.base.plain_file import read_plain
-from app.commands.detect.videos import VIDEO_SUFFIXES, VIDEOS
+from app.commands.detect.videos import VIDEOS
 
 if TYPE_CHECKING:
     import numpy as np
@@ -18,36 +16,11 @@ if TYPE_CHECKING:
 SUFFIXES = frozenset({".jpg", ".jpeg", ".png", ".webp", ".bmp", ".tif", ".tiff", ".gif", ".ppm", ".pgm"})
 
 #: Endings of copies with drawn detections: searches of folders skip them.
-_DRAWN = (".faces.jpg", ".codes.jpg", ".faces.mp4", ".codes.mp4")
+DRAWN = (".faces.jpg", ".codes.jpg", ".faces.mp4", ".codes.mp4")
 
 
 class NoImage(Exception):
     """A file that cannot be read as an image; the message names it and says why."""
-
-
-def find_images(paths: Iterable[Path]) -> list[Path]:
-    """The files among ``paths``, and all photographs and videos in the folders and below, in the order of their names.
-
-    Copies that were drawn on are read only where they are named themselves. Raises ConfigError where there is no such
-    file or folder, or neither photograph nor video in a folder.
-    """
-    found: list[Path] = []
-    for path in paths:
-        if path.is_dir():
-            inside = sorted(p for p in path.rglob("*") if _is_picture(p) and p.is_file())
-            if not inside:
-                endings = ", ".join(sorted(SUFFIXES | VIDEO_SUFFIXES))
-                raise ConfigError(f"{path}: there is no image or video in this folder or below (looked for {endings})")
-            found += inside
-        elif path.exists():
-            found.append(path)
-        else:
-            raise ConfigError(f"there is no file or folder {path}")
-    return list(dict.fromkeys(found))
-
-
-def _is_picture(path: Path) -> bool:
-    return path.suffix.lower() in SUFFIXES | VIDEO_SUFFIXES and not path.name.endswith(_DRAWN)
 
 
 def read_image(path: Path) -> NDArray[np.uint8]:

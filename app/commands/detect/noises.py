@@ -4,19 +4,17 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from app.commands.arguments import file_named, number, whole
-from app.commands.detect.outputs import make_folder, unused
+from app.commands.arguments import file_named, real, whole
+from app.commands.detect.outputs import exit_code, find_files, make_folder, unused
 from app.commands.detect.sounds import (
     BLOCK,
     FORMATS,
+    SUFFIXES,
     NoRecording,
     blocks_of,
-    exit_code,
-    find_sounds,
     listen_through,
     open_recording,
 )
@@ -36,7 +34,6 @@ LEAST_RATE = 8_000
 
 
 def add_parser(kinds: Any) -> None:
-    """Declare ``hbba detect noises``."""
     parser = kinds.add_parser(
         "noises",
         help="claps, bangs and calls in recordings",
@@ -54,35 +51,35 @@ def add_parser(kinds: Any) -> None:
     parser.add_argument("--microphone", type=whole(0), metavar="N", help="listen to this channel alone, from 0")
     parser.add_argument(
         "--ratio",
-        type=_within(1.0, 1e6, above=True),
+        type=real(1.0, 1e6, above=True),
         default=20.0,
         metavar="R",
         help="so many times the background's energy is loud (default 20)",
     )
     parser.add_argument(
         "--floor",
-        type=_within(-120.0, 0.0),
+        type=real(-120.0, 0.0),
         default=-32.0,
         metavar="DB",
         help="nothing below it is loud, in dB of full scale (default -32)",
     )
     parser.add_argument(
         "--hold-off",
-        type=_within(0.0, 60.0),
+        type=real(0.0, 60.0),
         default=0.25,
         metavar="S",
         help="quiet between two noises, in s (default 0.25)",
     )
     parser.add_argument(
         "--window",
-        type=_within(0.05, 600.0),
+        type=real(0.05, 600.0),
         default=200 * 512 / RATE,
         metavar="S",
         help="the background is the mean over so long, in s (default 2.13)",
     )
     parser.add_argument(
         "--history",
-        type=_within(0.0, 600.0),
+        type=real(0.0, 600.0),
         default=100 * 512 / RATE,
         metavar="S",
         help="no noise is found so long at first, in s (default 1.07)",
@@ -94,8 +91,7 @@ def add_parser(kinds: Any) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Listen to the files. Raises ConfigError."""
-    paths = find_sounds(args.files)
+    paths = find_files(args.files, SUFFIXES, "recording")
     if args.draw is not None:
         make_folder(args.draw, "--draw")
     names: set[str] = set()
@@ -116,17 +112,6 @@ def run(args: argparse.Namespace) -> int:
     else:
         _print_tables(documents)
     return exit_code(documents, "noises")
-
-
-def _within(least: float, most: float, above: bool = False) -> Callable[[str], float]:
-    def read(text: str) -> float:
-        value = number(text)
-        if value is None or not least <= value <= most or (above and value == least):
-            begin = "above" if above else "from"
-            raise argparse.ArgumentTypeError(f"must be a number {begin} {least:g} to {most:g}, not {text!r}")
-        return value
-
-    return read
 
 
 def _listen(path: Path, args: argparse.Namespace, names: set[str], progress: Progress) -> dict[str, Any]:

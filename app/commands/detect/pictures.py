@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from app.base.errors import ConfigError
 from app.commands.arguments import file_named
-from app.commands.detect.images import NoImage, find_images, read_image
-from app.commands.detect.outputs import make_folder, unused
-from app.commands.detect.videos import Copy, NoVideo, VideoFile, add_pace, is_video
+from app.commands.detect.images import DRAWN, SUFFIXES, NoImage, read_image
+from app.commands.detect.outputs import each_file, find_files, make_folder, unused
+from app.commands.detect.videos import VIDEO_SUFFIXES, Copy, NoVideo, VideoFile, add_pace, is_video
 from app.commands.output import add_json
-from app.commands.progress import Progress, part, shown
+from app.commands.progress import Progress
 
 if TYPE_CHECKING:
     import numpy as np
@@ -69,23 +68,15 @@ def add_pictures(parser: argparse.ArgumentParser, json_text: str, draw_text: str
 
 def look_through(args: argparse.Namespace, seeker: Seeker, title: str, command: str) -> list[Found]:
     """One document for each file; unreadable files are reported on standard error too. Raises ConfigError."""
-    paths = find_images(args.files)
+    paths = find_files(args.files, SUFFIXES | VIDEO_SUFFIXES, "image or video", DRAWN)
     if args.draw is not None:
         make_folder(args.draw, "--draw")
     look = _PictureSearch(args, seeker)
-    documents = []
-    with shown(title) as progress:
-        for done, path in enumerate(paths):
-            progress(done, len(paths), path.name)
-            if is_video(path):
-                document = look.through(path, part(progress, done, len(paths), path.name))
-            else:
-                document = look.at(path)
-            if "error" in document:
-                print(f"{command}: {path}: {document['error']}", file=sys.stderr)
-            documents.append(document)
-        progress(len(paths), len(paths))
-    return documents
+
+    def document(path: Path, progress: Progress) -> Found:
+        return look.through(path, progress) if is_video(path) else look.at(path)
+
+    return each_file(paths, title, command, document)
 
 
 def counted(files: list[Found]) -> str:
@@ -96,13 +87,6 @@ def counted(files: list[Found]) -> str:
         f"{number} {word}{'s' * (number != 1)}" for number, word in ((images, "image"), (videos, "video")) if number
     ]
     return " and ".join(words) or "0 images"
-
-
-def exit_code(documents: list[Found]) -> int:
-    """2 if a file could not be read, else 0 if anything was found in any, else 1."""
-    if any("error" in document for document in documents):
-        return 2
-    return 0 if any(document["found"] for document in documents) else 1
 
 
 def for_json(documents: list[Found]) -> list[Found]:
@@ -116,7 +100,6 @@ class _PictureSearch:
         self._names: set[str] = set()
 
     def at(self, path: Path) -> Found:
-        """A photograph's document."""
         key = self._seeker.key
         try:
             color = read_image(path)
@@ -136,7 +119,6 @@ class _PictureSearch:
         }
 
     def through(self, path: Path, progress: Progress) -> Found:
-        """A video's document."""
         try:
             video = VideoFile(path)
         except NoVideo as failure:

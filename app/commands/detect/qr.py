@@ -6,7 +6,8 @@ import argparse
 import json
 from typing import TYPE_CHECKING, Any
 
-from app.commands.detect.pictures import Found, add_pictures, counted, exit_code, for_json, look_through
+from app.commands.detect.outputs import exit_code
+from app.commands.detect.pictures import Found, add_pictures, counted, for_json, look_through
 from app.commands.output import print_json
 
 if TYPE_CHECKING:
@@ -22,7 +23,6 @@ COMMAND = "hbba detect qr"
 
 
 def add_parser(kinds: Any) -> None:
-    """Declare ``hbba detect qr``."""
     parser = kinds.add_parser(
         "qr",
         help="QR codes in photographs and videos",
@@ -40,13 +40,12 @@ def add_parser(kinds: Any) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Look through the files. Raises ConfigError."""
     documents = look_through(args, _Codes(args.fisheye), "look for QR codes", COMMAND)
     if args.json:
         print_json({"files": for_json(documents)})
     else:
         _print_table(documents)
-    return exit_code(documents)
+    return exit_code(documents, "found")
 
 
 class _Codes:

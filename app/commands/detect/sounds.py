@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from app.base.errors import ConfigError
 from app.base.plain_file import check_plain
-from app.commands.progress import Progress, part, shown
+from app.commands.detect.outputs import Document, each_file
+from app.commands.progress import Progress
 
 if TYPE_CHECKING:
     import numpy as np
@@ -24,31 +23,9 @@ BLOCK = 1 << 14
 #: No sound card gives more samples a second.
 MOST_RATE = 384_000
 
-Document = dict[str, Any]
-
 
 class NoRecording(Exception):
     """A file that cannot be listened to, or not to its end; the message says why."""
-
-
-def find_sounds(paths: Iterable[Path]) -> list[Path]:
-    """The files among ``paths``, and all recordings in the folders and below, in the order of their names.
-
-    Raises ConfigError where there is no such file or folder, or no recording in a folder.
-    """
-    found: list[Path] = []
-    for path in paths:
-        if path.is_dir():
-            inside = sorted(p for p in path.rglob("*") if p.suffix.lower() in SUFFIXES and p.is_file())
-            if not inside:
-                endings = ", ".join(sorted(SUFFIXES))
-                raise ConfigError(f"{path}: there is no recording in this folder or below (looked for {endings})")
-            found += inside
-        elif path.exists():
-            found.append(path)
-        else:
-            raise ConfigError(f"there is no file or folder {path}")
-    return list(dict.fromkeys(found))
 
 
 def open_recording(path: Path) -> soundfile.SoundFile:
@@ -105,25 +82,15 @@ def blocks_of(recording: soundfile.SoundFile, length: int, progress: Progress) -
 def listen_through(
     paths: list[Path], title: str, command: str, key: str, listen: Callable[[Path, Progress], Document]
 ) -> list[Document]:
-    """One document for each file; for an unreadable one (NoRecording), its name and the reason, also on standard error.
+    """One document for each file; for an unreadable one (NoRecording), its name and the reason.
 
     ``key``: the list of detections in a document.
     """
-    documents = []
-    with shown(title) as progress:
-        for done, path in enumerate(paths):
-            progress(done, len(paths), path.name)
-            try:
-                documents.append(listen(path, part(progress, done, len(paths), path.name)))
-            except NoRecording as failure:
-                print(f"{command}: {path}: {failure}", file=sys.stderr)
-                documents.append({"file": str(path), "error": str(failure), key: []})
-        progress(len(paths), len(paths))
-    return documents
 
+    def look(path: Path, progress: Progress) -> Document:
+        try:
+            return listen(path, progress)
+        except NoRecording as failure:
+            return {"file": str(path), "error": str(failure), key: []}
 
-def exit_code(documents: list[Document], key: str) -> int:
-    """2 if a file could not be read, else 0 if anything was found in any, else 1."""
-    if any("error" in document for document in documents):
-        return 2
-    return 0 if any(document[key] for document in documents) else 1
+    return each_file(paths, title, command, look)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from app.base.errors import ConfigError
 from app.base.plain_file import check_plain, open_plain
-from app.commands.arguments import number, whole
+from app.commands.arguments import real, whole
 
 if TYPE_CHECKING:
     import numpy as np
@@ -29,6 +29,7 @@ _BEGINNING = re.compile(rb"....ftyp|\x1a\x45\xdf\xa3|RIFF....AVI ", re.DOTALL)
 #: A video is complete if at most this much (s), and at most this share of its frames, is missing.
 _MISSING_S, _MISSING_FRAMES = 0.25, 3.0
 _SLOWEST_HZ, _FASTEST_HZ, _USUAL_HZ = 0.1, 1000.0, 30.0
+_RATE = f"must be a number of frames a second up to {_FASTEST_HZ:g}"
 
 
 class NoVideo(Exception):
@@ -39,14 +40,12 @@ def add_pace(parser: argparse.ArgumentParser) -> None:
     """Declare how many frames of a video are looked at."""
     pace = parser.add_mutually_exclusive_group()
     pace.add_argument("--every", type=whole(1), metavar="N", help="of a video, look at every Nth frame (default: all)")
-    pace.add_argument("--fps", type=_rate, metavar="F", help="of a video, look at most at F frames a second")
-
-
-def _rate(text: str) -> float:
-    value = number(text)
-    if value is None or not 0 < value <= _FASTEST_HZ:
-        raise argparse.ArgumentTypeError(f"must be a number of frames a second up to {_FASTEST_HZ:g}, not {text!r}")
-    return value
+    pace.add_argument(
+        "--fps",
+        type=real(0, _FASTEST_HZ, above=True, rule=_RATE),
+        metavar="F",
+        help="of a video, look at most at F frames a second",
+    )
 
 
 def is_video(path: Path) -> bool:
@@ -136,7 +135,6 @@ class VideoFile:
         return last_s + 1 / self.rate_hz
 
     def close(self) -> None:
-        """Let go of the file."""
         self._capture.release()
 
 
@@ -165,7 +163,6 @@ class Copy:
             self._video.add(picture, time_s - self._first)
 
     def close(self) -> None:
-        """End the file. Raises ConfigError."""
         if self._video is not None:
             with _Written(self._file):
                 self._video.close()

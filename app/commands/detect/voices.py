@@ -8,14 +8,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.base.errors import ConfigError
-from app.commands.arguments import file_named, number, whole
-from app.commands.detect.outputs import make_folder, unused
+from app.commands.arguments import file_named, real, whole
+from app.commands.detect.outputs import exit_code, find_files, make_folder, unused
 from app.commands.detect.sounds import (
     FORMATS,
+    SUFFIXES,
     NoRecording,
     blocks_of,
-    exit_code,
-    find_sounds,
     listen_through,
     open_recording,
 )
@@ -38,7 +37,6 @@ LEAST_RATE = 16_000
 
 
 def add_parser(kinds: Any) -> None:
-    """Declare ``hbba detect voices``."""
     parser = kinds.add_parser(
         "voices",
         help="who speaks from where, in recordings of several microphones",
@@ -64,15 +62,17 @@ def add_parser(kinds: Any) -> None:
     )
     parser.add_argument("--microphones", type=whole(2, 32), metavar="N", help="use only the N that locate best")
     parser.add_argument(
-        "--height", type=_height, metavar="M", help="height of the array's middle above the floor (m): adds distances"
+        "--height",
+        type=real(0, 10, rule="must be a height from 0 to 10 (m)"),
+        metavar="M",
+        help="height of the array's middle above the floor (m): adds distances",
     )
     add_json(parser, "print one JSON document instead: also what was heard when")
     parser.add_argument("--separate", type=Path, metavar="FOLDER", help="write each source by itself into FOLDER")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Listen to the files. Raises ConfigError."""
-    paths = find_sounds(args.files)
+    paths = find_files(args.files, SUFFIXES, "recording")
     from app.modules.perception.voices.microphone_array import load_array
 
     args.array = config_file(args.array, "array", "--array")
@@ -92,13 +92,6 @@ def run(args: argparse.Namespace) -> int:
     else:
         print_tables(documents)
     return exit_code(documents, "tracks")
-
-
-def _height(text: str) -> float:
-    value = number(text)
-    if value is None or not 0 <= value <= 10:
-        raise argparse.ArgumentTypeError(f"must be a height from 0 to 10 (m), not {text!r}")
-    return value
 
 
 def _listen(

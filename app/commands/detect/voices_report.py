@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.base.errors import ConfigError
+from app.commands.output import aligned
 
 if TYPE_CHECKING:
     from app.messages import SeparatedSound, SoundSource, SoundSources
@@ -31,7 +32,6 @@ class TrackSummary:
     file: str | None = None
 
     def add(self, time_s: float, source: SoundSource) -> None:
-        """Add one percept of the track."""
         if not source.active:
             return
         self.end_s = time_s
@@ -170,11 +170,4 @@ def print_tables(documents: list[dict[str, Any]]) -> None:
                 )
             )
         if tracks:
-            _print_rows(rows)
-
-
-def _print_rows(rows: list[tuple[str, ...]]) -> None:
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for row in rows:
-        cells = (cell.rjust(width) for cell, width in zip(row, widths, strict=True) if width)
-        print("  " + "  ".join(cells).rstrip())
+            print(*(f"  {line}" for line in aligned(rows, range(len(head)))), sep="\n")

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import argparse
-import math
 from pathlib import Path
 from typing import Any
 
 from app.base.errors import ConfigError
-from app.commands.arguments import number, whole
+from app.commands.arguments import real, whole
 from app.commands.output import add_json, print_json
+
+_NUMBER = real(rule="must be a number")
 
 
 def add_parser(subparsers: Any) -> None:
-    """Declare ``hbba slam``."""
     parser = subparsers.add_parser(
         "slam",
         help="map a place from a log of a laser and odometry",
@@ -39,10 +39,10 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("--out", type=Path, metavar="FOLDER", help="write map, pose graph and trajectory into FOLDER")
     add_json(parser)
     laser = parser.add_argument_group("the laser of an .npz, where its number of rays does not say enough")
-    laser.add_argument("--angle-min", type=_finite, metavar="DEG", help="of the first ray (default: by their number)")
-    laser.add_argument("--angle-step", type=_finite, metavar="DEG", help="from ray to ray (default: by their number)")
-    laser.add_argument("--range-max", type=_finite, metavar="M", help="from here on, nothing was hit (default: 80)")
-    laser.add_argument("--laser-x", type=_finite, metavar="M", help="of the laser in the body (default: 0)")
+    laser.add_argument("--angle-min", type=_NUMBER, metavar="DEG", help="of the first ray (default: by their number)")
+    laser.add_argument("--angle-step", type=_NUMBER, metavar="DEG", help="from ray to ray (default: by their number)")
+    laser.add_argument("--range-max", type=_NUMBER, metavar="M", help="from here on, nothing was hit (default: 80)")
+    laser.add_argument("--laser-x", type=_NUMBER, metavar="M", help="of the laser in the body (default: 0)")
     log = parser.add_argument_group("logs with several lasers")
     log.add_argument("--scans", metavar="CHANNEL", help="the laser's channel (default: scan, or the only one)")
     log.add_argument("--odometry", metavar="CHANNEL", help="odometry's (default: odometry, or the only one)")
@@ -50,7 +50,6 @@ def add_parser(subparsers: Any) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Map the log. Raises ConfigError."""
     from app.commands.detect.outputs import make_folder
     from app.commands.progress import shown
     from app.commands.slam.report import figures, print_figures
@@ -80,10 +79,3 @@ def run(args: argparse.Namespace) -> int:
     else:
         print_figures(document)
     return 0
-
-
-def _finite(text: str) -> float:
-    value = number(text)
-    if value is None or not math.isfinite(value):
-        raise argparse.ArgumentTypeError(f"must be a number, not {text!r}")
-    return value

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -12,8 +12,8 @@ from app.base.errors import ConfigError
 from app.experiments.barn.result import WorldResult
 from app.experiments.barn.trial import Drive, Trial, cross, desire_goal
 from app.experiments.barn.worlds import BarnWorld, Worlds, chosen, load_worlds
-from app.experiments.pool import Trials
-from app.experiments.results_store import ResultsStore, program_digest
+from app.experiments.pool import TrialSeries
+from app.experiments.results_store import ResultsStore, program_digest, results_in
 
 OnResult = Callable[[WorldResult, int, int], None]
 """OnResult each result as it comes, how many there are, and of how many."""
@@ -77,33 +77,24 @@ def run(what: BarnPlan, kept: ResultsStore, on_result: OnResult, drive: Drive = 
 
     Raises ConfigError, TrialLost, and any programming error.
     """
-    results = _done(kept, what.chosen)
+    results = {result.world: result for result in done(what, kept)}
     left = [world for world in what.chosen if world.name not in results]
     trials = [Trial(what.config, world, what.worlds.max_mps, what.seed, what.overrides) for world in left]
     if trials:
         compiled.make_ready()  # before the children start
-    for _, result in Trials(functools.partial(cross, drive=drive), trials, what.jobs):
+    for _, result in TrialSeries(functools.partial(_cross, drive=drive), trials, what.jobs):
         kept.add(result.document())
         results[result.world] = result
         on_result(result, len(results), len(what.chosen))
     return tuple(results[world.name] for world in what.chosen)
 
 
+def _cross(trial: Trial, give: Callable[[WorldResult], None], *, drive: Drive) -> None:
+    give(cross(trial, drive))
+
+
 def done(what: BarnPlan, kept: ResultsStore) -> tuple[WorldResult, ...]:
-    """The stored results of the planned worlds."""
-    return tuple(_done(kept, what.chosen).values())
-
-
-def _done(kept: ResultsStore, worlds: Sequence[BarnWorld]) -> dict[str, WorldResult]:
-    wanted = {world.name for world in worlds}
-    found = {}
-    for document in kept.found:
-        try:
-            result = WorldResult.of(document)
-        except (KeyError, TypeError, ValueError) as failure:
-            raise ConfigError(
-                f"holds a line that is no result ({failure}); --fresh starts again", str(kept.file)
-            ) from None
-        if result.world in wanted:
-            found[result.world] = result
-    return found
+    """The stored results of the planned worlds, the last of each. Raises ConfigError for a line that is none."""
+    wanted = {world.name for world in what.chosen}
+    found = {result.world: result for result in results_in(kept, WorldResult)}
+    return tuple(result for world, result in found.items() if world in wanted)

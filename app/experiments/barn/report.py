@@ -21,7 +21,6 @@ _BLUE, _RED, _GREY = "#1b4965", "#ca6702", "#8d99ae"
 
 
 def table(results: Sequence[WorldResult]) -> str:
-    """The summary as Markdown."""
     summary = BarnSummary.of(results)
     rows = [("worlds", str(summary.worlds))]
     rows += [(f"{_SAID[outcome]}, %", f"{100 * summary.shares[outcome]:.1f}") for outcome in OUTCOMES]
@@ -34,7 +33,6 @@ def table(results: Sequence[WorldResult]) -> str:
 
 
 def failures(results: Sequence[WorldResult]) -> list[str]:
-    """A line for each world that was not crossed."""
     return [
         f"world {result.world}: {result.outcome} after {result.time_s:.1f} s, {result.left_m:.1f} m before the goal"
         + (f" ({result.reason})" if result.reason else "")

@@ -40,18 +40,7 @@ class WorldResult:
         return self.optimal_s / min(max(self.time_s, 2 * self.optimal_s), 8 * self.optimal_s)
 
     def document(self) -> dict[str, Any]:
-        """As JSON has it."""
         return asdict(self) | {"score": round(self.score, 4)}
-
-    @classmethod
-    def of(cls, document: dict[str, Any]) -> WorldResult:
-        """The result of a JSON document. Raises KeyError, TypeError or ValueError for an invalid one."""
-        fields = {name: document[name] for name in cls.__dataclass_fields__}
-        fields["trace"] = tuple(tuple(float(v) for v in row) for row in fields["trace"])
-        fields["story"] = tuple((float(time_s), str(said)) for time_s, said in fields["story"])
-        if fields["outcome"] not in OUTCOMES:
-            raise ValueError(f"no outcome {fields['outcome']!r}")
-        return cls(**fields)
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,5 +65,4 @@ class BarnSummary:
         )
 
     def document(self) -> dict[str, Any]:
-        """As JSON, without NaN."""
         return asdict(self) | {"mean_time_s": None if math.isnan(self.mean_time_s) else self.mean_time_s}

@@ -12,16 +12,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from app.attention.desires import Source
-from app.base.errors import ConfigError
 from app.base.geometry import Pose2
 from app.experiments.barn.result import Outcome, WorldResult
 from app.experiments.barn.worlds import BarnWorld
+from app.experiments.simulated import simulated_body
 from app.experiments.world_run import WorldRun, run_in_world, with_settings
 from app.maps.library import MapLibrary
 from app.messages import NavigationStatus
 from app.program.config import load_configuration
-from app.robots.config import RobotConfig
-from app.robots.factory import load_body
 
 SETTLE_S = 1.0
 """Time (s) at rest before the goal is given, for the first scans."""
@@ -59,11 +57,9 @@ def cross(trial: Trial, drive: Drive = desire_goal) -> WorldResult:
     began = time.monotonic()
     world = trial.world
     configuration = with_settings(load_configuration(trial.config), trial.overrides)
-    robot_file = configuration.path(configuration.program.robot)
-    body = load_body(robot_file)
-    if not isinstance(body, RobotConfig):
-        raise ConfigError("is no simulated robot", str(robot_file))
-    body = body.model_copy(update={"start": world.start_pose(), "scenario": None, "seed": trial.seed})
+    body = simulated_body(configuration).model_copy(
+        update={"start": world.start_pose(), "scenario": None, "seed": trial.seed}
+    )
     watch = _CrossingObserver(world, world.length_m / trial.max_mps)
     with tempfile.TemporaryDirectory(prefix="hbba-barn-") as folder:
         maps = MapLibrary(Path(folder))

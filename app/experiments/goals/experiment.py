@@ -12,12 +12,12 @@ import numpy as np
 from app.base import compiled, paths
 from app.base.errors import ConfigError
 from app.base.geometry import Pose2
-from app.experiments.goals.goal_run import MAP, GoalRun, seeing, simulated_body, work
+from app.experiments.goals.goal_run import MAP, GoalRun, body_in, seeing, work
 from app.experiments.goals.reachable_floor import survey
 from app.experiments.goals.result import GoalResult
 from app.experiments.goals.tour import Tour, drive
 from app.experiments.pool import TrialSeries
-from app.experiments.results_store import ResultsStore, program_digest
+from app.experiments.results_store import ResultsStore, program_digest, results_in
 from app.program.config import load_configuration
 from app.robots.factory import simulated_parts
 
@@ -76,7 +76,7 @@ def plan(
         raise ConfigError(
             "this program makes no maps or drives nothing: it needs SLAM2D and MobileBaseControl", str(config)
         )
-    simulated_parts(simulated_body(config, scenario))
+    simulated_parts(body_in(config, scenario))
     tour = folder / "scenarios" / "mapping.yaml"
     return GoalsPlan(
         config, scenario, tour=tour, count=count, seed=seed, jobs=jobs, cameras=cameras, digest=program_digest(config)
@@ -91,7 +91,7 @@ def run(
     ``began(text)`` is called at the begin of each long step. Raises ConfigError, TrialLost, ScriptBlocked,
     MapUnavailable, and any programming error.
     """
-    results = _done(kept, what.count)
+    results = {result.number: result for result in done(what, kept)}
     if len(results) < what.count:
         compiled.make_ready()  # before the children start
     maps = kept.file.parent / "maps"
@@ -115,13 +115,14 @@ def run(
 
 
 def done(what: GoalsPlan, kept: ResultsStore) -> tuple[GoalResult, ...]:
-    """The stored results of the planned goals."""
-    return tuple(_done(kept, what.count).values())
+    """The stored results of the planned goals, the last of each. Raises ConfigError for a line that is none."""
+    found = {result.number: result for result in results_in(kept, GoalResult)}
+    return tuple(result for number, result in found.items() if number <= what.count)
 
 
 def _goal_runs(what: GoalsPlan, maps: Path) -> list[GoalRun]:
     """Every goal of the plan, in runs; each run begins at the robot's usual start pose."""
-    body, world, _ = simulated_parts(seeing(simulated_body(what.config, what.scenario)))
+    body, world, _ = simulated_parts(seeing(body_in(what.config, what.scenario)))
     origin = Pose2(body.start.x, body.start.y, np.deg2rad(body.start.heading_deg))
     ground = survey(world, body)
     reach = max(float(np.hypot(x, y)) for x, y in body.footprint)
@@ -147,16 +148,3 @@ def _goal_runs(what: GoalsPlan, maps: Path) -> list[GoalRun]:
             )
         )
     return goal_runs
-
-
-def _done(kept: ResultsStore, count: int) -> dict[int, GoalResult]:
-    found = {}
-    for document in kept.found:
-        try:
-            result = GoalResult.of(document)
-        except (KeyError, TypeError, ValueError) as failure:
-            problem = f"holds a line that is no result ({failure}); --fresh starts again"
-            raise ConfigError(problem, str(kept.file)) from None
-        if result.number <= count:
-            found[result.number] = result
-    return found

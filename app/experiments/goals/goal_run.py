@@ -10,16 +10,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from app.attention.desires import Source
-from app.base.errors import ConfigError
 from app.base.geometry import Pose2, wrap_angle
 from app.experiments.goals.result import GoalResult, Outcome, clearance
+from app.experiments.simulated import simulated_body
 from app.experiments.world_run import WorldRun, run_in_world
 from app.maps.control import MapUnavailable
 from app.maps.library import MapLibrary
 from app.messages import NavigationStatus
 from app.program.config import load_configuration
 from app.robots.config import RobotConfig
-from app.robots.factory import load_body
 from app.robots.simulated.scenery.people import TRUNK_RADIUS_SHARE
 from app.runtime.clock import Clock
 
@@ -54,14 +53,9 @@ class GoalRun:
     patience_s: float
 
 
-def simulated_body(config: Path, scenario: Path | None) -> RobotConfig:
+def body_in(config: Path, scenario: Path | None) -> RobotConfig:
     """The program's body, in ``scenario``. Raises ConfigError for a body that is not simulated."""
-    configuration = load_configuration(config)
-    robot = configuration.path(configuration.program.robot)
-    body = load_body(robot)
-    if not isinstance(body, RobotConfig):
-        raise ConfigError("is no simulated robot", str(robot))
-    return body.model_copy(update={"scenario": scenario})
+    return simulated_body(load_configuration(config)).model_copy(update={"scenario": scenario})
 
 
 def seeing(body: RobotConfig) -> RobotConfig:
@@ -74,7 +68,7 @@ def work(run_spec: GoalRun, give: Callable[[GoalResult], None]) -> None:
 
     Raises ConfigError, and any programming error.
     """
-    body = seeing(simulated_body(run_spec.config, run_spec.scenario))
+    body = seeing(body_in(run_spec.config, run_spec.scenario))
     start = body.start.model_copy(
         update={"x": run_spec.start.x, "y": run_spec.start.y, "heading_deg": math.degrees(run_spec.start.theta)}
     )

@@ -9,7 +9,6 @@ from app.experiments.goals.result import GoalResult, GoalsSummary
 
 
 def table(results: Sequence[GoalResult]) -> str:
-    """The summary as Markdown."""
     s = GoalsSummary.of(results)
     outcomes = Counter(result.outcome for result in results)
     rows = [

@@ -35,19 +35,7 @@ class GoalResult:
     story: tuple[tuple[float, str], ...] = ()
 
     def document(self) -> dict[str, Any]:
-        """As JSON has it."""
         return asdict(self)
-
-    @classmethod
-    def of(cls, document: dict[str, Any]) -> GoalResult:
-        """The result of a JSON document. Raises KeyError, TypeError or ValueError for an invalid one."""
-        fields = {name: document[name] for name in cls.__dataclass_fields__}
-        for name in ("goal", "end"):
-            x, y, heading = fields[name]
-            fields[name] = (float(x), float(y), float(heading))
-        fields["touched"] = tuple(str(what) for what in fields["touched"])
-        fields["story"] = tuple((float(time_s), str(said)) for time_s, said in fields["story"])
-        return cls(**fields)
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +74,6 @@ class GoalsSummary:
         )
 
     def document(self) -> dict[str, Any]:
-        """As JSON has it."""
         return asdict(self)
 
 

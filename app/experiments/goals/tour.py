@@ -8,7 +8,7 @@ from pathlib import Path
 
 from app.attention.desires import Source
 from app.base.geometry import Pose2
-from app.experiments.goals.goal_run import MAP, UNCONCERNED, seeing, simulated_body
+from app.experiments.goals.goal_run import MAP, UNCONCERNED, body_in, seeing
 from app.experiments.script import Waypoint, drive_script, load_script
 from app.experiments.world_run import WorldRun, run_in_world
 from app.maps.library import MapLibrary
@@ -50,7 +50,7 @@ def make_map(
     """
     script = load_script(scenario)
     # The script steers by ground truth, as people see the robot: odometry alone would drift off the tour
-    body = simulated_body(config, scenario).model_copy(update={"ground_truth": True})
+    body = body_in(config, scenario).model_copy(update={"ground_truth": True})
     cameras = cameras and body.streams.kinect is not None
     body = _looking(body) if cameras else body
     return run_in_world(

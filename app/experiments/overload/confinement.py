@@ -42,7 +42,7 @@ def confined(body: int, budget: float) -> Iterator[None]:
     neighbours: list[subprocess.Popen[bytes]] = []
     try:
         _keep(os.getpid(), ours)
-        for process in _family(body):
+        for process in (body, *(child.pid for child in psutil.Process(body).children(recursive=True))):
             _keep(process, others)
         if budget < WHOLE:
             neighbours = _neighbours(budget, ours)
@@ -74,10 +74,6 @@ def _neighbours(budget: float, cores: set[int]) -> list[subprocess.Popen[bytes]]
         os.setpriority(os.PRIO_PROCESS, process.pid, niceness)
         started.append(process)
     return started
-
-
-def _family(process: int) -> list[int]:
-    return [process, *(child.pid for child in psutil.Process(process).children(recursive=True))]
 
 
 def _keep(process: int, cores: set[int]) -> None:

@@ -26,7 +26,6 @@ _WITHOUT, _WITH = ("#ca6702", "everything at φ = 1"), ("#1b4965", "with attenti
 
 
 def table(without: Outcome, kept: Outcome) -> str:
-    """Both conditions side by side, as Markdown."""
     rows: list[tuple[str, str, str]] = [
         ("program's CPU, % of a core", f"{without.cpu:.0f}", f"{kept.cpu:.0f}"),
         ("world's CPU, % of a core", f"{without.body_cpu:.0f}", f"{kept.body_cpu:.0f}"),

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from app.base.geometry import Pose2, Pose3
-from app.log_tools.export.target import Target, Write
+from app.log_tools.export.target import Format, Target, Write
 from app.log_tools.export.wav import is_audio
 from app.logs.log import LoggedChannel
 from app.messages import (
@@ -46,7 +46,7 @@ BULKY = (Image, EncodedImage, PointCloud)
 Row = dict[str, Any]
 
 
-class Csv:
+class Csv(Format):
     """``<channel>.csv``. Columns are those of all messages, so every message is looked at before."""
 
     surveys = True
@@ -55,18 +55,15 @@ class Csv:
         self._columns: dict[str, dict[str, None]] = {}
 
     def accepts(self, message_type: type[Any]) -> bool:
-        """Everything but images, clouds and sound."""
         return message_type not in BULKY and not is_audio(message_type)
 
     def survey(self, channel: str, message: Any) -> None:
-        """Learn the columns."""
         columns = self._columns.setdefault(channel, {})
         # A dict keeps the order in which columns were met.
         columns.update(dict.fromkeys(flat(message)))
 
     @contextmanager
     def writer(self, channel: LoggedChannel, target: Target) -> Iterator[Write]:
-        """Write one table."""
         name = f"{channel.name}.csv"
         target.check(name)
         columns = list(self._columns.get(channel.name, {}))

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Collection, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 from app.log_tools.cut import no_such_channel
@@ -16,7 +17,7 @@ from app.log_tools.export.pcd import Pcd
 from app.log_tools.export.png import Png
 from app.log_tools.export.target import Format, Target, Write
 from app.log_tools.export.wav import Wav
-from app.logs.log import Log, LogError, LoggedChannel, LogInfo
+from app.logs.log import Log, LogError, LoggedChannel
 from app.logs.output_file import Progress, disk_trouble, unwatched
 from app.logs.stamps import SECOND
 
@@ -72,7 +73,7 @@ def export(log: Log, wish: Wish, progress: Progress = unwatched) -> Exported:
     rounds = 2 if form.surveys else 1
     try:
         if form.surveys:
-            _pass(log, wish, {name: _surveyor(form, name) for name in channels}, _share(progress, 0, rounds))
+            _pass(log, wish, {name: partial(form.survey, name) for name in channels}, _share(progress, 0, rounds))
         with ExitStack() as stack:
             writers = {name: stack.enter_context(form.writer(each, target)) for name, each in channels.items()}
             _pass(log, wish, writers, _share(progress, rounds - 1, rounds))
@@ -102,10 +103,6 @@ def _span(log: Log, wish: Wish) -> tuple[float, float]:
     return info.begin if wish.begin is None else wish.begin, info.end if wish.end is None else wish.end
 
 
-def _surveyor(form: Format, channel: str) -> Write:
-    return lambda message: form.survey(channel, message)
-
-
 def _share(progress: Progress, part: int, parts: int) -> Progress:
     """The progress of one round of several of equal length."""
     return lambda done, total: progress(part * total + done, parts * total)
@@ -115,7 +112,9 @@ def _chosen(log: Log, wish: Wish, form: Format) -> dict[str, LoggedChannel]:
     """The channels to write, each by its name. Raises LogError."""
     info = log.info
     fitting = {
-        name: channel if channel.rate_hz or not info.duration_s else replace(channel, rate_hz=_rate(channel, info))
+        name: channel
+        if channel.rate_hz or not info.duration_s
+        else replace(channel, rate_hz=channel.count / info.duration_s)
         for name, channel in info.channels.items()
         if form.accepts(channel.message_type)
     }
@@ -130,8 +129,3 @@ def _chosen(log: Log, wish: Wish, form: Format) -> dict[str, LoggedChannel]:
             could = ", ".join(sorted(fitting))
             raise LogError(f"{info.path}: {name} holds {kind}, which {wish.kind} does not; it could hold {could}")
     return fitting if wish.channels is None else {name: fitting[name] for name in wish.channels}
-
-
-def _rate(channel: LoggedChannel, info: LogInfo) -> float:
-    """The rate (Hz) at which a channel without a nominal one came."""
-    return channel.count / info.duration_s

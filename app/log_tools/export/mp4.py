@@ -11,14 +11,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol, cast
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from app.log_tools.export.png import rgb_of
-from app.log_tools.export.target import Target, Unsurveyed, Write
+from app.log_tools.export.target import Format, Target, Write
 from app.logs.log import LogError, LoggedChannel
 from app.logs.output_file import DiskTrouble, disk_trouble
 from app.messages import EncodedImage, Image
@@ -33,19 +33,7 @@ LATE_S = 0.5
 CLOCK_HZ = 90_000
 
 
-class Video(Protocol):
-    """A video being written."""
-
-    def add(self, image: NDArray[np.uint8], at: float) -> None:
-        """Show ``image`` (H, W, 3) RGB from ``at`` seconds after the first."""
-        ...
-
-    def close(self) -> str:
-        """End the file; returns a summary for people. Raises DiskTrouble if it could not be written."""
-        ...
-
-
-class Mp4(Unsurveyed):
+class Mp4(Format):
     """``<channel>.mp4``; it begins with the first image, and is within the requested time.
 
     An image may arrive long after it was captured, from a busy computer: one captured more than ``LATE_S`` before that
@@ -53,12 +41,10 @@ class Mp4(Unsurveyed):
     """
 
     def accepts(self, message_type: type[Any]) -> bool:
-        """Images, also those that are JPEG already."""
         return message_type in (Image, EncodedImage)
 
     @contextmanager
     def writer(self, channel: LoggedChannel, target: Target) -> Iterator[Write]:
-        """Write one video."""
         name = f"{channel.name}.mp4"
         target.check(name)
         video: Video | None = None
@@ -136,7 +122,8 @@ class ExactVideo:
         self._last = -1
 
     def add(self, image: NDArray[np.uint8], at: float) -> None:
-        """Show ``image`` from ``at``; one that is not later than the one before is left out."""
+        """Show ``image`` (H, W, 3) RGB from ``at`` seconds after the first; a frame not later than the last is left
+        out."""
         tick = round(at * CLOCK_HZ)
         if tick <= self._last:
             return
@@ -149,7 +136,7 @@ class ExactVideo:
             raise disk_trouble(OSError(failure.errno, failure.strerror), self._path) from failure
 
     def close(self) -> str:
-        """End the file."""
+        """End the file; returns a summary for people. Raises DiskTrouble if it could not be written."""
         try:
             self._file.mux(self._stream.encode(None))
             self._file.close()
@@ -195,6 +182,9 @@ class ConstantRateVideo:
                 self._writer.write(self._shown)
                 self._frames += 1
             self._slot = until
+
+
+Video: TypeAlias = ExactVideo | ConstantRateVideo
 
 
 def even_sided(image: NDArray[np.uint8]) -> NDArray[np.uint8]:

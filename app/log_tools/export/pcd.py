@@ -13,23 +13,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.log_tools.export.target import Target, Unsurveyed, Write, stamp_name
+from app.log_tools.export.target import Format, Target, Write, stamp_name
 from app.logs.log import LoggedChannel
 from app.messages import Image, LaserScan, PointCloud
 
 Points = NDArray[np.float32]
 
 
-class Pcd(Unsurveyed):
+class Pcd(Format):
     """``<channel>-points/<stamp>.pcd``."""
 
     def accepts(self, message_type: type[Any]) -> bool:
-        """Point clouds, scans, and images, which may have depth."""
         return message_type in (PointCloud, LaserScan, Image)
 
     @contextmanager
     def writer(self, channel: LoggedChannel, target: Target) -> Iterator[Write]:
-        """Each cloud by itself; an image without depth gives none."""
         folder: Target | None = None
         count, flat = 0, 0
 

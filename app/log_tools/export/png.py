@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.base.image_source import TooLarge, decoded
-from app.log_tools.export.target import Target, Unsurveyed, Write, stamp_name
+from app.log_tools.export.target import Format, Target, Write, stamp_name
 from app.logs.log import LogError, LoggedChannel
 from app.messages import EncodedImage, Image
 
@@ -19,16 +19,14 @@ from app.messages import EncodedImage, Image
 _LEVEL = [cv2.IMWRITE_PNG_COMPRESSION, 1]
 
 
-class Png(Unsurveyed):
+class Png(Format):
     """``<channel>/<stamp>.png`` and ``<channel>-depth/<stamp>.png``."""
 
     def accepts(self, message_type: type[Any]) -> bool:
-        """Images, also those that are JPEG already."""
         return message_type in (Image, EncodedImage)
 
     @contextmanager
     def writer(self, channel: LoggedChannel, target: Target) -> Iterator[Write]:
-        """Each image by itself."""
         colors = target.subfolder(channel.name)
         depths: Target | None = None
         count, deep = 0, 0

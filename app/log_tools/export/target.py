@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from app.logs.log import LogError, LoggedChannel
 from app.logs.output_file import check_new, replacing
@@ -48,32 +49,22 @@ class Target:
             part.write_bytes(data)
 
 
-class Format(Protocol):
+class Format(ABC):
     """A kind of files, for one export."""
 
     #: Whether it wants to see all messages once before any is written.
-    surveys: bool
-
-    def accepts(self, message_type: type[Any]) -> bool:
-        """Whether messages of this class can be written so."""
-        ...
-
-    def survey(self, channel: str, message: Any) -> None:
-        """See a message before anything is written."""
-        ...
-
-    def writer(self, channel: LoggedChannel, target: Target) -> AbstractContextManager[Write]:
-        """Write the messages of ``channel``. On any exception the unfinished file is deleted. Raises LogError."""
-        ...
-
-
-class Unsurveyed:
-    """A format that needs to see nothing before."""
-
     surveys = False
 
-    def survey(self, channel: str, message: Any) -> None:
-        """Nothing to see."""
+    @abstractmethod
+    def accepts(self, message_type: type[Any]) -> bool:
+        """Whether messages of this class can be written so."""
+
+    def survey(self, channel: str, message: Any) -> None:  # noqa: B027  # most formats look at nothing before
+        """See a message before anything is written."""
+
+    @abstractmethod
+    def writer(self, channel: LoggedChannel, target: Target) -> AbstractContextManager[Write]:
+        """Write the messages of ``channel``. On any exception the unfinished file is deleted. Raises LogError."""
 
 
 def stamp_name(stamp: float) -> str:

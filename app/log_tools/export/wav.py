@@ -7,12 +7,12 @@ from collections import Counter
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import fields, is_dataclass
-from typing import Any, BinaryIO, Protocol
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
 
-from app.log_tools.export.target import Target, Unsurveyed, Write
+from app.log_tools.export.target import Format, Target, Write
 from app.logs.log import LogError, LoggedChannel
 
 #: A piece that begins so much later than the one before ended has others missing in between; less is jitter.
@@ -23,34 +23,15 @@ GONE_S = 10.0
 MOST_BYTES = 2**32 - 1024
 
 
-class AudioMessage(Protocol):
-    """Fields of a message with sound: ``samples`` (N, C) int16 from ``stamp`` on, ``rate`` of them a second.
-
-    If it also has ``tracks`` (C of them), its columns are sources that come and go, each with a number of its own.
-    """
-
-    @property
-    def stamp(self) -> float:
-        """Capture of the first sample, s."""
-        ...
-
-    @property
-    def samples(self) -> NDArray[np.int16]:
-        """(N, C)."""
-        ...
-
-    @property
-    def rate(self) -> int:
-        """Hz."""
-        ...
-
-
 def is_audio(message_type: type[Any]) -> bool:
-    """Whether messages of this class hold sound, by their fields."""
+    """Whether messages of this class hold sound: ``samples`` (N, C) int16 from ``stamp`` (s) on, ``rate`` (Hz).
+
+    With ``tracks`` too (C of them), columns are sources that come and go, each with a number of its own.
+    """
     return _has(message_type, {"stamp", "samples", "rate"})
 
 
-class Wav(Unsurveyed):
+class Wav(Format):
     """Writes ``<channel>.wav``, or ``<channel>/track-<number>.wav`` for each source of separated sound.
 
     Missing pieces become silence, so that the file has the duration of the sound; a source's file begins with its first
@@ -58,7 +39,6 @@ class Wav(Unsurveyed):
     """
 
     def accepts(self, message_type: type[Any]) -> bool:
-        """Every class that is an :class:`AudioMessage`."""
         return is_audio(message_type)
 
     @contextmanager

@@ -13,7 +13,8 @@ import zlib
 from bisect import bisect_left
 from collections import Counter
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass
+from copy import deepcopy
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import BinaryIO, cast
 
@@ -77,23 +78,23 @@ class _Mark:
 class _Survey:
     """Facts from one pass through a log."""
 
-    kinds: Counter[str]
-    untimed: Counter[str]
-    malformed: int
-    complaint: str
-    begin: float
-    end: float
-    params: dict[str, str]
-    farthest_m: dict[str, float]
-    far_ends: dict[str, FarEnd]
-    #: Readings that are no distance, and lines that say no maximum range, by kind.
-    blank: Counter[str]
-    wordless: Counter[str]
-    #: Notes about stamps that go back, and about unusable times.
-    back: str
-    wrong_times: str
     marks: list[_Mark]
-    truncated: str
+    kinds: Counter[str] = field(default_factory=Counter)
+    untimed: Counter[str] = field(default_factory=Counter)
+    malformed: int = 0
+    complaint: str = ""
+    begin: float = math.inf
+    end: float = -math.inf
+    params: dict[str, str] = field(default_factory=dict)
+    farthest_m: dict[str, float] = field(default_factory=dict)
+    far_ends: dict[str, FarEnd] = field(default_factory=dict)
+    #: Readings that are no distance, and lines that say no maximum range, by kind.
+    blank: Counter[str] = field(default_factory=Counter)
+    wordless: Counter[str] = field(default_factory=Counter)
+    #: Notes about stamps that go back, and about unusable times.
+    back: str = ""
+    wrong_times: str = ""
+    truncated: str = ""
 
 
 class CarmenLog:
@@ -124,7 +125,8 @@ class CarmenLog:
             name: LoggedChannel(name, kind, count, (count - 1) / duration if duration > 0 and count > 1 else None)
             for name, (kind, count) in counts.items()
         }
-        self._info = LogInfo(
+        #: ``ignored`` also counts the lines that are damaged or have no time.
+        self.info = LogInfo(
             path,
             "CARMEN",
             begin=survey.begin,
@@ -136,17 +138,7 @@ class CarmenLog:
             timed=not survey.wrong_times,
         )
         streams = {"stream.hokuyo": "scan", "stream.odometry": "odometry"}
-        self._manifest = Manifest(facts={stream: name for stream, name in streams.items() if name in channels})
-
-    @property
-    def info(self) -> LogInfo:
-        """Its facts; ``ignored`` also counts the lines that are damaged or have no time."""
-        return self._info
-
-    @property
-    def manifest(self) -> Manifest:
-        """Which channel is which stream of a body."""
-        return self._manifest
+        self.manifest = Manifest(facts={stream: name for stream, name in streams.items() if name in channels})
 
     def messages(self, begin: float | None = None, channels: Collection[str] | None = None) -> Iterator[Logged]:
         """Messages from ``begin`` on; the text before it is unpacked but not read. Raises LogError where damaged."""
@@ -154,8 +146,8 @@ class CarmenLog:
         if begin is not None:
             # The last mark whose lines are all earlier: marks' clocks do not go back.
             mark = self._survey.marks[max(0, bisect_left(self._survey.marks, begin, key=lambda m: m.clock.at) - 1)]
-        wanted = set(self._info.channels if channels is None else channels)
-        clock, twist = mark.clock.copy(), mark.twist
+        wanted = set(self.info.channels if channels is None else channels)
+        clock, twist = deepcopy(mark.clock), mark.twist
         for line in self._text(mark.offset):
             try:
                 row = parse(line)
@@ -163,11 +155,11 @@ class CarmenLog:
                 continue  # counted when the log was opened
             if row is None or isinstance(row, Param):
                 continue
-            times = clock.next(_kind(row), row.times)
+            times = clock.next(row.kind, row.times)
             if times is None:
                 continue
             at, stamp = times
-            twist = _twist(row) or twist
+            twist = row.twist or twist
             if begin is not None and at < begin:
                 continue
             for channel, message in self._messages_of(row, stamp, twist, wanted):
@@ -189,7 +181,7 @@ class CarmenLog:
     ) -> Iterator[tuple[str, LaserScan | Odometry]]:
         if isinstance(row, CarmenOdometry):
             if "odometry" in wanted:
-                yield "odometry", Odometry(stamp, row.pose, row.linear_mps, row.angular_radps)
+                yield "odometry", Odometry(stamp, row.pose, *row.twist)
             return
         channel = self._channel_of.get(row.kind)
         if channel is None:
@@ -270,14 +262,6 @@ class CarmenLog:
         return ignored
 
 
-def _twist(row: CarmenOdometry | CarmenScan) -> tuple[float, float] | None:
-    return (row.linear_mps, row.angular_radps) if isinstance(row, CarmenOdometry) else row.twist
-
-
-def _kind(row: CarmenOdometry | CarmenScan) -> str:
-    return "ODOM" if isinstance(row, CarmenOdometry) else row.kind
-
-
 def _surveyed(path: Path) -> _Survey:
     """Raises LogError where the file cannot be opened."""
     advance = Advance()
@@ -298,23 +282,7 @@ def _surveyed(path: Path) -> _Survey:
 
 
 def _gone_through(path: Path, clock: Clock, advance: Advance) -> _Survey:
-    survey = _Survey(
-        Counter(),
-        Counter(),
-        malformed=0,
-        complaint="",
-        begin=math.inf,
-        end=-math.inf,
-        params={},
-        farthest_m={},
-        far_ends={},
-        blank=Counter(),
-        wordless=Counter(),
-        back="",
-        wrong_times="",
-        marks=[_Mark(0, clock.copy(), (0.0, 0.0))],
-        truncated="",
-    )
+    survey = _Survey([_Mark(0, deepcopy(clock), (0.0, 0.0))])
     twist = (0.0, 0.0)
     number = 0
     first_back = 0
@@ -329,7 +297,7 @@ def _gone_through(path: Path, clock: Clock, advance: Advance) -> _Survey:
             break
         number += 1
         if offset - survey.marks[-1].offset >= _MARK_EVERY:
-            survey.marks.append(_Mark(offset, clock.copy(), twist))
+            survey.marks.append(_Mark(offset, deepcopy(clock), twist))
         try:
             row = parse(line)
         except ValueError as failure:
@@ -345,7 +313,7 @@ def _gone_through(path: Path, clock: Clock, advance: Advance) -> _Survey:
             if row.name in _OFFSET_PARAMS.values():
                 survey.params[row.name] = row.value
             continue
-        kind = _kind(row)
+        kind = row.kind
         times = clock.next(kind, row.times)
         advance.count(kind, row.times, times is not None)
         if times is None:
@@ -353,7 +321,7 @@ def _gone_through(path: Path, clock: Clock, advance: Advance) -> _Survey:
             continue
         if not first_back and isinstance(clock, CarmenClock) and clock.most_back_s > JITTER_S:
             first_back = number
-        twist = _twist(row) or twist
+        twist = row.twist or twist
         survey.kinds[kind] += 1
         survey.begin = min(survey.begin, times[0])
         survey.end = times[0]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, field
-from typing import Self
 
 from app.logs.importers.carmen_lines import CarmenTimes
 from app.logs.stamps import Onward
@@ -58,11 +57,6 @@ class CarmenClock:
         """Greatest step back (s) of a capture."""
         return max((stamps.most_back_s for stamps in self.stamps.values()), default=0.0)
 
-    def copy(self) -> Self:
-        """The same, which goes on by itself."""
-        stamps = {kind: stamps.copy() for kind, stamps in self.stamps.items()}
-        return type(self)(self.at, self.shift, self.started, stamps)
-
 
 @dataclass(slots=True)
 class OrderClock:
@@ -80,10 +74,6 @@ class OrderClock:
         """Arrival and capture (s) of a line: the same."""
         self.lines += 1
         return self.at, self.at
-
-    def copy(self) -> Self:
-        """The same, which goes on by itself."""
-        return type(self)(self.period_s, self.lines)
 
 
 Clock = CarmenClock | OrderClock

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,12 +55,12 @@ class Param:
 
 @dataclass(frozen=True, slots=True)
 class CarmenOdometry:
-    """Odometry: pose and twist (m/s, rad/s) of the base."""
+    """Odometry: ``pose`` and ``twist`` (m/s, rad/s) of the base."""
 
     times: CarmenTimes
     pose: Pose2
-    linear_mps: float
-    angular_radps: float
+    twist: tuple[float, float]
+    kind: str = "ODOM"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,14 +75,14 @@ class CarmenScan:
     times: CarmenTimes
     kind: str
     ranges: NDArray[np.float32]
-    intensities: NDArray[np.float32] | None
+    blank: int
     angle_min: float
     angle_increment: float
-    maximum: float | None
-    robot: Pose2 | None
-    laser: Pose2 | None
-    twist: tuple[float, float] | None
-    blank: int = 0
+    intensities: NDArray[np.float32] | None = None
+    maximum: float | None = None
+    robot: Pose2 | None = None
+    laser: Pose2 | None = None
+    twist: tuple[float, float] | None = None
 
 
 def parse(line: str) -> Param | CarmenOdometry | CarmenScan | None:
@@ -103,7 +103,7 @@ def parse(line: str) -> Param | CarmenOdometry | CarmenScan | None:
         if len(body) != 6:
             raise ValueError(f"{len(body)} numbers instead of x y theta tv rv accel")
         x, y, theta, tv, rv, _ = _numbers(body)
-        return CarmenOdometry(times, Pose2(x, y, theta), tv, rv)
+        return CarmenOdometry(times, Pose2(x, y, theta), (tv, rv))
     if kind in ("FLASER", "RLASER"):
         return _old(kind, times, body)
     return _new(kind, times, body)
@@ -117,17 +117,7 @@ def _old(kind: str, times: CarmenTimes, body: Sequence[str]) -> CarmenScan:
     angle_min, increment = lms_angles(count)
     laser, robot = _poses(body[1 + count :])
     return CarmenScan(
-        times,
-        kind,
-        ranges=ranges,
-        intensities=None,
-        angle_min=angle_min,
-        angle_increment=increment,
-        maximum=None,
-        robot=robot,
-        laser=laser,
-        twist=None,
-        blank=blank,
+        times, kind, ranges, blank, angle_min=angle_min, angle_increment=increment, robot=robot, laser=laser
     )
 
 
@@ -154,19 +144,10 @@ def _new(kind: str, times: CarmenTimes, body: Sequence[str]) -> CarmenScan:
         tv, rv = _numbers(rest[6:8])
         twist = (tv, rv)
     ranges, blank = _distances(body[8:after])
-    return CarmenScan(
-        times,
-        kind,
-        ranges=ranges,
-        intensities=_array(body[after + 1 : after + 1 + remissions]) if remissions else None,
-        angle_min=start,
-        angle_increment=resolution,
-        maximum=maximum if maximum > 0 else None,
-        robot=robot,
-        laser=laser,
-        twist=twist,
-        blank=blank,
-    )
+    scan = CarmenScan(times, kind, ranges, blank, angle_min=start, angle_increment=resolution)
+    intensities = _array(body[after + 1 : after + 1 + remissions]) if remissions else None
+    maximum_m = maximum if maximum > 0 else None
+    return replace(scan, intensities=intensities, maximum=maximum_m, robot=robot, laser=laser, twist=twist)
 
 
 def _poses(words: Sequence[str]) -> tuple[Pose2, Pose2]:

@@ -87,30 +87,22 @@ class RosBag:
             try:
                 self._channels = remapped(topics, remap) if remap and remap.channels else guessed(topics, found)
             except Ambiguous as doubt:
-                raise Undecided(f"{path}: {doubt}", self._undecided(topics)) from None
+                described_topics = {topic.name: described(topic) for topic in topics}
+                raise Undecided(f"{path}: {doubt}", self._log_info(topics, {}, described_topics, ())) from None
             if not self._channels:
                 kinds = sorted({topic.type for topic in topics}) or ["nothing"]
                 raise LogError(f"{path}: has no topic that becomes a channel; it holds {', '.join(kinds)}")
             notes: list[str] = []
             self._setting = self._settled(topics, notes)
-            self._info = self._described(topics, notes, chosen=bool(remap and remap.channels))
+            #: Odometry out of tf counts the messages of transforms, each of which may contain it.
+            self.info = self._described(topics, notes, chosen=bool(remap and remap.channels))
         except DAMAGE as failure:
             self.close()
             raise LogError(f"{path}: is damaged: {words(failure)}") from None
         except BaseException:
             self.close()
             raise
-        self._manifest = Manifest(facts=_facts(self._channels))
-
-    @property
-    def info(self) -> LogInfo:
-        """Its facts. Odometry out of tf counts the messages of transforms, each of which may contain it."""
-        return self._info
-
-    @property
-    def manifest(self) -> Manifest:
-        """Which channel is which stream of a body."""
-        return self._manifest
+        self.manifest = Manifest(facts=_facts(self._channels))
 
     def messages(self, begin: float | None = None, channels: Collection[str] | None = None) -> Iterator[Logged]:
         """Messages in order of arrival; a picture comes with its depth. Messages without a known pose, or unreadable
@@ -129,7 +121,6 @@ class RosBag:
         yield from stream.read(self._received(connections, begin), begin)
 
     def close(self) -> None:
-        """Release the file."""
         if self._reader.stack is not None:
             self._reader.close()
         if self._named is not None:
@@ -265,9 +256,6 @@ class RosBag:
             rate = (count - 1) / self._duration_s if count > 1 and self._duration_s > 0 else None
             channels[name] = LoggedChannel(name, message_type(source), count, rate)
         return self._log_info(topics, channels, ignored(topics, self._channels, chosen), tuple(notes))
-
-    def _undecided(self, topics: list[BagTopic]) -> LogInfo:
-        return self._log_info(topics, {}, {topic.name: described(topic) for topic in topics}, ())
 
     def _log_info(
         self,

@@ -129,13 +129,13 @@ def remapped(topics: Sequence[BagTopic], remap: Remap) -> dict[str, ChannelSourc
     by_name = {topic.name: topic for topic in topics}
 
     def named(channel: str, key: str, name: str, wanted: Callable[[BagTopic], bool], what: str) -> BagTopic:
-        topic = by_name.get(_normal(name))
+        topic = by_name.get(name if name.startswith("/") else f"/{name.strip('/')}")
         key_path = ("channels", channel, key)
         if topic is None:
             fitting = [t.name for t in topics if wanted(t)] or list(by_name)
             raise remap.error(f"the bag has no topic {name!r}; {suggestion(name, fitting)}", key_path)
         if not wanted(topic):
-            raise remap.error(f"{name} ({topic.type}{_holding(topic)}) is {what}", key_path)
+            raise remap.error(f"{name} ({topic.type}{topic.holds and f', {topic.holds}'}) is {what}", key_path)
         return topic
 
     channels: dict[str, ChannelSource] = {}
@@ -319,11 +319,3 @@ def _shows_color(topic: BagTopic) -> bool:
 
 def _shows_depth(topic: BagTopic) -> bool:
     return topic.type in COLOR_TYPES and topic.holds == "depth"
-
-
-def _holding(topic: BagTopic) -> str:
-    return f", {topic.holds}" if topic.holds else ""
-
-
-def _normal(name: str) -> str:
-    return "/" + name.strip("/") if not name.startswith("/") else name

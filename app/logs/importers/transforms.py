@@ -2,49 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from bisect import bisect_right, insort
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation, Slerp
 
 from app.base.geometry import Pose3
 
 #: x, y, z, w.
 Quaternion = tuple[float, float, float, float]
-
-
-def rotation(q: Quaternion) -> NDArray[np.float64]:
-    """The rotation matrix (3, 3) of a quaternion, which need not have length 1. Raises ValueError for length 0."""
-    x, y, z, w = q
-    square = x * x + y * y + z * z + w * w
-    if not square > 1e-12:
-        raise ValueError("a quaternion of length 0 is no rotation")
-    s = 2.0 / square
-    return np.array(
-        [
-            [1 - s * (y * y + z * z), s * (x * y - z * w), s * (x * z + y * w)],
-            [s * (x * y + z * w), 1 - s * (x * x + z * z), s * (y * z - x * w)],
-            [s * (x * z - y * w), s * (y * z + x * w), 1 - s * (x * x + y * y)],
-        ]
-    )
-
-
-def slerp(a: Quaternion, b: Quaternion, fraction: float) -> Quaternion:
-    """Interpolate between unit quaternions ``a`` (0) and ``b`` (1), the shorter way (Shoemake 1985)."""
-    p, q = np.array(a), np.array(b)
-    cosine = float(p @ q)
-    if cosine < 0.0:
-        q, cosine = -q, -cosine
-    if cosine > 0.9995:  # so near that the chord is the arc
-        mixed = p + fraction * (q - p)
-    else:
-        angle = math.acos(cosine)
-        mixed = (math.sin((1 - fraction) * angle) * p + math.sin(fraction * angle) * q) / math.sin(angle)
-    x, y, z, w = mixed / np.linalg.norm(mixed)
-    return (float(x), float(y), float(z), float(w))
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,13 +25,15 @@ class StampedTransform:
 
     def pose(self) -> Pose3:
         """The transform as a pose. Raises ValueError for a quaternion of length 0."""
-        return Pose3(rotation(self.quaternion), np.array(self.translation, dtype=np.float64))
+        return Pose3(Rotation.from_quat(self.quaternion).as_matrix(), np.array(self.translation, dtype=np.float64))
 
     def between(self, other: StampedTransform, stamp: float) -> StampedTransform:
-        """Interpolated at ``stamp`` between this and a later one."""
+        """Interpolated at ``stamp`` between this and a later one, the shorter way."""
         f = (stamp - self.stamp) / (other.stamp - self.stamp)
         x, y, z = (a + f * (b - a) for a, b in zip(self.translation, other.translation, strict=True))
-        return StampedTransform(stamp, (x, y, z), slerp(self.quaternion, other.quaternion, f))
+        both = Rotation.from_quat((self.quaternion, other.quaternion))
+        qx, qy, qz, qw = Slerp((self.stamp, other.stamp), both)(stamp).as_quat().tolist()
+        return StampedTransform(stamp, (x, y, z), (qx, qy, qz, qw))
 
 
 @dataclass(slots=True)

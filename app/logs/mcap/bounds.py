@@ -10,17 +10,14 @@ from typing import IO
 
 from mcap.opcode import Opcode
 from mcap.reader import SeekingReader
-from mcap.records import Chunk, ChunkIndex, McapRecord
+from mcap.records import Chunk, McapRecord
 from mcap.stream_reader import breakup_chunk
 from mcap.summary import Summary
 
 from app.logs.log import LogError
 from app.logs.mcap.decompression import MOST_RECORD, MOST_UNPACKED, TooMuch, amount, check_unpacked, within
-from app.logs.mcap.structure import MAGIC, RECORD_HEAD
+from app.logs.mcap.structure import CHUNK_HEAD, MAGIC, RECORD_HEAD
 
-#: Fields before a chunk's records: begin (8), end (8), size and checksum of the records (8, 4), length of the
-#: compression's name (4).
-_HEAD = struct.Struct("<QQQII")
 _LONGEST_NAME = 16
 #: Opcode (1), length (8), begin of the summary (8), of its offsets (8), checksum (4).
 _FOOTER = struct.Struct("<BQQQI")
@@ -78,8 +75,11 @@ def check_chunks(path: Path, file: IO[bytes], summary: Summary | None) -> None:
     for index in indexes:
         _check(path, file, index.chunk_start_offset)
         # Some readers go by what the index says of a chunk.
-        at = index.chunk_start_offset + RECORD_HEAD.size + _HEAD.size + len(index.compression.encode()) + 8
-        _check_packed(path, file, index, at)
+        at = index.chunk_start_offset + RECORD_HEAD.size + CHUNK_HEAD.size + len(index.compression.encode()) + 8
+        _bounded(
+            path, file, index.chunk_start_offset,
+            at=at, size=index.compressed_size, compression=index.compression, declared=index.uncompressed_size,
+        )  # fmt: skip
     if summary is None or not indexes or summary.statistics is None or not summary.schemas:
         for offset in _offsets(file):
             _check(path, file, offset)
@@ -91,29 +91,17 @@ def records_of(chunk: Chunk, *, validate_crc: bool = False) -> Iterable[McapReco
     return breakup_chunk(chunk, validate_crc=validate_crc)
 
 
-def _check_packed(path: Path, file: IO[bytes], index: ChunkIndex, at: int) -> None:
-    _bounded(
-        path,
-        file,
-        offset=index.chunk_start_offset,
-        at=at,
-        size=index.compressed_size,
-        compression=index.compression,
-        declared=index.uncompressed_size,
-    )
-
-
 def _check(path: Path, file: IO[bytes], offset: int) -> None:
-    number = file.fileno()
-    head = os.pread(number, RECORD_HEAD.size + _HEAD.size + _LONGEST_NAME + 8, offset) if offset < _NO_PLACE else b""
+    most = RECORD_HEAD.size + CHUNK_HEAD.size + _LONGEST_NAME + 8
+    head = os.pread(file.fileno(), most, offset) if offset < _NO_PLACE else b""
     try:
-        _, _, size, _, length = _HEAD.unpack_from(head, RECORD_HEAD.size)
-        at = RECORD_HEAD.size + _HEAD.size + length
+        _, _, size, _, length = CHUNK_HEAD.unpack_from(head, RECORD_HEAD.size)
+        at = RECORD_HEAD.size + CHUNK_HEAD.size + length
         name = head[at - length : at].decode("utf-8", "replace")
         (packed,) = struct.unpack_from("<Q", head, at)
     except struct.error:
         return  # the library that reads it reports the damage
-    _bounded(path, file, offset=offset, at=offset + at + 8, size=packed, compression=name, declared=size)
+    _bounded(path, file, offset, at=offset + at + 8, size=packed, compression=name, declared=size)
 
 
 def _bounded(path: Path, file: IO[bytes], offset: int, at: int, size: int, compression: str, declared: int) -> None:

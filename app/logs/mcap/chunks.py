@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from io import BytesIO
 from pathlib import Path
+from types import MappingProxyType
 from typing import BinaryIO
 
 from mcap.data_stream import ReadDataStream, RecordBuilder
@@ -33,9 +34,8 @@ from mcap.records import (
 
 from app.logs.log import LogError
 from app.logs.mcap.bounds import records_of
-from app.logs.mcap.structure import MAGIC, RECORD_HEAD, is_closed
+from app.logs.mcap.structure import CHUNK_HEAD, MAGIC, RECORD_HEAD, is_closed
 
-_CHUNK_HEAD = struct.Struct("<QQQII")
 _INDEX_HEAD = struct.Struct("<HI")
 _COPY_BYTES = 1 << 20
 
@@ -51,21 +51,21 @@ class Span:
 
 @dataclass(frozen=True, slots=True)
 class ChunkSpan:
-    """A chunk with the message indexes behind it: ``counts`` of messages by channel id, ``begin_ns`` to ``end_ns``."""
+    """A chunk with the message indexes right behind it, as its ``index`` record says; ``counts`` of messages by channel
+    id."""
 
-    chunk: Span
-    indexes: tuple[Span, ...]
+    index: ChunkIndex
     counts: dict[int, int]
-    begin_ns: int
-    end_ns: int
-    compression: str
-    compressed: int
-    uncompressed: int
+
+    @property
+    def offset(self) -> int:
+        """The chunk's first byte."""
+        return self.index.chunk_start_offset
 
     @property
     def length(self) -> int:
         """Bytes of the chunk and its indexes."""
-        return self.chunk.length + sum(index.length for index in self.indexes)
+        return self.index.chunk_length + self.index.message_index_length
 
 
 @dataclass(slots=True)
@@ -82,7 +82,7 @@ class FileContents:
     @property
     def begin_ns(self) -> int:
         """When its first message arrived; 0 in a file without any."""
-        return min((chunk.begin_ns for chunk in self.chunks), default=0)
+        return min((chunk.index.message_start_time for chunk in self.chunks), default=0)
 
     @property
     def messages(self) -> int:
@@ -110,42 +110,40 @@ def spans(file: BinaryIO) -> Iterator[Span]:
 def scan(file: BinaryIO) -> FileContents:
     """Look through ``file``, skipping what chunks hold. Raises LogError where it is no MCAP file."""
     found = FileContents(end=len(MAGIC))
-    pending: Span | None = None
-    indexes: list[Span] = []
+    pending: ChunkSpan | None = None
 
     def settle() -> None:
         # A chunk counts once all its messages are indexed: a file cut off in between ends before it.
         nonlocal pending
         if pending is not None:
-            chunk = _chunk_span(file, pending, tuple(indexes))
-            found.chunks.append(chunk)
-            found.end = pending.offset + chunk.length
+            found.chunks.append(pending)
+            found.end = pending.offset + pending.length
             pending = None
-            indexes.clear()
 
     for span in spans(file):
         if span.opcode == Opcode.MESSAGE_INDEX:
-            indexes.append(span)
+            if pending is not None:
+                channel, entries = _INDEX_HEAD.unpack(_head(file, span, _INDEX_HEAD.size))
+                pending.index.message_index_offsets[channel] = span.offset
+                pending.index.message_index_length += span.length
+                pending.counts[channel] = entries // 16
             continue
         settle()
         match span.opcode:
+            case Opcode.CHUNK:
+                pending = _chunk_span(file, span)
+                continue
             case Opcode.HEADER:
                 found.header = Header.read(body(file, span))
-                found.end = span.offset + span.length
             case Opcode.ATTACHMENT:
                 found.attachments.append(span)
-                found.end = span.offset + span.length
             case Opcode.METADATA:
                 found.metadata.append(span)
-                found.end = span.offset + span.length
-            case Opcode.CHUNK:
-                pending = span
             case Opcode.DATA_END:
                 found.complete = is_closed(file)
                 break
-            case _:
-                found.end = span.offset + span.length
-    if pending is not None and _all_indexed(file, pending, indexes):
+        found.end = span.offset + span.length
+    if pending is not None and _all_indexed(file, pending):
         settle()
     return found
 
@@ -160,7 +158,7 @@ def complete(path: Path) -> FileContents:
         if found.complete:
             return found
         summary = _Summary()
-        summary.take(file, found, shift=None)
+        summary.take(file, found)
         file.seek(found.end)
         file.truncate()
         file.write(summary.end(found.end))
@@ -188,12 +186,11 @@ def join(
         contents[0].header.write(builder)
         position = target.write(MAGIC) + target.write(_taken(builder))
         for file, found in zip(files, contents, strict=True):
-            placed = [*found.attachments, *found.metadata]
-            placed += [span for chunk in found.chunks for span in (chunk.chunk, *chunk.indexes)]
+            placed = [(span.offset, span.length) for span in (*found.attachments, *found.metadata)]
             shift: dict[int, int] = {}
-            for span in placed:
-                shift[span.offset] = position
-                position += _copy(file, span, target)
+            for offset, length in [*placed, *((chunk.offset, chunk.length) for chunk in found.chunks)]:
+                shift[offset] = position - offset
+                position += _copy(file, offset, length, target)
                 progress(min(position, total), total)
             summary.take(file, found, shift)
         target.write(summary.end(position))
@@ -219,32 +216,19 @@ class _Summary:
         """Number of message records."""
         return sum(self._counts.values())
 
-    def take(self, file: BinaryIO, found: FileContents, shift: dict[int, int] | None) -> None:
-        """Add the contents of ``file``, whose records are now at ``shift[offset]`` (None: at their old offsets)."""
-
-        def place(span: Span) -> int:
-            return span.offset if shift is None else shift[span.offset]
-
+    def take(self, file: BinaryIO, found: FileContents, shift: Mapping[int, int] = MappingProxyType({})) -> None:
+        """Add the contents of ``file``; a record that was copied is ``shift[offset]`` bytes further now."""
         for span in found.attachments:
-            self._attachments.append(_attachment_index(file, span, place(span)))
+            self._attachments.append(_attachment_index(file, span, span.offset + shift.get(span.offset, 0)))
         for span in found.metadata:
             name = Metadata.read(body(file, span)).name
-            self._metadata.append(MetadataIndex(place(span), span.length, name))
+            self._metadata.append(MetadataIndex(span.offset + shift.get(span.offset, 0), span.length, name))
         for chunk in found.chunks:
             self._definitions(file, chunk)
-            offsets = {_index_head(file, span)[0]: place(span) for span in chunk.indexes}
+            by = shift.get(chunk.offset, 0)
+            offsets = {channel: offset + by for channel, offset in chunk.index.message_index_offsets.items()}
             self._chunks.append(
-                ChunkIndex(
-                    chunk_length=chunk.chunk.length,
-                    chunk_start_offset=place(chunk.chunk),
-                    compression=chunk.compression,
-                    compressed_size=chunk.compressed,
-                    message_end_time=chunk.end_ns,
-                    message_index_length=chunk.length - chunk.chunk.length,
-                    message_index_offsets=offsets,
-                    message_start_time=chunk.begin_ns,
-                    uncompressed_size=chunk.uncompressed,
-                )
+                replace(chunk.index, chunk_start_offset=chunk.offset + by, message_index_offsets=offsets)
             )
             for channel, count in chunk.counts.items():
                 self._counts[channel] = self._counts.get(channel, 0) + count
@@ -253,7 +237,7 @@ class _Summary:
         """Schemas and channels stand in the chunk before their first message; only then is it looked into."""
         if chunk.counts.keys() <= self._channels.keys():
             return
-        for record in records_of(Chunk.read(body(file, chunk.chunk)), validate_crc=True):
+        for record in records_of(_chunk(file, chunk), validate_crc=True):
             if isinstance(record, Schema):
                 self._schemas[record.id] = record
             elif isinstance(record, Channel):
@@ -313,39 +297,38 @@ def body(file: BinaryIO, span: Span) -> ReadDataStream:
     return ReadDataStream(BytesIO(file.read(span.length - RECORD_HEAD.size)))
 
 
-def _chunk_span(file: BinaryIO, span: Span, indexes: tuple[Span, ...]) -> ChunkSpan:
+def _head(file: BinaryIO, span: Span, size: int) -> bytes:
     file.seek(span.offset + RECORD_HEAD.size)
-    begin_ns, end_ns, uncompressed, _, name_length = _CHUNK_HEAD.unpack(file.read(_CHUNK_HEAD.size))
+    return file.read(size)
+
+
+def _chunk_span(file: BinaryIO, span: Span) -> ChunkSpan:
+    begin_ns, end_ns, uncompressed, _, name_length = CHUNK_HEAD.unpack(_head(file, span, CHUNK_HEAD.size))
     compression = file.read(name_length).decode()
     (compressed,) = struct.unpack("<Q", file.read(8))
-    counts = {}
-    for index in indexes:
-        channel, length = _index_head(file, index)
-        counts[channel] = length // 16
-    return ChunkSpan(
-        span,
-        indexes,
-        counts=counts,
-        begin_ns=begin_ns,
-        end_ns=end_ns,
+    index = ChunkIndex(
+        chunk_length=span.length,
+        chunk_start_offset=span.offset,
         compression=compression,
-        compressed=compressed,
-        uncompressed=uncompressed,
+        compressed_size=compressed,
+        message_end_time=end_ns,
+        message_index_length=0,
+        message_index_offsets={},
+        message_start_time=begin_ns,
+        uncompressed_size=uncompressed,
     )
+    return ChunkSpan(index, {})
 
 
-def _index_head(file: BinaryIO, span: Span) -> tuple[int, int]:
-    """Channel id of a message index, and the bytes of its entries, 16 each."""
-    file.seek(span.offset + RECORD_HEAD.size)
-    channel, length = _INDEX_HEAD.unpack(file.read(_INDEX_HEAD.size))
-    return channel, length
+def _chunk(file: BinaryIO, chunk: ChunkSpan) -> Chunk:
+    record: Chunk = Chunk.read(body(file, Span(Opcode.CHUNK, chunk.offset, chunk.index.chunk_length)))
+    return record
 
 
-def _all_indexed(file: BinaryIO, chunk: Span, indexes: list[Span]) -> bool:
-    """Whether the last chunk of a file that ends behind these ``indexes`` has all of them."""
-    indexed = sum(_index_head(file, index)[1] // 16 for index in indexes)
-    records = records_of(Chunk.read(body(file, chunk)))
-    return indexed == sum(not isinstance(record, Schema | Channel) for record in records)
+def _all_indexed(file: BinaryIO, chunk: ChunkSpan) -> bool:
+    """Whether the last chunk of a file has an index of each of its messages."""
+    records = records_of(_chunk(file, chunk))
+    return sum(chunk.counts.values()) == sum(not isinstance(record, Schema | Channel) for record in records)
 
 
 def _attachment_index(file: BinaryIO, span: Span, offset: int) -> AttachmentIndex:
@@ -355,11 +338,11 @@ def _attachment_index(file: BinaryIO, span: Span, offset: int) -> AttachmentInde
     return AttachmentIndex(offset, span.length, log_time, create_time, stream.read8(), name, media_type)
 
 
-def _copy(file: BinaryIO, span: Span, target: BinaryIO) -> int:
-    file.seek(span.offset)
-    left = span.length
+def _copy(file: BinaryIO, offset: int, length: int, target: BinaryIO) -> int:
+    file.seek(offset)
+    left = length
     while left:
         data = file.read(min(left, _COPY_BYTES))
         target.write(data)
         left -= len(data)
-    return span.length
+    return length

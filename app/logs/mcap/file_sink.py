@@ -10,14 +10,15 @@ from pathlib import Path
 from typing import Any
 
 from app.logs.manifest import Manifest
-from app.logs.mcap.open_file import McapFile, OpenFile, RecordEncoder, create
+from app.logs.mcap.open_file import McapFile, OpenFile, create
+from app.logs.ros.encoder import Encoder
 
 
 class FileSink:
     """A recording in one file, created under the first free name."""
 
     def __init__(
-        self, paths: Iterable[Path], encoder: RecordEncoder, manifest: Manifest, at: float, open_file: OpenFile = create
+        self, paths: Iterable[Path], encoder: Encoder, manifest: Manifest, at: float, open_file: OpenFile = create
     ) -> None:
         """Take the first of ``paths`` that does not exist yet; its folder is made. Raises OSError."""
         self._file = _first_free(paths, lambda path: McapFile(path, encoder, manifest, at, open_file=open_file))
@@ -26,21 +27,17 @@ class FileSink:
 
     @property
     def name(self) -> str:
-        """Name of the recording."""
         return self._file.path.stem
 
     @property
     def bytes(self) -> int:
-        """Bytes on disk."""
         return self._file.bytes
 
     @property
     def messages(self) -> int:
-        """Messages taken."""
         return self._file.messages
 
     def write(self, at: float, channel: str, message: Any) -> None:
-        """Take a message that arrived ``at``. Raises UnrecordableMessage, OSError."""
         self._file.write(at, channel, message)
 
     def flush(self) -> None:
@@ -55,7 +52,6 @@ class FileSink:
         self._forget_if_empty()
 
     def abandon(self) -> None:
-        """Cut off an incomplete record."""
         self._file.abandon()
         with suppress(OSError):
             self._forget_if_empty()

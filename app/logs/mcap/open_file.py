@@ -17,6 +17,7 @@ from mcap.writer import CompressionType, Writer
 from app.logs import layout
 from app.logs.manifest import Manifest
 from app.logs.mcap.chunks import complete
+from app.logs.ros.encoder import Encoder
 from app.logs.ros.record import Record
 from app.logs.ros.robot import METADATA as ROBOT_METADATA
 from app.logs.ros.robot import robot_description
@@ -67,22 +68,6 @@ class UnrecordableMessage(Exception):
     """A message that is not what its channel says, or one that no file could hold; the message says which and why."""
 
 
-class RecordEncoder(Protocol):
-    """Makes records of messages for one file, as ``app.logs.ros.encoder.Encoder`` does."""
-
-    def encode(self, channel: str, message: Any) -> list[Record]:
-        """The records of ``message``, in the order they are to be written."""
-        ...
-
-    def definition(self, type: str) -> str:
-        """The text of a record's type."""
-        ...
-
-    def channel_metadata(self, topic: str) -> dict[str, str]:
-        """Metadata of the channel record of ``topic``."""
-        ...
-
-
 @dataclass(frozen=True, slots=True)
 class FileTopic:
     """A topic in a file: ``definition`` is its type's text, ``metadata`` is in its channel record."""
@@ -121,7 +106,7 @@ class McapFile:
     """An MCAP file being written."""
 
     def __init__(
-        self, path: Path, encoder: RecordEncoder, manifest: Manifest, at: float,
+        self, path: Path, encoder: Encoder, manifest: Manifest, at: float,
         topics: dict[str, FileTopic] | None = None, open_file: OpenFile = create,
     ) -> None:  # fmt: skip
         """Create ``path`` and begin it with ``manifest``, recorded ``at`` (robot's clock, s).

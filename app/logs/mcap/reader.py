@@ -43,18 +43,13 @@ class McapLog:
         try:
             self._reader, self._summary = self._open()
             self._contents = self._topics()
-            self._info = self._describe()
+            self.info = self._describe()
         except _DAMAGE as error:
             self._file.close()
             raise self._damaged("its summary", error) from error
         except BaseException:
             self._file.close()
             raise
-
-    @property
-    def info(self) -> LogInfo:
-        """Facts of the log, from the file's summary."""
-        return self._info
 
     @cached_property
     def manifest(self) -> Manifest:
@@ -83,7 +78,6 @@ class McapLog:
         return self._messages(decoder, None if begin is None else to_ns(begin))
 
     def close(self) -> None:
-        """Release the file."""
         self._file.close()
 
     def _messages(self, decoder: Decoder, begin_ns: int | None) -> Iterator[Logged]:
@@ -171,7 +165,7 @@ class McapLog:
             if index.message_end_time >= since_ns and (not held or held & wanted) and not self._is_whole(index):
                 begin, end = from_ns(index.message_start_time), from_ns(index.message_end_time)
                 damage = LogDamaged("", begin, end)
-                said = f"{self._path} is damaged: {missing(damage, self._info)}"
+                said = f"{self._path} is damaged: {missing(damage, self.info)}"
                 return LogDamaged(f"{said}. `hbba log repair {self._path}` saves what is whole", begin, end)
         return self._damaged(f"what follows {self._place(since_ns)}", error)
 
@@ -184,7 +178,7 @@ class McapLog:
         return True
 
     def _place(self, log_time: int) -> str:
-        return place(from_ns(log_time) - self._info.begin)
+        return place(from_ns(log_time) - self.info.begin)
 
     def _damaged(self, what: str, error: BaseException) -> LogError:
         why = f"{type(error).__name__}: {error}"

@@ -13,9 +13,10 @@ from typing import Any
 
 from app.logs.log import LogError
 from app.logs.manifest import Manifest
-from app.logs.mcap.open_file import FileTopic, McapFile, OpenFile, RecordEncoder, create
+from app.logs.mcap.open_file import FileTopic, McapFile, OpenFile, create
 from app.logs.mcap.ring_folder import SEGMENT, STATE, make_home, save
 from app.logs.output_file import Progress, unwatched
+from app.logs.ros.encoder import Encoder
 
 SEGMENT_S = 10.0
 
@@ -43,7 +44,7 @@ class Ring:
     def __init__(
         self,
         folder: Path,
-        new_encoder: Callable[[], RecordEncoder],
+        new_encoder: Callable[[], Encoder],
         manifest: Manifest,
         at: float,
         keep_s: float,

@@ -16,6 +16,9 @@ from app.base.plain_file import open_plain
 MAGIC = b"\x89MCAP0\r\n"
 #: Head of every record: opcode (1), length of the content (8).
 RECORD_HEAD = struct.Struct("<BQ")
+#: Fields before a chunk's records: begin (8), end (8), size and checksum of the records (8, 4), length of the
+#: compression's name (4).
+CHUNK_HEAD = struct.Struct("<QQQII")
 
 #: Exceptions of the MCAP library for damaged files; RuntimeError is lz4's. Offsets beyond the file raise OSError
 #: besides, which a reader may treat as damage.

@@ -18,14 +18,18 @@ from concurrent.futures import Future
 from contextlib import suppress
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 
 from app.logs.mcap.disk_time import DiskTime
+from app.logs.mcap.file_sink import FileSink
 from app.logs.mcap.open_file import UnrecordableMessage
+from app.logs.mcap.ring import Ring
 
 T = TypeVar("T")
+#: The destination of a recording, used by the writer's thread alone.
+Sink: TypeAlias = FileSink | Ring
 
 log = logging.getLogger("hbba.recording")
 
@@ -38,51 +42,6 @@ BEAT_S = 0.05
 FLUSH_S = 0.5
 #: Period (s) of checking the free space.
 LOOK_S = 1.0
-
-
-class Sink(Protocol):
-    """The destination of a recording: one file, or a ring of them. Used by the writer's thread alone."""
-
-    @property
-    def name(self) -> str:
-        """Name of the recording."""
-        ...
-
-    @property
-    def folder(self) -> Path:
-        """A folder of the disk it goes to."""
-        ...
-
-    @property
-    def begin(self) -> float:
-        """Begin of the data it holds now (robot's clock, s)."""
-        ...
-
-    @property
-    def bytes(self) -> int:
-        """Bytes it takes on disk now."""
-        ...
-
-    @property
-    def messages(self) -> int:
-        """Messages in it now."""
-        ...
-
-    def write(self, at: float, channel: str, message: Any) -> None:
-        """Take a message that arrived ``at``. Raises UnrecordableMessage, OSError."""
-        ...
-
-    def flush(self) -> None:
-        """Put on disk what waits in memory. Raises OSError."""
-        ...
-
-    def close(self, discard: bool) -> None:
-        """Close it; ``discard``: delete the data that may be deleted. Raises OSError."""
-        ...
-
-    def abandon(self) -> None:
-        """After an OSError: save what can be saved. Never raises."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,25 +116,18 @@ class RecordingWriter:
         #: When dropping began, and how long the disk had been waited for by then (s).
         self._kept_up_until = self._waited_before = 0.0
         self._ended = False
-        self._over = False
-        self._reason = ""
+        #: Whether everything is written and closed, or given up.
+        self.over = False
+        #: Why it ended by itself, in words; empty while it did not.
+        self.reason = ""
         self._discard = False
         self._calls: queue.SimpleQueue[Callable[[], None] | None] = queue.SimpleQueue()
-        self._sink: Sink | None = None
+        #: None until it is open.
+        self.sink: Sink | None = None
         self._thread = threading.Thread(target=self._run, name="recording", daemon=True)
         self._thread.start()
 
     # --- for the loop ---
-
-    @property
-    def sink(self) -> Sink | None:
-        """Name of the recording; None until its sink is open."""
-        return self._sink
-
-    @property
-    def reason(self) -> str:
-        """Why it ended by itself, in words; empty while it did not."""
-        return self._reason
 
     @property
     def dropped(self) -> int:
@@ -190,13 +142,8 @@ class RecordingWriter:
     @property
     def duration_s(self) -> float:
         """Seconds from the begin of its data to the newest message."""
-        sink = self._sink
+        sink = self.sink
         return max(0.0, self._newest - (self.began if sink is None else sink.begin))
-
-    @property
-    def over(self) -> bool:
-        """Whether everything is written and closed, or given up."""
-        return self._over
 
     def put(self, at: float, channel: str, message: Any) -> None:
         """Queue a message that arrived ``at`` (robot's clock, s) on ``channel``, or drop and count it; never waits."""
@@ -228,11 +175,11 @@ class RecordingWriter:
         def run() -> None:
             if not future.set_running_or_notify_cancel():
                 return
-            if self._over or self._sink is None:
-                future.set_exception(OSError(self._reason or "the recording is over"))
+            if self.over or self.sink is None:
+                future.set_exception(OSError(self.reason or "the recording is over"))
                 return
             try:
-                result = function(self._sink)
+                result = function(self.sink)
             except OSError as error:  # then only `abandon` is left of the sink
                 future.set_exception(error)
                 raise
@@ -242,12 +189,12 @@ class RecordingWriter:
                 future.set_result(result)
 
         self._calls.put(run)
-        if self._over:  # the loop is closed: no task waits for the answer
+        if self.over:  # the loop is closed: no task waits for the answer
             self._refuse_calls()
         return future
 
     def finish(self, discard: bool = False) -> None:
-        """Accept no more messages; queued ones are still written. See :meth:`Sink.close` for ``discard``."""
+        """Accept no more messages; queued ones are still written. See :meth:`Ring.close` for ``discard``."""
         self._discard = discard
         self._end("")
 
@@ -259,7 +206,7 @@ class RecordingWriter:
     def _end(self, reason: str) -> None:
         if not self._ended:
             self._ended = True
-            self._reason = reason
+            self.reason = reason
             self._calls.put(None)
 
     def _too_slow(self, seconds: float) -> str:
@@ -289,12 +236,12 @@ class RecordingWriter:
         finally:
             self._queue.clear()
             self._bytes_out = self._bytes_in
-            self._over = True
+            self.over = True
             self._refuse_calls()
             self._on_change()
 
     def _open(self) -> None:
-        self._sink = self._open_sink()
+        self.sink = self._open_sink()
         self._check_space()
 
     def _live(self) -> None:
@@ -312,7 +259,7 @@ class RecordingWriter:
             now = time.monotonic()
             if now - flushed >= FLUSH_S:
                 flushed = now
-                self._charge(self._flush)
+                self._charge(self._opened().flush)
             if now - looked >= LOOK_S:
                 looked = now
                 self._check_space()
@@ -332,16 +279,13 @@ class RecordingWriter:
                     log.warning("left out of the recording (said once for each channel): %s", error, exc_info=error)
             self._bytes_out += size
 
-    def _flush(self) -> None:
-        self._opened().flush()
-
     def _close(self) -> None:
         self._opened().close(self._discard)
 
     def _opened(self) -> Sink:
-        if self._sink is None:
+        if self.sink is None:
             raise RuntimeError("nothing is open")
-        return self._sink
+        return self.sink
 
     def _check_space(self) -> None:
         folder = self._opened().folder
@@ -349,15 +293,15 @@ class RecordingWriter:
 
     def _fail(self, reason: str, error: Exception) -> None:
         self._ended = True
-        self._reason = self._reason or reason
-        if self._sink is None:
+        self.reason = self.reason or reason
+        if self.sink is None:
             return
         if isinstance(error, DiskFull):  # no write has failed yet, and there is room for an end
             with suppress(OSError):
                 self._charge(self._drain)
                 self._charge(self._close)
                 return
-        self._charge(self._sink.abandon)
+        self._charge(self.sink.abandon)
 
     def _refuse_calls(self) -> None:
         with suppress(queue.Empty):

@@ -11,13 +11,13 @@ from typing import Any, TypeVar
 
 from app.attention.intention import Intention
 from app.base.observers import Observers
-from app.logs.log import Log, LogError, LogInfo
+from app.logs.log import Log, LogError
 from app.logs.mcap.damage import LogDamaged, missing
 from app.logs.replay.playback_state import Phase, PlaybackState, checked_speed
-from app.logs.replay.replay_body import ReplayBody
 from app.logs.replay.seek import ReplaySeeker
 from app.messages import Lanes
 from app.program.system import System
+from app.robots.replayed.link import ReplayedLink
 from app.runtime.channel import Channel
 from app.runtime.filter import CLOSED
 from app.runtime.replay_clock import ReplayClock
@@ -36,7 +36,7 @@ class Playback:
     def __init__(
         self,
         system: System,
-        body: ReplayBody,
+        body: ReplayedLink,
         clock: ReplayClock,
         log: Log,
         *,
@@ -47,7 +47,7 @@ class Playback:
         self.system = system
         self._body = body
         self._clock = clock
-        self._info = log.info
+        self.info = log.info
         self._end = min(log.info.end, clock.end)
         self._seeker = ReplaySeeker(system, body, clock, log)
         self._speed = checked_speed(speed)
@@ -77,7 +77,7 @@ class Playback:
     async def __aenter__(self) -> Playback:
         """Start playback. The program (:attr:`system`) must be running; the state at the beginning is shown at once."""
         self._seeker.open()
-        if self._clock.now() > self._info.begin:
+        if self._clock.now() > self.info.begin:
             self._target = self._clock.now()
         self._body.on_waiting = self._on_waiting
         self._body_waits = self._body.reading
@@ -85,7 +85,7 @@ class Playback:
         self._body.on_damage = self._on_damage
         for damage in self._body.damages:
             self._on_damage(damage)
-        for name in self._info.channels.keys() & self.system.graph.channels.keys():
+        for name in self.info.channels.keys() & self.system.graph.channels.keys():
             wanted = partial(self._want_one, name)
             self._watching.callback(self.system.graph.channels[name].on_wanted(wanted))
         self._watching.callback(self.system.translator.observe(self._on_intention))
@@ -110,11 +110,6 @@ class Playback:
     # --- What it is --------------------------------------------------------------------------------------------------
 
     @property
-    def info(self) -> LogInfo:
-        """Facts of the recording."""
-        return self._info
-
-    @property
     def state(self) -> PlaybackState:
         """The current state of playback."""
         phase: Phase
@@ -126,8 +121,8 @@ class Playback:
             phase = "playing" if self._playing else "paused"
         position = self._target if self._target is not None else self._clock.now()
         return PlaybackState(
-            min(max(position, self._info.begin), self._end),
-            self._info.begin,
+            min(max(position, self.info.begin), self._end),
+            self.info.begin,
             end=self._end,
             speed=self._speed,
             playing=self._playing,
@@ -160,7 +155,7 @@ class Playback:
         """Go on, behind what cannot be read here; from the end, begin again."""
         self._problem = ""
         if self._ended and self._target is None:
-            self._target = self._info.begin
+            self._target = self.info.begin
         self._playing = True
         self._update()
 
@@ -186,7 +181,7 @@ class Playback:
         """
         self._check_alive()
         self._problem = ""
-        self._target = min(max(position, self._info.begin), self._end)
+        self._target = min(max(position, self.info.begin), self._end)
         await self._done(self._waiting)
 
     async def step(self) -> None:
@@ -235,8 +230,8 @@ class Playback:
 
     def _on_damage(self, damage: LogDamaged) -> None:
         """Pause before a missing part, so that it is not taken for a pause of the robot."""
-        self._problem = missing(damage, self._info)
-        log.warning("%s: %s", self._info.path.name, self._problem)
+        self._problem = missing(damage, self.info)
+        log.warning("%s: %s", self.info.path.name, self._problem)
         self._playing = False
         self._update()
 
@@ -325,7 +320,7 @@ class Playback:
         try:
             await self._seeker.go(position, self._jumped)
         except LogError as error:
-            log.error("cannot go to %.3f s: %s", position - self._info.begin, error)
+            log.error("cannot go to %.3f s: %s", position - self.info.begin, error)
             failure = error
         finally:
             self._jumping = False
@@ -361,7 +356,7 @@ class Playback:
         opened = {name for name, divisor in intention.divisors.items() if divisor != CLOSED}
         newly, self._opened = opened - self._opened, opened
         inputs = self.system.graph.inputs()
-        self._want({inputs[name] for name in newly if name in inputs} & self._info.channels.keys())
+        self._want({inputs[name] for name in newly if name in inputs} & self.info.channels.keys())
 
     async def _show_unseen(self) -> None:
         """Show the current messages of channels that became wanted while playback is paused."""

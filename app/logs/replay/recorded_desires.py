@@ -83,13 +83,7 @@ class RecordedDesires:
         self._ids.next = desire.id
         try:
             added = self._workspace.add(
-                desire.cls,
-                intensity=desire.intensity,
-                utility=desire.utility,
-                security=desire.security,
-                params=_params(desire),
-                source=Source(cast(SourceKind, kind), desire.source_name),
-                ttl=ttl,
+                desire.cls, **_wish(desire), source=Source(cast(SourceKind, kind), desire.source_name), ttl=ttl
             )
         except (UnknownDesireClass, InvalidDesire) as failure:
             self._refuse(desire, failure)
@@ -104,14 +98,7 @@ class RecordedDesires:
             if ttl is not None and ttl <= 0:
                 self._remove(desire.id)
                 return
-            self._workspace.change(
-                own_id,
-                intensity=desire.intensity,
-                utility=desire.utility,
-                security=desire.security,
-                params=_params(desire),
-                ttl=ttl,
-            )
+            self._workspace.change(own_id, **_wish(desire), ttl=ttl)
         except UnknownDesire:  # it expired here, but not in the log
             del self._standing[desire.id]
             self._add(desire)
@@ -132,6 +119,11 @@ class RecordedDesires:
             log.warning("the log's desire for %s cannot be had in this program: %s", desire.cls, failure)
 
 
-def _params(desire: DesireRecord) -> dict[str, Any]:
-    found = json.loads(desire.params) if desire.params else {}
-    return found if isinstance(found, dict) else {}
+def _wish(desire: DesireRecord) -> dict[str, Any]:
+    params = json.loads(desire.params) if desire.params else {}
+    return {
+        "intensity": desire.intensity,
+        "utility": desire.utility,
+        "security": desire.security,
+        "params": params if isinstance(params, dict) else {},
+    }

@@ -9,7 +9,6 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any, TypeVar
 
 from app.logs.log import Log, Logged
-from app.logs.replay.replay_body import ReplayBody
 from app.logs.replay.state_at import ACCUMULATED, RecordedState
 from app.messages import (
     Audio,
@@ -26,6 +25,7 @@ from app.messages import (
     Twist,
 )
 from app.program.system import System
+from app.robots.replayed.link import ReplayedLink
 from app.runtime.replay_clock import ReplayClock
 
 T = TypeVar("T")
@@ -48,7 +48,7 @@ _READ_AGAIN_S = 0.001
 class ReplaySeeker:
     """Call :meth:`open` first, :meth:`close` at the end. ``log`` is read in a thread of its own."""
 
-    def __init__(self, system: System, body: ReplayBody, clock: ReplayClock, log: Log) -> None:
+    def __init__(self, system: System, body: ReplayedLink, clock: ReplayClock, log: Log) -> None:
         self._system = system
         self._body = body
         self._clock = clock

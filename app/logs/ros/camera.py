@@ -15,7 +15,7 @@ from app.base.image_source import decoded
 from app.logs.ros import typestore
 from app.logs.ros.frames import BASE, TF, Transform, header, pose3_numbers
 from app.logs.ros.generated import generated
-from app.logs.ros.info import InfoTopic, pose_key
+from app.logs.ros.info import InfoTopic, RestTopic, pose_key
 from app.logs.ros.record import MAIN, Record, RecordTopic
 from app.logs.ros.record_templates import assembled, stamped, with_length
 from app.messages import EncodedImage, Image, read_only
@@ -45,16 +45,6 @@ class FisheyeImageInfo:
     frame: str
     has_depth: bool
     camera: FisheyeModel
-    X_BC: Pose3
-
-
-@dataclass(frozen=True, slots=True)
-class EncodedImageInfo:
-    """The size (px) of an EncodedImage, and its camera's pose."""
-
-    stamp: float
-    width: int
-    height: int
     X_BC: Pose3
 
 
@@ -115,7 +105,6 @@ class ImageConverter:
         return records
 
     def decode(self, parts: Mapping[str, bytes]) -> Image | None:
-        """The image, with JPEG's colours; None where its colour or depth was lost."""
         info = self._info.decode(parts[MAIN])
         if "color" not in parts or (info.has_depth and "depth" not in parts):
             return None
@@ -158,27 +147,21 @@ class EncodedImageConverter:
 
     def __init__(self, channel: str) -> None:
         self._picture = RecordTopic(f"/{channel}", _COMPRESSED, "jpeg")
-        self._info = InfoTopic(channel, EncodedImageInfo)
+        self._info = RestTopic(channel, EncodedImage, "frame", "jpeg")
         self.topics = (self._picture, self._info.topic)
 
     def encode(self, message: EncodedImage, stamp_ns: int) -> list[Record]:
-        """Picture, info."""
         head = typestore.serialise(_COMPRESSED, header(message.frame), "jpeg", _NO_BYTES)[:-4]
         data = assembled(head, stamp_ns, *with_length(message.jpeg, len(message.jpeg)))
-        info = EncodedImageInfo(message.stamp, message.width, message.height, message.X_BC)
         key = (message.width, message.height, pose_key(message.X_BC))
         return [
             Record(self._picture.name, _COMPRESSED, stamp_ns, data),
-            self._info.record(info, stamp_ns, key),
+            self._info.record_of(message, stamp_ns, key),
         ]
 
     def decode(self, parts: Mapping[str, bytes]) -> EncodedImage | None:
-        """The message; None where the picture was lost."""
         if "jpeg" not in parts:
             return None
-        info = self._info.decode(parts[MAIN])
         ros = typestore.deserialise(_COMPRESSED, parts["jpeg"])
-        data = ros.data.tobytes()
-        return EncodedImage(
-            info.stamp, ros.header.frame_id, jpeg=data, width=info.width, height=info.height, X_BC=info.X_BC
-        )
+        picture: EncodedImage = self._info.message(parts[MAIN], frame=ros.header.frame_id, jpeg=ros.data.tobytes())
+        return picture

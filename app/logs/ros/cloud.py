@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from app.base.geometry import Pose2
 from app.logs.ros import typestore
 from app.logs.ros.frames import BASE, header
-from app.logs.ros.info import InfoTopic
+from app.logs.ros.info import RestTopic
 from app.logs.ros.record import MAIN, Record, RecordTopic
 from app.logs.ros.record_templates import assembled, with_length
 from app.messages import PointCloud, read_only
@@ -50,42 +48,32 @@ class CloudHead:
         return assembled(head, stamp_ns, *with_length(bulk, len(bulk)), self._dense)
 
 
-@dataclass(frozen=True, slots=True)
-class PointCloudInfo:
-    """Pose of the base at a PointCloud's stamp."""
-
-    stamp: float
-    X_OB: Pose2
-
-
 class PointCloudConverter:
     """``sensor_msgs/PointCloud2`` in ``base_link`` with colours, and the pose of its base."""
 
     def __init__(self, channel: str) -> None:
         self._cloud = RecordTopic(f"/{channel}", CloudHead.TYPE, "points")
-        self._info = InfoTopic(channel, PointCloudInfo)
+        self._info = RestTopic(channel, PointCloud, "points", "colors")
         self.topics = (self._cloud, self._info.topic)
         self._head = CloudHead(BASE, XYZ_RGB)
 
     def encode(self, message: PointCloud, stamp_ns: int) -> list[Record]:
-        """Points, info."""
         points = np.zeros(len(message.points), _POINT)
         points["xyz"] = message.points
         points["bgr"] = message.colors[:, ::-1]
         return [
             Record(self._cloud.name, CloudHead.TYPE, stamp_ns, self._head.encode(stamp_ns, points)),
-            self._info.record(PointCloudInfo(message.stamp, message.X_OB), stamp_ns, message.X_OB),
+            self._info.record_of(message, stamp_ns, message.X_OB),
         ]
 
     def decode(self, parts: Mapping[str, bytes]) -> PointCloud | None:
-        """The cloud; None where its points were lost."""
         if "points" not in parts:
             return None
-        info = self._info.decode(parts[MAIN])
         points = typestore.deserialise(CloudHead.TYPE, parts["points"]).data.view(_POINT)
         xyz = np.ascontiguousarray(points["xyz"])
         colors = np.ascontiguousarray(points["bgr"][:, ::-1])
-        return PointCloud(info.stamp, read_only(xyz), read_only(colors), info.X_OB)
+        cloud: PointCloud = self._info.message(parts[MAIN], points=read_only(xyz), colors=read_only(colors))
+        return cloud
 
 
 def _padded(size: int) -> int:

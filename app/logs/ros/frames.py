@@ -19,7 +19,7 @@ _STAMP = 8
 
 def header(frame: str) -> object:
     """A ``std_msgs/Header`` of ``frame``, to be stamped."""
-    return typestore.make("std_msgs/msg/Header", typestore.make("builtin_interfaces/msg/Time", 0, 0), frame)
+    return typestore.make("std_msgs/msg/Header", typestore.time(0), frame)
 
 
 def pose2_numbers(pose: Pose2) -> tuple[float, ...]:

@@ -30,11 +30,10 @@ from numpy.typing import NDArray
 
 from app.base.geometry import Pose3
 from app.logs.ros import typestore
-from app.logs.stamps import SECOND, from_ns, to_ns
+from app.logs.stamps import to_ns
 from app.messages import read_only
 
 PACKAGE = "hbba_msgs"
-TIME = "builtin_interfaces/msg/Time"
 
 #: Arrays of one shape always: they need not say it.
 _SHAPES: dict[tuple[type[Any], str], tuple[int, ...]] = {
@@ -144,7 +143,9 @@ _made: dict[tuple[type[Any], int | None], Generated] = {}
 
 def _field(cls: type[Any], name: str, hint: Any) -> _Field:
     if name == "stamp" and hint is float:
-        return _single("builtin_interfaces/Time", name, _pack_time, _unpack_time, 0.0)
+        return _single(
+            "builtin_interfaces/Time", name, lambda stamp: typestore.time(to_ns(stamp)), typestore.seconds, 0.0
+        )
     try:
         return _by_hint(name.lower(), hint, _SHAPES.get((cls, name)))
     except UnrecordableType as error:
@@ -244,11 +245,3 @@ def _array(name: str, scalar: Any, shape: tuple[int, ...] | None) -> _Field:
 def _nested_name(nested: Generated) -> str:
     package, _, name = nested.type.split("/")
     return f"{package}/{name}"
-
-
-def _pack_time(stamp: float) -> Any:
-    return typestore.make(TIME, *divmod(to_ns(stamp), SECOND))
-
-
-def _unpack_time(time: Any) -> float:
-    return from_ns(time.sec * SECOND + time.nanosec)

@@ -6,20 +6,16 @@ It is the main part of its message: there is one for each, written last.
 from __future__ import annotations
 
 from collections.abc import Hashable
-from typing import Generic, Protocol, TypeVar
+from dataclasses import fields, make_dataclass
+from functools import cache
+from typing import Any, Generic, TypeVar, get_type_hints
 
 from app.base.geometry import Pose3
 from app.logs.ros.generated import generated
 from app.logs.ros.record import Record, RecordTopic
 from app.logs.ros.record_templates import stamped
 
-
-class _Stamped(Protocol):
-    @property
-    def stamp(self) -> float: ...
-
-
-InfoT = TypeVar("InfoT", bound=_Stamped)
+InfoT = TypeVar("InfoT")
 
 
 class InfoTopic(Generic[InfoT]):
@@ -47,3 +43,30 @@ class InfoTopic(Generic[InfoT]):
 def pose_key(pose: Pose3) -> Hashable:
     """A key that is equal for equal poses alone."""
     return pose.rotation.tobytes(), pose.translation.tobytes()
+
+
+class RestTopic(InfoTopic[Any]):
+    """The fields of a message class but those that its other records hold exactly: ``hbba_msgs/<Class>Info``."""
+
+    def __init__(self, channel: str, cls: Any, *elsewhere: str) -> None:
+        """``elsewhere``: the fields that are in other records."""
+        self._cls = cls
+        self._rest = _rest_of(cls, elsewhere)
+        super().__init__(channel, self._rest)
+
+    def record_of(self, message: Any, stamp_ns: int, key: Hashable) -> Record:
+        """The record of ``message``; ``key`` as for :meth:`record`."""
+        rest = self._rest(*(getattr(message, field.name) for field in fields(self._rest)))
+        return self.record(rest, stamp_ns, key)
+
+    def message(self, data: bytes, **elsewhere: Any) -> Any:
+        """The message of a record and of its fields from elsewhere. Raises ValueError where it is damaged."""
+        rest = self.decode(data)
+        return self._cls(**{field.name: getattr(rest, field.name) for field in fields(rest)}, **elsewhere)
+
+
+@cache
+def _rest_of(cls: Any, elsewhere: tuple[str, ...]) -> type[Any]:
+    hints = get_type_hints(cls)
+    rest = [(field.name, hints[field.name]) for field in fields(cls) if field.name not in elsewhere]
+    return make_dataclass(f"{cls.__name__}Info", rest, frozen=True, slots=True, namespace={"__module__": __name__})

@@ -11,7 +11,6 @@ from app.logs.ros import typestore
 from app.logs.ros.frames import ODOM
 from app.logs.ros.native_types import GeneratedConverter
 from app.logs.ros.record import Record, RecordTopic
-from app.logs.stamps import SECOND
 from app.messages import Landmark, Landmarks
 
 _MARKERS = "visualization_msgs/msg/MarkerArray"
@@ -33,7 +32,6 @@ class LandmarksConverter(GeneratedConverter):
         self._drawn: tuple[Landmark, ...] = ()
 
     def encode(self, message: Landmarks, stamp_ns: int) -> list[Record]:
-        """Markers now and then, and the landmarks."""
         records = super().encode(message, stamp_ns)
         if _moved(self._drawn, message.landmarks):
             self._drawn = message.landmarks
@@ -61,8 +59,7 @@ def _marker(
     number: int, kind: int, position: tuple[float, float, float], text: str, stamp_ns: int, action: int = 0
 ) -> Any:
     make = typestore.make
-    time = make("builtin_interfaces/msg/Time", *divmod(stamp_ns, SECOND))
-    header = make("std_msgs/msg/Header", time, ODOM)
+    header = make("std_msgs/msg/Header", typestore.time(stamp_ns), ODOM)
     unit = make("geometry_msgs/msg/Quaternion", 0.0, 0.0, 0.0, 1.0)
     no_bytes = np.zeros(0, np.uint8)
     return make(

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from app.base.geometry import Pose3
 from app.logs.ros import typestore
 from app.logs.ros.cloud import XYZ, CloudHead
 from app.logs.ros.frames import BASE, TF, Transform, header, pose3_numbers
-from app.logs.ros.info import InfoTopic, pose_key
+from app.logs.ros.info import RestTopic, pose_key
 from app.logs.ros.record import MAIN, Record, RecordTopic
 from app.logs.ros.record_templates import assembled, with_length
 from app.logs.stamps import SECOND
@@ -26,20 +24,6 @@ POINTS_PERIOD_NS = 95 * SECOND // 1000
 TRANSFORM_PERIOD_NS = 95 * SECOND // 100
 
 
-@dataclass(frozen=True, slots=True)
-class LaserScanInfo:
-    """A LaserScan but for its rays: ROS keeps these in float32, and without the pose."""
-
-    stamp: float
-    frame: str
-    angle_min: float
-    angle_increment: float
-    range_min: float
-    range_max: float
-    duration_s: float
-    X_BL: Pose3
-
-
 class LaserScanConverter:
     """``sensor_msgs/LaserScan``, some of them also as points, and the laser's transform."""
 
@@ -47,7 +31,7 @@ class LaserScanConverter:
         """``rate_hz``: nominal rate of scans, None where it is not known."""
         self._scan = RecordTopic(f"/{channel}", _SCAN, "scan")
         self._points = RecordTopic(f"/{channel}/points", CloudHead.TYPE, None)
-        self._info = InfoTopic(channel, LaserScanInfo)
+        self._info = RestTopic(channel, LaserScan, "ranges", "intensities")
         self.topics = (self._scan, self._points, TF, self._info.topic)
         self._scan_time = 0.0 if rate_hz is None else 1.0 / rate_hz
         self._known: Hashable = None
@@ -56,7 +40,6 @@ class LaserScanConverter:
         self._transform_ns = 0
 
     def encode(self, message: LaserScan, stamp_ns: int) -> list[Record]:
-        """The scan, now and then its points and its transform, info."""
         count = len(message.ranges)
         known = (
             message.frame, message.angle_min, message.angle_increment, message.range_min, message.range_max,
@@ -81,37 +64,16 @@ class LaserScanConverter:
         if placed != self._transform_key or not 0 <= stamp_ns - self._transform_ns < TRANSFORM_PERIOD_NS:
             self._transform_key, self._transform_ns = placed, stamp_ns
             records.append(Transform(BASE, message.frame).record(stamp_ns, pose3_numbers(message.X_BL)))
-        info = LaserScanInfo(
-            message.stamp,
-            message.frame,
-            angle_min=message.angle_min,
-            angle_increment=message.angle_increment,
-            range_min=message.range_min,
-            range_max=message.range_max,
-            duration_s=message.duration_s,
-            X_BL=message.X_BL,
-        )
-        records.append(self._info.record(info, stamp_ns, (known, pose)))
+        records.append(self._info.record_of(message, stamp_ns, (known, pose)))
         return records
 
     def decode(self, parts: Mapping[str, bytes]) -> LaserScan | None:
-        """The scan; None where its rays were lost."""
         if "scan" not in parts:
             return None
-        info = self._info.decode(parts[MAIN])
         ros = typestore.deserialise(_SCAN, parts["scan"])
-        return LaserScan(
-            info.stamp,
-            info.frame,
-            ranges=read_only(ros.ranges),
-            intensities=read_only(ros.intensities),
-            angle_min=info.angle_min,
-            angle_increment=info.angle_increment,
-            range_min=info.range_min,
-            range_max=info.range_max,
-            duration_s=info.duration_s,
-            X_BL=info.X_BL,
-        )
+        rays = {"ranges": read_only(ros.ranges), "intensities": read_only(ros.intensities)}
+        scan: LaserScan = self._info.message(parts[MAIN], **rays)
+        return scan
 
     def _prepare(self, message: LaserScan, count: int) -> None:
         none = np.zeros(0, np.float32)

@@ -14,7 +14,6 @@ from app.logs.ros.frames import BASE, ODOM, TF, Transform, header, pose2_numbers
 from app.logs.ros.generated import generated
 from app.logs.ros.record import MAIN, Record, RecordTopic
 from app.logs.ros.record_templates import Numbers
-from app.logs.stamps import SECOND, from_ns
 from app.messages import JointState, LogLine, Odometry, Twist
 
 _COVARIANCE = 36
@@ -33,11 +32,9 @@ class GeneratedConverter:
         self.topics: tuple[RecordTopic, ...] = (RecordTopic(self._topic, self._generated.type),)
 
     def encode(self, message: Any, stamp_ns: int) -> list[Record]:
-        """Encode to one record."""
         return [Record(self._topic, self._generated.type, stamp_ns, self._generated.encode(message))]
 
     def decode(self, parts: Mapping[str, bytes]) -> Any:
-        """The message."""
         return self._written.decode(parts[MAIN])
 
 
@@ -72,18 +69,16 @@ class OdometryConverter:
         self._transform = Transform(ODOM, BASE)
 
     def encode(self, message: Odometry, stamp_ns: int) -> list[Record]:
-        """Odometry and its transform."""
         pose = pose2_numbers(message.X_OB)
         data = self._numbers.fill(stamp_ns, pose, (message.linear_mps, 0.0, 0.0, 0.0, 0.0, message.angular_radps))
         return [Record(self.topics[0].name, self._TYPE, stamp_ns, data), self._transform.record(stamp_ns, pose)]
 
     def decode(self, parts: Mapping[str, bytes]) -> Odometry:
-        """The message."""
         ros = typestore.deserialise(self._TYPE, parts[MAIN])
         position, turn = ros.pose.pose.position, ros.pose.pose.orientation
         twist = ros.twist.twist
         pose = Pose2(position.x, position.y, 2.0 * math.atan2(turn.z, turn.w))
-        return Odometry(stamp_of(ros.header.stamp), pose, twist.linear.x, twist.angular.z)
+        return Odometry(typestore.seconds(ros.header.stamp), pose, twist.linear.x, twist.angular.z)
 
 
 class TwistConverter:
@@ -97,14 +92,12 @@ class TwistConverter:
         self._numbers = Numbers(template, (6 * _NUMBER, 6))
 
     def encode(self, message: Twist, stamp_ns: int) -> list[Record]:
-        """Encode to one record."""
         data = self._numbers.fill(stamp_ns, (message.linear_mps, 0.0, 0.0, 0.0, 0.0, message.angular_radps))
         return [Record(self.topics[0].name, self._TYPE, stamp_ns, data)]
 
     def decode(self, parts: Mapping[str, bytes]) -> Twist:
-        """The message."""
         ros = typestore.deserialise(self._TYPE, parts[MAIN])
-        return Twist(stamp_of(ros.header.stamp), ros.twist.linear.x, ros.twist.angular.z)
+        return Twist(typestore.seconds(ros.header.stamp), ros.twist.linear.x, ros.twist.angular.z)
 
 
 class JointStateConverter:
@@ -118,7 +111,6 @@ class JointStateConverter:
         self._numbers = self._template(())
 
     def encode(self, message: JointState, stamp_ns: int) -> list[Record]:
-        """Encode to one record."""
         if message.names != self._names:
             self._names = message.names
             self._numbers = self._template(message.names)
@@ -126,9 +118,8 @@ class JointStateConverter:
         return [Record(self.topics[0].name, self._TYPE, stamp_ns, data)]
 
     def decode(self, parts: Mapping[str, bytes]) -> JointState:
-        """The message."""
         ros = typestore.deserialise(self._TYPE, parts[MAIN])
-        return JointState(stamp_of(ros.header.stamp), tuple(ros.name), tuple(ros.position.tolist()))
+        return JointState(typestore.seconds(ros.header.stamp), tuple(ros.name), tuple(ros.position.tolist()))
 
     def _template(self, names: tuple[str, ...]) -> Numbers:
         none = np.zeros(0)
@@ -146,22 +137,14 @@ class LogLineConverter:
         self.topics = (RecordTopic(f"/{channel}", self._TYPE),)
 
     def encode(self, message: LogLine, stamp_ns: int) -> list[Record]:
-        """Encode to one record; a level above 255 is written as 255."""
-        time = typestore.make("builtin_interfaces/msg/Time", *divmod(stamp_ns, SECOND))
         level = min(max(message.level, 0), 255)
         source, text = typestore.encodable(message.source), typestore.encodable(message.text)
-        data = typestore.serialise(self._TYPE, time, level, source, text, "", "", 0)
+        data = typestore.serialise(self._TYPE, typestore.time(stamp_ns), level, source, text, "", "", 0)
         return [Record(self.topics[0].name, self._TYPE, stamp_ns, data)]
 
     def decode(self, parts: Mapping[str, bytes]) -> LogLine:
-        """The message."""
         ros = typestore.deserialise(self._TYPE, parts[MAIN])
-        return LogLine(stamp_of(ros.stamp), ros.level, ros.name, ros.msg)
-
-
-def stamp_of(time: Any) -> float:
-    """Seconds of a ``builtin_interfaces/Time``."""
-    return from_ns(time.sec * SECOND + time.nanosec)
+        return LogLine(typestore.seconds(ros.stamp), ros.level, ros.name, ros.msg)
 
 
 def _twist(linear: float, angular: float) -> Any:

@@ -5,30 +5,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from app.logs.ros import typestore
-from app.logs.ros.info import InfoTopic
+from app.logs.ros.info import RestTopic
 from app.logs.ros.record import MAIN, Record, RecordTopic
-from app.logs.stamps import SECOND
 from app.messages import OccupancyGrid, PlannedPath, read_only
 
 _GRID = "nav_msgs/msg/OccupancyGrid"
 _PATH = "nav_msgs/msg/Path"
-
-
-@dataclass(frozen=True, slots=True)
-class OccupancyGridInfo:
-    """An OccupancyGrid but for its cells: ROS keeps the resolution in float32, and knows no version."""
-
-    stamp: float
-    frame: str
-    resolution_m: float
-    origin: tuple[float, float]
-    version: int
 
 
 class OccupancyGridConverter:
@@ -36,49 +23,30 @@ class OccupancyGridConverter:
 
     def __init__(self, channel: str) -> None:
         self._grid = RecordTopic(f"/{channel}", _GRID, "cells")
-        self._info = InfoTopic(channel, OccupancyGridInfo)
+        self._info = RestTopic(channel, OccupancyGrid, "cells")
         self.topics = (self._grid, self._info.topic)
 
     def encode(self, message: OccupancyGrid, stamp_ns: int) -> list[Record]:
-        """The grid, info."""
         height, width = message.cells.shape
         corner = _pose(*message.origin, 0.0)
-        time = _time(stamp_ns)
+        time = typestore.time(stamp_ns)
         about = typestore.make("nav_msgs/msg/MapMetaData", time, message.resolution_m, width, height, corner)
         cells = np.ascontiguousarray(message.cells).reshape(-1)
-        info = OccupancyGridInfo(message.stamp, message.frame, message.resolution_m, message.origin, message.version)
         key = (message.frame, message.resolution_m, message.origin, message.version)
         return [
             Record(
                 self._grid.name, _GRID, stamp_ns, typestore.serialise(_GRID, _header(message.frame, time), about, cells)
             ),
-            self._info.record(info, stamp_ns, key),
+            self._info.record_of(message, stamp_ns, key),
         ]
 
     def decode(self, parts: Mapping[str, bytes]) -> OccupancyGrid | None:
-        """The grid; None where its cells were lost."""
         if "cells" not in parts:
             return None
-        info = self._info.decode(parts[MAIN])
         ros = typestore.deserialise(_GRID, parts["cells"])
         cells = np.asarray(ros.data, np.int8).reshape(ros.info.height, ros.info.width)
-        return OccupancyGrid(
-            info.stamp,
-            info.frame,
-            cells=read_only(cells),
-            resolution_m=info.resolution_m,
-            origin=info.origin,
-            version=info.version,
-        )
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class PlannedPathInfo:
-    """A PlannedPath as it is: the headings of ROS's poses are quaternions."""
-
-    stamp: float
-    frame: str
-    poses: np.ndarray[Any, np.dtype[np.float64]]
+        grid: OccupancyGrid = self._info.message(parts[MAIN], cells=read_only(cells))
+        return grid
 
 
 class PlannedPathConverter:
@@ -86,27 +54,20 @@ class PlannedPathConverter:
 
     def __init__(self, channel: str) -> None:
         self._path = RecordTopic(f"/{channel}", _PATH, None)
-        self._info = InfoTopic(channel, PlannedPathInfo)
+        self._info = RestTopic(channel, PlannedPath)
         self.topics = (self._path, self._info.topic)
 
     def encode(self, message: PlannedPath, stamp_ns: int) -> list[Record]:
-        """The path, info."""
-        head = _header(message.frame, _time(stamp_ns))
+        head = _header(message.frame, typestore.time(stamp_ns))
         poses = [typestore.make("geometry_msgs/msg/PoseStamped", head, _pose(*pose)) for pose in message.poses.tolist()]
-        info = PlannedPathInfo(message.stamp, message.frame, message.poses)
         return [
             Record(self._path.name, _PATH, stamp_ns, typestore.serialise(_PATH, head, poses)),
-            self._info.record(info, stamp_ns, (message.frame, message.poses.shape, message.poses.tobytes())),
+            self._info.record_of(message, stamp_ns, (message.frame, message.poses.shape, message.poses.tobytes())),
         ]
 
     def decode(self, parts: Mapping[str, bytes]) -> PlannedPath:
-        """The path."""
-        info = self._info.decode(parts[MAIN])
-        return PlannedPath(info.stamp, info.frame, info.poses)
-
-
-def _time(stamp_ns: int) -> Any:
-    return typestore.make("builtin_interfaces/msg/Time", *divmod(stamp_ns, SECOND))
+        path: PlannedPath = self._info.message(parts[MAIN])
+        return path
 
 
 def _header(frame: str, time: Any) -> Any:

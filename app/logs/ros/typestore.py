@@ -10,6 +10,8 @@ from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
+from app.logs.stamps import SECOND, from_ns
+
 #: Recordings are written in one thread and read in others; all share one store, since filling it costs.
 _guard = threading.RLock()
 
@@ -42,6 +44,16 @@ def definition(name: str) -> str:
 def make(name: str, *values: Any, **named: Any) -> Any:
     """A rosbags object of the type, its fields in order or by name; arrays of numbers are numpy arrays."""
     return store().types[name](*values, **named)
+
+
+def time(stamp_ns: int) -> Any:
+    """A ``builtin_interfaces/Time``."""
+    return make("builtin_interfaces/msg/Time", *divmod(stamp_ns, SECOND))
+
+
+def seconds(time: Any) -> float:
+    """Seconds of a ``builtin_interfaces/Time``."""
+    return from_ns(time.sec * SECOND + time.nanosec)
 
 
 def serialise(name: str, *values: Any) -> bytes:

@@ -316,32 +316,21 @@ class Recorder(Module):
     def _describe(self) -> RecorderStatus:
         now = self.clock.now()
         writer = self._writer or next((w for w in reversed(self._ending) if not w.over), None)
-        if writer is None:
-            return RecorderStatus(
-                now,
-                "idle",
-                name="",
-                began=0.0,
-                duration_s=0.0,
-                bytes=0,
-                messages=0,
-                dropped=0,
-                queued_bytes=0,
-                reason="",
-            )
-        sink = writer.sink
-        state: RecorderState = "stopped" if writer.reason else "ring" if self._turns else "recording"
+        sink = None if writer is None else writer.sink
+        state: RecorderState = "ring" if self._turns else "recording"
+        if writer is None or writer.reason:
+            state = "idle" if writer is None else "stopped"
         return RecorderStatus(
             stamp=now,
             state=state,
             name="" if sink is None else sink.name,
-            began=writer.began,
-            duration_s=writer.duration_s,
+            began=0.0 if writer is None else writer.began,
+            duration_s=0.0 if writer is None else writer.duration_s,
             bytes=0 if sink is None else sink.bytes,
             messages=0 if sink is None else sink.messages,
-            dropped=writer.dropped + self._lost() - self._lost_before,
-            queued_bytes=writer.queued_bytes,
-            reason=writer.reason,
+            dropped=0 if writer is None else writer.dropped + self._lost() - self._lost_before,
+            queued_bytes=0 if writer is None else writer.queued_bytes,
+            reason="" if writer is None else writer.reason,
         )
 
     def _lost(self) -> int:

@@ -59,7 +59,7 @@ class DevicesLink:
             )  # fmt: skip
             rate_hz = config.microphones.rate / config.microphones.frame_samples
             streams["microphones"] = StreamDescription("microphones", Audio, rate_hz)
-        self._description = RobotDescription(
+        self.description = RobotDescription(
             config.name,
             config.model,
             config.limits.base(),
@@ -67,12 +67,7 @@ class DevicesLink:
             simulated=False,
             loudspeaker=self._player is not None,
         )
-        self._receivers = Receivers(self._description)
-
-    @property
-    def description(self) -> RobotDescription:
-        """Description of this body; known before :meth:`start`."""
-        return self._description
+        self._receivers = Receivers(self.description)
 
     async def start(self) -> None:
         """Open the devices. A device that cannot be opened is logged and tried again; LinkFailed if none can."""
@@ -95,7 +90,6 @@ class DevicesLink:
             self._player.start()
 
     async def stop(self) -> None:
-        """Release all devices; idempotent."""
         await self._release()
 
     async def wait_failed(self) -> LinkFailed:
@@ -105,7 +99,6 @@ class DevicesLink:
         return await asyncio.shield(self._failure)
 
     def attach(self, stream: str, receive: Callable[[Any], None]) -> Callable[[], None]:
-        """Call ``receive(message)`` on the loop for each message of ``stream``; returns the detacher."""
         return self._receivers.attach(stream, receive)
 
     def demand(self, stream: str, wanted: bool) -> None:
@@ -117,16 +110,13 @@ class DevicesLink:
         """No effect: there are no wheels."""
 
     def play(self, audio: Audio) -> None:
-        """Play one frame through the loudspeaker, if there is one."""
         if self._player is not None:
             self._player.play(audio)
 
     def e_stop(self, reason: str) -> None:
-        """Latch the emergency stop, for its display."""
         self._e_stop = self._e_stop or reason
 
     def clear_e_stop(self) -> None:
-        """Release the latch."""
         self._e_stop = None
 
     async def _release(self) -> None:

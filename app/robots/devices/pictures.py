@@ -7,7 +7,7 @@ import time
 from collections.abc import Iterator
 from itertools import repeat
 from pathlib import Path
-from typing import Protocol
+from typing import TypeAlias
 
 import cv2
 import numpy as np
@@ -30,28 +30,12 @@ class InputUnavailable(Exception):
     """A device or file cannot be opened or has failed; the message names it and a remedy."""
 
 
-class ImageInput(Protocol):
-    """A source of images."""
-
-    #: Whether it has its own rate (a camera); else the reader waits ``1 / rate_hz`` between two.
-    live: bool
-    rate_hz: float
-
-    def read(self) -> Picture | None:
-        """The next image (H, W, 3) uint8 RGB; None at the end. Raises InputUnavailable."""
-        ...
-
-    def skip(self) -> None:
-        """Discard the buffered images of a live input."""
-        ...
-
-    def close(self) -> None:
-        """Release the device or file."""
-        ...
-
-
 def open_pictures(config: CameraConfig) -> ImageInput:
-    """The opened input of ``config.source``. Raises InputUnavailable."""
+    """The opened input of ``config.source``. Raises InputUnavailable.
+
+    Its ``read`` gives the next image (H, W, 3) uint8 RGB, None at the end, and raises InputUnavailable. A ``live`` one
+    (a camera) has its own rate, and ``skip`` discards what it has buffered; else the reader waits ``1 / rate_hz`` s.
+    """
     source = config.source
     if isinstance(source, str):
         path = Path(source)
@@ -176,6 +160,9 @@ class _Stills:
 
     def close(self) -> None:
         self._kept.clear()
+
+
+ImageInput: TypeAlias = _CaptureDevice | _Video | _Stills
 
 
 class PlaybackTimer:

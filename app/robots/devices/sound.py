@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 from pathlib import Path
 from types import ModuleType
-from typing import Protocol
+from typing import TypeAlias
 
 import numpy as np
 import soundfile
@@ -23,31 +23,13 @@ _MOST_RATE, _MOST_CHANNELS = 384_000, 64
 _OR_A_FILE = "--microphones FILE takes a sound file instead"
 
 
-class SoundInput(Protocol):
-    """A source of sound of ``channels`` channels."""
-
-    #: Whether it has its own rate (microphones); else the reader waits for the length of a frame.
-    live: bool
-    rate: int
-    channels: int
-    #: Whether samples were lost just before the last read.
-    gap: bool
-
-    def read(self, count: int) -> Samples | None:
-        """The next ``count`` samples (count, C) int16; None at the end. Raises InputUnavailable."""
-        ...
-
-    def skip(self) -> None:
-        """Discard the buffered samples of a live input."""
-        ...
-
-    def close(self) -> None:
-        """Release the device or file."""
-        ...
-
-
 def open_sound(config: SoundInputConfig) -> SoundInput:
-    """The opened input of ``config.source``. Raises InputUnavailable."""
+    """The opened input of ``config.source``, of ``channels`` channels at ``rate`` (Hz). Raises InputUnavailable.
+
+    Its ``read(count)`` gives the next samples (count, C) int16, None at the end, and raises InputUnavailable; ``gap``:
+    samples were lost just before. A ``live`` one (microphones) has its own rate, and ``skip`` discards what it has
+    buffered; else the reader waits for the length of a frame.
+    """
     if isinstance(config.source, str) and Path(config.source).is_file():
         return _SoundFile(Path(config.source), config)
     if isinstance(config.source, str) and Path(config.source).suffix:
@@ -161,6 +143,9 @@ class _Microphones:
     def close(self) -> None:
         self._stream.abort()
         self._stream.close()
+
+
+SoundInput: TypeAlias = _SoundFile | _Microphones
 
 
 class Speaker:

@@ -65,7 +65,7 @@ class ReplayedLink:
     ) -> None:
         self.log = log
         self._clock = clock
-        self._description = description
+        self.description = description
         self._channels = dict(streams)
         self.begin = log.info.begin if begin is None else begin
         self.end = log.info.end if end is None else end
@@ -104,13 +104,7 @@ class ReplayedLink:
 
     # --- RobotLink ---------------------------------------------------------------------------------------------------
 
-    @property
-    def description(self) -> RobotDescription:
-        """The recorded description, with the streams that the log has."""
-        return self._description
-
     async def start(self) -> None:
-        """Start reading."""
         self._reader = ThreadPoolExecutor(1, thread_name_prefix="log reader")
         self._failure = asyncio.get_running_loop().create_future()
         self._pump = asyncio.create_task(self._run(None), name="replayed body")
@@ -135,7 +129,6 @@ class ReplayedLink:
         return await asyncio.shield(self._failure)
 
     def attach(self, stream: str, receive: Callable[[Any], None]) -> Callable[[], None]:
-        """Call ``receive(message)`` on the loop for each message of ``stream``; returns the detacher."""
         receivers = self._of(stream)
         receivers.append(receive)
         self._changed()
@@ -148,7 +141,6 @@ class ReplayedLink:
         return detach
 
     def demand(self, stream: str, wanted: bool) -> None:
-        """Set whether ``stream`` has subscribers; without any, its messages are not decoded."""
         self._of(stream)
         if stream not in ALWAYS_ON and wanted != (stream in self._wanted):
             (self._wanted.add if wanted else self._wanted.discard)(stream)
@@ -166,8 +158,7 @@ class ReplayedLink:
     def clear_e_stop(self) -> None:
         """No effect."""
 
-    # --- Control of the replay
-    # -----------------------------------------------------------------------------------------
+    # --- Control of the replay ---------------------------------------------------------------------------------------
 
     def feed(self, channel: str, receive: Callable[[Any], None]) -> LogFeed:
         """Call ``receive(message)`` for each message of the log's ``channel`` while the feed has demand."""
@@ -219,7 +210,7 @@ class ReplayedLink:
             return self._receivers[stream]
         except KeyError:
             streams = ", ".join(self._receivers) or "none"
-            raise KeyError(f"{self._description.name} has no stream {stream!r}; it has {streams}") from None
+            raise KeyError(f"{self.description.name} has no stream {stream!r}; it has {streams}") from None
 
     def _changed(self) -> None:
         """The demand changed: once all changes are in, read with the new demand."""

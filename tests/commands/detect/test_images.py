@@ -10,8 +10,14 @@ import pytest
 from app.base import paths
 from app.base.errors import ConfigError
 from app.cli import main
-from app.commands.detect.images import NoImage, find_images, read_image
+from app.commands.detect.images import DRAWN, SUFFIXES, NoImage, read_image
+from app.commands.detect.outputs import find_files
+from app.commands.detect.videos import VIDEO_SUFFIXES
 from tests.base.test_image_source import BOMBS
+
+
+def find_images(paths: list[Path]) -> list[Path]:
+    return find_files(paths, SUFFIXES | VIDEO_SUFFIXES, "image or video", DRAWN)
 
 
 @pytest.mark.parametrize("suffix", [".jpg", ".png", ".webp", ".bmp", ".tiff"])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import msgspec
 import pytest
 
 from app.base.errors import ConfigError
@@ -82,4 +83,4 @@ def test_the_table_reports_shares_and_failures_their_reasons(three: Path, tmp_pa
 def test_results_are_json(tmp_path: Path) -> None:
     document = json.loads(json.dumps(crossed("1").document(), allow_nan=False))
     assert document["score"] == 0.5
-    assert WorldResult.of(document) == crossed("1")
+    assert msgspec.convert(document, WorldResult) == crossed("1")

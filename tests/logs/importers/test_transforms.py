@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.base.geometry import Pose3
-from app.logs.importers.transforms import StampedTransform, Transforms, rotation, slerp
+from app.logs.importers.transforms import StampedTransform, Transforms
 
 ANGLES = st.floats(-3.0, 3.0)
 POSES = st.builds(
@@ -24,6 +24,10 @@ def placed(stamp: float, pose: Pose3) -> StampedTransform:
     w, x, y, z = pose.quaternion_wxyz()
     a, b, c = (float(value) for value in pose.translation)
     return StampedTransform(stamp, (a, b, c), (x, y, z, w))
+
+
+def turned(q: tuple[float, float, float, float], stamp: float = 0.0) -> StampedTransform:
+    return StampedTransform(stamp, (0.0, 0.0, 0.0), q)
 
 
 def same(one: Pose3 | None, other: Pose3, tolerance: float = 1e-9) -> None:
@@ -60,17 +64,18 @@ def test_a_turn_between_two_stamps_is_a_part_of_it(fraction: float, begin: float
 def test_any_quaternion_but_zero_is_a_rotation_whatever_its_length(
     q: tuple[float, float, float, float], scale: float
 ) -> None:
-    R = rotation(q)
+    R = turned(q).pose().rotation
     np.testing.assert_allclose(R @ R.T, np.eye(3), atol=1e-9)
     assert np.linalg.det(R) == pytest.approx(1.0)
     x, y, z, w = (value * scale for value in q)
-    np.testing.assert_allclose(rotation((x, y, z, w)), R, atol=1e-9)
+    np.testing.assert_allclose(turned((x, y, z, w)).pose().rotation, R, atol=1e-9)
 
 
 def test_slerp_takes_the_shorter_way() -> None:
     half = math.sqrt(0.5)
-    between = slerp((0.0, 0.0, 0.0, 1.0), (0.0, 0.0, -half, -half), 0.5)  # a quarter turn, said with the other sign
-    np.testing.assert_allclose(rotation(between) @ [1, 0, 0], [half, half, 0], atol=1e-9)
+    other = turned((0.0, 0.0, -half, -half), stamp=1.0)  # a quarter turn, said with the other sign
+    between = turned((0.0, 0.0, 0.0, 1.0)).between(other, 0.5).pose()
+    np.testing.assert_allclose(between.rotation @ [1, 0, 0], [half, half, 0], atol=1e-9)
 
 
 def test_what_moves_is_known_only_as_far_as_it_was_said() -> None:

@@ -64,11 +64,11 @@ def test_a_file_that_ends_anywhere_is_completed_up_to_its_last_whole_chunk(
     whole: tuple[bytes, Read, list[ChunkSpan]], tmp_path_factory: pytest.TempPathFactory, data: st.DataObject
 ) -> None:
     content, messages, chunks = whole
-    end = data.draw(st.integers(chunks[0].chunk.offset, len(content)))
+    end = data.draw(st.integers(chunks[0].offset, len(content)))
     path = tmp_path_factory.mktemp("cut") / "log.mcap"
     path.write_bytes(content[:end])
     complete(path)
-    kept = [chunk for chunk in chunks if chunk.chunk.offset + chunk.length <= end]
+    kept = [chunk for chunk in chunks if chunk.offset + chunk.length <= end]
     assert read(path) == messages[: sum(sum(chunk.counts.values()) for chunk in kept)]
     if end == len(content):
         assert path.read_bytes() == content

@@ -241,7 +241,7 @@ def test_a_write_that_fails_ends_it_in_words_and_what_was_written_can_be_read(
 
     def charge(work: Callable[[], None]) -> None:
         work()
-        if work.__name__ == "_flush":
+        if work.__name__ == "flush":
             flushed.set()
 
     writer = file_writer(tmp_path, disk=disk, charge=charge)

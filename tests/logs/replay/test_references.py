@@ -9,9 +9,9 @@ from typing import Any
 
 import pytest
 
-from app.logs.replay.references import LOG, VALUES, Values, compare, flat, load_values, measure, write_values
 from app.messages import Image, QRCode
 from app.modules.perception import qr_code_detector
+from tests.references.figures import LOG, VALUES, Values, compare, flat, load_values, measure, write_values
 
 pytestmark = pytest.mark.blocking(reason="the virtual loop waits for threads by design")
 

@@ -1,7 +1,7 @@
 """Figures of what every module computes from the reference log, and their comparison with reference values.
 
-``tests/references/lab.mcap`` is a recorded minute of the simulated lab, ``tests/references/lab.yaml`` the figures of
-the modules of ``config/lab.yaml`` on it, with tolerances. Only in a checkout.
+``lab.mcap`` beside this file is a recorded minute of the simulated lab, ``lab.yaml`` the figures of
+the modules of ``config/lab.yaml`` on it, with tolerances.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from app.logs.replay.options import ReplayOptions
 from app.logs.replay.report import ReplayReport
 from app.messages import EncodedImage, Exploitation, Faces, Landmarks, PointCloud, QRCodes
 
-FOLDER = (paths.checkout_dir() or Path()) / "tests" / "references"
+FOLDER = Path(__file__).parent
 LOG = FOLDER / "lab.mcap"
 VALUES = FOLDER / "lab.yaml"
 
