@@ -75,12 +75,12 @@ class GoToward(Module):
         self.zones = self.input("zones", Zones)
         self.twist = self.output("twist", Twist)
         self.status = self.output("status", NavigationStatus)
+        self._poses = LocalizationMonitor()
         self.on(self.scans, self._take_scan)
-        self.on(self.odometry, self._take_odometry)
-        self.on(self.localization, self._take_localization)
+        self.on(self.odometry, self._poses.add_odometry)
+        self.on(self.localization, self._poses.add_localization)
         self.on(self.zones, self._take_zones)
         self.every(self.settings.period_s, self._cycle)
-        self._poses = LocalizationMonitor()
         self._status_publisher = StatusPublisher(self.status.publish, self.log)
         self._scan: LaserScan | None = None
         self._seen: tuple[float, np.ndarray[Any, np.dtype[np.float64]]] | None = None
@@ -110,12 +110,6 @@ class GoToward(Module):
 
     async def _take_scan(self, scan: LaserScan) -> None:
         self._scan = scan
-
-    async def _take_odometry(self, odometry: Odometry) -> None:
-        self._poses.add_odometry(odometry)
-
-    async def _take_localization(self, localization: Localization) -> None:
-        self._poses.add_localization(localization)
 
     async def _take_zones(self, zones: Zones) -> None:
         self._zones = zones

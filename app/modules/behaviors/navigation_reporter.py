@@ -72,7 +72,7 @@ class NavigationReporter(Module):
             self.on(self.input(name, NavigationStatus, capacity=16, wants="if_wanted"), self._status_taker(name))
         self.on(self.input("path", PlannedPath, wants="if_wanted"), self._take_path)
         self.on(self.input("localization", Localization, wants="if_wanted"), self._take_localization)
-        self.every(PERIOD_S, self._beat)
+        self.every(PERIOD_S, self._publish)
 
     async def start(self) -> None:
         """Follow desires, and goals that are given up."""
@@ -117,9 +117,6 @@ class NavigationReporter(Module):
             self._given_up = None
         elif goal is not None and event.data.get("arrived") is False and self._desire() is None:
             self._given_up = _given_up(event, goal)
-        self._publish()
-
-    async def _beat(self) -> None:
         self._publish()
 
     # --- What goes out -----------------------------------------------------------------------------------------------

@@ -25,7 +25,6 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from app.attention.desires import DesireClass
-from app.base.geometry import Pose2
 from app.messages import Face, Faces, Image, Odometry, read_only
 from app.modules.perception.faces.face_position import FaceLocator, FaceSighting
 from app.modules.perception.faces.face_tracks import FaceTracks, PlacedFace, TrackModel, prepare
@@ -91,15 +90,14 @@ class FaceDetector(Module):
         self._fine = self.settings.fine
         self._looker: FaceLocator | None = None
         self._tracks = FaceTracks()
-        self._poses = PoseAt(self.clock)
-        self._poseless = False
+        self._poses = PoseAt(self.clock, self.log, "faces are followed by their place in the image alone")
         self.images = self.input("images", Image)
         self.panorama = self.input("panorama", Image)
         self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True)
         self.faces = self.output("faces", Faces)
         self.on(self.images, self._detect)
         self.on(self.panorama, self._detect)
-        self.on(self.odometry, self._take_odometry)
+        self.on(self.odometry, self._poses.add)
 
     async def start(self) -> None:
         """Load the model; after a restart, continue with unused track numbers. Raises ModuleFailed."""
@@ -114,14 +112,9 @@ class FaceDetector(Module):
         self._min_score = float(parameters.get("min_score", self.settings.min_score))
         self._fine = bool(parameters.get("fine", self.settings.fine))
 
-    async def _take_odometry(self, odometry: Odometry) -> None:
-        self._poses.add(odometry)
-
     async def _detect(self, image: Image) -> None:
         sightings = await self.compute(self._find, image, self._min_score, self._fine)
-        X_OB = await self._poses.at(image.stamp) if sightings else None
-        if sightings:
-            self._report_pose(X_OB)
+        X_OB = await self._poses.logged_at(image.stamp) if sightings else None
         placed = self._tracks.see(image.stamp, image.frame, sightings, None if X_OB is None else X_OB.to_pose3())
         self.persistent[_NEXT_TRACK] = self._tracks.next
         faces = tuple(_face(sighting, where) for sighting, where in zip(sightings, placed, strict=True))
@@ -134,16 +127,6 @@ class FaceDetector(Module):
         self._looker.finder.threshold = min_score
         longest = settings.fine_px if fine else settings.coarse_px
         return self._looker.look(image, longest, settings.fine_px_per_rad if fine else settings.coarse_px_per_rad)
-
-    def _report_pose(self, X_OB: Pose2 | None) -> None:
-        if (X_OB is None) != self._poseless:
-            self._poseless = X_OB is None
-            if self._poseless:
-                self.log.warning(
-                    "faces are followed by their place in the image alone: odometry does not reach the images' stamps"
-                )
-            else:
-                self.log.info("odometry reaches the stamps of the images again")
 
 
 def _face(sighting: FaceSighting, placed: PlacedFace) -> Face:

@@ -240,7 +240,7 @@ class PerceptPlacer(Module):
         self.on(self.input("codes", QRCodes, capacity=BURST, wants="if_wanted"), self._take)
         self.on(self.input("sounds", SoundSources, capacity=BURST, wants="if_wanted"), self._take)
         self.on(self.input("noises", LoudNoise, capacity=BURST, wants="if_wanted"), self._take)
-        self.on(self.input("panorama", EncodedImage, wants="never"), self._take_panorama)
+        self.on(self.input("panorama", EncodedImage, wants="never"), self._percepts.take)
         self.on(
             self.input("odometry", Odometry, capacity=BURST, always_open=True, wants="if_wanted"), self._take_odometry
         )
@@ -249,9 +249,6 @@ class PerceptPlacer(Module):
     async def _take(self, message: Faces | QRCodes | SoundSources | LoudNoise) -> None:
         self._percepts.take(message)
         await self._publish()
-
-    async def _take_panorama(self, picture: EncodedImage) -> None:
-        self._percepts.take(picture)
 
     async def _take_odometry(self, odometry: Odometry) -> None:
         self._percepts.take(odometry)

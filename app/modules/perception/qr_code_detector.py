@@ -101,10 +101,9 @@ class QRCodeDetector(Module):
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
         self._upscale = self.settings.upscale
-        self._poses = PoseAt(self.clock)
+        self._poses = PoseAt(self.clock, self.log, "codes seen are not placed")
         self._map = LandmarkMap()
         self._published: Landmarks | None = None
-        self._poseless = False
         self._patches: FisheyePatches | None = None
         self._scans: deque[LaserScan] = deque(maxlen=_SCANS)
         self.images = self.input("images", Image)
@@ -115,8 +114,8 @@ class QRCodeDetector(Module):
         self.landmarks = self.output("landmarks", Landmarks)
         self.on(self.images, self._detect)
         self.on(self.panorama, self._detect)
-        self.on(self.scans, self._keep)
-        self.on(self.odometry, self._take_odometry)
+        self.on(self.scans, self._scans.append)
+        self.on(self.odometry, self._poses.add)
 
     async def start(self) -> None:
         """Keep OpenCV's work in the module's thread, and continue with the landmarks from before a restart."""
@@ -132,12 +131,6 @@ class QRCodeDetector(Module):
         """Take ``upscale`` from the intention."""
         self._upscale = bool(parameters.get("upscale", self.settings.upscale))
 
-    async def _take_odometry(self, odometry: Odometry) -> None:
-        self._poses.add(odometry)
-
-    async def _keep(self, scan: LaserScan) -> None:
-        self._scans.append(scan)
-
     async def _detect(self, image: Image) -> None:
         codes = await self._read(image)
         measured = any(code.p_BQ for code in codes)
@@ -146,13 +139,7 @@ class QRCodeDetector(Module):
             self.codes.publish(_of(image, codes))
             if not measured:
                 return
-        X_OB = await self._poses.at(image.stamp)
-        if (X_OB is None) != self._poseless:
-            self._poseless = X_OB is None
-            if self._poseless:
-                self.log.warning("codes seen are not placed: odometry does not reach the stamps of the images")
-            else:
-                self.log.info("odometry reaches the stamps of the images again")
+        X_OB = await self._poses.logged_at(image.stamp)
         if by_laser:
             await self._place_on_walls(image, X_OB, codes)
         elif X_OB is not None:

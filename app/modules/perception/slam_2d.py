@@ -95,9 +95,8 @@ class SLAM2D(Module):
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
-        self._poses = PoseAt(self.clock)
+        self._poses = PoseAt(self.clock, self.log, "scans are of no use", "the stamps of scans")
         self._odometry: Odometry | None = None
-        self._poseless = False
         self._mapping = True
         self._rays = 1
         self._session: MapSession | None = None
@@ -163,13 +162,7 @@ class SLAM2D(Module):
         self._poses.add(odometry)
 
     async def _see(self, scan: LaserScan) -> None:
-        X_OB = await self._poses.at(scan.stamp, _PATIENCE_S)
-        if (X_OB is None) != self._poseless:
-            self._poseless = X_OB is None
-            if self._poseless:
-                self.log.warning("scans are of no use: odometry does not reach their stamps")
-            else:
-                self.log.info("odometry reaches the stamps of scans again")
+        X_OB = await self._poses.logged_at(scan.stamp, _PATIENCE_S)
         session = self._session
         if X_OB is None or session is None:
             return

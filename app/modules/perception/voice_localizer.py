@@ -102,9 +102,10 @@ class VoiceLocalizer(Module):
         super().__init__(context)
         self._microphones = self.settings.microphones
         self._wanted = PipelineSettings()
-        self._poses = PoseAt(self.clock)
+        self._poses = PoseAt(
+            self.clock, self.log, "sounds are followed as if the robot stood still", "the time of the sound"
+        )
         self._heading = 0.0
-        self._poseless = False
         self._overruns = Overruns(self.log, self.clock)
         self._wiring: _Wiring | None = None
         self._pipeline: VoicePipeline | None = None
@@ -118,7 +119,7 @@ class VoiceLocalizer(Module):
         self.sources = self.output("sources", SoundSources)
         self.separated = self.output("separated", SeparatedSound)
         self.on(self.audio, self._take_audio)
-        self.on(self.odometry, self._take_odometry)
+        self.on(self.odometry, self._poses.add)
 
     async def start(self) -> None:
         """Load the network of the voice activity detection."""
@@ -141,9 +142,6 @@ class VoiceLocalizer(Module):
     def overflowed(self, port: str, loss: InboxOverflow) -> None:
         """Lost sound is a gap, which the samples' numbers show."""
         self._overruns.lost(self.audio, loss)
-
-    async def _take_odometry(self, odometry: Odometry) -> None:
-        self._poses.add(odometry)
 
     async def _take_audio(self, audio: Audio) -> None:
         self._overruns.heard()
@@ -194,13 +192,7 @@ class VoiceLocalizer(Module):
         if not self.odometry.connected:
             return 0.0
         # After one timeout there is no further waiting: sound continues.
-        X_OB = await self._poses.at(stamp, 0.0 if self._poseless else 0.5)
-        if (X_OB is None) != self._poseless:
-            self._poseless = X_OB is None
-            if self._poseless:
-                self.log.warning("sounds are followed as if the robot stood still: odometry does not reach their time")
-            else:
-                self.log.info("odometry reaches the time of the sound again")
+        X_OB = await self._poses.logged_at(stamp, 0.0 if self._poses.late else 0.5)
         if X_OB is not None:
             self._heading = X_OB.theta
         return self._heading

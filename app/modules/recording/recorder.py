@@ -126,7 +126,7 @@ class Recorder(Module):
         self._inputs = context.inputs
         for port in context.inputs.values():
             self.on(port, self._taker(port))
-        self.every(1.0, self._beat)
+        self.every(1.0, self._publish)
         self._writer: RecordingWriter | None = None
         self._ending: list[RecordingWriter] = []
         self._reported: list[RecordingWriter] = []
@@ -298,9 +298,6 @@ class Recorder(Module):
         return states
 
     # --- status ---
-
-    async def _beat(self) -> None:
-        self._publish()
 
     def _changed_in_thread(self) -> None:
         with suppress(RuntimeError):  # the loop is closed: the status has no subscriber any more
