@@ -92,7 +92,6 @@ class MotionState:
 
     @property
     def state(self) -> tuple[float, float, float, float, float]:
-        """The state as the kernels' tuple."""
         return (self.pose.x, self.pose.y, self.pose.theta, self.linear_mps, self.angular_radps)
 
     def after(self, time_s: float) -> MotionState:
@@ -120,7 +119,6 @@ class DistanceField:
 
     @property
     def frame(self) -> tuple[float, float, float]:
-        """The frame as the kernels' tuple."""
         return (self.origin[0], self.origin[1], 1.0 / self.resolution_m)
 
 

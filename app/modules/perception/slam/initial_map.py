@@ -28,7 +28,6 @@ class RestartState:
         self._kept = kept
 
     def call(self, name: str) -> None:
-        """Store the name of the map in use."""
         self._kept[_MAP] = name
 
     def use(self, *, grows: bool) -> None:
@@ -37,25 +36,20 @@ class RestartState:
         self._kept.pop(_GROWN, None)
 
     def grow(self, state: SlamState | None) -> None:
-        """Store the state of the map so far."""
         self._kept[_GROWN] = state
 
     def known(self) -> bool:
-        """Whether there was an earlier instance."""
         return bool(self._kept)
 
     def name(self, configured: str) -> str:
-        """Name of the initial map."""
         name: str = self._kept.get(_MAP, configured)
         return name
 
     def grows(self, configured: bool) -> bool:
-        """Whether the initial map grows."""
         grows: bool = self._kept.get(_GROWS, configured)
         return grows
 
     def grown(self) -> SlamState | None:
-        """State of the map in use, as grown so far."""
         return self._kept.get(_GROWN)
 
 

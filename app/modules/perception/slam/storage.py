@@ -26,7 +26,6 @@ _DIAGONAL_FORMAT = 1
 
 
 def write_state(path: Path, state: SlamState) -> None:
-    """Write ``state`` to the file ``path``."""
     keyframes, edges = state.keyframes, state.edges
     with path.open("wb") as file:
         np.savez_compressed(

@@ -70,7 +70,6 @@ class CostmapWindow:
     known_m: float
 
     def to_message(self, version: int) -> OccupancyGrid:
-        """As a message in ``odom``."""
         return OccupancyGrid(
             self.stamp, "odom", cells=self.cells, resolution_m=self.resolution_m, origin=self.origin, version=version
         )

@@ -64,7 +64,6 @@ class DynamicWindow:
     def choose(
         self, motion: MotionState, field: DistanceField, way: LocalPath, body: BodyModel, period_s: float
     ) -> VelocityChoice:
-        """See :class:`Controller`."""
         from app.modules.behaviors.navigation.tracking.rollout_kernels import dynamic_window
 
         s = self.settings

@@ -72,7 +72,6 @@ class Mppi:
     def choose(
         self, motion: MotionState, field: DistanceField, way: LocalPath, body: BodyModel, period_s: float
     ) -> VelocityChoice:
-        """See :class:`Controller`."""
         from app.modules.behaviors.navigation.tracking import rollout_kernels
 
         s = self.settings
