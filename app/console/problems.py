@@ -67,7 +67,6 @@ class Problem(Exception):
 
 
 def problem_body(problem: Problem) -> bytes:
-    """The document as JSON."""
     document: dict[str, Any] = {
         "type": f"urn:hbba:problem:{problem.kind}",
         "title": _title(problem),
@@ -80,7 +79,6 @@ def problem_body(problem: Problem) -> bytes:
 
 
 def problem_response(problem: Problem) -> Response:
-    """The document as a response."""
     return Response(problem_body(problem), problem.status, headers=problem.headers, media_type=MEDIA_TYPE)
 
 

@@ -57,11 +57,9 @@ class RealClock:
         return time.monotonic() + self.offset
 
     async def sleep(self, seconds: float) -> None:
-        """Wait ``seconds``."""
         await asyncio.sleep(seconds)
 
     async def sleep_until(self, stamp: float) -> None:
-        """Wait until ``stamp``."""
         await _sleep_until(self, stamp)
 
 
@@ -80,11 +78,9 @@ class VirtualClock:
         return self._latest
 
     async def sleep(self, seconds: float) -> None:
-        """Let ``seconds`` of virtual time pass."""
         await asyncio.sleep(seconds)
 
     async def sleep_until(self, stamp: float) -> None:
-        """Let virtual time pass until ``stamp``."""
         await _sleep_until(self, stamp)
 
 

@@ -124,11 +124,9 @@ class FilterBank:
             self._undivided.add(name)
 
     def names(self) -> Collection[str]:
-        """All ``Module.port`` names."""
         return self._filters.keys()
 
     def divisors(self) -> dict[str, float]:
-        """φ of every filter now."""
         return {name: f.divisor for name, f in self._filters.items()}
 
     def pin(self, name: str, pin: Pin) -> None:
@@ -156,7 +154,6 @@ class FilterBank:
         return frozenset(self._undivided)
 
     def pinned(self) -> Collection[str]:
-        """The filters that are pinned now."""
         return self._pinned.keys()
 
     def reset(self) -> None:

@@ -134,7 +134,6 @@ class Output(Generic[M]):
         return remove
 
     def clear_callbacks(self) -> None:
-        """Remove every callback of :meth:`on_wanted`."""
         self._wanted_observers.clear()
         if self._stop_listening is not None:
             self._stop_listening()

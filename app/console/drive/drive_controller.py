@@ -72,11 +72,9 @@ class Driving:
 
     @property
     def drivable(self) -> bool:
-        """Whether an operator can drive here."""
         return self._channel is not None
 
     def handle(self, event: drive_lease.Event) -> None:
-        """Apply ``event`` to the lease, as of now."""
         if self._channel is None and isinstance(event, drive_lease.Drive | drive_lease.TakeControl):
             self._refuse(event.session)
             return

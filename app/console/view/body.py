@@ -69,8 +69,6 @@ def _merged(model: Path) -> list[tuple[str, Color, trimesh.Trimesh]]:
 
 
 class BodyNodes:
-    """One drawing of the body."""
-
     def __init__(self, joints: Mapping[str, Joint], frames: dict[str, viser.FrameHandle]) -> None:
         self._joints = joints
         self._frames = frames

@@ -69,7 +69,6 @@ class MonitorSettings(BaseModel):
     evidence: int = Field(2, ge=1, le=10, description="so many points make a thing; one alone may be noise")
 
     def rules(self) -> MonitorRules:
-        """The parameters in the monitor's own type."""
         return MonitorRules(**self.model_dump())
 
 
@@ -77,8 +76,6 @@ _OWN_INPUTS = frozenset({"scans", "odometry", "operator"})
 
 
 class MobileBaseControlSettings(Settings):
-    """Settings of MobileBaseControl."""
-
     behaviors: tuple[ContenderSettings, ...] = (ContenderSettings(input="teleop", behavior="Teleop", priority=1),)
     max_age_s: float = Field(0.25, gt=0, le=1, description="an older command is out")
     period_s: float = Field(0.1, gt=0, le=0.15, description="arbitration at least this often")
@@ -149,7 +146,6 @@ class MobileBaseControl(Module):
         self._collision_context = self._start_collision_context()
 
     async def stop(self) -> None:
-        """Command the wheels to zero."""
         if self._release is not None:
             self._release()
             self._link.command(Twist(self.clock.now(), 0.0, 0.0))

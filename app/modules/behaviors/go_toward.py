@@ -51,8 +51,6 @@ _CHEAP = DynamicWindowSettings(samples=(7, 15), horizon_s=2.0, ahead_m=2.5, weig
 
 
 class GoTowardSettings(Settings):
-    """Settings of GoToward."""
-
     period_s: float = Setting(0.1, gt=0, le=0.2, description="one control cycle")
     fresh_s: float = Setting(0.3, gt=0, le=1, description="an older scan is not driven by")
 
@@ -105,7 +103,6 @@ class GoToward(Module):
         self._goal = goal_of(parameters, self._goal)
 
     def last_word(self, port: str) -> Twist | None:
-        """A stop, for the moment when attention closes the output."""
         return Twist(self.clock.now(), 0.0, 0.0) if port == "twist" else None
 
     async def _take_scan(self, scan: LaserScan) -> None:

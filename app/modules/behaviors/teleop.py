@@ -77,7 +77,6 @@ class Teleop(Module):
         self.every(self.settings.period_s, self._beat)
 
     async def start(self) -> None:
-        """Read the body's limits."""
         self._gate = DriveGate(robot_link(self).description.limits, self.settings.timeout_s)
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
@@ -85,7 +84,6 @@ class Teleop(Module):
         self._speed = float(parameters.get("speed", 1.0))
 
     def last_word(self, port: str) -> Twist | None:
-        """A stop, for the moment when attention closes the output."""
         return Twist(self.clock.now(), 0.0, 0.0)
 
     async def _take(self, command: OperatorDrive) -> None:

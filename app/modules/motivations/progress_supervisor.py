@@ -69,7 +69,6 @@ class ProgressSupervisorSettings(Settings):
         return self
 
     def times(self) -> DistressTimes:
-        """The thresholds alone."""
         return DistressTimes(self.insist_s, self.inhibit_s, self.give_up_s, self.unreachable_s, self.relief_s)
 
 
@@ -109,7 +108,6 @@ class ProgressSupervisor(Module):
         self._inhibiting: list[str] = []
 
     async def start(self) -> None:
-        """Look up the workspace and the timeline."""
         self._workspace = self.service(IntentionWorkspace)
         self._timeline = self.service(Timeline)
 
@@ -238,6 +236,5 @@ def goal_of(desire: Desire) -> Pose2:
 
 
 def place(desire: Desire) -> str:
-    """A goal as text."""
     goal = goal_of(desire)
     return f"({goal.x:.2f}, {goal.y:.2f})"

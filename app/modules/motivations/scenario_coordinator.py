@@ -55,8 +55,6 @@ USUAL = (
 
 
 class ScenarioCoordinatorSettings(Settings):
-    """Settings of ScenarioCoordinator."""
-
     desires: tuple[DesireSettings, ...] | None = Field(
         None, description="what it desires from start to stop; none said: the usual ones, of the classes there are"
     )
@@ -110,7 +108,6 @@ class ScenarioCoordinator(Module):
         self._posted = posted
 
     async def stop(self) -> None:
-        """Remove the posted desires that are left."""
         posted = [*self._posted, *([self._listening] if self._listening is not None else [])]
         if not posted:
             return

@@ -39,8 +39,6 @@ _NEXT_TRACK = "next track"
 
 
 class FaceDetectorSettings(Settings):
-    """Settings of FaceDetector."""
-
     min_score: float = Field(THRESHOLD, gt=0, lt=1, description="used while no desire says another")
     fine: bool = Field(True, description="used while no strategy says another")
     fine_px: int = Field(640, ge=64, le=4096, description="longest side of images without fisheye, looked at finely")
@@ -108,7 +106,6 @@ class FaceDetector(Module):
         self._tracks = FaceTracks(TrackModel(forget_s=self.settings.forget_s), self.persistent.get(_NEXT_TRACK, 1))
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
-        """Take ``min_score`` and ``fine`` from the intention."""
         self._min_score = float(parameters.get("min_score", self.settings.min_score))
         self._fine = bool(parameters.get("fine", self.settings.fine))
 

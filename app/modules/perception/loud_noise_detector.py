@@ -33,8 +33,6 @@ _CAPACITY = 94
 
 
 class LoudNoiseDetectorSettings(Settings):
-    """Settings of LoudNoiseDetector."""
-
     microphone: int = Field(0, ge=0, description="which channel of the sound is listened to: a front microphone")
     ratio: float = Field(20.0, gt=1, description="so many times the background's energy is loud; unless a desire says")
     hold_off_s: float = Field(0.25, ge=0, description="quiet between two noises; unless a desire says")
@@ -102,7 +100,6 @@ class LoudNoiseDetector(Module):
         self.on(self.audio, self._listen)
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
-        """Take ``ratio`` and ``hold_off_s`` from the intention."""
         self._ratio = float(parameters.get("ratio", self.settings.ratio))
         self._hold_off_s = float(parameters.get("hold_off_s", self.settings.hold_off_s))
         if self._rate:

@@ -94,7 +94,6 @@ class Percepts:
         self._placed: dict[float, Pose3] = {}
 
     def take(self, message: Odometry | Faces | QRCodes | SoundSources | LoudNoise | EncodedImage) -> None:
-        """Note one message."""
         match message:
             case Odometry():
                 self._poses.add(message.stamp, message.X_OB)
@@ -147,7 +146,6 @@ class Percepts:
         )
 
     def _fade(self, now: float) -> None:
-        """Forget what is over."""
         for face, (faces, _) in tuple(self._faces.items()):
             if now - faces.stamp > self._kept_for("faces", face[1]):
                 del self._faces[face]

@@ -28,8 +28,6 @@ from app.runtime.module import Module, ModuleContext, Settings
 
 
 class PointCloudBuilderSettings(Settings):
-    """Settings of PointCloudBuilder."""
-
     max_points: int = Field(19_200, ge=1, description="used while no desire says another")
 
 
@@ -52,7 +50,6 @@ class PointCloudBuilder(Module):
         self.on(self.odometry, self._poses.add)
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
-        """Take ``max_points`` from the intention."""
         self._max_points = int(parameters.get("max_points", self.settings.max_points))
 
     async def _build(self, image: Image) -> None:

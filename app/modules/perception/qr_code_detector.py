@@ -50,8 +50,6 @@ _SCANS = 16
 
 
 class QRCodeDetectorSettings(Settings):
-    """Settings of QRCodeDetector."""
-
     upscale: bool = Field(True, description="used while no desire says another")
     patches: int = Field(4, ge=1, le=32, description="most patches of one panoramic image that are looked into")
     gate_m: float = Field(1.0, gt=0, description="the same text further away than this is another landmark")
@@ -128,7 +126,6 @@ class QRCodeDetector(Module):
         )
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
-        """Take ``upscale`` from the intention."""
         self._upscale = bool(parameters.get("upscale", self.settings.upscale))
 
     async def _detect(self, image: Image) -> None:

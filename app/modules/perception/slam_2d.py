@@ -65,8 +65,6 @@ _PATIENCE_S = 0.2
 
 
 class SLAM2DSettings(Settings):
-    """Settings of SLAM2D."""
-
     map: str = Field("", description="map in use at the start; none: an empty one")
     extend: bool = Field(False, description="whether that map grows")
     cell_m: float = Field(0.05, ge=0.01, le=1, description="side of a cell of the map")
@@ -151,7 +149,6 @@ class SLAM2D(Module):
         await asyncio.to_thread(self._optimizer.close)
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
-        """Take ``mapping`` and ``rays`` from the intention."""
         self._mapping = bool(parameters.get("mapping", True))
         self._rays = max(1, int(parameters.get("rays", 1)))
 
@@ -314,7 +311,6 @@ class SLAM2D(Module):
 
     @property
     def session(self) -> MapSession:
-        """The map in use."""
         assert self._session is not None
         return self._session
 
@@ -325,17 +321,14 @@ class SLAM2D(Module):
 
     @property
     def map_name(self) -> str:
-        """The name of the map in use; "" while it has none."""
         return self._name
 
     def call(self, name: str) -> None:
-        """Set the name of the map in use."""
         self._name = name
         self._restart_state.call(name)
 
     @property
     def known_zones(self) -> tuple[Zone, ...]:
-        """The zones of the map in use."""
         return self._zones
 
     def new_session(self, kept: StoredMap | None, X_MO: Pose2 | None, grows: bool) -> MapSession:
@@ -366,7 +359,6 @@ class SLAM2D(Module):
             self._publish_search(now, self.X_OB)
 
     def mark(self, zones: tuple[Zone, ...]) -> None:
-        """Set and publish the zones of the map in use."""
         self._zones = zones
         self.zones.publish(Zones(self.clock.now(), zones))
 
@@ -377,7 +369,6 @@ class SLAM2D(Module):
         self._fits.begin(doubted=True)
 
     def search(self) -> None:
-        """Start relocalization on the map in use."""
         self._end_search()
         self._search_due = True
         self._wake.set()

@@ -43,8 +43,6 @@ _NEXT_TRACK = "next track"
 
 
 class VoiceLocalizerSettings(Settings):
-    """Settings of VoiceLocalizer."""
-
     microphones: int | None = Field(
         None, ge=2, description="how many are used while no strategy says another; none: all there are"
     )
@@ -174,7 +172,6 @@ class VoiceLocalizer(Module):
                 )
 
     async def _process(self, pipeline: VoicePipeline, rate: int) -> None:
-        """Process one block of the waiting sound."""
         sound = np.concatenate(self._waiting)
         block, rest = sound[: pipeline.step], sound[pipeline.step :]
         stamp, first_sample = self._stamp, self._first_sample

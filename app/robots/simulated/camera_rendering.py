@@ -24,8 +24,6 @@ from app.robots.simulated.renderer import FrameRect, PerspectiveView, Renderer, 
 
 
 class CameraRenderer(Protocol):
-    """Renders one camera."""
-
     def draw(self, snapshot: WorldSnapshot) -> Iterator[None]:
         """Draw ``snapshot``; each step is a part of the work, of a few milliseconds."""
         ...
@@ -76,7 +74,6 @@ class KinectRenderer:
         renderer.reserve(width, height)
 
     def draw(self, snapshot: WorldSnapshot) -> Iterator[None]:
-        """Draw ``snapshot``, in one part."""
         if self._watch.changed(snapshot, (self._view,)):
             self._renderer.draw(snapshot, self._camera, self._view)
             self._renderer.read(self.place, self._color, self._depth)

@@ -151,7 +151,6 @@ class SimulatedLink(SimulatedBody):
             await self._release()
 
     async def wait_failed(self) -> LinkFailed:
-        """Wait until the process ends unexpectedly; return why."""
         if self._session is None:
             return LinkFailed("The simulated robot was not started.")
         return await self._session.wait_failed()
@@ -164,7 +163,6 @@ class SimulatedLink(SimulatedBody):
         self._session.send(wire.DriveRequest(twist.stamp, twist.linear_mps, twist.angular_radps))
 
     def play(self, audio: Audio) -> None:
-        """Play one frame through the loudspeaker."""
         if self._session is not None and self._session.unsent_bytes <= _UNSENT_BYTES:
             self._session.send(wire.Play(audio))
 
@@ -275,7 +273,6 @@ class _Session(asyncio.Protocol):
 
     @property
     def ended(self) -> bool:
-        """Whether the process is gone."""
         return self._ended.done()
 
     @property
@@ -284,12 +281,10 @@ class _Session(asyncio.Protocol):
         return self._transport.get_write_buffer_size() if self._transport is not None else 0
 
     def send(self, frame: Any) -> None:
-        """Write ``frame``; never waits."""
         if self._transport is not None and not self._transport.is_closing():
             self._transport.write(wire.encode(frame))
 
     def expect_end(self) -> None:
-        """The end of the process is no failure from now on."""
         self._expected = True
 
     async def wait_running(self) -> None:
@@ -303,7 +298,6 @@ class _Session(asyncio.Protocol):
             running.cancel()
 
     async def wait_failed(self) -> LinkFailed:
-        """Wait for the end of the process; return its reason."""
         failure: LinkFailed = await asyncio.shield(self._ended)
         return failure
 
@@ -325,12 +319,10 @@ class _Session(asyncio.Protocol):
     # asyncio.Protocol
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """The socket is ready."""
         assert isinstance(transport, asyncio.Transport)
         self._transport = transport
 
     def data_received(self, data: bytes) -> None:
-        """Frames arrive."""
         for frame in self._reader.feed(data):
             if isinstance(frame, wire.Sample) and not self._running.is_set():
                 self._running.set()

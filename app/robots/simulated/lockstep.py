@@ -68,7 +68,6 @@ class LockstepLink(SimulatedBody):
 
     @property
     def people(self) -> tuple[PersonTruth, ...]:
-        """All people in the world now."""
         return self._simulation.scenario_state.people if self._simulation is not None else ()
 
     @property
@@ -100,7 +99,6 @@ class LockstepLink(SimulatedBody):
         self._turning = asyncio.create_task(self._turn(self._simulation), name="world in lockstep")
 
     async def stop(self) -> None:
-        """Stop the wheels, release everything; idempotent."""
         turning, self._turning = self._turning, None
         simulation, self._simulation = self._simulation, None
         if turning is not None:
@@ -110,7 +108,6 @@ class LockstepLink(SimulatedBody):
             simulation.close()
 
     async def wait_failed(self) -> LinkFailed:
-        """Wait until the world fails; return why."""
         if self._turning is None:
             return LinkFailed("The simulated robot was not started.")
         turning = self._turning

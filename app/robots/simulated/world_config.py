@@ -74,7 +74,6 @@ class WallConfig(_Model):
 
     @property
     def length_m(self) -> float:
-        """From end to end."""
         return math.dist(self.start, self.end)
 
     @model_validator(mode="after")

@@ -30,7 +30,6 @@ class SampledSound:
     loop: bool = False
 
     def read(self, start: int, count: int) -> Samples:
-        """See :class:`DrySound`."""
         size = self.samples.size
         if self.loop and size:
             out: Samples = self.samples[np.arange(max(start, 0), start + count) % size]

@@ -158,8 +158,6 @@ class SoundConfig(_Model):
 
 
 class FootstepsConfig(_Model):
-    """The sound of each footfall of walking people."""
-
     clip: str = "step"
     gain_db: float = -12.0
 
