@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, Field, ValidationError
 
 from app.base.errors import ConfigError
 from app.base.extensions import load_named, why_absent
@@ -32,10 +32,8 @@ def _plain_wiring_error(message: str, key: tuple[str, ...]) -> Exception:
     return WiringError(f"{'.'.join(key)}: {message}")
 
 
-class ModuleSpec(BaseModel):
+class ModuleSpec(BaseModel, frozen=True, extra="forbid"):
     """One module as configured; its name is its key in the file."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     # `class` is what people write; it is a keyword here.
     class_path: str = Field(alias="class", description="package.module:Class")
@@ -278,10 +276,6 @@ class Graph:
             name: {*slot.context.outputs, *(p.name for p in slot.context.inputs.values() if p.connected)}
             for name, slot in self.modules.items()
         }
-
-    def undivided(self) -> Collection[str]:
-        """The filters ``Module.port`` whose channel may not be decimated: they are open or closed."""
-        return self.filters.undivided()
 
     def inputs(self) -> dict[str, str]:
         """The channel of every connected input ``Module.port``."""

@@ -28,7 +28,7 @@ from functools import partial
 from types import MappingProxyType
 from typing import Literal, Self, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, Field, model_validator
 
 from app.link import BaseLimits, RobotDescription, RobotLink
 from app.messages import Exploitation, LaserScan, LinkStatus, Message, Odometry, OperatorDrive, Twist
@@ -45,20 +45,16 @@ M = TypeVar("M", bound=Message)
 PARTING_ZEROS = 3
 
 
-class ContenderSettings(BaseModel):
+class ContenderSettings(BaseModel, frozen=True, extra="forbid"):
     """One behavior that may drive, and its priority."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     input: str = Field(min_length=1, description="name of the input port its twists come in by")
     behavior: str = Field(min_length=1, description="name of the behavior, as exploitation reports it")
     priority: int = Field(description="the highest priority among those with a fresh command drives")
 
 
-class MonitorSettings(BaseModel):
+class MonitorSettings(BaseModel, frozen=True, extra="forbid"):
     """Parameters of the collision monitor; see ``MonitorRules``."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     margin_m: float = Field(0.05, ge=0, le=0.5, description="kept clear around the body's footprint")
     contact_s: float = Field(1.0, ge=0.1, le=5, description="the least time to contact, at the speed driven")

@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from app.attention.desires import DesireClass
 from app.messages import OperatorDrive, Twist
@@ -33,10 +33,8 @@ class TeleopSettings(Settings):
     period_s: float = Field(0.025, gt=0, le=0.1, description="how often silence is looked for")
 
 
-class TeleoperationParameters(BaseModel):
+class TeleoperationParameters(BaseModel, extra="forbid", title="Drive by hand"):
     """Parameters of a desire of class Teleoperation."""
-
-    model_config = ConfigDict(extra="forbid", title="Drive by hand")
 
     speed: float = Field(
         1.0,

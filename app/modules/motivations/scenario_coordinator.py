@@ -20,7 +20,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from app.attention.desires import Source
 from app.attention.workspace import IntentionWorkspace, UnknownDesire
@@ -33,10 +33,8 @@ _BEAT_S = 0.25
 _AHEAD_S = 2 * _BEAT_S
 
 
-class DesireSettings(BaseModel):
+class DesireSettings(BaseModel, frozen=True, extra="forbid", populate_by_name=True):
     """One desire to post, from configuration."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", populate_by_name=True)
 
     cls: str = Field(alias="class", description="the desire class")
     intensity: float = Field(8, gt=0, le=8)

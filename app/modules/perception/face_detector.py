@@ -22,7 +22,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from app.attention.desires import DesireClass
 from app.messages import Face, Faces, Image, Odometry, read_only
@@ -50,10 +50,8 @@ class FaceDetectorSettings(Settings):
     forget_s: float = Field(1.2, gt=0, description="a face not seen for longer has gone, and comes back as another")
 
 
-class LocateFacesParameters(BaseModel):
+class LocateFacesParameters(BaseModel, extra="forbid", title="Locate faces"):
     """Parameters of a desire of class LocateFaces."""
-
-    model_config = ConfigDict(extra="forbid", title="Locate faces")
 
     min_score: float = Field(
         0.8,

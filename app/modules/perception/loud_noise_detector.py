@@ -19,7 +19,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from app.attention.desires import DesireClass
 from app.messages import Audio, LoudNoise
@@ -47,10 +47,8 @@ class LoudNoiseDetectorSettings(Settings):
     )
 
 
-class DetectNoisesParameters(BaseModel):
+class DetectNoisesParameters(BaseModel, extra="forbid", title="Detect loud noises"):
     """Parameters of a desire of class DetectNoises."""
-
-    model_config = ConfigDict(extra="forbid", title="Detect loud noises")
 
     ratio: float = Field(
         20.0,

@@ -32,7 +32,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from app.attention.desires import DesireClass
 from app.base.geometry import FisheyeModel, Pose2
@@ -65,10 +65,8 @@ class QRCodeDetectorSettings(Settings):
     )
 
 
-class FindQRCodesParameters(BaseModel):
+class FindQRCodesParameters(BaseModel, extra="forbid", title="Find QR codes"):
     """Parameters of a desire of class FindQRCodes."""
-
-    model_config = ConfigDict(extra="forbid", title="Find QR codes")
 
     upscale: bool = Field(
         True,

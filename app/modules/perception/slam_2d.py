@@ -98,10 +98,10 @@ class SLAM2D(Module):
         self._mapping = True
         self._rays = 1
         self._session: MapSession | None = None
-        self._name = ""
-        self._zones: tuple[Zone, ...] = ()
+        #: Of the map in use: its name ("" while it has none) and its zones.
+        self.map_name = ""
+        self.known_zones: tuple[Zone, ...] = ()
         self._published: Localization | None = None
-        self._restart_state = RestartState(self.persistent)
         self._fits = FitMonitor(self.settings.lost_after_s, self.settings.sure_after_s)
         #: Relocalization: requested, running, and its hypotheses.
         self._search_due = False
@@ -135,7 +135,7 @@ class SLAM2D(Module):
         map_server = MapServer(self, self.service(MapLibrary))
         control = self.service(MapControl)
         same = await self._take_first()
-        await control.resume(self._name, same=same)
+        await control.resume(self.map_name, same=same)
         self._working = asyncio.create_task(self._metered(self._work()), name=f"{self.name}, behind")
         self._working.add_done_callback(self._ended)
         self._detach = control.attach(map_server)
@@ -232,7 +232,7 @@ class SLAM2D(Module):
 
     def _publish(self, place: Localization) -> None:
         covariance = read_only(np.array(place.covariance, np.float64))
-        self._published = replace(place, covariance=covariance, map=self._name)
+        self._published = replace(place, covariance=covariance, map=self.map_name)
         self.localization.publish(self._published)
 
     def _end_search(self) -> None:
@@ -297,7 +297,7 @@ class SLAM2D(Module):
             grid = await self.compute_background(session.drawn, glances, self.clock.now(), self._version + 1)
             if session is not self._session:
                 return
-            self._restart_state.grow(state)
+            self._restart_state.grown = state
             if grid is not None:
                 self._version = grid.version
                 self.map.publish(grid)
@@ -310,6 +310,11 @@ class SLAM2D(Module):
     # --- The map in use: interface of the map server ------------------------------------------------------------------
 
     @property
+    def _restart_state(self) -> RestartState:
+        state: RestartState = self.persistent.setdefault("map", RestartState())
+        return state
+
+    @property
     def session(self) -> MapSession:
         assert self._session is not None
         return self._session
@@ -319,17 +324,9 @@ class SLAM2D(Module):
         """Current pose of the robot by odometry."""
         return Pose2() if self._odometry is None else self._odometry.X_OB
 
-    @property
-    def map_name(self) -> str:
-        return self._name
-
     def call(self, name: str) -> None:
-        self._name = name
-        self._restart_state.call(name)
-
-    @property
-    def known_zones(self) -> tuple[Zone, ...]:
-        return self._zones
+        self.map_name = name
+        self._restart_state.name, self._restart_state.known = name, True
 
     def new_session(self, kept: StoredMap | None, X_MO: Pose2 | None, grows: bool) -> MapSession:
         """*Behind.* A session on a saved map, or an empty one."""
@@ -359,7 +356,7 @@ class SLAM2D(Module):
             self._publish_search(now, self.X_OB)
 
     def mark(self, zones: tuple[Zone, ...]) -> None:
-        self._zones = zones
+        self.known_zones = zones
         self.zones.publish(Zones(self.clock.now(), zones))
 
     def placed(self) -> None:

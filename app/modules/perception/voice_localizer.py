@@ -26,7 +26,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from app.attention.desires import DesireClass
 from app.messages import Audio, Odometry, SeparatedSound, SoundSources
@@ -65,10 +65,8 @@ class _Wiring:
         return audio.rate == self.rate and (audio.p_BM is self.p_BM or np.array_equal(audio.p_BM, self.p_BM))
 
 
-class LocateVoicesParameters(BaseModel):
+class LocateVoicesParameters(BaseModel, extra="forbid", title="Locate voices"):
     """Parameters of a desire of class LocateVoices."""
-
-    model_config = ConfigDict(extra="forbid", title="Locate voices")
 
     voices: int = Field(
         2,

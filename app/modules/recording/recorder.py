@@ -19,7 +19,7 @@ from collections.abc import Awaitable, Callable, Coroutine, Mapping
 from contextlib import suppress
 from typing import Annotated, Any, ClassVar
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, Field
 
 from app.attention.desires import DesireClass
 from app.attention.timeline import EventKind
@@ -52,10 +52,8 @@ LARGE_INBOX = 32
 LARGE = (Image, PointCloud)
 
 
-class EventPattern(BaseModel):
+class EventPattern(BaseModel, frozen=True, extra="forbid"):
     """A pattern of timeline events: their kind, and their subject if one is named."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     kind: EventKind
     subject: str | None = None
@@ -78,10 +76,8 @@ class RecorderSettings(Settings):
     save_after_s: float = Field(5, ge=0, description="... this long after them, so that what followed is kept too")
 
 
-class RecordParameters(BaseModel):
+class RecordParameters(BaseModel, extra="forbid", title="Record"):
     """Parameters of a desire of class Record."""
-
-    model_config = ConfigDict(extra="forbid", title="Record")
 
     name: Annotated[str, AfterValidator(name_or_nothing)] = Field(
         "",

@@ -133,13 +133,11 @@ class LocalPath:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class VelocityChoice:
-    """Velocities chosen by a controller. ``blocked``: no admissible motion was found. ``clearance_m``: least clearance
-    of the chosen motion."""
+    """Velocities chosen by a controller. ``blocked``: no admissible motion was found."""
 
     linear_mps: float
     angular_radps: float
     blocked: bool
-    clearance_m: float
 
 
 class Controller(Protocol):

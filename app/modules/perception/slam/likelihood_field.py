@@ -218,8 +218,8 @@ def search_leaves(scores, free, points, angles, step, margin, floor, slack, capa
                     stack_bounds[place] = value
                     stack[place, 0], stack[place, 1], stack[place, 2], stack[place, 3] = q, u, v, level - 1
                     depth += 1
-    found: NDArray[np.float64] = leaves[:kept][leaves[:kept, 3] >= max(floor, best - slack)]
-    return found
+    good: NDArray[np.float64] = leaves[:kept][leaves[:kept, 3] >= max(floor, best - slack)]
+    return good
 
 
 @kernel("float64[::1](float32[:,::1], float64[:,::1], float64[::1], float64, float64, float64, int64)")
