@@ -31,15 +31,12 @@ class Clock(Protocol):
 
     def now(self) -> float:
         """Seconds since the Unix epoch, never decreasing."""
-        ...
 
     async def sleep(self, seconds: float) -> None:
         """Wait; a negative or zero time yields to other tasks once."""
-        ...
 
     async def sleep_until(self, stamp: float) -> None:
         """Wait until ``now() >= stamp``."""
-        ...
 
 
 class RealClock:

@@ -9,8 +9,6 @@ from app.maps.zones import FURTHEST_M
 
 
 class GoToParameters(BaseModel, extra="forbid", title="Go to a place", allow_inf_nan=False):
-    """Parameters of a desire of class GoTo."""
-
     x: float = Field(ge=-FURTHEST_M, le=FURTHEST_M, title="x", description="Where to, in metres on the map.")
     y: float = Field(ge=-FURTHEST_M, le=FURTHEST_M, title="y", description="Where to, in metres on the map.")
     heading: float | None = Field(

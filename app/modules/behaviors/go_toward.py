@@ -56,8 +56,6 @@ class GoTowardSettings(Settings):
 
 
 class GoToward(Module):
-    """Drives straight toward a place on the map."""
-
     title = "Go toward"
     desire_classes = (GO_TO,)
     Settings = GoTowardSettings

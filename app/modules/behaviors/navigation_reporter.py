@@ -50,8 +50,6 @@ def at_work(statuses: Sequence[NavigationStatus]) -> NavigationStatus | None:
 
 
 class NavigationReporter(Module):
-    """Publishes the report."""
-
     title = "Navigation report"
 
     def __init__(self, context: ModuleContext) -> None:

@@ -115,8 +115,6 @@ class PlanAndFollowPathSettings(Settings):
 
 
 class PlanAndFollowPath(Module):
-    """Plans paths to goals on the map and follows them."""
-
     title = "Plan and follow path"
     desire_classes = (GO_TO,)
     Settings = PlanAndFollowPathSettings

@@ -34,8 +34,6 @@ class TeleopSettings(Settings):
 
 
 class TeleoperationParameters(BaseModel, extra="forbid", title="Drive by hand"):
-    """Parameters of a desire of class Teleoperation."""
-
     speed: float = Field(
         1.0,
         gt=0,
@@ -45,7 +43,6 @@ class TeleoperationParameters(BaseModel, extra="forbid", title="Drive by hand"):
     )
 
 
-#: What can be desired of it.
 TELEOPERATION = DesireClass(
     name="Teleoperation",
     title="Drive by hand",
@@ -55,8 +52,6 @@ TELEOPERATION = DesireClass(
 
 
 class Teleop(Module):
-    """Scales an operator's commands into twists, and stops on release or timeout."""
-
     title = "Teleop"
     desire_classes = (TELEOPERATION,)
     Settings = TeleopSettings

@@ -81,8 +81,6 @@ class _Insisted:
 
 
 class ProgressSupervisor(Module):
-    """Removes fulfilled desires, and acts on goals without progress."""
-
     title = "Progress supervisor"
     Settings = ProgressSupervisorSettings
     settings: ProgressSupervisorSettings

@@ -61,8 +61,6 @@ class ScenarioCoordinatorSettings(Settings):
 
 
 class ScenarioCoordinator(Module):
-    """Posts and removes the scenario's desires; desires LocateVoices after a loud noise."""
-
     title = "Scenario coordinator"
     Settings = ScenarioCoordinatorSettings
     settings: ScenarioCoordinatorSettings

@@ -51,7 +51,6 @@ class AudioStreamSettings(Settings):
     frame_s: float = Field(0.02, ge=0.005, le=0.2, description="a frame for people is at least so long")
 
 
-#: What can be desired of it.
 LISTEN = DesireClass(
     name="Listen",
     title="Hear through the robot's ears",
@@ -60,8 +59,6 @@ LISTEN = DesireClass(
 
 
 class AudioStream(Module):
-    """Publishes the front microphone's sound while a subscription is open."""
-
     title = "Sound for people"
     desire_classes = (LISTEN,)
     Settings = AudioStreamSettings

@@ -45,8 +45,6 @@ class CameraStreamSettings(Settings):
 
 
 class CameraStream(Module):
-    """Encodes the camera's images while a subscription is open."""
-
     title = "Camera picture"
     desire_classes = (TELEPRESENCE,)
     Settings = CameraStreamSettings

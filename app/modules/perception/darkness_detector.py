@@ -50,8 +50,6 @@ DETECT_DARKNESS = DesireClass(
 
 
 class DarknessDetector(Module):
-    """Says with each image whether it is dark."""
-
     title = "Darkness detector"
     desire_classes = (DETECT_DARKNESS,)
     Settings = DarknessDetectorSettings

@@ -51,8 +51,6 @@ class FaceDetectorSettings(Settings):
 
 
 class LocateFacesParameters(BaseModel, extra="forbid", title="Locate faces"):
-    """Parameters of a desire of class LocateFaces."""
-
     min_score: float = Field(
         0.8,
         gt=0,
@@ -63,7 +61,6 @@ class LocateFacesParameters(BaseModel, extra="forbid", title="Locate faces"):
     )
 
 
-#: What can be desired of it.
 LOCATE_FACES = DesireClass(
     name="LocateFaces",
     title="Locate faces",
@@ -73,8 +70,6 @@ LOCATE_FACES = DesireClass(
 
 
 class FaceDetector(Module):
-    """Detects, places and tracks faces."""
-
     title = "Face detector"
     desire_classes = (LOCATE_FACES,)
     Settings = FaceDetectorSettings

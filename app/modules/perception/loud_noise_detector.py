@@ -48,8 +48,6 @@ class LoudNoiseDetectorSettings(Settings):
 
 
 class DetectNoisesParameters(BaseModel, extra="forbid", title="Detect loud noises"):
-    """Parameters of a desire of class DetectNoises."""
-
     ratio: float = Field(
         20.0,
         ge=2,
@@ -66,7 +64,6 @@ class DetectNoisesParameters(BaseModel, extra="forbid", title="Detect loud noise
     )
 
 
-#: What can be desired of it.
 DETECT_NOISES = DesireClass(
     name="DetectNoises",
     title="Detect loud noises",
@@ -76,8 +73,6 @@ DETECT_NOISES = DesireClass(
 
 
 class LoudNoiseDetector(Module):
-    """Detects claps, calls and other sudden loud sounds."""
-
     title = "Loud noise detector"
     desire_classes = (DETECT_NOISES,)
     Settings = LoudNoiseDetectorSettings

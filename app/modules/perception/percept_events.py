@@ -67,8 +67,6 @@ class PerceptEventsSettings(Settings):
 
 
 class PerceptEvents(Module):
-    """Turns what perceptions report again and again into events."""
-
     title = "Percept events"
     aids = frozenset({"divisors"})
     Settings = PerceptEventsSettings

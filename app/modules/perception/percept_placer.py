@@ -225,8 +225,6 @@ class Percepts:
 
 
 class PerceptPlacer(Module):
-    """Places what is perceived."""
-
     title = "Percepts placed"
 
     def __init__(self, context: ModuleContext) -> None:

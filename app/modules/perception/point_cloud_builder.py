@@ -32,8 +32,6 @@ class PointCloudBuilderSettings(Settings):
 
 
 class PointCloudBuilder(Module):
-    """Builds point clouds, each in the pose of its own instant."""
-
     title = "Point cloud"
     desire_classes = (TELEPRESENCE,)
     Settings = PointCloudBuilderSettings

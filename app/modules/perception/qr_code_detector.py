@@ -66,8 +66,6 @@ class QRCodeDetectorSettings(Settings):
 
 
 class FindQRCodesParameters(BaseModel, extra="forbid", title="Find QR codes"):
-    """Parameters of a desire of class FindQRCodes."""
-
     upscale: bool = Field(
         True,
         title="Second try enlarged",
@@ -76,7 +74,6 @@ class FindQRCodesParameters(BaseModel, extra="forbid", title="Find QR codes"):
     )
 
 
-#: What can be desired of it.
 FIND_QR_CODES = DesireClass(
     name="FindQRCodes",
     title="Find QR codes",
@@ -86,8 +83,6 @@ FIND_QR_CODES = DesireClass(
 
 
 class QRCodeDetector(Module):
-    """Reads codes and keeps their positions."""
-
     title = "QR code detector"
     desire_classes = (FIND_QR_CODES,)
     auxiliary_inputs = frozenset({"scans"})

@@ -75,7 +75,6 @@ class SLAM2DSettings(Settings):
     sure_after_s: float = Field(1.0, gt=0, description="time of fitting scans after which relocalization ends")
 
 
-#: What can be desired of it.
 MAP_AND_LOCALIZE = DesireClass(
     name="SLAM",
     title="Map and know where it is",
@@ -84,8 +83,6 @@ MAP_AND_LOCALIZE = DesireClass(
 
 
 class SLAM2D(Module):
-    """Maps, localizes the robot, and saves maps."""
-
     title = "SLAM 2D"
     desire_classes = (MAP_AND_LOCALIZE,)
     Settings = SLAM2DSettings

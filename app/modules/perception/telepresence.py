@@ -8,8 +8,6 @@ from app.attention.desires import DesireClass
 
 
 class TelepresenceParameters(BaseModel, extra="forbid", title="See through the robot's eyes"):
-    """Parameters of a desire of class Telepresence."""
-
     max_points: int = Field(
         19_200, ge=1_000, le=76_800, title="Points", description="Most points of one coloured point cloud."
     )

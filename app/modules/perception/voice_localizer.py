@@ -66,8 +66,6 @@ class _Wiring:
 
 
 class LocateVoicesParameters(BaseModel, extra="forbid", title="Locate voices"):
-    """Parameters of a desire of class LocateVoices."""
-
     voices: int = Field(
         2,
         ge=1,
@@ -77,7 +75,6 @@ class LocateVoicesParameters(BaseModel, extra="forbid", title="Locate voices"):
     )
 
 
-#: What can be desired of it.
 LOCATE_VOICES = DesireClass(
     name="LocateVoices",
     title="Locate voices",
@@ -87,8 +84,6 @@ LOCATE_VOICES = DesireClass(
 
 
 class VoiceLocalizer(Module):
-    """Localizes, tracks, classifies and separates sounds."""
-
     title = "Voice localizer"
     desire_classes = (LOCATE_VOICES,)
     Settings = VoiceLocalizerSettings

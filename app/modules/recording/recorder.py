@@ -77,8 +77,6 @@ class RecorderSettings(Settings):
 
 
 class RecordParameters(BaseModel, extra="forbid", title="Record"):
-    """Parameters of a desire of class Record."""
-
     name: Annotated[str, AfterValidator(name_or_nothing)] = Field(
         "",
         json_schema_extra={"pattern": NAME_PATTERN, "maxLength": LONGEST_NAME},
@@ -95,7 +93,6 @@ class RecordParameters(BaseModel, extra="forbid", title="Record"):
     )
 
 
-#: What can be desired of it.
 RECORD = DesireClass(
     name="Record",
     title="Record",
@@ -105,8 +102,6 @@ RECORD = DesireClass(
 
 
 class Recorder(Module):
-    """Writes every message it is given into a log."""
-
     title = "Recorder"
     desire_classes = (RECORD,)
     #: Opens files; tests replace it by a disk that fails.

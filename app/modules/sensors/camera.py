@@ -16,7 +16,5 @@ from app.modules.stream_module import StreamModule
 
 
 class Camera(StreamModule):
-    """The body's ``camera`` stream on a channel."""
-
     title = "Camera"
     relays = MappingProxyType({"images": ("camera", Image)})

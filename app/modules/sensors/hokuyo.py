@@ -16,7 +16,5 @@ from app.modules.stream_module import StreamModule
 
 
 class Hokuyo(StreamModule):
-    """The body's ``hokuyo`` stream on a channel."""
-
     title = "Hokuyo laser"
     relays = MappingProxyType({"scans": ("hokuyo", LaserScan)})

@@ -16,7 +16,5 @@ from app.modules.stream_module import StreamModule
 
 
 class Imv(StreamModule):
-    """The body's ``imv`` stream on a channel."""
-
     title = "Panoramic camera"
     relays = MappingProxyType({"images": ("imv", Image)})

@@ -17,7 +17,5 @@ from app.modules.stream_module import StreamModule
 
 
 class Kinect(StreamModule):
-    """The body's ``kinect`` stream on a channel."""
-
     title = "Kinect"
     relays = MappingProxyType({"images": ("kinect", Image)})

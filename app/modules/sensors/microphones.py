@@ -17,7 +17,5 @@ from app.modules.stream_module import StreamModule
 
 
 class Microphones(StreamModule):
-    """The body's ``microphones`` stream on a channel."""
-
     title = "Microphones"
     relays = MappingProxyType({"audio": ("microphones", Audio)})

@@ -17,7 +17,5 @@ from app.modules.stream_module import StreamModule
 
 
 class WheelOdometry(StreamModule):
-    """The body's ``odometry`` and ``joints`` streams on channels."""
-
     title = "Wheel odometry"
     relays = MappingProxyType({"odometry": ("odometry", Odometry), "joints": ("joints", JointState)})

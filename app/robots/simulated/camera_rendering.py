@@ -26,11 +26,9 @@ from app.robots.simulated.renderer import FrameRect, PerspectiveView, Renderer, 
 class CameraRenderer(Protocol):
     def draw(self, snapshot: WorldSnapshot) -> Iterator[None]:
         """Draw ``snapshot``; each step is a part of the work, of a few milliseconds."""
-        ...
 
     def measure(self, color: NDArray[np.uint8], depth: NDArray[np.uint16] | None) -> None:
         """Write the sensor's output for the last image."""
-        ...
 
 
 class ChangeDetector:

@@ -147,11 +147,9 @@ class Controller(Protocol):
         self, motion: MotionState, field: DistanceField, way: LocalPath, body: BodyModel, period_s: float
     ) -> VelocityChoice:
         """The velocities to command for the next ``period_s`` seconds; within the body's limits and accelerations."""
-        ...
 
     def reset(self) -> None:
         """Discard all state: the goal, the path or the body's place changed."""
-        ...
 
 
 def _edge(corners: NDArray[np.float64], spacing_m: float) -> NDArray[np.float64]:

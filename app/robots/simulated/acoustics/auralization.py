@@ -53,7 +53,6 @@ class AcousticSpace(Protocol):
 
     def way(self, p_WS: NDArray[np.float64], p_WA: NDArray[np.float64]) -> SoundPath:
         """Path of sound from ``p_WS`` to ``p_WA`` (3,) m."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,7 +19,6 @@ class DrySound(Protocol):
 
     def read(self, start: int, count: int) -> Samples:
         """``count`` samples from number ``start`` on; zeros before its beginning and after its end."""
-        ...
 
 
 @dataclass(frozen=True, slots=True, eq=False)
