@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 from pydantic import BaseModel, Field, ValidationError
 
@@ -19,6 +19,9 @@ from app.runtime.errors import ModuleFailed
 from app.runtime.filter import CLOSED, RateFilter, check_divisor
 from app.runtime.module import Module, ModuleContext, Settings
 from app.runtime.pending_work import PendingWork
+from app.runtime.ports import Input, Output
+
+T = TypeVar("T")
 
 #: Raises the error for a wiring mistake: (message, key path in the configuration).
 WiringErrorFactory = Callable[[str, tuple[str, ...]], Exception]
@@ -341,13 +344,8 @@ class Graph:
     def _wire_outputs(self, slot: ModuleSlot) -> None:
         for port_name, channel_name in slot.spec.outputs.items():
             key = ("modules", slot.name, "outputs", port_name)
-            port = slot.context.outputs.get(port_name)
-            if port is None:
-                raise self._error(_unknown("output", port_name, slot.context.outputs), key)
-            channel = self.channels.get(channel_name)
-            if channel is None:
-                raise self._error(_unknown("channel", channel_name, self.channels), key)
-            self._check_type(channel, port.message_type, key)
+            port = self._known(slot.context.outputs, "output", port_name, key)
+            channel = self._channel_for(port, channel_name, key)
             if channel_name in self.producers:
                 other = self.producers[channel_name]
                 raise self._error(f"channel {channel_name} already has a producer, {other}", key)
@@ -367,13 +365,8 @@ class Graph:
             key = ("modules", slot.name, "inputs", port_name)
             if port_name not in slot.context.inputs and channel_name in self.channels:
                 slot.module.accept(port_name, self.channels[channel_name].message_type)
-            port = slot.context.inputs.get(port_name)
-            if port is None:
-                raise self._error(_unknown("input", port_name, slot.context.inputs), key)
-            channel = self.channels.get(channel_name)
-            if channel is None:
-                raise self._error(_unknown("channel", channel_name, self.channels), key)
-            self._check_type(channel, port.message_type, key)
+            port = self._known(slot.context.inputs, "input", port_name, key)
+            channel = self._channel_for(port, channel_name, key)
             if channel_name not in self.producers and not self.specs[channel_name].external:
                 raise self._error(f"no module publishes on channel {channel_name}", key)
             # A channel from outside has no source here that could rest: a log feeds only what is wanted.
@@ -382,12 +375,17 @@ class Graph:
             decimable = self.specs[channel_name].decimable
             self.filters.add(f"{slot.name}.{port_name}", port.subscription.filter, decimable=decimable)
 
-    def _check_type(self, channel: Channel[Any], port_type: type[Any], key: tuple[str, ...]) -> None:
-        if channel.message_type is not port_type:
-            raise self._error(
-                f"channel {channel.name} carries {channel.message_type.__name__}, the port wants {port_type.__name__}",
-                key,
-            )
+    def _known(self, known: Mapping[str, T], kind: str, name: str, key: tuple[str, ...]) -> T:
+        if name not in known:
+            raise self._error(_unknown(kind, name, known), key)
+        return known[name]
+
+    def _channel_for(self, port: Input[Any] | Output[Any], name: str, key: tuple[str, ...]) -> Channel[Any]:
+        channel = self._known(self.channels, "channel", name, key)
+        if channel.message_type is not port.message_type:
+            kind, wanted = channel.message_type.__name__, port.message_type.__name__
+            raise self._error(f"channel {name} carries {kind}, the port wants {wanted}", key)
+        return channel
 
     def _refuse_cycles(self) -> None:
         followers: dict[str, set[str]] = {name: set() for name in self.modules}

@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 from pydantic import Field as Setting
 
-from app.base.geometry import Pose2
+from app.base.geometry import FloatArray, Pose2
 from app.messages import LaserScan, Localization, NavigationStatus, Odometry, Twist, Zones
 from app.modules.behaviors.go_to import GO_TO
 from app.modules.behaviors.navigation.controller import BodyModel, MotionState
@@ -79,7 +79,7 @@ class GoToward(Module):
         self.every(self.settings.period_s, self._cycle)
         self._status_publisher = StatusPublisher(self.status.publish, self.log)
         self._scan: LaserScan | None = None
-        self._seen: tuple[float, np.ndarray[Any, np.dtype[np.float64]]] | None = None
+        self._seen: tuple[float, FloatArray] | None = None
         self._zones = Zones(0.0, ())
         self._goal: Goal | None = None
         self._aimed_at = -math.inf
@@ -147,13 +147,7 @@ class GoToward(Module):
         )
 
     def _decide(
-        self,
-        now: float,
-        goal: Goal,
-        motion: MotionState,
-        X_MO: Pose2,
-        seen: np.ndarray[Any, np.dtype[np.float64]],
-        zones: Zones,
+        self, now: float, goal: Goal, motion: MotionState, X_MO: Pose2, seen: FloatArray, zones: Zones
     ) -> TrackingStep:
         """One cycle, in the module's thread; all poses on the map."""
         path_tracker = self._path_tracker

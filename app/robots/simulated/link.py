@@ -205,12 +205,8 @@ def describe(robot: RobotConfig) -> RobotDescription:
         ("joints", JointState, streams.joints.rate_hz),
         ("status", LinkStatus, streams.status.rate_hz),
     ]
-    if streams.kinect is not None:
-        table.append(("kinect", Image, streams.kinect.rate_hz))
-    if streams.imv is not None:
-        table.append(("imv", Image, streams.imv.rate_hz))
-    if streams.hokuyo is not None:
-        table.append(("hokuyo", LaserScan, streams.hokuyo.rate_hz))
+    sensors = (("kinect", Image, streams.kinect), ("imv", Image, streams.imv), ("hokuyo", LaserScan, streams.hokuyo))
+    table += [(name, kind, sensor.rate_hz) for name, kind, sensor in sensors if sensor is not None]
     if streams.microphones is not None:
         rate_hz = streams.microphones.rate / streams.microphones.frame_samples
         table.append(("microphones", Audio, rate_hz))
