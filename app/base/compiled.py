@@ -5,6 +5,7 @@ robot runs) and loaded from numba's cache afterwards. Files with kernels are imp
 first needed. ``python -m app.base.compiled`` compiles all of them; set-up does so.
 
 A kernel calls only kernels of its own file: numba's cache does not notice a change in another file.
+Its signature says its types; its parameters and its result are not annotated again.
 """
 
 from __future__ import annotations
@@ -43,7 +44,7 @@ _IMPORT = re.compile(r"^\s*from app\.base\.compiled import (?:\([^)]*|[^\n(]*)\b
 
 def kernel(signature: str | list[str], *, fastmath: bool = False, **options: Any) -> Callable[[F], F]:
     """Compile the decorated function for ``signature``, as ``"float64[:](float32[::1], int64)"``; it runs without the
-    GIL.
+    GIL. The signature says the types of the arguments, in place of annotations.
 
     Arrays of a signature are writable ones: pass a copy of a read-only one. ``fastmath`` ignores NaN and infinity: only
     for kernels that get neither. Further ``options`` are numba's own.

@@ -129,5 +129,4 @@ class _Console(FastAPI):
         self._door = door
 
     def build_middleware_stack(self) -> ASGIApp:
-        """All layers, the door outermost."""
         return Guarded(super().build_middleware_stack(), self._door)

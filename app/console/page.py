@@ -34,7 +34,6 @@ class Page(StaticFiles):
         self.config_checked = True
 
     async def get_response(self, path: str, scope: Scope) -> Response:
-        """The file at ``path``."""
         try:
             return await super().get_response(path, scope)
         except HTTPException as error:

@@ -9,7 +9,7 @@ from typing import Any, get_args
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import Response
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 from starlette.exceptions import HTTPException
 from starlette.routing import compile_path
 
@@ -29,10 +29,8 @@ class FieldProblem(BaseModel):
     message: str = Field(description="What is allowed there.")
 
 
-class ProblemDocument(BaseModel):
+class ProblemDocument(BaseModel, extra="allow"):
     """A refusal (RFC 9457)."""
-
-    model_config = ConfigDict(extra="allow")
 
     type: str = Field(description="The kind of problem: `urn:hbba:problem:` and a stable name.")
     title: str = Field(description="The kind of problem in words.")
@@ -67,7 +65,6 @@ class Problem(Exception):
 
 
 def problem_body(problem: Problem) -> bytes:
-    """The document as JSON."""
     document: dict[str, Any] = {
         "type": f"urn:hbba:problem:{problem.kind}",
         "title": _title(problem),
@@ -80,7 +77,6 @@ def problem_body(problem: Problem) -> bytes:
 
 
 def problem_response(problem: Problem) -> Response:
-    """The document as a response."""
     return Response(problem_body(problem), problem.status, headers=problem.headers, media_type=MEDIA_TYPE)
 
 

@@ -96,7 +96,6 @@ class Replays:
             return True
 
     async def close(self) -> None:
-        """End the replay, if any."""
         async with self._turn:
             await self._end_current()
 
@@ -138,7 +137,6 @@ class _Child:
 
     @property
     def ended(self) -> bool:
-        """Whether its process is gone."""
         return self._following.done()
 
     async def wait_url(self) -> str:

@@ -155,11 +155,9 @@ class ModuleMeter:
         return self.modules()
 
     def modules(self) -> tuple[ModuleReport, ...]:
-        """Every module now."""
         return tuple(self.module(slot) for slot in self._system.graph.modules.values())
 
     def module(self, slot: ModuleSlot) -> ModuleReport:
-        """One module now."""
         state = self._system.supervisor.states[slot.name]
         return ModuleReport(
             name=slot.name,
@@ -188,7 +186,6 @@ class ModuleMeter:
 
 
 def subscription_counters(statistics: SubscriptionStatistics) -> SubscriptionCounters:
-    """The counters of one consumer's end of a channel."""
     return _counted(SubscriptionCounters, statistics)
 
 

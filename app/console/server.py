@@ -79,7 +79,6 @@ def _why_not(host: str, port: int, failure: OSError) -> str:
 
 
 def address_of(listener: socket.socket) -> tuple[str, int]:
-    """Host and port of a listening socket."""
     host, port = listener.getsockname()[:2]
     return str(host), int(port)
 
@@ -103,11 +102,9 @@ class _Server(uvicorn.Server):
 
     @contextlib.contextmanager
     def capture_signals(self) -> Iterator[None]:
-        """Leave the signals alone."""
         yield
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
-        """Begin to accept connections."""
         await super().startup([])
         self._accepting = [asyncio.create_task(self._accept(listener), name="accept") for listener in sockets or ()]
         for task in self._accepting:

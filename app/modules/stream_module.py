@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, TypeVar
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import ClassVar, TypeVar
 
 from app.link import RobotLink
 from app.messages import Message
 from app.runtime.errors import ModuleFailed
-from app.runtime.module import Module, ModuleContext, Output
+from app.runtime.module import Module, ModuleContext
 
 M = TypeVar("M", bound=Message)
 
@@ -44,25 +45,32 @@ def attach(module: Module, stream: str, message_type: type[M], receive: Callable
 
 
 class StreamModule(Module):
-    """Base of the sensor modules: relays streams of the body onto outputs while the module runs."""
+    """Base of the sensor modules: each publishes streams of the body, unchanged, on outputs while it runs.
+
+    A stream is produced only while its output has an open subscription, unless the body always produces it. Raises
+    ModuleFailed at the start for a body without such a stream.
+    """
+
+    #: By output: the body's stream, and its message type.
+    relays: ClassVar[Mapping[str, tuple[str, type[Message]]]]
+
+    def __init_subclass__(cls) -> None:
+        cls.streams = {output: stream for output, (stream, _) in cls.relays.items()}
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
         self._releases: list[Callable[[], None]] = []
+        for name, (_, message_type) in self.relays.items():
+            self.output(name, message_type)
 
-    def relay(self, stream: str, output: Output[Any], *, lazy: bool = False) -> None:
-        """Publish each message of ``stream`` on ``output`` until the module stops; call it in ``start``.
-
-        A ``lazy`` stream is produced only while the output has an open subscription. Raises ModuleFailed for a body
-        without such a stream.
-        """
-        self._releases.append(attach(self, stream, output.message_type, output.publish))
-        if lazy:
-            link = robot_link(self)
-            self._releases.append(lambda: link.demand(stream, False))
-            self._releases.append(output.on_wanted(lambda wanted: link.demand(stream, wanted)))
+    async def start(self) -> None:
+        link = robot_link(self)
+        for name, stream in self.streams.items():
+            output = self._context.outputs[name]
+            self._releases.append(attach(self, stream, output.message_type, output.publish))
+            self._releases.append(partial(link.demand, stream, False))
+            self._releases.append(output.on_wanted(partial(link.demand, stream)))
 
     async def stop(self) -> None:
-        """Detach from the streams; the body need not produce them any more."""
         while self._releases:
             self._releases.pop()()

@@ -250,7 +250,7 @@ class System:
             [self.config.path(file) for file in self.config.program.strategies],
             classes=self.classes,
             ports=None if self._partial else self.graph.ports(),
-            undivided=self.graph.undivided(),
+            undivided=self.graph.filters.undivided(),
             calibration=self.config.calibration,
         )
         return trimmed(table, self.graph.ports()) if self._partial else table

@@ -166,7 +166,6 @@ class Subscription(Generic[M]):
 
     @property
     def waiting(self) -> bool:
-        """Whether a message waits to be taken."""
         return bool(self._inbox)
 
     def __aiter__(self) -> Subscription[M]:
@@ -256,7 +255,6 @@ class Subscription(Generic[M]):
         self._on_filter()
 
     def statistics(self) -> SubscriptionStatistics:
-        """The counters now."""
         return SubscriptionStatistics(
             received=self._received,
             passed=self._passed,
@@ -398,7 +396,6 @@ class Channel(Generic[M]):
             self._wanted_observers.notify(wanted)
 
     def statistics(self) -> ChannelStatistics:
-        """The counters now, by subscription."""
         return ChannelStatistics(
             published=self.published,
             last_stamp=None if self.latest is None else self.latest.stamp,

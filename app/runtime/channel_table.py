@@ -8,16 +8,14 @@ from __future__ import annotations
 from dataclasses import fields, is_dataclass
 from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from app import messages
 from app.base.extensions import load_named
 
 
-class PageColumn(BaseModel):
+class PageColumn(BaseModel, frozen=True, extra="forbid"):
     """How a channel goes to the console's page; a channel without this column does not."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     frame_type: str = Field(
         "", alias="as", pattern=r"^\w*$", description="type of the frames; empty: the channel's name"
@@ -26,10 +24,8 @@ class PageColumn(BaseModel):
     keep: Literal["newest", "all"] = Field("newest", description="what a page that is slow, or comes late, is given")
 
 
-class ChannelSpec(BaseModel):
+class ChannelSpec(BaseModel, frozen=True, extra="forbid"):
     """One row of the table; the channel's name is its key in the file."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     message: str = Field(
         alias="type", description="name of a message class of app.messages, or package.module:Class of another package"

@@ -31,18 +31,31 @@ class Clock(Protocol):
 
     def now(self) -> float:
         """Seconds since the Unix epoch, never decreasing."""
-        ...
 
     async def sleep(self, seconds: float) -> None:
         """Wait; a negative or zero time yields to other tasks once."""
-        ...
 
     async def sleep_until(self, stamp: float) -> None:
         """Wait until ``now() >= stamp``."""
-        ...
 
 
-class RealClock:
+class _LoopClock:
+    """Sleeps by the running loop's timers."""
+
+    def now(self) -> float:
+        raise NotImplementedError
+
+    async def sleep(self, seconds: float) -> None:
+        await asyncio.sleep(seconds)
+
+    async def sleep_until(self, stamp: float) -> None:
+        await asyncio.sleep(stamp - self.now())
+        # asyncio may wake a timer early by its resolution, and a stamp has more digits before the point than a delay.
+        while self.now() < stamp:  # noqa: ASYNC110  # time is the event
+            await asyncio.sleep(max(stamp - self.now(), _SHORTEST_SLEEP_S))
+
+
+class RealClock(_LoopClock):
     """The computer's monotonic clock, shifted once so that it reads as Unix time.
 
     ``offset`` (s) is what was added to ``time.monotonic()``: another process on the same computer that adds the
@@ -56,16 +69,8 @@ class RealClock:
         """Seconds since the Unix epoch, never decreasing."""
         return time.monotonic() + self.offset
 
-    async def sleep(self, seconds: float) -> None:
-        """Wait ``seconds``."""
-        await asyncio.sleep(seconds)
 
-    async def sleep_until(self, stamp: float) -> None:
-        """Wait until ``stamp``."""
-        await _sleep_until(self, stamp)
-
-
-class VirtualClock:
+class VirtualClock(_LoopClock):
     """A clock that only a :class:`VirtualTimeLoop` moves; ``origin`` is its reading when the loop starts."""
 
     def __init__(self, origin: float = 1_000_000.0) -> None:
@@ -78,21 +83,6 @@ class VirtualClock:
         with contextlib.suppress(RuntimeError):
             self._latest = self.origin + asyncio.get_running_loop().time()
         return self._latest
-
-    async def sleep(self, seconds: float) -> None:
-        """Let ``seconds`` of virtual time pass."""
-        await asyncio.sleep(seconds)
-
-    async def sleep_until(self, stamp: float) -> None:
-        """Let virtual time pass until ``stamp``."""
-        await _sleep_until(self, stamp)
-
-
-async def _sleep_until(clock: Clock, stamp: float) -> None:
-    await asyncio.sleep(stamp - clock.now())
-    # asyncio may wake a timer early by its resolution, and a stamp has more digits before the point than a delay.
-    while clock.now() < stamp:  # noqa: ASYNC110  # time is the event
-        await asyncio.sleep(max(stamp - clock.now(), _SHORTEST_SLEEP_S))
 
 
 class _ThreadJob(Generic[T]):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from graphlib import CycleError, TopologicalSorter
 
 #: A channel that feeds another's producer, and φ of the filter between.
 Feed = tuple[str, float]
@@ -13,26 +14,11 @@ _MOST_STEPS = 1000
 
 def find_cycle(followers: Mapping[str, Collection[str]]) -> list[str] | None:
     """A cycle of the directed graph ``followers`` as a path whose last node is its first, or None."""
-    done: set[str] = set()
-    for start in sorted(followers):
-        #: The nodes from ``start`` on, in order, each with those of its followers that are still to be looked at.
-        path: dict[str, Iterator[str]] = {}
-        ahead: str | None = start
-        while ahead is not None or path:
-            if ahead is None:
-                # The last node's next follower; without one the node is done.
-                last = next(reversed(path))
-                ahead = next(path[last], None)
-                if ahead is None:
-                    done.add(last)
-                    del path[last]
-            elif ahead in path:
-                nodes = list(path)
-                return [*nodes[nodes.index(ahead) :], ahead]
-            else:
-                if ahead not in done:
-                    path[ahead] = iter(sorted(followers.get(ahead, ())))
-                ahead = None
+    try:
+        TopologicalSorter({node: sorted(followers[node]) for node in sorted(followers)}).prepare()
+    except CycleError as error:
+        cycle: list[str] = error.args[1]
+        return cycle[::-1]
     return None
 
 

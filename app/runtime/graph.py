@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, Field, ValidationError
 
 from app.base.errors import ConfigError
 from app.base.extensions import load_named, why_absent
@@ -19,6 +19,9 @@ from app.runtime.errors import ModuleFailed
 from app.runtime.filter import CLOSED, RateFilter, check_divisor
 from app.runtime.module import Module, ModuleContext, Settings
 from app.runtime.pending_work import PendingWork
+from app.runtime.ports import Input, Output
+
+T = TypeVar("T")
 
 #: Raises the error for a wiring mistake: (message, key path in the configuration).
 WiringErrorFactory = Callable[[str, tuple[str, ...]], Exception]
@@ -32,10 +35,8 @@ def _plain_wiring_error(message: str, key: tuple[str, ...]) -> Exception:
     return WiringError(f"{'.'.join(key)}: {message}")
 
 
-class ModuleSpec(BaseModel):
+class ModuleSpec(BaseModel, frozen=True, extra="forbid"):
     """One module as configured; its name is its key in the file."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     # `class` is what people write; it is a keyword here.
     class_path: str = Field(alias="class", description="package.module:Class")
@@ -124,11 +125,9 @@ class FilterBank:
             self._undivided.add(name)
 
     def names(self) -> Collection[str]:
-        """All ``Module.port`` names."""
         return self._filters.keys()
 
     def divisors(self) -> dict[str, float]:
-        """φ of every filter now."""
         return {name: f.divisor for name, f in self._filters.items()}
 
     def pin(self, name: str, pin: Pin) -> None:
@@ -156,7 +155,6 @@ class FilterBank:
         return frozenset(self._undivided)
 
     def pinned(self) -> Collection[str]:
-        """The filters that are pinned now."""
         return self._pinned.keys()
 
     def reset(self) -> None:
@@ -282,10 +280,6 @@ class Graph:
             for name, slot in self.modules.items()
         }
 
-    def undivided(self) -> Collection[str]:
-        """The filters ``Module.port`` whose channel may not be decimated: they are open or closed."""
-        return self.filters.undivided()
-
     def inputs(self) -> dict[str, str]:
         """The channel of every connected input ``Module.port``."""
         return {
@@ -350,13 +344,8 @@ class Graph:
     def _wire_outputs(self, slot: ModuleSlot) -> None:
         for port_name, channel_name in slot.spec.outputs.items():
             key = ("modules", slot.name, "outputs", port_name)
-            port = slot.context.outputs.get(port_name)
-            if port is None:
-                raise self._error(_unknown("output", port_name, slot.context.outputs), key)
-            channel = self.channels.get(channel_name)
-            if channel is None:
-                raise self._error(_unknown("channel", channel_name, self.channels), key)
-            self._check_type(channel, port.message_type, key)
+            port = self._known(slot.context.outputs, "output", port_name, key)
+            channel = self._channel_for(port, channel_name, key)
             if channel_name in self.producers:
                 other = self.producers[channel_name]
                 raise self._error(f"channel {channel_name} already has a producer, {other}", key)
@@ -376,13 +365,8 @@ class Graph:
             key = ("modules", slot.name, "inputs", port_name)
             if port_name not in slot.context.inputs and channel_name in self.channels:
                 slot.module.accept(port_name, self.channels[channel_name].message_type)
-            port = slot.context.inputs.get(port_name)
-            if port is None:
-                raise self._error(_unknown("input", port_name, slot.context.inputs), key)
-            channel = self.channels.get(channel_name)
-            if channel is None:
-                raise self._error(_unknown("channel", channel_name, self.channels), key)
-            self._check_type(channel, port.message_type, key)
+            port = self._known(slot.context.inputs, "input", port_name, key)
+            channel = self._channel_for(port, channel_name, key)
             if channel_name not in self.producers and not self.specs[channel_name].external:
                 raise self._error(f"no module publishes on channel {channel_name}", key)
             # A channel from outside has no source here that could rest: a log feeds only what is wanted.
@@ -391,12 +375,17 @@ class Graph:
             decimable = self.specs[channel_name].decimable
             self.filters.add(f"{slot.name}.{port_name}", port.subscription.filter, decimable=decimable)
 
-    def _check_type(self, channel: Channel[Any], port_type: type[Any], key: tuple[str, ...]) -> None:
-        if channel.message_type is not port_type:
-            raise self._error(
-                f"channel {channel.name} carries {channel.message_type.__name__}, the port wants {port_type.__name__}",
-                key,
-            )
+    def _known(self, known: Mapping[str, T], kind: str, name: str, key: tuple[str, ...]) -> T:
+        if name not in known:
+            raise self._error(_unknown(kind, name, known), key)
+        return known[name]
+
+    def _channel_for(self, port: Input[Any] | Output[Any], name: str, key: tuple[str, ...]) -> Channel[Any]:
+        channel = self._known(self.channels, "channel", name, key)
+        if channel.message_type is not port.message_type:
+            kind, wanted = channel.message_type.__name__, port.message_type.__name__
+            raise self._error(f"channel {name} carries {kind}, the port wants {wanted}", key)
+        return channel
 
     def _refuse_cycles(self) -> None:
         followers: dict[str, set[str]] = {name: set() for name in self.modules}

@@ -67,15 +67,12 @@ class MeteredCoroutine(Coroutine[Any, Any, T]):
         self._meter = meter
 
     def send(self, value: Any) -> Any:
-        """Run one step of the coroutine."""
         return self._meter.step(self._coroutine.send, value)
 
     def throw(self, *args: Any) -> Any:
-        """Run one step of the coroutine, entered by an exception."""
         return self._meter.step(self._coroutine.throw, *args)
 
     def close(self) -> None:
-        """End it without another step."""
         self._coroutine.close()
 
     def __await__(self) -> Generator[Any, Any, T]:

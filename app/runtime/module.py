@@ -13,7 +13,7 @@ from collections.abc import Awaitable, Callable, Coroutine, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, TypeVar
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel
 
 from app.messages import Message
 from app.runtime.channel_table import ChannelSpec
@@ -31,10 +31,8 @@ T = TypeVar("T")
 ServiceT = TypeVar("ServiceT")
 
 
-class Settings(BaseModel):
+class Settings(BaseModel, frozen=True, extra="forbid", allow_inf_nan=False):
     """Base of a module's settings, as configured: frozen; unknown keys and numbers that are not finite are refused."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,8 +108,8 @@ class Module:
         #: By periodic handler: time of its last call (robot's clock, s) and period (s). The supervisor detects hangs by
         #: it.
         self.ticks: dict[str, tuple[float, float]] = {}
-        self._handlers: list[tuple[Input[Any], Callable[[Any], Awaitable[None]]]] = []
-        self._timers: list[tuple[float, Callable[[], Awaitable[None]]]] = []
+        self._handlers: list[tuple[Input[Any], Callable[[Any], Awaitable[None] | None]]] = []
+        self._timers: list[tuple[float, Callable[[], Awaitable[None] | None]]] = []
         self._failure: asyncio.Future[None] | None = None
 
         context.instance = self
@@ -169,12 +167,12 @@ class Module:
         port.last_word = lambda: self._closing_word(name)
         return port
 
-    def on(self, port: Input[M], handler: Callable[[M], Awaitable[None]]) -> None:
-        """Have ``handler`` called with each message taken from ``port``, one at a time."""
+    def on(self, port: Input[M], handler: Callable[[M], Awaitable[None] | None]) -> None:
+        """Have ``handler``, ``async`` or not, called with each message taken from ``port``, one at a time."""
         self._handlers.append((port, handler))
 
-    def every(self, period_s: float, handler: Callable[[], Awaitable[None]]) -> None:
-        """Have ``handler`` called every ``period_s`` seconds; beats missed while it ran are skipped."""
+    def every(self, period_s: float, handler: Callable[[], Awaitable[None] | None]) -> None:
+        """Have ``handler``, ``async`` or not, called every ``period_s`` seconds; beats missed meanwhile are skipped."""
         self._timers.append((period_s, handler))
 
     def service(self, service_type: type[ServiceT]) -> ServiceT:
@@ -297,7 +295,7 @@ class Module:
     def _metered(self, coroutine: Coroutine[Any, Any, T]) -> Coroutine[Any, Any, T]:
         return MeteredCoroutine(coroutine, self._context.meter)
 
-    async def _serve(self, port: Input[M], handler: Callable[[M], Awaitable[None]]) -> None:
+    async def _serve(self, port: Input[M], handler: Callable[[M], Awaitable[None] | None]) -> None:
         while True:
             try:
                 message = await anext(port.subscription)
@@ -306,16 +304,18 @@ class Module:
             except InboxOverflow as loss:
                 self.overflowed(port.name, loss)
                 continue
-            await handler(message)
+            if (handled := handler(message)) is not None:
+                await handled
             if self._superseded:
                 # It outlived its cancellation; what comes now is for its successor.
                 return
 
-    async def _repeat(self, key: str, period_s: float, handler: Callable[[], Awaitable[None]]) -> None:
+    async def _repeat(self, key: str, period_s: float, handler: Callable[[], Awaitable[None] | None]) -> None:
         due = self.clock.now()
         while not self._superseded:
             self.ticks[key] = (self.clock.now(), period_s)
-            await handler()
+            if (handled := handler()) is not None:
+                await handled
             due += period_s
             # A beat that comes late is made up for at once and leaves those after it where they are; of several that
             # were missed, the last one is.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import KW_ONLY, dataclass, field
 from typing import Generic, Literal, TypeVar
 
 from app.base.observers import Observers
@@ -19,36 +20,25 @@ M = TypeVar("M", bound=Message)
 Wants = Literal["always", "if_wanted", "never"]
 
 
+@dataclass(eq=False)
 class Input(Generic[M]):
-    """An input port. Once wired, ``subscription`` is the module's end of a channel.
+    """An input port, as :meth:`app.runtime.module.Module.input` declares it. Once wired, ``subscription`` is the
+    module's end of a channel.
 
     ``always_open``: attention may not decimate the input; for safety and self-motion, where a gap is a fault.
-    ``moves``: messages of the input can move the body. ``wants``: when the source must work for it, see
-    :data:`Wants`.
     """
 
-    def __init__(
-        self,
-        module: str,
-        name: str,
-        message_type: type[M],
-        *,
-        capacity: int = 1,
-        lossless: bool = False,
-        always_open: bool = False,
-        moves: bool = False,
-        wants: Wants = "always",
-    ) -> None:
-        self.module = module
-        self.name = name
-        self.message_type = message_type
-        self.capacity = capacity
-        self.lossless = lossless
-        self.always_open = always_open
-        self.moves = moves
-        self.wants = wants
-        self.channel: Channel[M] | None = None
-        self._subscription: Subscription[M] | None = None
+    module: str
+    name: str
+    message_type: type[M]
+    _: KW_ONLY
+    capacity: int = 1
+    lossless: bool = False
+    always_open: bool = False
+    moves: bool = False
+    wants: Wants = "always"
+    channel: Channel[M] | None = field(default=None, init=False)
+    _subscription: Subscription[M] | None = field(default=None, init=False)
 
     @property
     def subscription(self) -> Subscription[M]:
@@ -134,7 +124,6 @@ class Output(Generic[M]):
         return remove
 
     def clear_callbacks(self) -> None:
-        """Remove every callback of :meth:`on_wanted`."""
         self._wanted_observers.clear()
         if self._stop_listening is not None:
             self._stop_listening()

@@ -116,7 +116,6 @@ class LoopWatchdog:
             self._timer.cancel()
 
     def statistics(self) -> WatchdogStatistics:
-        """The figures since it was started."""
         return WatchdogStatistics(self._beats, self._blockages, self._worst_s, self._last_s)
 
     # --- on the loop ---

@@ -73,7 +73,6 @@ class ModuleWorker(Executor):
 
     @property
     def alive(self) -> bool:
-        """Whether the thread has started and not ended."""
         return self._thread is not None and self._thread.is_alive()
 
     def _run(self) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,17 @@ def test_files_with_kernels_are_found() -> None:
     names = compiled.kernel_modules()
     assert "app.modules.perception.slam.scan_matching" in names
     assert "app.base.compiled" not in names
+
+
+def test_in_files_with_kernels_only_these_leave_out_types() -> None:
+    source = Path(compiled.__file__).parents[2]
+    for name in compiled.kernel_modules():
+        tree = ast.parse(source.joinpath(*name.split(".")).with_suffix(".py").read_text())
+        for function in (node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)):
+            if not any("kernel(" in ast.unparse(each) for each in function.decorator_list):
+                untyped = [each.arg for each in function.args.args if each.annotation is None and each.arg != "self"]
+                assert not untyped, f"{name}: {function.name} says no type of {untyped}"
+                assert function.returns is not None, f"{name}: {function.name} says no type of its result"
 
 
 @pytest.mark.parametrize(

@@ -273,7 +273,7 @@ def test_what_attention_may_not_touch_is_refused(build: Build) -> None:
 def test_filters_of_what_may_not_be_decimated_open_and_close(build: Build) -> None:
     modules, channels = WIRED
     graph = build(modules, {**channels, "n": {"decimable": False}}, attended=("B.numbers",))
-    assert graph.undivided() == {"A.numbers", "B.numbers", "B.safety"}
+    assert graph.filters.undivided() == {"A.numbers", "B.numbers", "B.safety"}
     assert graph.filters.divisors()["B.numbers"] == CLOSED
 
 

@@ -116,7 +116,6 @@ class Visitors:
         return True
 
     def leave(self, visitor: Visitor) -> None:
-        """Its connection ended."""
         if visitor in self._visitors:
             del self._visitors[visitor]
         elif visitor in self._sockets:

@@ -59,7 +59,6 @@ class BoundedHttp(H11Protocol):
 
     @property
     def address(self) -> str:
-        """Where it comes from."""
         return address_of_peer(self.transport)
 
     @property
@@ -70,11 +69,9 @@ class BoundedHttp(H11Protocol):
         return self._phase != "answer"
 
     def give_way(self) -> None:
-        """End now."""
         self.transport.abort()
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
-        """A client connected."""
         super().connection_made(transport)
         if self._visitors.enter(self):
             self._look()
@@ -82,37 +79,31 @@ class BoundedHttp(H11Protocol):
             self._refuse(_BUSY)
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """It ended."""
         self._visitors.leave(self)
         self._cancel_timers()
         super().connection_lost(exc)
 
     def data_received(self, data: bytes) -> None:
-        """Bytes of a request."""
         super().data_received(data)
         self._look()
 
     def on_response_complete(self) -> None:
-        """An answer was given to the transport."""
         super().on_response_complete()
         self._visitors.served(self)
         self._look()
 
     def pause_writing(self) -> None:
-        """The client does not take what is sent."""
         super().pause_writing()
         self._stalled_since = self.loop.time()
         self._stalled = self.loop.call_later(STALLED_AFTER_S, self.give_way)
 
     def resume_writing(self) -> None:
-        """It does again."""
         super().resume_writing()
         self._stalled_since = None
         if self._stalled is not None:
             self._stalled.cancel()
 
     def handle_websocket_upgrade(self, event: h11.Request) -> None:
-        """Go on as a WebSocket."""
         if (problem := objection_to_header(event.target, self.headers)) is not None:
             self._refuse(problem)
             return
@@ -175,15 +166,12 @@ class BoundedHttp(H11Protocol):
 
 
 class BoundedWebSocket(WebSocketsSansIOProtocol):
-    """A WebSocket."""
-
     def __init__(self, *args: Any, visitors: Visitors, **options: Any) -> None:
         super().__init__(*args, **options)
         self._visitors = visitors
 
     @property
     def address(self) -> str:
-        """Where it comes from."""
         return address_of_peer(self.transport)
 
     @property
@@ -192,11 +180,9 @@ class BoundedWebSocket(WebSocketsSansIOProtocol):
         return False
 
     def give_way(self) -> None:
-        """End now."""
         self.transport.abort()
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """A connection asks to become one."""
         assert isinstance(transport, asyncio.Transport)
         http = transport.get_protocol()
         super().connection_made(transport)
@@ -204,12 +190,10 @@ class BoundedWebSocket(WebSocketsSansIOProtocol):
             self.app = _refuses
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """It ended."""
         self._visitors.leave(self)
         super().connection_lost(exc)
 
     async def send(self, message: Any) -> None:
-        """What the application says."""
         await super().send(message)
         if message["type"] == "websocket.http.response.body" and not message.get("more_body", False):
             # uvicorn takes a refusal in words for a handshake that was left out, and logs an error.
@@ -221,7 +205,6 @@ class BoundedWebSocket(WebSocketsSansIOProtocol):
         self.loop.call_later(LINGER_S, self.give_way)
 
     def send_receive_event_to_app(self) -> None:
-        """A message is whole."""
         if self.curr_msg_data_type == "text" and not self.close_sent:
             try:
                 b"".join(self.frames).decode()

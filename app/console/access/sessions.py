@@ -23,7 +23,6 @@ class Session:
 
     @property
     def held(self) -> bool:
-        """Whether a connection of it is open."""
         return bool(self._held)
 
     def hold(self, end: Callable[[], None]) -> Callable[[], None]:
@@ -38,7 +37,6 @@ class Session:
         return release
 
     def close(self) -> None:
-        """End every connection of it."""
         held, self._held = self._held, {}
         for end in held.values():
             end()

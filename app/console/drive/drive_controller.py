@@ -57,7 +57,8 @@ class Driving:
         self._notify = notify
         self._stopped = stopped
         self.recording = recording
-        self._lease = drive_lease.Lease()
+        #: Who drives, and until when.
+        self.lease = drive_lease.Lease()
         self._sequence = 0
         self._timer: asyncio.TimerHandle | None = None
         self._refused: set[str] = set()
@@ -66,24 +67,17 @@ class Driving:
         self._stopped_at = -math.inf
 
     @property
-    def lease(self) -> drive_lease.Lease:
-        """The current state: who drives, and until when."""
-        return self._lease
-
-    @property
     def drivable(self) -> bool:
-        """Whether an operator can drive here."""
         return self._channel is not None
 
     def handle(self, event: drive_lease.Event) -> None:
-        """Apply ``event`` to the lease, as of now."""
         if self._channel is None and isinstance(event, drive_lease.Drive | drive_lease.TakeControl):
             self._refuse(event.session)
             return
         if self._lost and isinstance(event, drive_lease.Drive) and event.held:
             event = replace(event, cause=LOST, lasting=True)
         now = self._clock.now()
-        self._lease, actions = drive_lease.step(self._lease, now, event)
+        self.lease, actions = drive_lease.step(self.lease, now, event)
         for action in actions:
             match action:
                 case drive_lease.Command(operator, held, linear, angular, override) if self._channel is not None:
@@ -142,7 +136,7 @@ class Driving:
 
     def on_guard_status(self, status: LinkStatus) -> None:
         """Take over the state of the guard's latch."""
-        if status.e_stopped != self._lease.e_stopped:
+        if status.e_stopped != self.lease.e_stopped:
             if status.e_stopped:
                 self._stopped_at = self._clock.now()
             self.handle(drive_lease.EmergencyStop(status.e_stopped))
@@ -152,15 +146,15 @@ class Driving:
     def body(self, lost: bool) -> None:
         """The body does not answer any more, or does again: the driver must press again, and no goal is left."""
         self._lost = lost
-        driver = self._lease.driver
-        if lost and driver is not None and self._lease.moving:
-            self.handle(drive_lease.Drive(driver, self._lease.sequence + 1, True, 0.0, 0.0))
+        driver = self.lease.driver
+        if lost and driver is not None and self.lease.moving:
+            self.handle(drive_lease.Drive(driver, self.lease.sequence + 1, True, 0.0, 0.0))
         self._stopped()
 
     def close(self) -> None:
         """Stop the driver, if there is one, and cancel the timer."""
-        if self._lease.driver is not None:
-            self.handle(drive_lease.ReleaseControl(self._lease.driver))
+        if self.lease.driver is not None:
+            self.handle(drive_lease.ReleaseControl(self.lease.driver))
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
@@ -179,7 +173,7 @@ class Driving:
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
-        due = drive_lease.deadline(self._lease)
+        due = drive_lease.deadline(self.lease)
         if due < math.inf:
             self._timer = asyncio.get_running_loop().call_later(max(0.0, due - now), self._tick)
 

@@ -54,7 +54,6 @@ class Presence:
             self._leaving = asyncio.get_running_loop().call_later(LINGER_S, self.withdraw)
 
     def withdraw(self) -> None:
-        """Take the desire back now."""
         if self._leaving is not None:
             self._leaving.cancel()
             self._leaving = None

@@ -12,7 +12,7 @@ from pathlib import Path
 import trimesh
 import viser
 
-from app.console.view.shapes import Color, visual_shapes
+from app.console.view.shapes import Color, merged, visual_shapes
 from app.robots.model import Joint, load_model
 
 OPACITY = 0.6
@@ -60,17 +60,10 @@ def _merged(model: Path) -> list[tuple[str, Color, trimesh.Trimesh]]:
     groups: dict[tuple[str, Color], list[trimesh.Trimesh]] = {}
     for shape in visual_shapes(model):
         groups.setdefault((shape.link, shape.color), []).append(shape.mesh)
-    merged = []
-    for (link, color), meshes in groups.items():
-        mesh = trimesh.util.concatenate(meshes)
-        assert isinstance(mesh, trimesh.Trimesh)
-        merged.append((link, color, mesh))
-    return merged
+    return [(link, color, merged(meshes)) for (link, color), meshes in groups.items()]
 
 
 class BodyNodes:
-    """One drawing of the body."""
-
     def __init__(self, joints: Mapping[str, Joint], frames: dict[str, viser.FrameHandle]) -> None:
         self._joints = joints
         self._frames = frames

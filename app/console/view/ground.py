@@ -21,6 +21,7 @@ from app.console.view.floor import KEEP_OUT, SLOW, Layer, cost_points, floor_lay
 from app.console.view.map_pose import MapPose
 from app.console.view.person_nodes import arrow_mesh
 from app.console.view.scene_state import World
+from app.console.view.shapes import merged
 from app.console.view.viewer_rate import Pace
 from app.messages import OccupancyGrid, PlannedPath, Zones
 
@@ -236,9 +237,7 @@ def flag_mesh() -> trimesh.Trimesh:
     foot = trimesh.creation.cylinder(radius=0.12, height=0.02, sections=24)
     corners = np.array([(0, 0, 0.9), (0, 0, 0.62), (0, 0.34, 0.76)], np.float64)
     flag = trimesh.Trimesh(corners, [(0, 1, 2)], process=False)
-    merged = trimesh.util.concatenate([pole, foot, flag])
-    assert isinstance(merged, trimesh.Trimesh)
-    return merged
+    return merged([pole, foot, flag])
 
 
 def heading_mesh() -> trimesh.Trimesh:

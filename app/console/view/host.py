@@ -69,9 +69,7 @@ class ViewHost:
 
     @property
     def port(self) -> int:
-        """The port on 127.0.0.1."""
         return int(self.server.get_port())
 
     def stop(self) -> None:
-        """End it."""
         self.server.stop()

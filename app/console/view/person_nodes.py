@@ -23,6 +23,7 @@ from app.console.view.marks import (
     face_marks,
     flash_mark,
 )
+from app.console.view.shapes import merged
 from app.messages import PlacedPercepts
 
 _FACE_COLOR = (70, 225, 140)
@@ -41,7 +42,7 @@ def arrow_mesh() -> trimesh.Trimesh:
     head = trimesh.creation.cone(radius=0.085, height=0.2, sections=12)
     # Its axis z becomes x.
     head.apply_transform(np.array([[0, 0, 1, 0.8], [0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 0, 1]], np.float64))
-    return _merged([shaft, head])
+    return merged([shaft, head])
 
 
 def frame_mesh() -> trimesh.Trimesh:
@@ -54,20 +55,14 @@ def frame_mesh() -> trimesh.Trimesh:
         across = trimesh.creation.box((_BAR_M, width + _BAR_M, _BAR_M))
         across.apply_translation((0, 0, side * height / 2))
         bars += [upright, across]
-    return _merged(bars)
+    return merged(bars)
 
 
 def ring_mesh() -> trimesh.Trimesh:
     """A flat ring around the origin, just over the floor."""
     ring = trimesh.creation.annulus(r_min=_RING_M[0], r_max=_RING_M[1], height=0.01, sections=40)
     ring.apply_translation((0, 0, 0.03))
-    return _merged([ring])
-
-
-def _merged(meshes: list[trimesh.Trimesh]) -> trimesh.Trimesh:
-    mesh = trimesh.util.concatenate(meshes)
-    assert isinstance(mesh, trimesh.Trimesh)
-    return mesh
+    return merged([ring])
 
 
 class _Marks(Generic[MarkT, NodesT]):

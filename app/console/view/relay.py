@@ -53,8 +53,6 @@ def wished_layers(frame: str | bytes) -> Layers | None:
 
 
 class _Typed(msgspec.Struct):
-    """The type of a viser message."""
-
     type: str
 
 

@@ -164,12 +164,10 @@ class Scene:
         self._due: dict[str, float] = {}
 
     def viewer_came(self, viewer: str, client: viser.ClientHandle) -> None:
-        """Give a new viewer its scene."""
         self._viewers[viewer] = ViewerScene(client, self._body, self._layers)
         self._due[viewer] = 0.0
 
     def viewer_left(self, viewer: str) -> None:
-        """Remove a viewer's scene."""
         self._viewers.pop(viewer, None)
         self._due.pop(viewer, None)
 

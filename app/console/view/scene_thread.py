@@ -71,7 +71,6 @@ class Painter:
         self._worker.shutdown()
 
     def statistics(self) -> PainterStatistics:
-        """The counters now."""
         return PainterStatistics(self._drawn, self._longest_s)
 
     def _ring(self) -> None:

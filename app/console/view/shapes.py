@@ -41,6 +41,13 @@ def visual_shapes(model: Path) -> list[Shape]:
     ]
 
 
+def merged(meshes: list[trimesh.Trimesh]) -> trimesh.Trimesh:
+    """Several meshes as one."""
+    mesh = trimesh.util.concatenate(meshes)
+    assert isinstance(mesh, trimesh.Trimesh)
+    return mesh
+
+
 def _shapes(visual: ElementTree.Element, link: str, named: Mapping[str, Color], model: Path) -> Iterator[Shape]:
     origin = visual.find("origin")
     xyz, rpy = ("0 0 0", "0 0 0") if origin is None else (origin.get("xyz", "0 0 0"), origin.get("rpy", "0 0 0"))

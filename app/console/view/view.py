@@ -112,7 +112,6 @@ class View:
             self._start()
 
     async def close(self) -> None:
-        """End viser and its thread."""
         self._end_watch()
         self._stop_feeding()
         if self._painter is not None:
@@ -154,7 +153,6 @@ class View:
 
     @property
     def looks(self) -> tuple[Look, ...]:
-        """Every open view."""
         return tuple(self._looks.values())
 
     def pace(self) -> dict[str, Pace]:
@@ -177,7 +175,6 @@ class View:
         return look
 
     def leave(self, look: Look) -> None:
-        """A connection of it ended."""
         look.connections -= 1
         if look.connections == 0:
             del self._looks[look.viewer]
@@ -189,7 +186,6 @@ class View:
         self._ports[port] = viewer
 
     def dismiss(self, port: int) -> None:
-        """That connection is over."""
         self._ports.pop(port, None)
 
     def set_layers(self, look: Look, costmap: bool | None) -> None:

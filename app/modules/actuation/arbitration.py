@@ -8,19 +8,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+
+from pydantic import BaseModel, Field
 
 from app.link import BaseLimits
 from app.messages import Twist
 
 
-@dataclass(frozen=True, slots=True)
-class Contender:
-    """A behavior that may drive: the input ``port`` its twists come in by, its name, and its priority (higher wins)."""
+class Contender(BaseModel, frozen=True, extra="forbid"):
+    """One behavior that may drive, and its priority."""
 
-    port: str
-    behavior: str
-    priority: int
+    input: str = Field(min_length=1, description="name of the input port its twists come in by")
+    behavior: str = Field(min_length=1, description="name of the behavior, as exploitation reports it")
+    priority: int = Field(description="the highest priority among those with a fresh command drives")
 
 
 def arbitrate(
@@ -33,7 +33,7 @@ def arbitrate(
     """
     winner: Contender | None = None
     for contender in contenders:
-        command = commands.get(contender.port)
+        command = commands.get(contender.input)
         # The comparison is written so that a NaN stamp is not fresh.
         if command is None or not abs(now - command.stamp) <= max_age_s:
             continue
@@ -41,7 +41,7 @@ def arbitrate(
             continue
         if winner is None or contender.priority > winner.priority:
             winner = contender
-    return None if winner is None else (winner.behavior, commands[winner.port])
+    return None if winner is None else (winner.behavior, commands[winner.input])
 
 
 def clamped(twist: Twist, limits: BaseLimits) -> Twist:

@@ -33,11 +33,9 @@ class CollisionContext:
         self._operator: OperatorDrive | None = None
 
     def scanned(self, scan: LaserScan) -> None:
-        """Take the newest scan."""
         self._scan, self._seen = scan, None
 
     def moved(self, odometry: Odometry) -> None:
-        """Take the newest odometry."""
         self._odometry = odometry
         self._poses.add(odometry.stamp, odometry.X_OB)
 

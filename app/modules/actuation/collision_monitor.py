@@ -20,6 +20,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from pydantic import BaseModel, Field
 
 from app.base.geometry import Pose2
 from app.link import BaseLimits
@@ -34,23 +35,17 @@ STANDING_MPS, STANDING_RADPS = 0.03, 0.08
 NEARED, NEARED_IN_TOUCH = 0.02, 0.25
 
 
-@dataclass(frozen=True, slots=True)
-class MonitorRules:
-    """Parameters of the monitor.
+class MonitorRules(BaseModel, frozen=True, extra="forbid"):
+    """Parameters of the collision monitor."""
 
-    ``margin_m``: added to the footprint on all sides. ``contact_s``: least time to contact. ``reaction_s``: time from a
-    laser ray to a reaction of the wheels. ``stale_s``: greatest age of a scan, and greatest advance of its stamp over
-    the clock. ``crawl_mps``, ``crawl_radps``: speeds allowed without knowledge of the surroundings. ``evidence``: least
-    number of points that make an obstacle; a single point may be noise.
-    """
-
-    margin_m: float = 0.05
-    contact_s: float = 1.0
-    reaction_s: float = 0.15
-    stale_s: float = 0.3
-    crawl_mps: float = 0.1
-    crawl_radps: float = 0.3
-    evidence: int = 2
+    margin_m: float = Field(0.05, ge=0, le=0.5, description="kept clear around the body's footprint")
+    contact_s: float = Field(1.0, ge=0.1, le=5, description="the least time to contact, at the speed driven")
+    reaction_s: float = Field(0.15, ge=0, le=1, description="from a ray of the laser to wheels that obey")
+    #: Also how far a scan's stamp may be ahead of the clock.
+    stale_s: float = Field(0.3, gt=0, le=1, description="without a younger scan nothing drives")
+    crawl_mps: float = Field(0.1, gt=0, le=0.2, description="allowed where the laser does not see, and by override")
+    crawl_radps: float = Field(0.3, gt=0, le=0.5, description="allowed likewise")
+    evidence: int = Field(2, ge=1, le=10, description="so many points make a thing; one alone may be noise")
 
 
 @dataclass(frozen=True, slots=True)

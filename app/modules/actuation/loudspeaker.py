@@ -18,8 +18,6 @@ from app.runtime.module import Module, ModuleContext
 
 
 class Loudspeaker(Module):
-    """Plays the operator's voice on the robot."""
-
     title = "Loudspeaker"
 
     _link: RobotLink

@@ -28,7 +28,7 @@ from functools import partial
 from types import MappingProxyType
 from typing import Literal, Self, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
 from app.link import BaseLimits, RobotDescription, RobotLink
 from app.messages import Exploitation, LaserScan, LinkStatus, Message, Odometry, OperatorDrive, Twist
@@ -45,46 +45,16 @@ M = TypeVar("M", bound=Message)
 PARTING_ZEROS = 3
 
 
-class ContenderSettings(BaseModel):
-    """One behavior that may drive, and its priority."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-    input: str = Field(min_length=1, description="name of the input port its twists come in by")
-    behavior: str = Field(min_length=1, description="name of the behavior, as exploitation reports it")
-    priority: int = Field(description="the highest priority among those with a fresh command drives")
-
-
-class MonitorSettings(BaseModel):
-    """Parameters of the collision monitor; see ``MonitorRules``."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-    margin_m: float = Field(0.05, ge=0, le=0.5, description="kept clear around the body's footprint")
-    contact_s: float = Field(1.0, ge=0.1, le=5, description="the least time to contact, at the speed driven")
-    reaction_s: float = Field(0.15, ge=0, le=1, description="from a ray of the laser to wheels that obey")
-    stale_s: float = Field(0.3, gt=0, le=1, description="without a younger scan nothing drives")
-    crawl_mps: float = Field(0.1, gt=0, le=0.2, description="allowed where the laser does not see, and by override")
-    crawl_radps: float = Field(0.3, gt=0, le=0.5, description="allowed likewise")
-    evidence: int = Field(2, ge=1, le=10, description="so many points make a thing; one alone may be noise")
-
-    def rules(self) -> MonitorRules:
-        """The parameters in the monitor's own type."""
-        return MonitorRules(**self.model_dump())
-
-
 _OWN_INPUTS = frozenset({"scans", "odometry", "operator"})
 
 
 class MobileBaseControlSettings(Settings):
-    """Settings of MobileBaseControl."""
-
-    behaviors: tuple[ContenderSettings, ...] = (ContenderSettings(input="teleop", behavior="Teleop", priority=1),)
+    behaviors: tuple[Contender, ...] = (Contender(input="teleop", behavior="Teleop", priority=1),)
     max_age_s: float = Field(0.25, gt=0, le=1, description="an older command is out")
     period_s: float = Field(0.1, gt=0, le=0.15, description="arbitration at least this often")
     by_hand: str = Field("Teleop", description="the behavior that the operator drives by, who alone may override")
     collision_monitor: Literal["on", "off"] = Field("on", description="off: nothing keeps it from hitting things")
-    monitor: MonitorSettings = Field(MonitorSettings(), description="the collision monitor, for bodies with a laser")
+    monitor: MonitorRules = Field(MonitorRules(), description="the collision monitor, for bodies with a laser")
 
     @model_validator(mode="after")
     def _distinct(self) -> Self:
@@ -97,8 +67,6 @@ class MobileBaseControlSettings(Settings):
 
 
 class MobileBaseControl(Module):
-    """Lets one behavior at a time drive the base, and publishes which."""
-
     title = "Mobile base control"
     streams = MappingProxyType({"status": "status"})
     Settings = MobileBaseControlSettings
@@ -110,10 +78,9 @@ class MobileBaseControl(Module):
         super().__init__(context)
         self.exploitation = self.output("exploitation", Exploitation)
         self.status = self.output("status", LinkStatus)
-        self._contenders = tuple(Contender(b.input, b.behavior, b.priority) for b in self.settings.behaviors)
-        for contender in self._contenders:
-            port = self.input(contender.port, Twist, always_open=True, moves=True)
-            self.on(port, partial(self._take, contender.port))
+        for contender in self.settings.behaviors:
+            port = self.input(contender.input, Twist, always_open=True, moves=True)
+            self.on(port, partial(self._take, contender.input))
         self._scans = self.input("scans", LaserScan, always_open=True)
         self.on(self._scans, self._take_scan)
         # Read when a command is limited, not on arrival.
@@ -149,7 +116,6 @@ class MobileBaseControl(Module):
         self._collision_context = self._start_collision_context()
 
     async def stop(self) -> None:
-        """Command the wheels to zero."""
         if self._release is not None:
             self._release()
             self._link.command(Twist(self.clock.now(), 0.0, 0.0))
@@ -172,16 +138,16 @@ class MobileBaseControl(Module):
             return None
         body = self._link.description
         try:
-            monitor = CollisionMonitor(body.footprint, body.limits, self.settings.monitor.rules())
+            monitor = CollisionMonitor(body.footprint, body.limits, self.settings.monitor)
         except ValueError as problem:
             raise ModuleFailed(f"{body.name}: {problem}") from None
         return CollisionContext(monitor, body.limits, self.settings.max_age_s)
 
-    async def _take(self, port: str, command: Twist) -> None:
+    def _take(self, port: str, command: Twist) -> None:
         self._commands[port] = command
         self._drive_and_report()
 
-    async def _take_scan(self, scan: LaserScan) -> None:
+    def _take_scan(self, scan: LaserScan) -> None:
         if self._collision_context is None:
             return
         self._collision_context.scanned(scan)
@@ -212,7 +178,7 @@ class MobileBaseControl(Module):
         self._gather()
         now = self.clock.now()
         limits = self._link.description.limits
-        choice = arbitrate(now, self._commands, self._contenders, self.settings.max_age_s)
+        choice = arbitrate(now, self._commands, self.settings.behaviors, self.settings.max_age_s)
         self._limited = ""
         if choice is None:
             self._driver = None

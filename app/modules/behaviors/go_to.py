@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from app.attention.desires import DesireClass
 from app.maps.zones import FURTHEST_M
 
 
-class GoToParameters(BaseModel):
-    """Parameters of a desire of class GoTo."""
-
-    model_config = ConfigDict(extra="forbid", title="Go to a place", allow_inf_nan=False)
-
+class GoToParameters(BaseModel, extra="forbid", title="Go to a place", allow_inf_nan=False):
     x: float = Field(ge=-FURTHEST_M, le=FURTHEST_M, title="x", description="Where to, in metres on the map.")
     y: float = Field(ge=-FURTHEST_M, le=FURTHEST_M, title="y", description="Where to, in metres on the map.")
     heading: float | None = Field(

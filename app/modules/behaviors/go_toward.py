@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 from pydantic import Field as Setting
 
-from app.base.geometry import Pose2
+from app.base.geometry import FloatArray, Pose2
 from app.messages import LaserScan, Localization, NavigationStatus, Odometry, Twist, Zones
 from app.modules.behaviors.go_to import GO_TO
 from app.modules.behaviors.navigation.controller import BodyModel, MotionState
@@ -51,15 +51,11 @@ _CHEAP = DynamicWindowSettings(samples=(7, 15), horizon_s=2.0, ahead_m=2.5, weig
 
 
 class GoTowardSettings(Settings):
-    """Settings of GoToward."""
-
     period_s: float = Setting(0.1, gt=0, le=0.2, description="one control cycle")
     fresh_s: float = Setting(0.3, gt=0, le=1, description="an older scan is not driven by")
 
 
 class GoToward(Module):
-    """Drives straight toward a place on the map."""
-
     title = "Go toward"
     desire_classes = (GO_TO,)
     Settings = GoTowardSettings
@@ -75,15 +71,15 @@ class GoToward(Module):
         self.zones = self.input("zones", Zones)
         self.twist = self.output("twist", Twist)
         self.status = self.output("status", NavigationStatus)
+        self._poses = LocalizationMonitor()
         self.on(self.scans, self._take_scan)
-        self.on(self.odometry, self._take_odometry)
-        self.on(self.localization, self._take_localization)
+        self.on(self.odometry, self._poses.add_odometry)
+        self.on(self.localization, self._poses.add_localization)
         self.on(self.zones, self._take_zones)
         self.every(self.settings.period_s, self._cycle)
-        self._poses = LocalizationMonitor()
         self._status_publisher = StatusPublisher(self.status.publish, self.log)
         self._scan: LaserScan | None = None
-        self._seen: tuple[float, np.ndarray[Any, np.dtype[np.float64]]] | None = None
+        self._seen: tuple[float, FloatArray] | None = None
         self._zones = Zones(0.0, ())
         self._goal: Goal | None = None
         self._aimed_at = -math.inf
@@ -105,17 +101,10 @@ class GoToward(Module):
         self._goal = goal_of(parameters, self._goal)
 
     def last_word(self, port: str) -> Twist | None:
-        """A stop, for the moment when attention closes the output."""
         return Twist(self.clock.now(), 0.0, 0.0) if port == "twist" else None
 
     async def _take_scan(self, scan: LaserScan) -> None:
         self._scan = scan
-
-    async def _take_odometry(self, odometry: Odometry) -> None:
-        self._poses.add_odometry(odometry)
-
-    async def _take_localization(self, localization: Localization) -> None:
-        self._poses.add_localization(localization)
 
     async def _take_zones(self, zones: Zones) -> None:
         self._zones = zones
@@ -158,13 +147,7 @@ class GoToward(Module):
         )
 
     def _decide(
-        self,
-        now: float,
-        goal: Goal,
-        motion: MotionState,
-        X_MO: Pose2,
-        seen: np.ndarray[Any, np.dtype[np.float64]],
-        zones: Zones,
+        self, now: float, goal: Goal, motion: MotionState, X_MO: Pose2, seen: FloatArray, zones: Zones
     ) -> TrackingStep:
         """One cycle, in the module's thread; all poses on the map."""
         path_tracker = self._path_tracker

@@ -50,8 +50,6 @@ def at_work(statuses: Sequence[NavigationStatus]) -> NavigationStatus | None:
 
 
 class NavigationReporter(Module):
-    """Publishes the report."""
-
     title = "Navigation report"
 
     def __init__(self, context: ModuleContext) -> None:
@@ -72,7 +70,7 @@ class NavigationReporter(Module):
             self.on(self.input(name, NavigationStatus, capacity=16, wants="if_wanted"), self._status_taker(name))
         self.on(self.input("path", PlannedPath, wants="if_wanted"), self._take_path)
         self.on(self.input("localization", Localization, wants="if_wanted"), self._take_localization)
-        self.every(PERIOD_S, self._beat)
+        self.every(PERIOD_S, self._publish)
 
     async def start(self) -> None:
         """Follow desires, and goals that are given up."""
@@ -117,9 +115,6 @@ class NavigationReporter(Module):
             self._given_up = None
         elif goal is not None and event.data.get("arrived") is False and self._desire() is None:
             self._given_up = _given_up(event, goal)
-        self._publish()
-
-    async def _beat(self) -> None:
         self._publish()
 
     # --- What goes out -----------------------------------------------------------------------------------------------

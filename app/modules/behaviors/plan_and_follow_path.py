@@ -115,8 +115,6 @@ class PlanAndFollowPathSettings(Settings):
 
 
 class PlanAndFollowPath(Module):
-    """Plans paths to goals on the map and follows them."""
-
     title = "Plan and follow path"
     desire_classes = (GO_TO,)
     Settings = PlanAndFollowPathSettings
@@ -138,15 +136,15 @@ class PlanAndFollowPath(Module):
         self.path = self.output("path", PlannedPath)
         self.status = self.output("status", NavigationStatus)
         self.costmap = self.output("costmap", OccupancyGrid)
+        self._poses = LocalizationMonitor()
         self.on(self.scans, self._take_scan)
         self.on(self.images, self._take_image)
-        self.on(self.odometry, self._take_odometry)
-        self.on(self.localization, self._take_localization)
+        self.on(self.odometry, self._poses.add_odometry)
+        self.on(self.localization, self._poses.add_localization)
         self.on(self.map, self._take_map)
         self.on(self.zones, self._take_zones)
         self.on(self.base, self._take_exploitation)
         self.every(self.settings.period_s, self._cycle)
-        self._poses = LocalizationMonitor()
         self._scan: LaserScan | None = None
         self._image: Image | None = None
         self._grid: OccupancyGrid | None = None
@@ -221,7 +219,6 @@ class PlanAndFollowPath(Module):
         self._goal = goal_of(parameters, self._goal)
 
     def last_word(self, port: str) -> Twist | None:
-        """A stop, for the moment when attention closes the output."""
         return Twist(self.clock.now(), 0.0, 0.0) if port == "twist" else None
 
     # --- inputs ---
@@ -231,12 +228,6 @@ class PlanAndFollowPath(Module):
 
     async def _take_image(self, image: Image) -> None:
         self._image = image
-
-    async def _take_odometry(self, odometry: Odometry) -> None:
-        self._poses.add_odometry(odometry)
-
-    async def _take_localization(self, localization: Localization) -> None:
-        self._poses.add_localization(localization)
 
     async def _take_map(self, grid: OccupancyGrid) -> None:
         self._grid = grid

@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from app.attention.desires import DesireClass
 from app.messages import OperatorDrive, Twist
@@ -33,11 +33,7 @@ class TeleopSettings(Settings):
     period_s: float = Field(0.025, gt=0, le=0.1, description="how often silence is looked for")
 
 
-class TeleoperationParameters(BaseModel):
-    """Parameters of a desire of class Teleoperation."""
-
-    model_config = ConfigDict(extra="forbid", title="Drive by hand")
-
+class TeleoperationParameters(BaseModel, extra="forbid", title="Drive by hand"):
     speed: float = Field(
         1.0,
         gt=0,
@@ -47,7 +43,6 @@ class TeleoperationParameters(BaseModel):
     )
 
 
-#: What can be desired of it.
 TELEOPERATION = DesireClass(
     name="Teleoperation",
     title="Drive by hand",
@@ -57,8 +52,6 @@ TELEOPERATION = DesireClass(
 
 
 class Teleop(Module):
-    """Scales an operator's commands into twists, and stops on release or timeout."""
-
     title = "Teleop"
     desire_classes = (TELEOPERATION,)
     Settings = TeleopSettings
@@ -77,7 +70,6 @@ class Teleop(Module):
         self.every(self.settings.period_s, self._beat)
 
     async def start(self) -> None:
-        """Read the body's limits."""
         self._gate = DriveGate(robot_link(self).description.limits, self.settings.timeout_s)
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
@@ -85,7 +77,6 @@ class Teleop(Module):
         self._speed = float(parameters.get("speed", 1.0))
 
     def last_word(self, port: str) -> Twist | None:
-        """A stop, for the moment when attention closes the output."""
         return Twist(self.clock.now(), 0.0, 0.0)
 
     async def _take(self, command: OperatorDrive) -> None:

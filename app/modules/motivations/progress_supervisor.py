@@ -17,7 +17,6 @@ given up and people are asked for help. Manual driving is no distress.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Self
 
 from pydantic import Field, model_validator
@@ -69,21 +68,10 @@ class ProgressSupervisorSettings(Settings):
         return self
 
     def times(self) -> DistressTimes:
-        """The thresholds alone."""
         return DistressTimes(self.insist_s, self.inhibit_s, self.give_up_s, self.unreachable_s, self.relief_s)
 
 
-@dataclass(frozen=True, slots=True)
-class _Insisted:
-    """A desire before and after its intensity was raised."""
-
-    before: Desire
-    after: Desire
-
-
 class ProgressSupervisor(Module):
-    """Removes fulfilled desires, and acts on goals without progress."""
-
     title = "Progress supervisor"
     Settings = ProgressSupervisorSettings
     settings: ProgressSupervisorSettings
@@ -105,11 +93,11 @@ class ProgressSupervisor(Module):
         self._distress = DistressState()
         #: Time at which each GoTo desire's parameters were given, by id: earlier statuses are not about them.
         self._given: dict[str, tuple[Pose2, float]] = {}
-        self._insisted: _Insisted | None = None
+        #: The desire insisted on, before and after its intensity was raised.
+        self._insisted: tuple[Desire, Desire] | None = None
         self._inhibiting: list[str] = []
 
     async def start(self) -> None:
-        """Look up the workspace and the timeline."""
         self._workspace = self.service(IntentionWorkspace)
         self._timeline = self.service(Timeline)
 
@@ -181,7 +169,7 @@ class ProgressSupervisor(Module):
                     intensity=max(desire.intensity, self.settings.intensity),
                     utility=max(desire.utility, self.settings.utility),
                 )
-                self._insisted = _Insisted(desire, after)
+                self._insisted = desire, after
             silenced = self._inhibit() if level is Level.INHIBITING else []
         text = f"Distress: {place(desire)} has come no nearer for {stuck_s:.0f} s; insists on it"
         if silenced:
@@ -208,7 +196,7 @@ class ProgressSupervisor(Module):
                 self._remove(desire_id)
             if insisted is None:
                 return
-            before, after = insisted.before, insisted.after
+            before, after = insisted
             try:
                 now = self._workspace.get(before.id)
             except UnknownDesire:
@@ -238,6 +226,5 @@ def goal_of(desire: Desire) -> Pose2:
 
 
 def place(desire: Desire) -> str:
-    """A goal as text."""
     goal = goal_of(desire)
     return f"({goal.x:.2f}, {goal.y:.2f})"

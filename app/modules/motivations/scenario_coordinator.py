@@ -20,7 +20,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from app.attention.desires import Source
 from app.attention.workspace import IntentionWorkspace, UnknownDesire
@@ -33,10 +33,8 @@ _BEAT_S = 0.25
 _AHEAD_S = 2 * _BEAT_S
 
 
-class DesireSettings(BaseModel):
+class DesireSettings(BaseModel, frozen=True, extra="forbid", populate_by_name=True):
     """One desire to post, from configuration."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", populate_by_name=True)
 
     cls: str = Field(alias="class", description="the desire class")
     intensity: float = Field(8, gt=0, le=8)
@@ -55,8 +53,6 @@ USUAL = (
 
 
 class ScenarioCoordinatorSettings(Settings):
-    """Settings of ScenarioCoordinator."""
-
     desires: tuple[DesireSettings, ...] | None = Field(
         None, description="what it desires from start to stop; none said: the usual ones, of the classes there are"
     )
@@ -65,8 +61,6 @@ class ScenarioCoordinatorSettings(Settings):
 
 
 class ScenarioCoordinator(Module):
-    """Posts and removes the scenario's desires; desires LocateVoices after a loud noise."""
-
     title = "Scenario coordinator"
     Settings = ScenarioCoordinatorSettings
     settings: ScenarioCoordinatorSettings
@@ -110,7 +104,6 @@ class ScenarioCoordinator(Module):
         self._posted = posted
 
     async def stop(self) -> None:
-        """Remove the posted desires that are left."""
         posted = [*self._posted, *([self._listening] if self._listening is not None else [])]
         if not posted:
             return

@@ -46,14 +46,11 @@ def amplified(samples: NDArray[np.int16], gain: float) -> NDArray[np.int16]:
 
 
 class AudioStreamSettings(Settings):
-    """Settings of AudioStream."""
-
     microphone: int | None = Field(None, ge=0, description="which microphone, from 0; none: the front one")
     gain_db: float = Field(12.0, ge=-40, le=40, description="made louder by so much")
     frame_s: float = Field(0.02, ge=0.005, le=0.2, description="a frame for people is at least so long")
 
 
-#: What can be desired of it.
 LISTEN = DesireClass(
     name="Listen",
     title="Hear through the robot's ears",
@@ -62,8 +59,6 @@ LISTEN = DesireClass(
 
 
 class AudioStream(Module):
-    """Publishes the front microphone's sound while a subscription is open."""
-
     title = "Sound for people"
     desire_classes = (LISTEN,)
     Settings = AudioStreamSettings

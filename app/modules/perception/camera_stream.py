@@ -40,15 +40,11 @@ def encode_jpeg(color: NDArray[np.uint8], quality: int, width: int | None = None
 
 
 class CameraStreamSettings(Settings):
-    """Settings of CameraStream."""
-
     jpeg_quality: int = Field(80, ge=1, le=100, description="used while no desire says another")
     width: int | None = Field(None, ge=16, description="widest picture (px); none: as the camera gives it")
 
 
 class CameraStream(Module):
-    """Encodes the camera's images while a subscription is open."""
-
     title = "Camera picture"
     desire_classes = (TELEPRESENCE,)
     Settings = CameraStreamSettings
@@ -66,7 +62,6 @@ class CameraStream(Module):
         use_calling_thread()
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
-        """Take ``jpeg_quality`` from the intention."""
         self._quality = int(parameters.get("jpeg_quality", self.settings.jpeg_quality))
 
     async def _encode(self, image: Image) -> None:

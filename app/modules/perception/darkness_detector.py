@@ -31,8 +31,6 @@ def mean_luma(color: NDArray[np.uint8], step: int) -> float:
 
 
 class DarknessDetectorSettings(Settings):
-    """Settings of DarknessDetector."""
-
     dark_below: float = Field(0.06, gt=0, lt=1, description="mean luma below which it is dark, 0 to 1")
     light_above: float = Field(0.10, gt=0, lt=1, description="mean luma above which it is light again")
     step: int = Field(8, ge=1, le=64, description="one pixel in so many is looked at, across and down")
@@ -52,8 +50,6 @@ DETECT_DARKNESS = DesireClass(
 
 
 class DarknessDetector(Module):
-    """Says with each image whether it is dark."""
-
     title = "Darkness detector"
     desire_classes = (DETECT_DARKNESS,)
     Settings = DarknessDetectorSettings

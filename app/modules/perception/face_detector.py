@@ -22,10 +22,9 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from app.attention.desires import DesireClass
-from app.base.geometry import Pose2
 from app.messages import Face, Faces, Image, Odometry, read_only
 from app.modules.perception.faces.face_position import FaceLocator, FaceSighting
 from app.modules.perception.faces.face_tracks import FaceTracks, PlacedFace, TrackModel, prepare
@@ -40,8 +39,6 @@ _NEXT_TRACK = "next track"
 
 
 class FaceDetectorSettings(Settings):
-    """Settings of FaceDetector."""
-
     min_score: float = Field(THRESHOLD, gt=0, lt=1, description="used while no desire says another")
     fine: bool = Field(True, description="used while no strategy says another")
     fine_px: int = Field(640, ge=64, le=4096, description="longest side of images without fisheye, looked at finely")
@@ -53,11 +50,7 @@ class FaceDetectorSettings(Settings):
     forget_s: float = Field(1.2, gt=0, description="a face not seen for longer has gone, and comes back as another")
 
 
-class LocateFacesParameters(BaseModel):
-    """Parameters of a desire of class LocateFaces."""
-
-    model_config = ConfigDict(extra="forbid", title="Locate faces")
-
+class LocateFacesParameters(BaseModel, extra="forbid", title="Locate faces"):
     min_score: float = Field(
         0.8,
         gt=0,
@@ -68,7 +61,6 @@ class LocateFacesParameters(BaseModel):
     )
 
 
-#: What can be desired of it.
 LOCATE_FACES = DesireClass(
     name="LocateFaces",
     title="Locate faces",
@@ -78,8 +70,6 @@ LOCATE_FACES = DesireClass(
 
 
 class FaceDetector(Module):
-    """Detects, places and tracks faces."""
-
     title = "Face detector"
     desire_classes = (LOCATE_FACES,)
     Settings = FaceDetectorSettings
@@ -91,15 +81,14 @@ class FaceDetector(Module):
         self._fine = self.settings.fine
         self._looker: FaceLocator | None = None
         self._tracks = FaceTracks()
-        self._poses = PoseAt(self.clock)
-        self._poseless = False
+        self._poses = PoseAt(self.clock, self.log, "faces are followed by their place in the image alone")
         self.images = self.input("images", Image)
         self.panorama = self.input("panorama", Image)
         self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True)
         self.faces = self.output("faces", Faces)
         self.on(self.images, self._detect)
         self.on(self.panorama, self._detect)
-        self.on(self.odometry, self._take_odometry)
+        self.on(self.odometry, self._poses.add)
 
     async def start(self) -> None:
         """Load the model; after a restart, continue with unused track numbers. Raises ModuleFailed."""
@@ -110,18 +99,12 @@ class FaceDetector(Module):
         self._tracks = FaceTracks(TrackModel(forget_s=self.settings.forget_s), self.persistent.get(_NEXT_TRACK, 1))
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
-        """Take ``min_score`` and ``fine`` from the intention."""
         self._min_score = float(parameters.get("min_score", self.settings.min_score))
         self._fine = bool(parameters.get("fine", self.settings.fine))
 
-    async def _take_odometry(self, odometry: Odometry) -> None:
-        self._poses.add(odometry)
-
     async def _detect(self, image: Image) -> None:
         sightings = await self.compute(self._find, image, self._min_score, self._fine)
-        X_OB = await self._poses.at(image.stamp) if sightings else None
-        if sightings:
-            self._report_pose(X_OB)
+        X_OB = await self._poses.logged_at(image.stamp) if sightings else None
         placed = self._tracks.see(image.stamp, image.frame, sightings, None if X_OB is None else X_OB.to_pose3())
         self.persistent[_NEXT_TRACK] = self._tracks.next
         faces = tuple(_face(sighting, where) for sighting, where in zip(sightings, placed, strict=True))
@@ -134,16 +117,6 @@ class FaceDetector(Module):
         self._looker.finder.threshold = min_score
         longest = settings.fine_px if fine else settings.coarse_px
         return self._looker.look(image, longest, settings.fine_px_per_rad if fine else settings.coarse_px_per_rad)
-
-    def _report_pose(self, X_OB: Pose2 | None) -> None:
-        if (X_OB is None) != self._poseless:
-            self._poseless = X_OB is None
-            if self._poseless:
-                self.log.warning(
-                    "faces are followed by their place in the image alone: odometry does not reach the images' stamps"
-                )
-            else:
-                self.log.info("odometry reaches the stamps of the images again")
 
 
 def _face(sighting: FaceSighting, placed: PlacedFace) -> Face:

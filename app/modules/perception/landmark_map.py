@@ -45,7 +45,6 @@ class LandmarkMap:
 
     @property
     def landmarks(self) -> tuple[Landmark, ...]:
-        """All landmarks."""
         return tuple(self._landmarks)
 
     def see(self, stamp: float, text: str, p_OQ: Point, range_m: float) -> Landmark:

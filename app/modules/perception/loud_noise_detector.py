@@ -19,7 +19,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from app.attention.desires import DesireClass
 from app.messages import Audio, LoudNoise
@@ -33,8 +33,6 @@ _CAPACITY = 94
 
 
 class LoudNoiseDetectorSettings(Settings):
-    """Settings of LoudNoiseDetector."""
-
     microphone: int = Field(0, ge=0, description="which channel of the sound is listened to: a front microphone")
     ratio: float = Field(20.0, gt=1, description="so many times the background's energy is loud; unless a desire says")
     hold_off_s: float = Field(0.25, ge=0, description="quiet between two noises; unless a desire says")
@@ -49,11 +47,7 @@ class LoudNoiseDetectorSettings(Settings):
     )
 
 
-class DetectNoisesParameters(BaseModel):
-    """Parameters of a desire of class DetectNoises."""
-
-    model_config = ConfigDict(extra="forbid", title="Detect loud noises")
-
+class DetectNoisesParameters(BaseModel, extra="forbid", title="Detect loud noises"):
     ratio: float = Field(
         20.0,
         ge=2,
@@ -70,7 +64,6 @@ class DetectNoisesParameters(BaseModel):
     )
 
 
-#: What can be desired of it.
 DETECT_NOISES = DesireClass(
     name="DetectNoises",
     title="Detect loud noises",
@@ -80,8 +73,6 @@ DETECT_NOISES = DesireClass(
 
 
 class LoudNoiseDetector(Module):
-    """Detects claps, calls and other sudden loud sounds."""
-
     title = "Loud noise detector"
     desire_classes = (DETECT_NOISES,)
     Settings = LoudNoiseDetectorSettings
@@ -102,7 +93,6 @@ class LoudNoiseDetector(Module):
         self.on(self.audio, self._listen)
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
-        """Take ``ratio`` and ``hold_off_s`` from the intention."""
         self._ratio = float(parameters.get("ratio", self.settings.ratio))
         self._hold_off_s = float(parameters.get("hold_off_s", self.settings.hold_off_s))
         if self._rate:

@@ -63,8 +63,6 @@ def _turned(a: Pose3, b: Pose3) -> bool:
 
 
 class PanoramaStreamSettings(CameraStreamSettings):
-    """Settings of PanoramaStream."""
-
     width: int = Field(640, ge=64, le=4096, description="px of the half circle")
     height: int = Field(384, ge=16, le=4096, description="px; the middle row is level")
 

@@ -67,8 +67,6 @@ class PerceptEventsSettings(Settings):
 
 
 class PerceptEvents(Module):
-    """Turns what perceptions report again and again into events."""
-
     title = "Percept events"
     aids = frozenset({"divisors"})
     Settings = PerceptEventsSettings
@@ -92,7 +90,7 @@ class PerceptEvents(Module):
         self.on(self.sources, self._hear)
         self.on(self.noises, self._startle)
         self.on(self.darkness, self._dim)
-        self.on(self.odometry, self._remember)
+        self.on(self.odometry, self._poses.add)
         self.on(self.divisors, self._learn)
         self.every(_BEAT_S, self._listen)
 
@@ -102,9 +100,6 @@ class PerceptEvents(Module):
         known = None if self.divisors.channel is None else self.divisors.channel.latest
         if known is not None:
             await self._learn(known)
-
-    async def _remember(self, odometry: Odometry) -> None:
-        self._poses.add(odometry)
 
     async def _learn(self, divisors: Divisors) -> None:
         phi = dict(zip(divisors.filters, divisors.divisors, strict=True))

@@ -94,7 +94,6 @@ class Percepts:
         self._placed: dict[float, Pose3] = {}
 
     def take(self, message: Odometry | Faces | QRCodes | SoundSources | LoudNoise | EncodedImage) -> None:
-        """Note one message."""
         match message:
             case Odometry():
                 self._poses.add(message.stamp, message.X_OB)
@@ -147,7 +146,6 @@ class Percepts:
         )
 
     def _fade(self, now: float) -> None:
-        """Forget what is over."""
         for face, (faces, _) in tuple(self._faces.items()):
             if now - faces.stamp > self._kept_for("faces", face[1]):
                 del self._faces[face]
@@ -227,8 +225,6 @@ class Percepts:
 
 
 class PerceptPlacer(Module):
-    """Places what is perceived."""
-
     title = "Percepts placed"
 
     def __init__(self, context: ModuleContext) -> None:
@@ -240,7 +236,7 @@ class PerceptPlacer(Module):
         self.on(self.input("codes", QRCodes, capacity=BURST, wants="if_wanted"), self._take)
         self.on(self.input("sounds", SoundSources, capacity=BURST, wants="if_wanted"), self._take)
         self.on(self.input("noises", LoudNoise, capacity=BURST, wants="if_wanted"), self._take)
-        self.on(self.input("panorama", EncodedImage, wants="never"), self._take_panorama)
+        self.on(self.input("panorama", EncodedImage, wants="never"), self._percepts.take)
         self.on(
             self.input("odometry", Odometry, capacity=BURST, always_open=True, wants="if_wanted"), self._take_odometry
         )
@@ -249,9 +245,6 @@ class PerceptPlacer(Module):
     async def _take(self, message: Faces | QRCodes | SoundSources | LoudNoise) -> None:
         self._percepts.take(message)
         await self._publish()
-
-    async def _take_panorama(self, picture: EncodedImage) -> None:
-        self._percepts.take(picture)
 
     async def _take_odometry(self, odometry: Odometry) -> None:
         self._percepts.take(odometry)

@@ -28,14 +28,10 @@ from app.runtime.module import Module, ModuleContext, Settings
 
 
 class PointCloudBuilderSettings(Settings):
-    """Settings of PointCloudBuilder."""
-
     max_points: int = Field(19_200, ge=1, description="used while no desire says another")
 
 
 class PointCloudBuilder(Module):
-    """Builds point clouds, each in the pose of its own instant."""
-
     title = "Point cloud"
     desire_classes = (TELEPRESENCE,)
     Settings = PointCloudBuilderSettings
@@ -44,29 +40,18 @@ class PointCloudBuilder(Module):
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
         self._max_points = self.settings.max_points
-        self._poses = PoseAt(self.clock)
-        self._poseless = False
+        self._poses = PoseAt(self.clock, self.log, "clouds are dropped")
         self.images = self.input("images", Image)
         self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True)
         self.clouds = self.output("clouds", PointCloud)
         self.on(self.images, self._build)
-        self.on(self.odometry, self._take_odometry)
+        self.on(self.odometry, self._poses.add)
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
-        """Take ``max_points`` from the intention."""
         self._max_points = int(parameters.get("max_points", self.settings.max_points))
-
-    async def _take_odometry(self, odometry: Odometry) -> None:
-        self._poses.add(odometry)
 
     async def _build(self, image: Image) -> None:
         points, colors = await self.compute(colored_cloud, image, self._max_points)
-        X_OB = await self._poses.at(image.stamp)
-        if (X_OB is None) != self._poseless:
-            self._poseless = X_OB is None
-            if self._poseless:
-                self.log.warning("clouds are dropped: odometry does not reach the stamps of the images")
-            else:
-                self.log.info("odometry reaches the stamps of the images again")
+        X_OB = await self._poses.logged_at(image.stamp)
         if X_OB is not None:
             self.clouds.publish(PointCloud(image.stamp, read_only(points), read_only(colors), X_OB))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 
 from app.base.geometry import Pose2
 from app.base.pose_buffer import PoseBuffer
@@ -13,12 +14,24 @@ from app.runtime.clock import Clock
 class PoseAt:
     """Poses X_OB by stamp: ``add`` each odometry message, ``await at(stamp)`` for the pose at exactly that instant.
 
-    Never the newest or nearest pose instead: between two odometry messages the pose is interpolated.
+    Never the newest or nearest pose instead: between two odometry messages the pose is interpolated. ``log`` gets
+    ``lost``, what is lost without a pose, when odometry ceases to reach ``stamps``, and a line when it does again.
     """
 
-    def __init__(self, clock: Clock, span_s: float = 10.0) -> None:
+    def __init__(
+        self,
+        clock: Clock,
+        log: logging.Logger | None = None,
+        lost: str = "",
+        stamps: str = "the stamps of the images",
+    ) -> None:
         self._clock = clock
-        self._buffer = PoseBuffer(span_s, tolerance_s=0.0)
+        self._log = log
+        self._lost = lost
+        self._stamps = stamps
+        #: Whether odometry did not reach the last stamp of :meth:`logged_at`.
+        self.late = False
+        self._buffer = PoseBuffer(span_s=10.0, tolerance_s=0.0)
         self._newest = float("-inf")
         self._arrived = asyncio.Event()
 
@@ -41,6 +54,17 @@ class PoseAt:
                 reached.cancel()
                 too_late.cancel()
         return self._buffer.at(stamp) if self._newest >= stamp else None
+
+    async def logged_at(self, stamp: float, patience_s: float = 0.5) -> Pose2 | None:
+        """As :meth:`at`, with a line in the log when odometry ceases or begins to reach the stamps."""
+        X_OB = await self.at(stamp, patience_s)
+        if (X_OB is None) != self.late and self._log is not None:
+            self.late = X_OB is None
+            if self.late:
+                self._log.warning("%s: odometry does not reach %s", self._lost, self._stamps)
+            else:
+                self._log.info("odometry reaches %s again", self._stamps)
+        return X_OB
 
     async def _reached(self, stamp: float) -> None:
         while self._newest < stamp:

@@ -13,7 +13,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from app.base.geometry import wrap_angle
 
@@ -24,10 +24,8 @@ Verb = Literal["appears", "leaves", "changes"]
 LONGEST_LOOK_S = 1.0
 
 
-class Hysteresis(BaseModel):
+class Hysteresis(BaseModel, frozen=True, extra="forbid", allow_inf_nan=False):
     """When a subject of one kind appears, leaves and changes."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     sightings: int = Field(1, ge=1, description="looks that show it before it appears")
     on_s: float = Field(0.0, ge=0, description="s of looking at it before it appears")

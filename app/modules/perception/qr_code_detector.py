@@ -32,7 +32,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from app.attention.desires import DesireClass
 from app.base.geometry import FisheyeModel, Pose2
@@ -50,8 +50,6 @@ _SCANS = 16
 
 
 class QRCodeDetectorSettings(Settings):
-    """Settings of QRCodeDetector."""
-
     upscale: bool = Field(True, description="used while no desire says another")
     patches: int = Field(4, ge=1, le=32, description="most patches of one panoramic image that are looked into")
     gate_m: float = Field(1.0, gt=0, description="the same text further away than this is another landmark")
@@ -67,11 +65,7 @@ class QRCodeDetectorSettings(Settings):
     )
 
 
-class FindQRCodesParameters(BaseModel):
-    """Parameters of a desire of class FindQRCodes."""
-
-    model_config = ConfigDict(extra="forbid", title="Find QR codes")
-
+class FindQRCodesParameters(BaseModel, extra="forbid", title="Find QR codes"):
     upscale: bool = Field(
         True,
         title="Second try enlarged",
@@ -80,7 +74,6 @@ class FindQRCodesParameters(BaseModel):
     )
 
 
-#: What can be desired of it.
 FIND_QR_CODES = DesireClass(
     name="FindQRCodes",
     title="Find QR codes",
@@ -90,8 +83,6 @@ FIND_QR_CODES = DesireClass(
 
 
 class QRCodeDetector(Module):
-    """Reads codes and keeps their positions."""
-
     title = "QR code detector"
     desire_classes = (FIND_QR_CODES,)
     auxiliary_inputs = frozenset({"scans"})
@@ -101,10 +92,9 @@ class QRCodeDetector(Module):
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
         self._upscale = self.settings.upscale
-        self._poses = PoseAt(self.clock)
+        self._poses = PoseAt(self.clock, self.log, "codes seen are not placed")
         self._map = LandmarkMap()
         self._published: Landmarks | None = None
-        self._poseless = False
         self._patches: FisheyePatches | None = None
         self._scans: deque[LaserScan] = deque(maxlen=_SCANS)
         self.images = self.input("images", Image)
@@ -115,8 +105,8 @@ class QRCodeDetector(Module):
         self.landmarks = self.output("landmarks", Landmarks)
         self.on(self.images, self._detect)
         self.on(self.panorama, self._detect)
-        self.on(self.scans, self._keep)
-        self.on(self.odometry, self._take_odometry)
+        self.on(self.scans, self._scans.append)
+        self.on(self.odometry, self._poses.add)
 
     async def start(self) -> None:
         """Keep OpenCV's work in the module's thread, and continue with the landmarks from before a restart."""
@@ -129,14 +119,7 @@ class QRCodeDetector(Module):
         )
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
-        """Take ``upscale`` from the intention."""
         self._upscale = bool(parameters.get("upscale", self.settings.upscale))
-
-    async def _take_odometry(self, odometry: Odometry) -> None:
-        self._poses.add(odometry)
-
-    async def _keep(self, scan: LaserScan) -> None:
-        self._scans.append(scan)
 
     async def _detect(self, image: Image) -> None:
         codes = await self._read(image)
@@ -146,13 +129,7 @@ class QRCodeDetector(Module):
             self.codes.publish(_of(image, codes))
             if not measured:
                 return
-        X_OB = await self._poses.at(image.stamp)
-        if (X_OB is None) != self._poseless:
-            self._poseless = X_OB is None
-            if self._poseless:
-                self.log.warning("codes seen are not placed: odometry does not reach the stamps of the images")
-            else:
-                self.log.info("odometry reaches the stamps of the images again")
+        X_OB = await self._poses.logged_at(image.stamp)
         if by_laser:
             await self._place_on_walls(image, X_OB, codes)
         elif X_OB is not None:

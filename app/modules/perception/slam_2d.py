@@ -65,8 +65,6 @@ _PATIENCE_S = 0.2
 
 
 class SLAM2DSettings(Settings):
-    """Settings of SLAM2D."""
-
     map: str = Field("", description="map in use at the start; none: an empty one")
     extend: bool = Field(False, description="whether that map grows")
     cell_m: float = Field(0.05, ge=0.01, le=1, description="side of a cell of the map")
@@ -77,7 +75,6 @@ class SLAM2DSettings(Settings):
     sure_after_s: float = Field(1.0, gt=0, description="time of fitting scans after which relocalization ends")
 
 
-#: What can be desired of it.
 MAP_AND_LOCALIZE = DesireClass(
     name="SLAM",
     title="Map and know where it is",
@@ -86,8 +83,6 @@ MAP_AND_LOCALIZE = DesireClass(
 
 
 class SLAM2D(Module):
-    """Maps, localizes the robot, and saves maps."""
-
     title = "SLAM 2D"
     desire_classes = (MAP_AND_LOCALIZE,)
     Settings = SLAM2DSettings
@@ -95,16 +90,15 @@ class SLAM2D(Module):
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
-        self._poses = PoseAt(self.clock)
+        self._poses = PoseAt(self.clock, self.log, "scans are of no use", "the stamps of scans")
         self._odometry: Odometry | None = None
-        self._poseless = False
         self._mapping = True
         self._rays = 1
         self._session: MapSession | None = None
-        self._name = ""
-        self._zones: tuple[Zone, ...] = ()
+        #: Of the map in use: its name ("" while it has none) and its zones.
+        self.map_name = ""
+        self.known_zones: tuple[Zone, ...] = ()
         self._published: Localization | None = None
-        self._restart_state = RestartState(self.persistent)
         self._fits = FitMonitor(self.settings.lost_after_s, self.settings.sure_after_s)
         #: Relocalization: requested, running, and its hypotheses.
         self._search_due = False
@@ -138,7 +132,7 @@ class SLAM2D(Module):
         map_server = MapServer(self, self.service(MapLibrary))
         control = self.service(MapControl)
         same = await self._take_first()
-        await control.resume(self._name, same=same)
+        await control.resume(self.map_name, same=same)
         self._working = asyncio.create_task(self._metered(self._work()), name=f"{self.name}, behind")
         self._working.add_done_callback(self._ended)
         self._detach = control.attach(map_server)
@@ -152,7 +146,6 @@ class SLAM2D(Module):
         await asyncio.to_thread(self._optimizer.close)
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
-        """Take ``mapping`` and ``rays`` from the intention."""
         self._mapping = bool(parameters.get("mapping", True))
         self._rays = max(1, int(parameters.get("rays", 1)))
 
@@ -163,13 +156,7 @@ class SLAM2D(Module):
         self._poses.add(odometry)
 
     async def _see(self, scan: LaserScan) -> None:
-        X_OB = await self._poses.at(scan.stamp, _PATIENCE_S)
-        if (X_OB is None) != self._poseless:
-            self._poseless = X_OB is None
-            if self._poseless:
-                self.log.warning("scans are of no use: odometry does not reach their stamps")
-            else:
-                self.log.info("odometry reaches the stamps of scans again")
+        X_OB = await self._poses.logged_at(scan.stamp, _PATIENCE_S)
         session = self._session
         if X_OB is None or session is None:
             return
@@ -242,7 +229,7 @@ class SLAM2D(Module):
 
     def _publish(self, place: Localization) -> None:
         covariance = read_only(np.array(place.covariance, np.float64))
-        self._published = replace(place, covariance=covariance, map=self._name)
+        self._published = replace(place, covariance=covariance, map=self.map_name)
         self.localization.publish(self._published)
 
     def _end_search(self) -> None:
@@ -307,7 +294,7 @@ class SLAM2D(Module):
             grid = await self.compute_background(session.drawn, glances, self.clock.now(), self._version + 1)
             if session is not self._session:
                 return
-            self._restart_state.grow(state)
+            self._restart_state.grown = state
             if grid is not None:
                 self._version = grid.version
                 self.map.publish(grid)
@@ -320,8 +307,12 @@ class SLAM2D(Module):
     # --- The map in use: interface of the map server ------------------------------------------------------------------
 
     @property
+    def _restart_state(self) -> RestartState:
+        state: RestartState = self.persistent.setdefault("map", RestartState())
+        return state
+
+    @property
     def session(self) -> MapSession:
-        """The map in use."""
         assert self._session is not None
         return self._session
 
@@ -330,20 +321,9 @@ class SLAM2D(Module):
         """Current pose of the robot by odometry."""
         return Pose2() if self._odometry is None else self._odometry.X_OB
 
-    @property
-    def map_name(self) -> str:
-        """The name of the map in use; "" while it has none."""
-        return self._name
-
     def call(self, name: str) -> None:
-        """Set the name of the map in use."""
-        self._name = name
-        self._restart_state.call(name)
-
-    @property
-    def known_zones(self) -> tuple[Zone, ...]:
-        """The zones of the map in use."""
-        return self._zones
+        self.map_name = name
+        self._restart_state.name, self._restart_state.known = name, True
 
     def new_session(self, kept: StoredMap | None, X_MO: Pose2 | None, grows: bool) -> MapSession:
         """*Behind.* A session on a saved map, or an empty one."""
@@ -373,8 +353,7 @@ class SLAM2D(Module):
             self._publish_search(now, self.X_OB)
 
     def mark(self, zones: tuple[Zone, ...]) -> None:
-        """Set and publish the zones of the map in use."""
-        self._zones = zones
+        self.known_zones = zones
         self.zones.publish(Zones(self.clock.now(), zones))
 
     def placed(self) -> None:
@@ -384,7 +363,6 @@ class SLAM2D(Module):
         self._fits.begin(doubted=True)
 
     def search(self) -> None:
-        """Start relocalization on the map in use."""
         self._end_search()
         self._search_due = True
         self._wake.set()

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from app.attention.desires import DesireClass
 
 
-class TelepresenceParameters(BaseModel):
-    """Parameters of a desire of class Telepresence."""
-
-    model_config = ConfigDict(extra="forbid", title="See through the robot's eyes")
-
+class TelepresenceParameters(BaseModel, extra="forbid", title="See through the robot's eyes"):
     max_points: int = Field(
         19_200, ge=1_000, le=76_800, title="Points", description="Most points of one coloured point cloud."
     )

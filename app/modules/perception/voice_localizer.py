@@ -26,7 +26,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from app.attention.desires import DesireClass
 from app.messages import Audio, Odometry, SeparatedSound, SoundSources
@@ -43,8 +43,6 @@ _NEXT_TRACK = "next track"
 
 
 class VoiceLocalizerSettings(Settings):
-    """Settings of VoiceLocalizer."""
-
     microphones: int | None = Field(
         None, ge=2, description="how many are used while no strategy says another; none: all there are"
     )
@@ -67,11 +65,7 @@ class _Wiring:
         return audio.rate == self.rate and (audio.p_BM is self.p_BM or np.array_equal(audio.p_BM, self.p_BM))
 
 
-class LocateVoicesParameters(BaseModel):
-    """Parameters of a desire of class LocateVoices."""
-
-    model_config = ConfigDict(extra="forbid", title="Locate voices")
-
+class LocateVoicesParameters(BaseModel, extra="forbid", title="Locate voices"):
     voices: int = Field(
         2,
         ge=1,
@@ -81,7 +75,6 @@ class LocateVoicesParameters(BaseModel):
     )
 
 
-#: What can be desired of it.
 LOCATE_VOICES = DesireClass(
     name="LocateVoices",
     title="Locate voices",
@@ -91,8 +84,6 @@ LOCATE_VOICES = DesireClass(
 
 
 class VoiceLocalizer(Module):
-    """Localizes, tracks, classifies and separates sounds."""
-
     title = "Voice localizer"
     desire_classes = (LOCATE_VOICES,)
     Settings = VoiceLocalizerSettings
@@ -102,9 +93,10 @@ class VoiceLocalizer(Module):
         super().__init__(context)
         self._microphones = self.settings.microphones
         self._wanted = PipelineSettings()
-        self._poses = PoseAt(self.clock)
+        self._poses = PoseAt(
+            self.clock, self.log, "sounds are followed as if the robot stood still", "the time of the sound"
+        )
         self._heading = 0.0
-        self._poseless = False
         self._overruns = Overruns(self.log, self.clock)
         self._wiring: _Wiring | None = None
         self._pipeline: VoicePipeline | None = None
@@ -118,7 +110,7 @@ class VoiceLocalizer(Module):
         self.sources = self.output("sources", SoundSources)
         self.separated = self.output("separated", SeparatedSound)
         self.on(self.audio, self._take_audio)
-        self.on(self.odometry, self._take_odometry)
+        self.on(self.odometry, self._poses.add)
 
     async def start(self) -> None:
         """Load the network of the voice activity detection."""
@@ -141,9 +133,6 @@ class VoiceLocalizer(Module):
     def overflowed(self, port: str, loss: InboxOverflow) -> None:
         """Lost sound is a gap, which the samples' numbers show."""
         self._overruns.lost(self.audio, loss)
-
-    async def _take_odometry(self, odometry: Odometry) -> None:
-        self._poses.add(odometry)
 
     async def _take_audio(self, audio: Audio) -> None:
         self._overruns.heard()
@@ -176,7 +165,6 @@ class VoiceLocalizer(Module):
                 )
 
     async def _process(self, pipeline: VoicePipeline, rate: int) -> None:
-        """Process one block of the waiting sound."""
         sound = np.concatenate(self._waiting)
         block, rest = sound[: pipeline.step], sound[pipeline.step :]
         stamp, first_sample = self._stamp, self._first_sample
@@ -194,13 +182,7 @@ class VoiceLocalizer(Module):
         if not self.odometry.connected:
             return 0.0
         # After one timeout there is no further waiting: sound continues.
-        X_OB = await self._poses.at(stamp, 0.0 if self._poseless else 0.5)
-        if (X_OB is None) != self._poseless:
-            self._poseless = X_OB is None
-            if self._poseless:
-                self.log.warning("sounds are followed as if the robot stood still: odometry does not reach their time")
-            else:
-                self.log.info("odometry reaches the time of the sound again")
+        X_OB = await self._poses.logged_at(stamp, 0.0 if self._poses.late else 0.5)
         if X_OB is not None:
             self._heading = X_OB.theta
         return self._heading

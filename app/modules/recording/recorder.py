@@ -19,7 +19,7 @@ from collections.abc import Awaitable, Callable, Coroutine, Mapping
 from contextlib import suppress
 from typing import Annotated, Any, ClassVar
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, Field
 
 from app.attention.desires import DesireClass
 from app.attention.timeline import EventKind
@@ -52,10 +52,8 @@ LARGE_INBOX = 32
 LARGE = (Image, PointCloud)
 
 
-class EventPattern(BaseModel):
+class EventPattern(BaseModel, frozen=True, extra="forbid"):
     """A pattern of timeline events: their kind, and their subject if one is named."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     kind: EventKind
     subject: str | None = None
@@ -78,11 +76,7 @@ class RecorderSettings(Settings):
     save_after_s: float = Field(5, ge=0, description="... this long after them, so that what followed is kept too")
 
 
-class RecordParameters(BaseModel):
-    """Parameters of a desire of class Record."""
-
-    model_config = ConfigDict(extra="forbid", title="Record")
-
+class RecordParameters(BaseModel, extra="forbid", title="Record"):
     name: Annotated[str, AfterValidator(name_or_nothing)] = Field(
         "",
         json_schema_extra={"pattern": NAME_PATTERN, "maxLength": LONGEST_NAME},
@@ -99,7 +93,6 @@ class RecordParameters(BaseModel):
     )
 
 
-#: What can be desired of it.
 RECORD = DesireClass(
     name="Record",
     title="Record",
@@ -109,8 +102,6 @@ RECORD = DesireClass(
 
 
 class Recorder(Module):
-    """Writes every message it is given into a log."""
-
     title = "Recorder"
     desire_classes = (RECORD,)
     #: Opens files; tests replace it by a disk that fails.
@@ -126,7 +117,7 @@ class Recorder(Module):
         self._inputs = context.inputs
         for port in context.inputs.values():
             self.on(port, self._taker(port))
-        self.every(1.0, self._beat)
+        self.every(1.0, self._publish)
         self._writer: RecordingWriter | None = None
         self._ending: list[RecordingWriter] = []
         self._reported: list[RecordingWriter] = []
@@ -298,9 +289,6 @@ class Recorder(Module):
         return states
 
     # --- status ---
-
-    async def _beat(self) -> None:
-        self._publish()
 
     def _changed_in_thread(self) -> None:
         with suppress(RuntimeError):  # the loop is closed: the status has no subscriber any more

@@ -13,19 +13,8 @@ from types import MappingProxyType
 
 from app.messages import Image
 from app.modules.stream_module import StreamModule
-from app.runtime.module import ModuleContext
 
 
 class Camera(StreamModule):
-    """The body's ``camera`` stream on a channel."""
-
     title = "Camera"
-    streams = MappingProxyType({"images": "camera"})
-
-    def __init__(self, context: ModuleContext) -> None:
-        super().__init__(context)
-        self.images = self.output("images", Image)
-
-    async def start(self) -> None:
-        """Attach to the body's stream. Raises ModuleFailed for a body without a camera."""
-        self.relay("camera", self.images, lazy=True)
+    relays = MappingProxyType({"images": ("camera", Image)})

@@ -13,19 +13,8 @@ from types import MappingProxyType
 
 from app.messages import LaserScan
 from app.modules.stream_module import StreamModule
-from app.runtime.module import ModuleContext
 
 
 class Hokuyo(StreamModule):
-    """The body's ``hokuyo`` stream on a channel."""
-
     title = "Hokuyo laser"
-    streams = MappingProxyType({"scans": "hokuyo"})
-
-    def __init__(self, context: ModuleContext) -> None:
-        super().__init__(context)
-        self.scans = self.output("scans", LaserScan)
-
-    async def start(self) -> None:
-        """Attach to the body's stream. Raises ModuleFailed for a body without a laser."""
-        self.relay("hokuyo", self.scans, lazy=True)
+    relays = MappingProxyType({"scans": ("hokuyo", LaserScan)})

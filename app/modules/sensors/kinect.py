@@ -14,19 +14,8 @@ from types import MappingProxyType
 
 from app.messages import Image
 from app.modules.stream_module import StreamModule
-from app.runtime.module import ModuleContext
 
 
 class Kinect(StreamModule):
-    """The body's ``kinect`` stream on a channel."""
-
     title = "Kinect"
-    streams = MappingProxyType({"images": "kinect"})
-
-    def __init__(self, context: ModuleContext) -> None:
-        super().__init__(context)
-        self.images = self.output("images", Image)
-
-    async def start(self) -> None:
-        """Attach to the body's stream. Raises ModuleFailed for a body without a Kinect."""
-        self.relay("kinect", self.images, lazy=True)
+    relays = MappingProxyType({"images": ("kinect", Image)})

@@ -14,19 +14,8 @@ from types import MappingProxyType
 
 from app.messages import Audio
 from app.modules.stream_module import StreamModule
-from app.runtime.module import ModuleContext
 
 
 class Microphones(StreamModule):
-    """The body's ``microphones`` stream on a channel."""
-
     title = "Microphones"
-    streams = MappingProxyType({"audio": "microphones"})
-
-    def __init__(self, context: ModuleContext) -> None:
-        super().__init__(context)
-        self.audio = self.output("audio", Audio)
-
-    async def start(self) -> None:
-        """Attach to the body's stream. Raises ModuleFailed for a body without microphones."""
-        self.relay("microphones", self.audio, lazy=True)
+    relays = MappingProxyType({"audio": ("microphones", Audio)})

@@ -14,21 +14,8 @@ from types import MappingProxyType
 
 from app.messages import JointState, Odometry
 from app.modules.stream_module import StreamModule
-from app.runtime.module import ModuleContext
 
 
 class WheelOdometry(StreamModule):
-    """The body's ``odometry`` and ``joints`` streams on channels."""
-
     title = "Wheel odometry"
-    streams = MappingProxyType({"odometry": "odometry", "joints": "joints"})
-
-    def __init__(self, context: ModuleContext) -> None:
-        super().__init__(context)
-        self.odometry = self.output("odometry", Odometry)
-        self.joints = self.output("joints", JointState)
-
-    async def start(self) -> None:
-        """Attach to the body's streams. Raises ModuleFailed for a body without odometry or joints."""
-        self.relay("odometry", self.odometry)
-        self.relay("joints", self.joints)
+    relays = MappingProxyType({"odometry": ("odometry", Odometry), "joints": ("joints", JointState)})

@@ -56,7 +56,6 @@ class RobotSimulation:
         self.data.ctrl[self.right_wheel] = (velocity.linear_mps + turn) / base.wheel_radius_m
 
     def step(self) -> None:
-        """Advance by one time step."""
         mujoco.mj_step(self.model, self.data)
 
     @property

@@ -11,7 +11,6 @@ from app.robots.simulated.kinect_noise import camera_model
 
 
 def fisheye_model(config: ImvConfig) -> FisheyeModel:
-    """The configured lens."""
     horizontal, vertical = (math.radians(angle) for angle in config.fov_deg)
     return FisheyeModel.from_fov(config.width, config.height, horizontal, vertical)
 
@@ -28,7 +27,6 @@ def lenses(robot: RobotConfig) -> dict[str, tuple[str, CameraModel | FisheyeMode
 
 
 def picture_formats(robot: RobotConfig) -> dict[str, PictureFormat]:
-    """Image format of each camera."""
     return {
         stream: PictureFormat(lens.width, lens.height, has_depth=isinstance(lens, CameraModel))
         for stream, (_, lens) in lenses(robot).items()

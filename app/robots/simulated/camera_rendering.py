@@ -24,15 +24,11 @@ from app.robots.simulated.renderer import FrameRect, PerspectiveView, Renderer, 
 
 
 class CameraRenderer(Protocol):
-    """Renders one camera."""
-
     def draw(self, snapshot: WorldSnapshot) -> Iterator[None]:
         """Draw ``snapshot``; each step is a part of the work, of a few milliseconds."""
-        ...
 
     def measure(self, color: NDArray[np.uint8], depth: NDArray[np.uint16] | None) -> None:
         """Write the sensor's output for the last image."""
-        ...
 
 
 class ChangeDetector:
@@ -76,7 +72,6 @@ class KinectRenderer:
         renderer.reserve(width, height)
 
     def draw(self, snapshot: WorldSnapshot) -> Iterator[None]:
-        """Draw ``snapshot``, in one part."""
         if self._watch.changed(snapshot, (self._view,)):
             self._renderer.draw(snapshot, self._camera, self._view)
             self._renderer.read(self.place, self._color, self._depth)

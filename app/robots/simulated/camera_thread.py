@@ -88,7 +88,6 @@ class CameraThread:
             self._condition.notify()
 
     def close(self, timeout_s: float) -> None:
-        """End the thread after its current image."""
         with self._condition:
             self._ending = True
             self._condition.notify()

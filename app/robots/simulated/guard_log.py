@@ -33,7 +33,6 @@ class GuardLog:
         self._thread.start()
 
     def write(self, monotonic_s: float, linear_mps: float, angular_radps: float) -> None:
-        """Append one row."""
         self._rows.put(_ROW.pack(monotonic_s, linear_mps, angular_radps))
 
     def close(self, timeout_s: float = 0.3) -> None:
@@ -48,7 +47,6 @@ class GuardLog:
 
 
 def read_guard_log(path: Path) -> list[GuardRow]:
-    """Every whole row of the file, in order."""
     data = path.read_bytes()
     whole = len(data) - len(data) % _ROW.size
     return [GuardRow(*row) for row in _ROW.iter_unpack(data[:whole])]

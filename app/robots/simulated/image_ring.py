@@ -33,7 +33,6 @@ class PictureFormat:
 
     @property
     def slot_bytes(self) -> int:
-        """Bytes of one slot."""
         return _HEADER_BYTES + -(-(5 if self.has_depth else 3) * self.width * self.height // 64) * 64
 
 
@@ -68,11 +67,9 @@ class ImageRings:
             offset += SLOTS * picture.slot_bytes
 
     def read(self, stream: str, slot: int, sequence: int) -> tuple[NDArray[np.uint8], NDArray[np.uint16] | None] | None:
-        """Reader: see :meth:`ImageRing.read`."""
         return self.rings[stream].read(slot, sequence)
 
     def close(self) -> None:
-        """Release the memory."""
         for ring in self.rings.values():
             ring.release()
         self._map.close()

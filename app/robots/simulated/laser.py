@@ -59,7 +59,6 @@ class Laser:
 
     @property
     def sweeping(self) -> bool:
-        """Whether a scan is in progress."""
         return self._cast_fans < len(self._fans) - 1
 
     def begin(self, stamp: float) -> None:

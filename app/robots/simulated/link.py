@@ -41,11 +41,57 @@ START_TIMEOUT_S = 20.0
 STOP_TIMEOUT_S = 0.6
 _UNSENT_BYTES = 4096
 _LAST_LINES = 12
+#: The arrays of a body's messages, which no subscriber may change.
+_ARRAYS = {
+    LaserScan: ("ranges", "intensities"),
+    Audio: ("samples", "p_BM"),
+    Image: ("color", "depth"),
+}
 
 log = logging.getLogger(__name__)
 
 
-class SimulatedLink:
+class SimulatedBody:
+    """What both links of a simulated robot share; :meth:`_send` takes one of ``wire``'s messages to its world."""
+
+    def __init__(self, robot: RobotConfig, world: WorldConfig, scenario: ScenarioConfig | None) -> None:
+        self._robot = robot
+        self._world = world
+        self._scenario = scenario
+        self.description = describe(robot)
+        #: ``X_WO``: pose of odometry's origin in the world, as configured.
+        self.start_pose = Pose2(robot.start.x, robot.start.y, math.radians(robot.start.heading_deg))
+        self._receivers = Receivers(self.description)
+        #: Why the emergency stop is latched, also beyond a restart of the link.
+        self._e_stop: str | None = None
+
+    def _send(self, frame: object) -> None:
+        raise NotImplementedError
+
+    def attach(self, stream: str, receive: Callable[[Any], None]) -> Callable[[], None]:
+        return self._receivers.attach(stream, receive)
+
+    def demand(self, stream: str, wanted: bool) -> None:
+        if self._receivers.demand(stream, wanted):
+            self._send(wire.Demand(stream, wanted))
+
+    def e_stop(self, reason: str) -> None:
+        if self._e_stop is None:
+            self._e_stop = reason
+        self._send(wire.EStop(reason))
+
+    def clear_e_stop(self) -> None:
+        self._e_stop = None
+        self._send(wire.ClearEStop())
+
+    def _receive(self, stream: str, message: object) -> None:
+        for name in _ARRAYS.get(type(message), ()):
+            if (array := getattr(message, name)) is not None:
+                read_only(array)
+        self._receivers.deliver(stream, message)
+
+
+class SimulatedLink(SimulatedBody):
     """Implements ``app.link.RobotLink`` for a robot in a simulated world.
 
     ``clock_offset`` (s) makes the robot's clock of ``time.monotonic()``, in the program and in the link alike.
@@ -54,28 +100,12 @@ class SimulatedLink:
     def __init__(
         self, robot: RobotConfig, world: WorldConfig, clock_offset: float, scenario: ScenarioConfig | None = None
     ) -> None:
-        self._robot = robot
-        self._scenario = scenario
-        self._world = world
+        super().__init__(robot, world, scenario)
         self._clock_offset = clock_offset
-        self._description = describe(robot)
         self._lenses = lenses(robot)
-        self._receivers = Receivers(self._description)
         self._session: _Session | None = None
-        self._e_stop: str | None = None
         self.images_overwritten = 0
         self.commands_dropped = 0
-
-    @property
-    def description(self) -> RobotDescription:
-        """What this body is; known before :meth:`start`."""
-        return self._description
-
-    @property
-    def start_pose(self) -> Pose2:
-        """``X_WO``: pose of odometry's origin in the world, as configured."""
-        start = self._robot.start
-        return Pose2(start.x, start.y, math.radians(start.heading_deg))
 
     @property
     def process_id(self) -> int | None:
@@ -90,7 +120,7 @@ class SimulatedLink:
             await self._release()
         if picture_formats(self._robot) and (problem := check_gl()):
             raise LinkFailed(problem)
-        session = await _Session.open(self._robot, self._receive)
+        session = await _Session.open(self._robot, self._take)
         self._session = session
         wanted = frozenset(self._receivers.wanted)
         session.send(
@@ -121,19 +151,9 @@ class SimulatedLink:
             await self._release()
 
     async def wait_failed(self) -> LinkFailed:
-        """Wait until the process ends unexpectedly; return why."""
         if self._session is None:
             return LinkFailed("The simulated robot was not started.")
         return await self._session.wait_failed()
-
-    def attach(self, stream: str, receive: Callable[[Any], None]) -> Callable[[], None]:
-        """Call ``receive(message)`` on the loop for each message of ``stream``; returns the detacher."""
-        return self._receivers.attach(stream, receive)
-
-    def demand(self, stream: str, wanted: bool) -> None:
-        """Set whether ``stream`` has subscribers; also before :meth:`start`."""
-        if self._receivers.demand(stream, wanted) and self._session is not None:
-            self._session.send(wire.Demand(stream, wanted))
 
     def command(self, twist: Twist) -> None:
         """Give the base a velocity; dropped while a frozen link does not read: it would arrive too late."""
@@ -143,38 +163,22 @@ class SimulatedLink:
         self._session.send(wire.DriveRequest(twist.stamp, twist.linear_mps, twist.angular_radps))
 
     def play(self, audio: Audio) -> None:
-        """Play one frame through the loudspeaker."""
         if self._session is not None and self._session.unsent_bytes <= _UNSENT_BYTES:
             self._session.send(wire.Play(audio))
 
-    def e_stop(self, reason: str) -> None:
-        """Latch the emergency stop, also beyond a restart of the link."""
-        if self._e_stop is None:
-            self._e_stop = reason
+    def _send(self, frame: object) -> None:
         if self._session is not None:
-            self._session.send(wire.EStop(reason))
-
-    def clear_e_stop(self) -> None:
-        """Release the latch."""
-        self._e_stop = None
-        if self._session is not None:
-            self._session.send(wire.ClearEStop())
+            self._session.send(frame)
 
     async def _release(self) -> None:
         session, self._session = self._session, None
         if session is not None:
             await session.close()
 
-    def _receive(self, frame: Any) -> None:
+    def _take(self, frame: Any) -> None:
         match frame:
             case wire.Sample(stream, message):
-                if isinstance(message, LaserScan):
-                    read_only(message.ranges)
-                    read_only(message.intensities)
-                elif isinstance(message, Audio):
-                    read_only(message.samples)
-                    read_only(message.p_BM)
-                self._receivers.deliver(stream, message)
+                self._receive(stream, message)
             case wire.ImageNotice():
                 self._deliver_image(frame)
 
@@ -201,12 +205,8 @@ def describe(robot: RobotConfig) -> RobotDescription:
         ("joints", JointState, streams.joints.rate_hz),
         ("status", LinkStatus, streams.status.rate_hz),
     ]
-    if streams.kinect is not None:
-        table.append(("kinect", Image, streams.kinect.rate_hz))
-    if streams.imv is not None:
-        table.append(("imv", Image, streams.imv.rate_hz))
-    if streams.hokuyo is not None:
-        table.append(("hokuyo", LaserScan, streams.hokuyo.rate_hz))
+    sensors = (("kinect", Image, streams.kinect), ("imv", Image, streams.imv), ("hokuyo", LaserScan, streams.hokuyo))
+    table += [(name, kind, sensor.rate_hz) for name, kind, sensor in sensors if sensor is not None]
     if streams.microphones is not None:
         rate_hz = streams.microphones.rate / streams.microphones.frame_samples
         table.append(("microphones", Audio, rate_hz))
@@ -269,7 +269,6 @@ class _Session(asyncio.Protocol):
 
     @property
     def ended(self) -> bool:
-        """Whether the process is gone."""
         return self._ended.done()
 
     @property
@@ -278,12 +277,10 @@ class _Session(asyncio.Protocol):
         return self._transport.get_write_buffer_size() if self._transport is not None else 0
 
     def send(self, frame: Any) -> None:
-        """Write ``frame``; never waits."""
         if self._transport is not None and not self._transport.is_closing():
             self._transport.write(wire.encode(frame))
 
     def expect_end(self) -> None:
-        """The end of the process is no failure from now on."""
         self._expected = True
 
     async def wait_running(self) -> None:
@@ -297,7 +294,6 @@ class _Session(asyncio.Protocol):
             running.cancel()
 
     async def wait_failed(self) -> LinkFailed:
-        """Wait for the end of the process; return its reason."""
         failure: LinkFailed = await asyncio.shield(self._ended)
         return failure
 
@@ -319,12 +315,10 @@ class _Session(asyncio.Protocol):
     # asyncio.Protocol
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """The socket is ready."""
         assert isinstance(transport, asyncio.Transport)
         self._transport = transport
 
     def data_received(self, data: bytes) -> None:
-        """Frames arrive."""
         for frame in self._reader.feed(data):
             if isinstance(frame, wire.Sample) and not self._running.is_set():
                 self._running.set()

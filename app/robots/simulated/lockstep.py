@@ -21,22 +21,19 @@ then rendered while time is stopped, and arrive with their step. There is no lou
 from __future__ import annotations
 
 import asyncio
-import math
 import os
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from app.base.errors import ConfigError
 from app.base.geometry import Pose2
-from app.link import LinkFailed, RobotDescription
-from app.messages import Audio, Image, LaserScan, PersonTruth, Twist, read_only
+from app.link import LinkFailed
+from app.messages import Audio, PersonTruth, Twist
 from app.robots.config import RobotConfig
-from app.robots.receivers import Receivers
 from app.robots.simulated import wire
 from app.robots.simulated.camera_models import picture_formats
 from app.robots.simulated.contacts import Contact
 from app.robots.simulated.gl import GlUnavailable, check_gl, gl_environment
-from app.robots.simulated.link import describe
+from app.robots.simulated.link import SimulatedBody
 from app.robots.simulated.scenery.scenario_config import ScenarioConfig
 from app.robots.simulated.world_config import WorldConfig
 from app.runtime.clock import Clock
@@ -45,7 +42,7 @@ if TYPE_CHECKING:  # MuJoCo looks for its OpenGL library when it is imported
     from app.robots.simulated.lockstep_world import LockstepWorld
 
 
-class LockstepLink:
+class LockstepLink(SimulatedBody):
     """Implements ``app.link.RobotLink`` for a robot in a world that steps on ``clock``."""
 
     def __init__(
@@ -58,26 +55,10 @@ class LockstepLink:
         cameras: bool = False,
         microphones: bool = False,
     ) -> None:
-        self._robot = without_threads(robot, cameras=cameras, microphones=microphones)
-        self._world = world
-        self._scenario = scenario
+        super().__init__(without_threads(robot, cameras=cameras, microphones=microphones), world, scenario)
         self._clock = clock
-        self._description = describe(self._robot)
-        self._receivers = Receivers(self._description)
-        self._e_stop: str | None = None
         self._simulation: LockstepWorld | None = None
         self._turning: asyncio.Task[None] | None = None
-
-    @property
-    def description(self) -> RobotDescription:
-        """What this body is; known before :meth:`start`."""
-        return self._description
-
-    @property
-    def start_pose(self) -> Pose2:
-        """``X_WO``: pose of odometry's origin in the world, as configured."""
-        start = self._robot.start
-        return Pose2(start.x, start.y, math.radians(start.heading_deg))
 
     # Ground truth for tests and experiments; modules do not know this class.
 
@@ -87,7 +68,6 @@ class LockstepLink:
 
     @property
     def people(self) -> tuple[PersonTruth, ...]:
-        """All people in the world now."""
         return self._simulation.scenario_state.people if self._simulation is not None else ()
 
     @property
@@ -119,7 +99,6 @@ class LockstepLink:
         self._turning = asyncio.create_task(self._turn(self._simulation), name="world in lockstep")
 
     async def stop(self) -> None:
-        """Stop the wheels, release everything; idempotent."""
         turning, self._turning = self._turning, None
         simulation, self._simulation = self._simulation, None
         if turning is not None:
@@ -129,7 +108,6 @@ class LockstepLink:
             simulation.close()
 
     async def wait_failed(self) -> LinkFailed:
-        """Wait until the world fails; return why."""
         if self._turning is None:
             return LinkFailed("The simulated robot was not started.")
         turning = self._turning
@@ -139,49 +117,15 @@ class LockstepLink:
         failure.__cause__ = error
         return failure
 
-    def attach(self, stream: str, receive: Callable[[Any], None]) -> Callable[[], None]:
-        """Call ``receive(message)`` for each message of ``stream``; returns the detacher."""
-        return self._receivers.attach(stream, receive)
-
-    def demand(self, stream: str, wanted: bool) -> None:
-        """Set whether ``stream`` has subscribers; also before :meth:`start`."""
-        if self._receivers.demand(stream, wanted):
-            self._accept(wire.Demand(stream, wanted))
-
     def command(self, twist: Twist) -> None:
-        """Give the base a velocity."""
-        self._accept(wire.DriveRequest(twist.stamp, twist.linear_mps, twist.angular_radps))
+        self._send(wire.DriveRequest(twist.stamp, twist.linear_mps, twist.angular_radps))
 
     def play(self, audio: Audio) -> None:
         """No effect: this body has no loudspeaker."""
 
-    def e_stop(self, reason: str) -> None:
-        """Latch the emergency stop, also beyond a restart of the link."""
-        if self._e_stop is None:
-            self._e_stop = reason
-        self._accept(wire.EStop(reason))
-
-    def clear_e_stop(self) -> None:
-        """Release the latch."""
-        self._e_stop = None
-        self._accept(wire.ClearEStop())
-
-    def _accept(self, frame: object) -> None:
+    def _send(self, frame: object) -> None:
         if self._simulation is not None:
             self._simulation.accept(frame)
-
-    def _receive(self, stream: str, message: object) -> None:
-        if isinstance(message, LaserScan):
-            read_only(message.ranges)
-            read_only(message.intensities)
-        elif isinstance(message, Audio):
-            read_only(message.samples)
-            read_only(message.p_BM)
-        elif isinstance(message, Image):
-            read_only(message.color)
-            if message.depth is not None:
-                read_only(message.depth)
-        self._receivers.deliver(stream, message)
 
     def _build(self) -> LockstepWorld:
         from app.robots.simulated.lockstep_world import LockstepWorld

@@ -49,7 +49,6 @@ class LockstepWorld(WorldSimulation):
         self.report(now, action, lambda: 1.0)
 
     def close(self) -> None:
-        """Stop the wheels and release OpenGL."""
         self.end()
         if self._renderer is not None:
             self._renderer.close()

@@ -61,7 +61,6 @@ class Pacer:
         return True
 
     def advance(self) -> None:
-        """One step was taken."""
         self._steps += 1
         self._since_anchor += 1
 

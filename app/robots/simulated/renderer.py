@@ -43,7 +43,6 @@ class WorldSnapshot:
 
     @staticmethod
     def initial(model: mujoco.MjModel) -> WorldSnapshot:
-        """The initial state of the world."""
         mocap = mocap_poses(mujoco.MjData(model))
         return WorldSnapshot(0.0, model.qpos0.copy(), mocap, Pose3.identity())
 
@@ -152,7 +151,6 @@ class Renderer:
         mujoco.mjr_readPixels(color, depth, rectangle, self._context)
 
     def close(self) -> None:
-        """Release the OpenGL context."""
         self._context.free()
         self._gl.free()
 

@@ -39,7 +39,6 @@ class Schedule:
         self._next_s = 0.0
 
     def ready(self, time_s: float) -> bool:
-        """Whether it is due now."""
         return time_s + 1e-9 >= self._next_s
 
     def due(self, time_s: float) -> bool:
@@ -121,7 +120,6 @@ class WorldSimulation:
 
     @property
     def cameras(self) -> tuple[str, ...]:
-        """The streams of the body's cameras."""
         return tuple(self._camera_frames)
 
     def accept(self, frame: object) -> None:
@@ -158,7 +156,6 @@ class WorldSimulation:
         return action
 
     def report(self, now: float, action: guard.GuardAction, world_rate: Callable[[], float]) -> None:
-        """Send the status if it is due."""
         if not self._schedules["status"].due(self.physics.time_s):
             return
         applied = self.state.applied
@@ -174,7 +171,6 @@ class WorldSimulation:
         self.send("status", status, now)
 
     def end(self) -> None:
-        """Stop the wheels."""
         self.physics.drive(guard.ZERO)
         self.physics.step()
 
@@ -188,7 +184,6 @@ class WorldSimulation:
         self._last_seen[stream] = seen
 
     def image_due(self, stream: str) -> bool:
-        """Whether an image of ``stream`` is wanted and due."""
         return stream in self.wanted and self._schedules[stream].ready(self.physics.time_s)
 
     def look(self, stream: str, stamp: float) -> WorldSnapshot | None:

@@ -106,14 +106,11 @@ class ImageNotice:
 
 
 def encode(frame: Any) -> bytes:
-    """``frame`` as the bytes that go over the socket."""
     payload = pickle.dumps(frame, protocol=5)
     return _LENGTH.pack(len(payload)) + payload
 
 
 class FrameReader:
-    """Cuts a stream of bytes into frames."""
-
     def __init__(self) -> None:
         self._buffer = bytearray()
 
@@ -147,7 +144,6 @@ class Socket:
         self.closed = False
 
     def fileno(self) -> int:
-        """For ``select``."""
         return self._socket.fileno()
 
     @property
@@ -180,7 +176,6 @@ class Socket:
         self._waiting.append(encode(frame))
 
     def flush(self) -> None:
-        """Write as much as the socket takes now."""
         while self.has_unsent and not self.closed:
             if not self._partial:
                 self._partial = self._waiting.popleft()
@@ -194,6 +189,5 @@ class Socket:
             self._partial = self._partial[sent:]
 
     def close(self) -> None:
-        """Close the socket."""
         with contextlib.suppress(OSError):
             self._socket.close()

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic import BaseModel, Field, field_validator, model_validator
 
 from app.base.yaml_source import suggestion
 from app.robots.simulated.scenery.furniture import KINDS
@@ -31,11 +31,11 @@ Color = tuple[
 ]
 
 
-class _Model(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, populate_by_name=True)
+class FileModel(BaseModel, extra="forbid", frozen=True, allow_inf_nan=False, populate_by_name=True):
+    """Base of what is written in these files: frozen; unknown keys and numbers that are not finite are refused."""
 
 
-class MaterialConfig(_Model):
+class MaterialConfig(FileModel):
     """A surface: a generated pattern in one or two colours (RGB), one repeat covering ``tile_m`` metres.
 
     Without ``tile_m`` the pattern is stretched once over each face.
@@ -49,7 +49,7 @@ class MaterialConfig(_Model):
     glow: Annotated[float, Field(ge=0, le=1)] = 0.0
 
 
-class DoorConfig(_Model):
+class DoorConfig(FileModel):
     """An opening: its middle lies ``at`` metres along the wall. ``leaf_deg`` gives it a leaf, open by that angle.
 
     The leaf hangs at the end nearer the wall's start, or ``hinge: far``; a positive angle swings it to the left of the
@@ -63,7 +63,7 @@ class DoorConfig(_Model):
     hinge: Literal["near", "far"] = "near"
 
 
-class WallConfig(_Model):
+class WallConfig(FileModel):
     """A straight wall between two points of its middle line."""
 
     start: Point = Field(alias="from")
@@ -74,7 +74,6 @@ class WallConfig(_Model):
 
     @property
     def length_m(self) -> float:
-        """From end to end."""
         return math.dist(self.start, self.end)
 
     @model_validator(mode="after")
@@ -89,7 +88,7 @@ class WallConfig(_Model):
         return self
 
 
-class AreaConfig(_Model):
+class AreaConfig(FileModel):
     """A rectangle of floor with a material of its own (a room's floor, a rug)."""
 
     start: Point = Field(alias="from")
@@ -97,7 +96,7 @@ class AreaConfig(_Model):
     material: str
 
 
-class ObjectConfig(_Model):
+class ObjectConfig(FileModel):
     """A piece of furniture on the floor (or ``z`` above it), turned by ``yaw_deg``; kinds are in ``furniture.py``.
     ``size``: its length, width and height (m), in place of the kind's usual size.
     """
@@ -117,7 +116,7 @@ class ObjectConfig(_Model):
         return kind
 
 
-class CylindersConfig(_Model):
+class CylindersConfig(FileModel):
     """Upright cylinders of one size, on the floor at the points ``at``: a field of obstacles in few lines."""
 
     at: Annotated[tuple[Point, ...], Field(min_length=1, max_length=5000)]
@@ -126,7 +125,7 @@ class CylindersConfig(_Model):
     material: str
 
 
-class PosterConfig(_Model):
+class PosterConfig(FileModel):
     """A US-Letter page with a QR code, flat on a wall.
 
     ``at`` is a point of the wall's face behind the page, ``height`` that of the *code's* centre above the floor;
@@ -145,14 +144,14 @@ class PosterConfig(_Model):
         return (self.at[0], self.at[1], self.height)
 
 
-class LightConfig(_Model):
+class LightConfig(FileModel):
     """A light from far away, shining along ``direction``; ``strength`` 0 to 1."""
 
     direction: tuple[float, float, float]
     strength: Annotated[float, Field(ge=0, le=1)]
 
 
-class RoomConfig(_Model):
+class RoomConfig(FileModel):
     """A room for acoustics: a rectangle of floor, ``height`` m high (default: the walls' height).
 
     ``rt60_s``: reverberation time, of the low and of the high band (about 700 Hz and 4 kHz), or one for the low band
@@ -172,14 +171,14 @@ class RoomConfig(_Model):
         return self
 
 
-class GapConfig(_Model):
+class GapConfig(FileModel):
     """A line on the floor between two rooms without a wall."""
 
     start: Point = Field(alias="from")
     end: Point = Field(alias="to")
 
 
-class WorldConfig(_Model):
+class WorldConfig(FileModel):
     """A building of one storey. ``rooms`` and ``gaps`` are for acoustics alone; doors are openings without an entry
     there."""
 

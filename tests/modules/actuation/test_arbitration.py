@@ -10,8 +10,8 @@ from app.messages import Twist
 from app.modules.actuation.arbitration import Contender, approach, arbitrate, clamped
 
 LIMITS = BaseLimits(0.40, 1.00, 0.40, 4.00)
-TELEOP = Contender("teleop", "Teleop", 2)
-FOLLOW = Contender("follow", "PlanAndFollowPath", 1)
+TELEOP = Contender(input="teleop", behavior="Teleop", priority=2)
+FOLLOW = Contender(input="follow", behavior="PlanAndFollowPath", priority=1)
 
 SPEED = st.floats(-5, 5)
 TWISTS = st.builds(Twist, st.floats(0, 10), SPEED, SPEED)
@@ -27,7 +27,7 @@ def test_the_highest_priority_with_a_fresh_command_drives() -> None:
 
 
 def test_equal_priorities_go_to_the_first_listed() -> None:
-    rivals = (Contender("a", "A", 1), Contender("b", "B", 1))
+    rivals = (Contender(input="a", behavior="A", priority=1), Contender(input="b", behavior="B", priority=1))
     commands = {"a": Twist(1.0, 0.1, 0), "b": Twist(1.0, 0.2, 0)}
     assert arbitrate(1.0, commands, rivals, 0.25) == ("A", commands["a"])
 

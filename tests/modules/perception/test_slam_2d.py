@@ -317,7 +317,7 @@ def test_scans_whose_pose_never_comes_are_left_out(library: MapLibrary, caplog: 
         assert body.explained_each
 
     live(script, library)
-    assert len([r for r in caplog.records if "odometry does not reach their stamps" in r.message]) == 1
+    assert len([r for r in caplog.records if "odometry does not reach the stamps of scans" in r.message]) == 1
 
 
 def test_a_kept_map_is_loaded_where_the_robot_is_said_to_be(kept: MapLibrary) -> None:

@@ -92,7 +92,6 @@ class MotionState:
 
     @property
     def state(self) -> tuple[float, float, float, float, float]:
-        """The state as the kernels' tuple."""
         return (self.pose.x, self.pose.y, self.pose.theta, self.linear_mps, self.angular_radps)
 
     def after(self, time_s: float) -> MotionState:
@@ -120,7 +119,6 @@ class DistanceField:
 
     @property
     def frame(self) -> tuple[float, float, float]:
-        """The frame as the kernels' tuple."""
         return (self.origin[0], self.origin[1], 1.0 / self.resolution_m)
 
 
@@ -135,13 +133,11 @@ class LocalPath:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class VelocityChoice:
-    """Velocities chosen by a controller. ``blocked``: no admissible motion was found. ``clearance_m``: least clearance
-    of the chosen motion."""
+    """Velocities chosen by a controller. ``blocked``: no admissible motion was found."""
 
     linear_mps: float
     angular_radps: float
     blocked: bool
-    clearance_m: float
 
 
 class Controller(Protocol):
@@ -151,11 +147,9 @@ class Controller(Protocol):
         self, motion: MotionState, field: DistanceField, way: LocalPath, body: BodyModel, period_s: float
     ) -> VelocityChoice:
         """The velocities to command for the next ``period_s`` seconds; within the body's limits and accelerations."""
-        ...
 
     def reset(self) -> None:
         """Discard all state: the goal, the path or the body's place changed."""
-        ...
 
 
 def _edge(corners: NDArray[np.float64], spacing_m: float) -> NDArray[np.float64]:

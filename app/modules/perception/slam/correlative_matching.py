@@ -1,5 +1,7 @@
 """Correlative scan matching on a surfel grid: branch and bound over a pyramid (after Olson 2009, Hess 2016)."""
 
+# mypy: allow-untyped-defs, allow-incomplete-defs
+
 from __future__ import annotations
 
 import math
@@ -9,6 +11,7 @@ from numpy.typing import NDArray
 
 from app.base.compiled import kernel
 from app.base.geometry import Pose2
+from app.modules.perception.slam.likelihood_field import pyramid
 from app.modules.perception.slam.surfels import CELL_M, SurfelGrid
 
 #: Number of used readings: more cost time without better results.
@@ -23,7 +26,7 @@ class Pyramid:
     def __init__(self, grid: SurfelGrid, levels: int) -> None:
         pad = 1 << (levels - 1)
         self.corner = (grid.corner[0] - pad, grid.corner[1] - pad)
-        self.levels = _pyramid(_field(grid.surfels, pad), levels)
+        self.levels = pyramid(_field(grid.surfels, pad), levels)
 
 
 def sought(
@@ -56,7 +59,7 @@ def sought(
 
 
 @kernel("uint8[:, ::1](float32[:, :, ::1], int64)")
-def _field(surfels: NDArray[np.float32], pad: int) -> NDArray[np.uint8]:
+def _field(surfels, pad) -> NDArray[np.uint8]:
     """Likelihood field of a reading: 255 in cells with a surfel, less beside them; ``pad`` more cells around."""
     rows, columns = surfels.shape[:2]
     field = np.zeros((rows + 2 * pad, columns + 2 * pad), np.uint8)
@@ -72,27 +75,8 @@ def _field(surfels: NDArray[np.float32], pad: int) -> NDArray[np.uint8]:
     return field
 
 
-@kernel("uint8[:, :, ::1](uint8[:, ::1], int64)")
-def _pyramid(field: NDArray[np.uint8], levels: int) -> NDArray[np.uint8]:
-    """Level l, cell [i, j]: the maximum of the 2^l x 2^l cells from [i, j] on."""
-    rows, columns = field.shape
-    out = np.zeros((levels, rows, columns), np.uint8)
-    out[0] = field
-    for level in range(1, levels):
-        half = 1 << (level - 1)
-        below = out[level - 1]
-        for i in range(rows):
-            i2 = min(i + half, rows - 1)
-            for j in range(columns):
-                j2 = min(j + half, columns - 1)
-                out[level, i, j] = max(max(below[i, j], below[i2, j]), max(below[i, j2], below[i2, j2]))
-    return out
-
-
 @kernel("float64(uint8[:, ::1], int32[::1], int32[::1], int64, int64)")
-def _score(
-    field: NDArray[np.uint8], cells_i: NDArray[np.int32], cells_j: NDArray[np.int32], shift_i: int, shift_j: int
-) -> float:
+def _score(field, cells_i, cells_j, shift_i, shift_j) -> float:
     rows, columns = field.shape
     total = 0
     for k in range(len(cells_i)):
@@ -108,16 +92,7 @@ def _score(
     " float64)"
 )
 def _branch_and_bound(
-    levels: NDArray[np.uint8],
-    corner_i: int,
-    corner_j: int,
-    points: NDArray[np.float32],
-    x: float,
-    y: float,
-    theta: float,
-    window: float,
-    window_rad: float,
-    threshold: float,
+    levels, corner_i, corner_j, points, x, y, theta, window, window_rad, threshold
 ) -> tuple[float, float, float, float]:
     """Best score and its pose; the score is ``threshold`` if no pose exceeds it."""
     count = len(points)
@@ -139,8 +114,7 @@ def _branch_and_bound(
     hypotheses = np.empty((most, 3), np.int32)
     made = 0
     for q in range(angles):
-        c = math.cos(theta + (q - each_side) * step)
-        s = math.sin(theta + (q - each_side) * step)
+        c, s = math.cos(theta + (q - each_side) * step), math.sin(theta + (q - each_side) * step)
         for k in range(count):
             cells_i[q, k] = math.floor((c * points[k, 0] - s * points[k, 1] + x) / CELL_M) - corner_i
             cells_j[q, k] = math.floor((s * points[k, 0] + c * points[k, 1] + y) / CELL_M) - corner_j
@@ -149,69 +123,43 @@ def _branch_and_bound(
                 score = _score(levels[top], cells_i[q], cells_j[q], di, dj)
                 if score > threshold:
                     scores[made] = score
-                    hypotheses[made, 0] = q
-                    hypotheses[made, 1] = di
-                    hypotheses[made, 2] = dj
+                    hypotheses[made, 0], hypotheses[made, 1], hypotheses[made, 2] = q, di, dj
                     made += 1
     best = threshold
     best_q = best_i = best_j = 0
     stack = np.empty((4 * top + 8, 4), np.int32)
     bounds = np.empty(4 * top + 8)
-    child_scores = np.empty(4)
-    child_places = np.empty((4, 2), np.int32)
     for u in np.argsort(-scores[:made]):
         if scores[u] <= best:
             break
         depth = 1
         bounds[0] = scores[u]
-        stack[0, 0] = hypotheses[u, 0]
-        stack[0, 1] = hypotheses[u, 1]
-        stack[0, 2] = hypotheses[u, 2]
-        stack[0, 3] = top
+        stack[0, 0], stack[0, 1], stack[0, 2], stack[0, 3] = hypotheses[u, 0], hypotheses[u, 1], hypotheses[u, 2], top
         while depth > 0:
             depth -= 1
             if bounds[depth] <= best:
                 continue
-            q = stack[depth, 0]
-            di = stack[depth, 1]
-            dj = stack[depth, 2]
-            level = stack[depth, 3]
+            q, di, dj, level = stack[depth, 0], stack[depth, 1], stack[depth, 2], stack[depth, 3]
             if level == 0:
-                best = bounds[depth]
-                best_q = q
-                best_i = di
-                best_j = dj
+                best, best_q, best_i, best_j = bounds[depth], q, di, dj
                 continue
             half = 1 << (level - 1)
-            children = 0
+            begin = depth
             for a in range(2):
                 for b in range(2):
-                    i = di + a * half
-                    j = dj + b * half
+                    i, j = di + a * half, dj + b * half
                     if i > reach or j > reach:
                         continue
                     score = _score(levels[level - 1], cells_i[q], cells_j[q], i, j)
-                    if score > best:
-                        # In rising order, so that the most promising node is expanded first.
-                        at = children
-                        while at > 0 and child_scores[at - 1] > score:
-                            child_scores[at] = child_scores[at - 1]
-                            child_places[at] = child_places[at - 1]
-                            at -= 1
-                        child_scores[at] = score
-                        child_places[at, 0] = i
-                        child_places[at, 1] = j
-                        children += 1
-            for child in range(children):
-                bounds[depth] = child_scores[child]
-                stack[depth, 0] = q
-                stack[depth, 1] = child_places[child, 0]
-                stack[depth, 2] = child_places[child, 1]
-                stack[depth, 3] = level - 1
-                depth += 1
-    return (
-        best,
-        x + best_i * CELL_M,
-        y + best_j * CELL_M,
-        theta + (best_q - each_side) * step,
-    )
+                    if score <= best:
+                        continue
+                    # In rising order, so that the most promising node is expanded first.
+                    at = depth
+                    while at > begin and bounds[at - 1] > score:
+                        bounds[at] = bounds[at - 1]
+                        stack[at] = stack[at - 1]
+                        at -= 1
+                    bounds[at] = score
+                    stack[at, 0], stack[at, 1], stack[at, 2], stack[at, 3] = q, i, j, level - 1
+                    depth += 1
+    return best, x + best_i * CELL_M, y + best_j * CELL_M, theta + (best_q - each_side) * step

@@ -1,5 +1,7 @@
 """Synthetic keyframes for a map without any: simulated laser views from places all over a foreign occupancy grid."""
 
+# mypy: allow-untyped-defs, allow-incomplete-defs
+
 from __future__ import annotations
 
 import math
@@ -71,14 +73,7 @@ def _free_cells(grid: OccupancyGrid) -> NDArray[np.float64]:
 
 
 @kernel("float32[::1](uint8[:,::1], uint8[:,::1], float64, float64, float64[::1], float64)")
-def cast_grid(
-    occupied: NDArray[np.uint8],
-    unknown: NDArray[np.uint8],
-    column: float,
-    row: float,
-    angles: NDArray[np.float64],
-    reach: float,
-) -> NDArray[np.float32]:
+def cast_grid(occupied, unknown, column, row, angles, reach) -> NDArray[np.float32]:
     """Length (cells) of rays from ``column``, ``row`` to halfway through an occupied cell; ``reach`` where they meet
     none, NaN where they enter unknown cells."""
     height, width = occupied.shape

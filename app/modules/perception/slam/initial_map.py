@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from app.base.geometry import Pose2
 from app.maps.control import MapUnavailable
@@ -15,48 +15,23 @@ if TYPE_CHECKING:  # kernels are compiled or loaded on import
     from app.modules.perception.slam.session import MapSession, StoredMap
     from app.modules.perception.slam.types import SlamState
 
-_MAP, _GROWS, _GROWN = "map", "grows", "grown"
-
 #: Makes a session on a saved map (None: an empty one), with the robot by this ``X_MO``; the flag: whether it grows.
 NewSession = Callable[["StoredMap | None", Pose2 | None, bool], "MapSession"]
 
 
+@dataclass(slots=True)
 class RestartState:
-    """State that one instance of the module passes to the next, in ``kept`` (``Module.persistent``)."""
+    """State that one instance of the module passes to the next: the map in use, whether it grows (None: as configured),
+    and, of one that grew, its state so far. ``known``: whether there was an earlier instance."""
 
-    def __init__(self, kept: dict[str, Any]) -> None:
-        self._kept = kept
-
-    def call(self, name: str) -> None:
-        """Store the name of the map in use."""
-        self._kept[_MAP] = name
+    name: str | None = None
+    grows: bool | None = None
+    grown: SlamState | None = None
+    known: bool = False
 
     def use(self, *, grows: bool) -> None:
         """Store that another map is in use, without any growth yet."""
-        self._kept[_GROWS] = grows
-        self._kept.pop(_GROWN, None)
-
-    def grow(self, state: SlamState | None) -> None:
-        """Store the state of the map so far."""
-        self._kept[_GROWN] = state
-
-    def known(self) -> bool:
-        """Whether there was an earlier instance."""
-        return bool(self._kept)
-
-    def name(self, configured: str) -> str:
-        """Name of the initial map."""
-        name: str = self._kept.get(_MAP, configured)
-        return name
-
-    def grows(self, configured: bool) -> bool:
-        """Whether the initial map grows."""
-        grows: bool = self._kept.get(_GROWS, configured)
-        return grows
-
-    def grown(self) -> SlamState | None:
-        """State of the map in use, as grown so far."""
-        return self._kept.get(_GROWN)
+        self.grows, self.grown, self.known = grows, None, True
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,7 +73,9 @@ def choose_initial_map(
     grows."""
     from app.modules.perception.slam.session import MapSession, StoredMap, stored_map
 
-    name, grows, grown = restart_state.name(configured), restart_state.grows(extend), restart_state.grown()
+    grown = restart_state.grown
+    name = configured if restart_state.name is None else restart_state.name
+    grows = extend if restart_state.grows is None else restart_state.grows
     if grown is not None and last_published.grid is not None:
         # Used for one restart only: a failure before the next growth may be caused by this state, and the restart after
         # it goes on without.
@@ -113,7 +90,7 @@ def choose_initial_map(
         try:
             kept = stored_map(library, name)
             session = new(kept, last_published.X_MO, grows and kept.state is not None)
-            return InitialMap(session, name, kept.zones, same=restart_state.known())
+            return InitialMap(session, name, kept.zones, same=restart_state.known)
         except MapUnavailable as refusal:
             refused = str(refusal)
     if last_published.grid is not None and last_published.place is not None and (last_published.grid.cells >= 0).any():
@@ -123,7 +100,7 @@ def choose_initial_map(
             last_published.place.map,
             last_published.zones,
             refused,
-            stopped=grows and restart_state.known(),
-            same=restart_state.known(),
+            stopped=grows and restart_state.known,
+            same=restart_state.known,
         )
     return InitialMap(new(None, None, True), refused=refused)

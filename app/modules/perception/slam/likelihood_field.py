@@ -3,6 +3,8 @@ matching and global search. The search over the whole map is branch and bound on
 et al. 2016) and returns all poses of nearly the best score.
 """
 
+# mypy: allow-untyped-defs, allow-incomplete-defs
+
 from __future__ import annotations
 
 import math
@@ -113,7 +115,7 @@ def _folded(values: NDArray[np.uint8], fold: int, margin: int) -> NDArray[np.uin
 
 
 @kernel("uint8[:,:,::1](uint8[:,::1], int64)")
-def pyramid(values: NDArray[np.uint8], levels: int) -> NDArray[np.uint8]:
+def pyramid(values, levels) -> NDArray[np.uint8]:
     """(levels, H, W): at level l, the maximum of the 2^l x 2^l cells from each on."""
     height, width = values.shape
     out = np.zeros((levels, height, width), np.uint8)
@@ -130,7 +132,7 @@ def pyramid(values: NDArray[np.uint8], levels: int) -> NDArray[np.uint8]:
 
 
 @kernel("float64(uint8[:,::1], int32[::1], int32[::1], int64, int64)")
-def _score(values: NDArray[np.uint8], columns: NDArray[np.int32], rows: NDArray[np.int32], i: int, j: int) -> float:
+def _score(values, columns, rows, i, j) -> float:
     total = 0
     for k in range(len(columns)):
         total += values[j + rows[k], i + columns[k]]
@@ -141,17 +143,7 @@ def _score(values: NDArray[np.uint8], columns: NDArray[np.int32], rows: NDArray[
     "float64[:,::1](uint8[:,:,::1], uint8[:,:,::1], float64[:,::1], float64[::1], float64, int64, float64, float64,"
     " int64)"
 )
-def search_leaves(
-    scores: NDArray[np.uint8],
-    free: NDArray[np.uint8],
-    points: NDArray[np.float64],
-    angles: NDArray[np.float64],
-    step: float,
-    margin: int,
-    floor: float,
-    slack: float,
-    capacity: int,
-) -> NDArray[np.float64]:
+def search_leaves(scores, free, points, angles, step, margin, floor, slack, capacity) -> NDArray[np.float64]:
     """x, y (m from the grid's corner), heading and score of every pose that scores ``floor`` and is at most ``slack``
     below the best."""
     levels, height, width = scores.shape
@@ -203,10 +195,8 @@ def search_leaves(
             q, i, j, level = stack[depth, 0], stack[depth, 1], stack[depth, 2], stack[depth, 3]
             if level == 0:
                 best = max(best, bound)
-                leaves[kept, 0] = (i - margin + 0.5) * step
-                leaves[kept, 1] = (j - margin + 0.5) * step
-                leaves[kept, 2] = angles[q]
-                leaves[kept, 3] = bound
+                leaves[kept, 0], leaves[kept, 1] = (i - margin + 0.5) * step, (j - margin + 0.5) * step
+                leaves[kept, 2], leaves[kept, 3] = angles[q], bound
                 kept += 1
                 continue
             half = 1 << (level - 1)
@@ -228,28 +218,19 @@ def search_leaves(
                     stack_bounds[place] = value
                     stack[place, 0], stack[place, 1], stack[place, 2], stack[place, 3] = q, u, v, level - 1
                     depth += 1
-    least = max(floor, best - slack)
-    good = leaves[:kept, 3] >= least
-    return leaves[:kept][good]
+    good: NDArray[np.float64] = leaves[:kept][leaves[:kept, 3] >= max(floor, best - slack)]
+    return good
 
 
 @kernel("float64[::1](float32[:,::1], float64[:,::1], float64[::1], float64, float64, float64, int64)")
-def descend(
-    far: NDArray[np.float32],
-    points: NDArray[np.float64],
-    pose: NDArray[np.float64],
-    cell: float,
-    x0: float,
-    y0: float,
-    rounds: int,
-) -> NDArray[np.float64]:
+def descend(far, points, pose, cell, x0, y0, rounds) -> NDArray[np.float64]:
     """Gauss-Newton on the distances at the points, with a robust weight (Cauchy, 0.1 m)."""
     height, width = far.shape
     x, y, theta = pose[0], pose[1], pose[2]
     for _ in range(rounds):
         c, s = math.cos(theta), math.sin(theta)
-        h = np.zeros((3, 3))
-        g = np.zeros(3)
+        # Damped: a corridor gives no information along it.
+        h, g = np.eye(3), np.zeros(3)
         used = 0
         for k in range(len(points)):
             rx, ry = c * points[k, 0] - s * points[k, 1], s * points[k, 0] + c * points[k, 1]
@@ -265,39 +246,17 @@ def descend(
             dx = ((1 - b) * (d10 - d00) + b * (d11 - d01)) / cell
             dy = ((1 - a) * (d01 - d00) + a * (d11 - d10)) / cell
             w = 1.0 / (1.0 + (d / 0.1) ** 2)
-            dt = -ry * dx + rx * dy
-            h[0, 0] += w * dx * dx
-            h[0, 1] += w * dx * dy
-            h[0, 2] += w * dx * dt
-            h[1, 1] += w * dy * dy
-            h[1, 2] += w * dy * dt
-            h[2, 2] += w * dt * dt
-            g[0] += w * dx * d
-            g[1] += w * dy * d
-            g[2] += w * dt * d
+            slope = (dx, dy, -ry * dx + rx * dy)
+            for m in range(3):
+                g[m] += w * slope[m] * d
+                for n in range(3):
+                    h[m, n] += w * slope[m] * slope[n]
             used += 1
         if used < 10:
             break
-        # Damped: a corridor gives no information along it.
-        h[0, 0] += 1.0
-        h[1, 1] += 1.0
-        h[2, 2] += 1.0
-        p = h[1, 1] * h[2, 2] - h[1, 2] * h[1, 2]
-        q = h[0, 2] * h[1, 2] - h[0, 1] * h[2, 2]
-        r = h[0, 1] * h[1, 2] - h[0, 2] * h[1, 1]
-        det = h[0, 0] * p + h[0, 1] * q + h[0, 2] * r
-        if det <= 0.0:
-            break
-        e = h[0, 0] * h[2, 2] - h[0, 2] * h[0, 2]
-        f = h[0, 1] * h[0, 2] - h[0, 0] * h[1, 2]
-        o = h[0, 0] * h[1, 1] - h[0, 1] * h[0, 1]
-        step_x = (p * g[0] + q * g[1] + r * g[2]) / det
-        step_y = (q * g[0] + e * g[1] + f * g[2]) / det
-        step_t = (r * g[0] + f * g[1] + o * g[2]) / det
-        x -= step_x
-        y -= step_y
-        theta -= step_t
-        if abs(step_x) + abs(step_y) < 1e-4 and abs(step_t) < 1e-5:
+        step = np.linalg.solve(h, g)
+        x, y, theta = x - step[0], y - step[1], theta - step[2]
+        if abs(step[0]) + abs(step[1]) < 1e-4 and abs(step[2]) < 1e-5:
             break
     return np.array([x, y, theta])
 
@@ -306,17 +265,7 @@ def descend(
     "int8[::1](float32[:,::1], uint8[:,::1], uint8[:,::1], float64[:,::1], float64[::1], float64[::1], float64,"
     " float64, float64)"
 )
-def explain(
-    far: NDArray[np.float32],
-    known: NDArray[np.uint8],
-    occupied: NDArray[np.uint8],
-    points: NDArray[np.float64],
-    sensor_xy: NDArray[np.float64],
-    pose: NDArray[np.float64],
-    cell: float,
-    x0: float,
-    y0: float,
-) -> NDArray[np.int8]:
+def explain(far, known, occupied, points, sensor_xy, pose, cell, x0, y0) -> NDArray[np.int8]:
     """See :meth:`LikelihoodField.explained`: rays are traced in half cells up to 0.4 m before their ends."""
     height, width = far.shape
     c, s = math.cos(pose[2]), math.sin(pose[2])

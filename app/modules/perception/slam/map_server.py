@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from typing import TYPE_CHECKING
 
 from app.base.geometry import Pose2
 from app.maps.control import MapUnavailable
@@ -14,86 +14,22 @@ from app.maps.zones import checked
 from app.messages import Zone
 
 if TYPE_CHECKING:  # kernels are compiled or loaded on import
-    from app.modules.perception.slam.session import MapSession, StoredMap
-
-T = TypeVar("T")
-
-
-class MapHost(Protocol):
-    """The module, as the map server uses it; all on the event loop."""
-
-    @property
-    def session(self) -> MapSession:
-        """The map in use."""
-        ...
-
-    @property
-    def X_OB(self) -> Pose2:
-        """Current pose of the robot by odometry."""
-        ...
-
-    @property
-    def map_name(self) -> str:
-        """The name of the map in use; "" while it has none."""
-        ...
-
-    def call(self, name: str) -> None:
-        """Set the name of the map in use."""
-        ...
-
-    @property
-    def known_zones(self) -> tuple[Zone, ...]:
-        """The zones of the map in use."""
-        ...
-
-    def use(self, session: MapSession, name: str, zones: tuple[Zone, ...]) -> None:
-        """Take a map into use and publish it."""
-        ...
-
-    def mark(self, zones: tuple[Zone, ...]) -> None:
-        """Set and publish the zones of the map in use."""
-        ...
-
-    def placed(self) -> None:
-        """The pose was set: end the relocalization."""
-        ...
-
-    def search(self) -> None:
-        """Start relocalization on the map in use."""
-        ...
-
-    def new_session(self, kept: StoredMap | None, X_MO: Pose2 | None, grows: bool) -> MapSession:
-        """*Behind.* A session on a saved map, or an empty one."""
-        ...
-
-    async def finish(self, session: MapSession) -> None:
-        """Correct and draw the map completely."""
-        ...
-
-    async def compute(self, function: Callable[..., T], *args: Any) -> T:
-        """See :class:`app.runtime.module.Module`."""
-        ...
-
-    async def compute_background(self, function: Callable[..., T], *args: Any) -> T:
-        """See :class:`app.runtime.module.Module`."""
-        ...
+    from app.modules.perception.slam_2d import SLAM2D
 
 
 class MapServer:
     """Implements :class:`app.maps.control.MapKeeper`: one operation at a time, in the order of the calls."""
 
-    def __init__(self, host: MapHost, library: MapLibrary) -> None:
+    def __init__(self, host: SLAM2D, library: MapLibrary) -> None:
         self._host = host
         self._library = library
         self._one = asyncio.Lock()
 
     @property
     def name(self) -> str:
-        """The name of the map in use; "" while it has none."""
         return self._host.map_name
 
     async def save(self, name: str, others: Mapping[str, Callable[[Path], None]] | None = None) -> None:
-        """Save the map under ``name``."""
         from app.modules.perception.slam.session import keep
 
         host = self._host
@@ -111,7 +47,6 @@ class MapServer:
             host.call(name)
 
     async def load(self, name: str, X_MB: Pose2 | None = None, extend: bool = False) -> None:
-        """Take the map ``name`` into use."""
         from app.modules.perception.slam.session import stored_map
 
         host = self._host
@@ -127,14 +62,12 @@ class MapServer:
             host.use(session, name, kept.zones)
 
     async def begin(self) -> None:
-        """Begin an empty map."""
         async with self._one:
             X_MO = self._host.X_OB.inverse()
             session = await self._host.compute_background(self._host.new_session, None, X_MO, True)
             self._host.use(session, "", ())
 
     async def place(self, X_MB: Pose2) -> None:
-        """Set the robot's approximate pose."""
         async with self._one:
             session = self._host.session
             if session.grid is None:
@@ -143,7 +76,6 @@ class MapServer:
             self._host.placed()
 
     async def search(self) -> None:
-        """Start relocalization."""
         async with self._one:
             session = self._host.session
             if session.grid is None:
@@ -152,7 +84,6 @@ class MapServer:
             self._host.search()
 
     async def mark(self, zones: tuple[Zone, ...]) -> None:
-        """Replace the zones."""
         try:
             zones = checked(zones)
         except ValueError as mistake:

@@ -79,7 +79,8 @@ class Slam:
         self._keyframes = {keyframe.id: keyframe for keyframe in kept.keyframes}
         self._poses = dict(zip(self._keyframes, kept.poses, strict=True))
         self._edges = list(kept.edges)
-        self._loops = sum(edge.loop for edge in kept.edges)
+        #: Number of closed loops.
+        self.loops = sum(edge.loop for edge in kept.edges)
         self._submaps = [Submap(number, keyframes) for number, keyframes in enumerate(kept.submaps)]
         self._submaps_made = len(self._submaps)
         self._active: list[_ActiveSubmap] = []
@@ -88,7 +89,8 @@ class Slam:
         self._due: list[int] = []
         self._job_out = False
         self._job_knew = (0, 0)
-        self._version = 0
+        #: Incremented whenever a keyframe is added, removed or moved.
+        self.version = 0
         self._moved = False
         self._travelled_m = max((keyframe.travelled_m for keyframe in kept.keyframes), default=0.0)
         self._X_MB = Pose2()
@@ -186,7 +188,7 @@ class Slam:
         known_edges = self._job_knew[0]
         self._edges[known_edges:known_edges] = outcome.edges
         self._job_knew = known_edges + len(outcome.edges), self._job_knew[1]
-        self._loops += len(outcome.edges)
+        self.loops += len(outcome.edges)
         if outcome.pruned is not None:
             self._drop(outcome.pruned)
         if outcome.poses is None:
@@ -198,17 +200,12 @@ class Slam:
                 self._poses[id] = known if known is not None else shift @ pose
         self._X_MB = self._poses[self._keyframe] @ self._X_KB
         self._moved = True
-        self._version += 1
+        self.version += 1
 
     @property
     def X_MO(self) -> Pose2:
         """Pose of ``odom`` on the map by the last scan, including corrections since."""
         return self._X_MB if self._X_OB is None else self._X_MB @ self._X_OB.inverse()
-
-    @property
-    def version(self) -> int:
-        """Incremented whenever a keyframe is added, removed or moved."""
-        return self._version
 
     @property
     def keyframes(self) -> Mapping[int, Keyframe]:
@@ -229,11 +226,6 @@ class Slam:
         submaps = (*(submap.keyframes for submap in self._submaps), *active)
         return SlamState(tuple(self._keyframes.values()), tuple(self._poses.values()), tuple(self._edges), submaps)
 
-    @property
-    def loops(self) -> int:
-        """Number of closed loops."""
-        return self._loops
-
     def _drop(self, cut: Pruned) -> None:
         """Discard the job's result, unless the pose was set meanwhile."""
         if self._in_use() & cut.replaced.keys():
@@ -244,7 +236,7 @@ class Slam:
         self._submaps = [*cut.submaps, *self._submaps[known_submaps:]]
         for id in cut.removed:
             del self._keyframes[id], self._poses[id]
-        self._version += 1
+        self.version += 1
 
     def _in_use(self) -> frozenset[int]:
         return frozenset(id for submap in self._active for id in submap.keyframes) | {self._keyframe}
@@ -351,7 +343,7 @@ class Slam:
         )
         self._poses[id] = self._X_MB
         self._keyframe, self._X_KB = id, Pose2()
-        self._version += 1
+        self.version += 1
         information = edge_information(fit, self._step_sigmas, self._covariance, self.settings.lost_below)
         lost = fit is not None and fit.inliers < self.settings.lost_below
         for submap in self._active:

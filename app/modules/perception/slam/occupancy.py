@@ -10,6 +10,8 @@ so a person who walks by vanishes after a few views through their place. Cells a
 whatever part of it the grid covers.
 """
 
+# mypy: allow-untyped-defs, allow-incomplete-defs
+
 from __future__ import annotations
 
 import math
@@ -43,7 +45,6 @@ class ScanView:
 
     @staticmethod
     def of(keyframe: Keyframe) -> ScanView:
-        """The view of ``keyframe``."""
         sensor_xy = float(keyframe.origin[0]), float(keyframe.origin[1])
         return ScanView(keyframe.ends, np.require(keyframe.hits, requirements=("C", "W")), sensor_xy)
 
@@ -162,16 +163,7 @@ def _nowhere() -> NDArray[np.int64]:
 
 
 @kernel("void(uint16[:,::1], uint16[:,::1], int32[:,::1], int64, int64[::1], int64[:,::1], boolean[::1], int64)")
-def cast_rays(
-    hits: NDArray[np.uint16],
-    misses: NDArray[np.uint16],
-    marks: NDArray[np.int32],
-    mark: int,
-    dirty: NDArray[np.int64],
-    ray_cells: NDArray[np.int64],
-    met: NDArray[np.bool_],
-    sign: int,
-) -> None:
+def cast_rays(hits, misses, marks, mark, dirty, ray_cells, met, sign) -> None:
     """Add one view, ``sign`` 1, or remove it, −1.
 
     ``ray_cells``: columns and rows inside the grid, the sensor's own cell last. ``mark``: even, greater than any value
@@ -207,18 +199,7 @@ def cast_rays(
 
 
 @kernel("int64(uint16[:,::1], uint16[:,::1], int8[:,::1], int64, int64, int64, int64, float64, float64, float64)")
-def evaluate(
-    hits: NDArray[np.uint16],
-    misses: NDArray[np.uint16],
-    cells: NDArray[np.int8],
-    left: int,
-    low: int,
-    right: int,
-    high: int,
-    weight: float,
-    free: float,
-    occupied: float,
-) -> int:
+def evaluate(hits, misses, cells, left, low, right, high, weight, free, occupied) -> int:
     """Write the cells' values from their counts, in these columns and rows, ends included; returns the number of
     changes."""
     changed = 0

@@ -41,7 +41,6 @@ class OptimizerProcess:
             return self._submitted(graph).result()
 
     def close(self) -> None:
-        """End the process, if there is one."""
         if self._pool is not None:
             self._pool.shutdown(wait=True, cancel_futures=True)
             self._pool = None

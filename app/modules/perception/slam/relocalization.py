@@ -234,7 +234,6 @@ def spread(points: NDArray[np.float64], most: int) -> NDArray[np.float64]:
 
 
 def close(one: Pose2, other: Pose2, within_m: float, within_rad: float) -> bool:
-    """Whether two poses are within both tolerances."""
     turn = abs(math.remainder(one.theta - other.theta, math.tau))
     return turn < within_rad and math.hypot(one.x - other.x, one.y - other.y) < within_m
 

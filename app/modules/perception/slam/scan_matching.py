@@ -1,5 +1,7 @@
 """Scan matching on a surfel grid: point-to-line least squares around a guess (after Censi, 2008)."""
 
+# mypy: allow-untyped-defs, allow-incomplete-defs
+
 from __future__ import annotations
 
 import math
@@ -109,21 +111,21 @@ def _nowhere_less_than_none(information: NDArray[np.float64]) -> NDArray[np.floa
     fastmath=True,
 )
 def _fit(
-    surfels: NDArray[np.float32],
-    corner_i: int,
-    corner_j: int,
-    points: NDArray[np.float32],
-    x: float,
-    y: float,
-    theta: float,
-    prior_x: float,
-    prior_y: float,
-    prior_theta: float,
-    weight_m: float,
-    weight_rad: float,
-    iterations: int,
-    far: float,
-    near: float,
+    surfels,
+    corner_i,
+    corner_j,
+    points,
+    x,
+    y,
+    theta,
+    prior_x,
+    prior_y,
+    prior_theta,
+    weight_m,
+    weight_rad,
+    iterations,
+    far,
+    near,
 ) -> NDArray[np.float64]:
     """Gauss-Newton; x, y, theta, inliers, overlap, rms, then the upper triangle of the information, row by row.
 
@@ -189,37 +191,9 @@ def _fit(
             ey = py - surfels[best_i, best_j, 1]
             ux = surfels[best_i, best_j, 2]
             uy = surfels[best_i, best_j, 3]
-            if ux != 0.0 or uy != 0.0:
-                e = ux * ex + uy * ey
-                w = 1.0 / (1.0 + (e / _SOFT_LINE_M) ** 2)
-                turn = ux * arm_x + uy * arm_y
-                h00 += w * ux * ux
-                h01 += w * ux * uy
-                h02 += w * ux * turn
-                h11 += w * uy * uy
-                h12 += w * uy * turn
-                h22 += w * turn * turn
-                g0 += w * ux * e
-                g1 += w * uy * e
-                g2 += w * turn * e
-                if has_normal:
-                    turned = nx * arm_x + ny * arm_y
-                    i00 += w * ux * nx
-                    i01 += w * 0.5 * (ux * ny + uy * nx)
-                    i02 += w * 0.5 * (ux * turned + nx * turn)
-                    i11 += w * uy * ny
-                    i12 += w * 0.5 * (uy * turned + ny * turn)
-                    i22 += w * turn * turned
-                else:
-                    i00 += w * ux * ux
-                    i01 += w * ux * uy
-                    i02 += w * ux * turn
-                    i11 += w * uy * uy
-                    i12 += w * uy * turn
-                    i22 += w * turn * turn
-                squares += e * e
-            elif points[k, 0] ** 2 + points[k, 1] ** 2 < _POINT_REACH_M**2:
-                d = ex * ex + ey * ey
+            d = ex * ex + ey * ey
+            is_line = ux != 0.0 or uy != 0.0
+            if not is_line and points[k, 0] ** 2 + points[k, 1] ** 2 < _POINT_REACH_M**2:
                 w = _POINT_WEIGHT / (1.0 + d / _SOFT_POINT_M**2)
                 h00 += w
                 h11 += w
@@ -235,30 +209,34 @@ def _fit(
                 g1 += w * ey
                 g2 += w * (arm_x * ex + arm_y * ey)
                 squares += 0.25 * d
-            else:
+                continue
+            if not is_line:
                 # Distant readings of a wall at a grazing angle are far apart and move along it with the robot: their
                 # position along the ray carries no information, only their bearing does.
                 arm = math.sqrt(arm_x * arm_x + arm_y * arm_y)
-                ux = arm_x / arm
-                uy = arm_y / arm
-                e = ux * ex + uy * ey
-                w = _POINT_WEIGHT / (1.0 + (e / _SOFT_POINT_M) ** 2)
-                h00 += w * ux * ux
-                h01 += w * ux * uy
-                h02 += w * ux * arm
-                h11 += w * uy * uy
-                h12 += w * uy * arm
-                h22 += w * arm * arm
-                i00 += w * ux * ux
-                i01 += w * ux * uy
-                i02 += w * ux * arm
-                i11 += w * uy * uy
-                i12 += w * uy * arm
-                i22 += w * arm * arm
-                g0 += w * ux * e
-                g1 += w * uy * e
-                g2 += w * arm * e
-                squares += 0.25 * e * e
+                ux, uy = arm_x / arm, arm_y / arm
+            if not (is_line and has_normal):
+                nx, ny = ux, uy
+            e = ux * ex + uy * ey
+            w = 1.0 / (1.0 + (e / _SOFT_LINE_M) ** 2) if is_line else _POINT_WEIGHT / (1.0 + (e / _SOFT_POINT_M) ** 2)
+            turn = ux * arm_x + uy * arm_y
+            turned = nx * arm_x + ny * arm_y
+            h00 += w * ux * ux
+            h01 += w * ux * uy
+            h02 += w * ux * turn
+            h11 += w * uy * uy
+            h12 += w * uy * turn
+            h22 += w * turn * turn
+            g0 += w * ux * e
+            g1 += w * uy * e
+            g2 += w * turn * e
+            i00 += w * ux * nx
+            i01 += w * 0.5 * (ux * ny + uy * nx)
+            i02 += w * 0.5 * (ux * turned + nx * turn)
+            i11 += w * uy * ny
+            i12 += w * 0.5 * (uy * turned + ny * turn)
+            i22 += w * turn * turned
+            squares += e * e if is_line else 0.25 * e * e
         if inliers < _LEAST_INLIERS:
             scale = 0.0
             break
@@ -292,17 +270,6 @@ def _fit(
         small = abs(step_x) + abs(step_y) < _SMALL_M and abs(step_theta) < _SMALL_RAD
         if iteration > 3 and small and reach <= near * 1.3:
             break
-    found = np.empty(12)
-    found[0] = x
-    found[1] = y
-    found[2] = theta
-    found[3] = inliers / max(count, 1)
-    found[4] = overlapping / max(count, 1)
-    found[5] = math.sqrt(squares / max(inliers, 1))
-    found[6] = i00 * scale
-    found[7] = i01 * scale
-    found[8] = i02 * scale
-    found[9] = i11 * scale
-    found[10] = i12 * scale
-    found[11] = i22 * scale
-    return found
+    count = max(count, 1)
+    shares = np.array([x, y, theta, inliers / count, overlapping / count, math.sqrt(squares / max(inliers, 1))])
+    return np.concatenate((shares, scale * np.array([i00, i01, i02, i11, i12, i22])))

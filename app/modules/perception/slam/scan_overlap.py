@@ -5,6 +5,8 @@ pass through the point to a surface behind (*contradiction*); it is occluded or 
 Two views of one place agree except for people who walked by; at wrong relative poses they contradict.
 """
 
+# mypy: allow-untyped-defs, allow-incomplete-defs
+
 from __future__ import annotations
 
 import math
@@ -96,9 +98,7 @@ def _near(poses: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int
 
 
 @kernel("UniTuple(float32[:, ::1], 2)(float64[:, ::1], int64[::1], float64[:, ::1])")
-def _images(
-    points: NDArray[np.float64], starts: NDArray[np.int64], sensors_xy: NDArray[np.float64]
-) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+def _images(points, starts, sensors_xy) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """The nearest and the farthest reading (m) of each view in each direction and its neighbours; inf and -1: none."""
     count = len(sensors_xy)
     near = np.full((count, _DIRECTIONS), np.inf, np.float32)
@@ -121,16 +121,7 @@ def _images(
     " float32[:, ::1], int64[::1], int64[::1], float64, float64)"
 )
 def _laid_over(
-    points: NDArray[np.float64],
-    starts: NDArray[np.int64],
-    sensors_xy: NDArray[np.float64],
-    poses: NDArray[np.float64],
-    nearest: NDArray[np.float32],
-    farthest: NDArray[np.float32],
-    first: NDArray[np.int64],
-    second: NDArray[np.int64],
-    same_m: float,
-    same_share: float,
+    points, starts, sensors_xy, poses, nearest, farthest, first, second, same_m, same_share
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Of each pair (P,), the number of points of the first with a reading of the second, and of those it sees
     through."""

@@ -1,5 +1,7 @@
 """Preparation of scans for matching: points with normals, corrected for the motion during the sweep."""
 
+# mypy: allow-untyped-defs, allow-incomplete-defs
+
 from __future__ import annotations
 
 import math
@@ -94,15 +96,7 @@ def prepared(
     " float64, float64)"
 )
 def _ends(
-    ranges: NDArray[np.float64],
-    angles: NDArray[np.float64],
-    range_max: float,
-    laser_x: float,
-    laser_y: float,
-    laser_theta: float,
-    speed: float,
-    turn_rate: float,
-    sweep_s: float,
+    ranges, angles, range_max, laser_x, laser_y, laser_theta, speed, turn_rate, sweep_s
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Ends and origins (N, 2) of all rays in the base frame at the sweep's begin, for a constant twist."""
     count = len(ranges)
@@ -128,7 +122,7 @@ def _ends(
 
 
 @kernel("float64(float64[::1], float64, float64)")
-def _noise(ranges: NDArray[np.float64], range_min: float, range_max: float) -> float:
+def _noise(ranges, range_min, range_max) -> float:
     """Standard deviation (m) of the ranges' noise, by second differences: most surfaces are smooth."""
     bends = np.empty(len(ranges))
     n = 0
@@ -142,15 +136,7 @@ def _noise(ranges: NDArray[np.float64], range_min: float, range_max: float) -> f
 
 
 @kernel("UniTuple(float64, 2)(float64[::1], float64[:, ::1], int64, int64, float64, float64, float64)")
-def _line(
-    ranges: NDArray[np.float64],
-    ends: NDArray[np.float64],
-    at: int,
-    neighbours: int,
-    gap: float,
-    range_min: float,
-    range_max: float,
-) -> tuple[float, float]:
+def _line(ranges, ends, at, neighbours, gap, range_min, range_max) -> tuple[float, float]:
     """Direction (rad) of the readings around one, and their variance across as a share of that along; 1 if
     undefined."""
     x = ends[at, 0]
@@ -182,14 +168,7 @@ def _line(
 
 
 @kernel("float32[:, ::1](float64[::1], float64[:, ::1], float64[:, ::1], float64, float64, float64)")
-def _surface(
-    ranges: NDArray[np.float64],
-    ends: NDArray[np.float64],
-    origins: NDArray[np.float64],
-    range_min: float,
-    range_max: float,
-    thinning: float,
-) -> NDArray[np.float32]:
+def _surface(ranges, ends, origins, range_min, range_max, thinning) -> NDArray[np.float32]:
     """Thinned points with normals (M, 4) by principal component analysis of each reading's neighbours on its
     surface."""
     count = len(ranges)

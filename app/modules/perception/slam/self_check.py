@@ -26,8 +26,6 @@ Intact = Literal["yes", "no", "unknown"]
 
 @dataclass(frozen=True, slots=True)
 class CheckSettings:
-    """Thresholds of the self check."""
-
     #: Share of contradicting among deciding pairs across a cut from which the map is broken. Intact maps of the public
     #: logs have at most 0.3, broken ones at least 0.6.
     contradicting: float = 0.4

@@ -21,12 +21,9 @@ from app.modules.perception.slam.information import matrices, packed
 from app.modules.perception.slam.types import Edge, Keyframe, SlamState
 
 FORMAT = 2
-#: Format with diagonal information.
-_DIAGONAL_FORMAT = 1
 
 
 def write_state(path: Path, state: SlamState) -> None:
-    """Write ``state`` to the file ``path``."""
     keyframes, edges = state.keyframes, state.edges
     with path.open("wb") as file:
         np.savez_compressed(
@@ -56,7 +53,7 @@ def read_state(path: Path) -> SlamState:
     """The state in the file ``path``. Raises ConfigError for a damaged file or another format."""
     arrays = read_arrays(path, "the map's graph")
     try:
-        if int(arrays["format"]) not in (_DIAGONAL_FORMAT, FORMAT):
+        if int(arrays["format"]) != FORMAT:
             raise ConfigError(f"the map's graph has format {arrays['format']}; this program reads {FORMAT}", str(path))
         return _state(arrays)
     except KeyError as missing:
@@ -87,7 +84,7 @@ def _state(a: Mapping[str, NDArray[Any]]) -> SlamState:
     )  # fmt: skip
     pairs = _checked(a, "edge", np.int64, (-1, 2))
     measured = _checked(a, "edge_pose", np.float64, (len(pairs), 3))
-    information = _information(a, len(pairs))
+    information = _checked(a, "edge_information", np.float64, (len(pairs), 6))
     loops = _checked(a, "edge_loop", np.bool_, (len(pairs),))
     submaps = _split(_checked(a, "submap", np.int64, (-1,)), a, "submap_of", None)
     if not known.issuperset(pairs.ravel().tolist()) or not known.issuperset(a["submap"].tolist()):
@@ -103,15 +100,6 @@ def _state(a: Mapping[str, NDArray[Any]]) -> SlamState:
     return SlamState(
         keyframes, tuple(Pose2(*pose) for pose in poses.tolist()), edges, tuple(tuple(s.tolist()) for s in submaps)
     )
-
-
-def _information(a: Mapping[str, NDArray[Any]], edges: int) -> NDArray[np.float64]:
-    if int(a["format"]) == FORMAT:
-        return _checked(a, "edge_information", np.float64, (edges, 6))
-    old = _checked(a, "edge_information", np.float64, (edges, 3))
-    found = np.zeros((edges, 6))
-    found[:, [0, 3, 5]] = old
-    return found
 
 
 def _joined(parts: list[NDArray[Any]], empty: tuple[int, ...], dtype: type[np.generic]) -> NDArray[Any]:

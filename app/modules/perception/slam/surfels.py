@@ -1,5 +1,7 @@
 """Surfel grids: the readings of a few keyframes, as one small surface element per cell."""
 
+# mypy: allow-untyped-defs, allow-incomplete-defs
+
 from __future__ import annotations
 
 import math
@@ -82,7 +84,7 @@ def _empty(size: tuple[int, int]) -> NDArray[np.float32]:
 
 
 @kernel("UniTuple(int64, 4)(float32[:, ::1], float64, float64, float64)")
-def _bounds(points: NDArray[np.float32], x: float, y: float, theta: float) -> tuple[int, int, int, int]:
+def _bounds(points, x, y, theta) -> tuple[int, int, int, int]:
     """First and last cells (i, j, i, j) of the points."""
     c = math.cos(theta)
     s = math.sin(theta)
@@ -107,16 +109,7 @@ def _bounds(points: NDArray[np.float32], x: float, y: float, theta: float) -> tu
     "void(float32[:, :, ::1], float32[:, :, ::1], int64, int64, float32[:, ::1], float64, float64, float64)",
     fastmath=True,
 )
-def _insert(
-    sums: NDArray[np.float32],
-    surfels: NDArray[np.float32],
-    corner_i: int,
-    corner_j: int,
-    points: NDArray[np.float32],
-    x: float,
-    y: float,
-    theta: float,
-) -> None:
+def _insert(sums, surfels, corner_i, corner_j, points, x, y, theta) -> None:
     c = math.cos(theta)
     s = math.sin(theta)
     for k in range(len(points)):

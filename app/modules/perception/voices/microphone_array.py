@@ -9,7 +9,7 @@ from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, Field, model_validator
 
 from app.base.yaml_source import parse
 
@@ -110,13 +110,11 @@ class MicrophoneArray:
         return max(itertools.combinations(range(len(self)), count), key=spread)
 
 
-class ArrayConfig(BaseModel):
+class ArrayConfig(BaseModel, extra="forbid", frozen=True):
     """A file of ``config/arrays``: ``positions``, m, x forward, y left, z up, in any frame, one per channel.
 
     ``body_m``: see :class:`MicrophoneArray`.
     """
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     body_m: Annotated[float, Field(ge=0, le=1)] = 0.0
     positions: Annotated[tuple[tuple[float, float, float], ...], Field(min_length=2, max_length=32)]

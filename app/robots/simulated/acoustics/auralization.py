@@ -53,7 +53,6 @@ class AcousticSpace(Protocol):
 
     def way(self, p_WS: NDArray[np.float64], p_WA: NDArray[np.float64]) -> SoundPath:
         """Path of sound from ``p_WS`` to ``p_WA`` (3,) m."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +62,6 @@ class OneRoom:
     room: Shoebox | None
 
     def way(self, p_WS: NDArray[np.float64], p_WA: NDArray[np.float64]) -> SoundPath:
-        """The straight path."""
         return SoundPath(
             self.room, p_WS if self.room is None else self.room.clamp(p_WS), late=0.0 if self.room is None else 1.0
         )
@@ -276,8 +274,6 @@ def _reverberation(room: Shoebox) -> float:
 
 
 class _ActiveSource:
-    """One sound in progress."""
-
     def __init__(self, outputs: int, block: int, blocks: int) -> None:
         self.partitions = Partitions(outputs, block, blocks)
         self.delay = 0.0
@@ -289,11 +285,9 @@ class _ActiveSource:
 
     @property
     def silent(self) -> bool:
-        """Whether no sound of it is on its way any more."""
         return self.partitions.silent
 
     def read(self, emission: Emission, way: SoundPath, X_WA: Pose3, position: int, rate: int, audible: bool) -> Samples:
-        """The sound that arrives in this block."""
         block = self.partitions.block
         whole_m = way.before_m + float(np.linalg.norm(way.p_W - X_WA.translation))
         delay = max(0.0, whole_m / SPEED_OF_SOUND_MPS * rate - MARGIN)

@@ -49,11 +49,9 @@ class Opening:
 
     @property
     def area_m2(self) -> float:
-        """Of the opening."""
         return math.dist(self.start, self.end) * self.height
 
     def beyond(self, room: int) -> int:
-        """The room on the other side."""
         return self.rooms[1] if self.rooms[0] == room else self.rooms[0]
 
 
@@ -83,7 +81,6 @@ class Building:
         return best
 
     def way(self, p_WS: NDArray[np.float64], p_WA: NDArray[np.float64]) -> SoundPath:
-        """See ``AcousticSpace``."""
         # In plain floats: numpy is ten times slower for a few points
         source, listener = _point(p_WS), _point(p_WA)
         here, there = self.room_at(listener), self.room_at(source)
@@ -136,7 +133,6 @@ class Building:
         return None
 
     def _pull(self, source: Point, listener: Point, through: Sequence[int]) -> list[Point]:
-        """The shortest path through the given openings."""
         flat = [source[:2], *(self._middles[number] for number in through), listener[:2]]
         for _ in range(6 if len(through) > 1 else 1):
             for index, number in enumerate(through, 1):

@@ -74,7 +74,6 @@ class AcousticsClient:
             self._socket.flush()
 
     def receive(self, time_s: float) -> list[Audio]:
-        """The frames that have arrived."""
         if self._socket is None:
             return []
         frames: list[Audio] = []
@@ -96,7 +95,6 @@ class AcousticsClient:
         return self._socket is not None and self._heard_s is not None and self._scene_s - self._heard_s > _LATE_S
 
     def close(self) -> None:
-        """End the process."""
         if self._socket is not None:
             self._socket.close()
             self._socket = None

@@ -19,7 +19,6 @@ class DrySound(Protocol):
 
     def read(self, start: int, count: int) -> Samples:
         """``count`` samples from number ``start`` on; zeros before its beginning and after its end."""
-        ...
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,7 +29,6 @@ class SampledSound:
     loop: bool = False
 
     def read(self, start: int, count: int) -> Samples:
-        """See :class:`DrySound`."""
         size = self.samples.size
         if self.loop and size:
             out: Samples = self.samples[np.arange(max(start, 0), start + count) % size]

@@ -60,8 +60,6 @@ class SoundScene:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LoudspeakerFrame:
-    """Sound for the loudspeaker."""
-
     audio: Audio
 
 

@@ -36,7 +36,6 @@ class Shoebox:
 
     @property
     def volume_m3(self) -> float:
-        """Volume (m^3)."""
         return math.prod(self.size)
 
     @property

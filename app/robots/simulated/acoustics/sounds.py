@@ -84,7 +84,6 @@ class ClipLibrary:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of all sounds of the library."""
         return NAMES
 
     def key(self, clip: str, by: str = "") -> Key:

@@ -109,7 +109,6 @@ class Soundscape:
 
 
 def _keys(library: ClipLibrary, scenario: ScenarioConfig) -> Iterator[Key]:
-    """Keys of all sounds of ``scenario``."""
     names = {sound.clip for sound in scenario.sounds} | ({scenario.footsteps.clip} if scenario.footsteps else set())
     for person in scenario.people:
         if any(step.clap is not None for step in person.script):

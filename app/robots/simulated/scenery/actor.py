@@ -67,7 +67,6 @@ class Actor:
 
     @property
     def posture(self) -> Posture:
-        """The current posture of the limbs."""
         raised, apart = self._clapping()
         return Posture(
             self._gait, self._stride, clap=raised, apart=apart, head_yaw=self._head_yaw, head_pitch=self._head_pitch
@@ -96,7 +95,6 @@ class Actor:
 
     @property
     def truth(self) -> PersonTruth:
-        """The ground truth message."""
         return PersonTruth(self.name, self.x, y=self.y, heading=self.gaze, height_m=self.height_m, mouth=self.mouth)
 
     def clap_at(self, time_s: float) -> None:

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from app.robots.simulated.scenery import gait, person_mesh
 from app.robots.simulated.scenery.actor import Actor
 from app.robots.simulated.scenery.gait import LimbJoint
-from app.robots.simulated.scenery.scenario_config import Color
 from app.robots.simulated.scenery.textures import Texture
 from app.robots.simulated.world import OUT_OF_REACH_GROUP, ROBOT_CONTACT, WORLD_CONTACT
+from app.robots.simulated.world_config import Color
 
 LIMBS = (
     "trunk", "head", "left_thigh", "left_shin", "left_upper_arm", "left_forearm",

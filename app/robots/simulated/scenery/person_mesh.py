@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from app.robots.simulated.scenery.faces import EYES_PX, FACES, MIDDLE_PX, MOUTH_PX, face_picture
 from app.robots.simulated.scenery.gait import EYES_SHARE, FOREARM, MOUTH_SHARE, NECK_SHARE, SHIN, THIGH, UPPER_ARM
-from app.robots.simulated.scenery.scenario_config import Color
 from app.robots.simulated.scenery.textures import Texture
+from app.robots.simulated.world_config import Color
 
 HEAD_MIDDLE, HEAD_AHEAD = 0.935, 0.006
 _HEAD_RADII = (0.056, 0.0495, 0.064)

@@ -10,20 +10,16 @@ import math
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, PlainValidator, field_validator, model_validator
+from pydantic import Field, PlainValidator, field_validator, model_validator
 
 from app.base.plain_file import check_plain
 from app.base.yaml_source import load_yaml, suggestion
 from app.robots.simulated.acoustics.sounds import NAMES
 from app.robots.simulated.scenery.faces import FACES
+from app.robots.simulated.world_config import Color, FileModel, Point, Positive
 
-Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
-Point = tuple[float, float]
 Place = tuple[float, float, float]
-Color = tuple[
-    Annotated[int, Field(ge=0, le=255)], Annotated[int, Field(ge=0, le=255)], Annotated[int, Field(ge=0, le=255)]
-]
 Kind = Literal["speech", "clap", "door", "steps", "music", "alarm", "noise"]
 
 
@@ -45,11 +41,7 @@ LONGEST_SOUND_S = 120.0
 ACTIONS = ("walk", "wait", "wait_for_robot", "say", "clap")
 
 
-class _Model(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, populate_by_name=True)
-
-
-class StepConfig(_Model):
+class StepConfig(FileModel):
     """One thing that a person does; exactly one of ``walk``, ``wait``, ``wait_for_robot``, ``say`` and ``clap``.
 
     ``walk`` straight to a point at ``speed``; ``wait`` some seconds; ``wait_for_robot`` until the robot comes
@@ -78,7 +70,7 @@ class StepConfig(_Model):
         return self
 
 
-class PersonConfig(_Model):
+class PersonConfig(FileModel):
     """One person: looks, place at the start, and a ``script`` gone through once, or again and again (``repeat``).
 
     Without ``height_m`` the height is drawn from the scenario's seed. After waiting ``gives_way_s`` for the robot to
@@ -125,7 +117,7 @@ class PersonConfig(_Model):
         return walks + waits + sum(step.clap * step.every for step in self.script if step.clap is not None)
 
 
-class SoundConfig(_Model):
+class SoundConfig(FileModel):
     """A sound at a time: at ``at`` (a fixed place), or given off by a ``person`` (mouth, hands for claps, feet for
     steps).
 
@@ -157,14 +149,12 @@ class SoundConfig(_Model):
         return self
 
 
-class FootstepsConfig(_Model):
-    """The sound of each footfall of walking people."""
-
+class FootstepsConfig(FileModel):
     clip: str = "step"
     gain_db: float = -12.0
 
 
-class WaypointConfig(_Model):
+class WaypointConfig(FileModel):
     """One leg of the robot's drive: exactly one of ``go`` (a point), ``face`` (degrees to turn to), ``pause`` (s)."""
 
     go: Point | None = None
@@ -181,7 +171,7 @@ class WaypointConfig(_Model):
         return self
 
 
-class StartConfig(_Model):
+class StartConfig(FileModel):
     """Start pose of the robot, in place of its own configuration's ``start``."""
 
     x: float
@@ -189,7 +179,7 @@ class StartConfig(_Model):
     heading_deg: float = 0.0
 
 
-class ScenarioConfig(_Model):
+class ScenarioConfig(FileModel):
     """People and sounds in the world. The same scenario with the same seed gives the same events."""
 
     name: str

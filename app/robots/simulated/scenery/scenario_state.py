@@ -80,7 +80,6 @@ class ScenarioState:
 
     @property
     def people(self) -> tuple[PersonTruth, ...]:
-        """All people now."""
         return tuple(actor.truth for actor in self.actors)
 
     def place(self, cue: Cue) -> tuple[float, float, float]:
@@ -152,8 +151,6 @@ class ScenarioState:
 
 
 class _Timed:
-    """Schedule of a timed sound."""
-
     def __init__(self, sound: SoundConfig, rng: np.random.Generator) -> None:
         self.sound = sound
         self.done = 0

@@ -1,11 +1,10 @@
 """Compiled kernel: clearance of a body from obstacles."""
 
+# mypy: allow-untyped-defs, allow-incomplete-defs
+
 from __future__ import annotations
 
 import math
-
-import numpy as np
-from numpy.typing import NDArray
 
 from app.base.compiled import kernel
 
@@ -13,14 +12,7 @@ from app.base.compiled import kernel
 @kernel(
     "void(float32[:,::1], UniTuple(float64, 3), float64[:,::1], UniTuple(float64, 2), float64[:,::1], float32[::1])"
 )
-def body_clearances(
-    field: NDArray[np.float32],
-    frame: tuple[float, float, float],
-    samples: NDArray[np.float64],
-    radii: tuple[float, float],
-    poses: NDArray[np.float64],
-    out: NDArray[np.float32],
-) -> None:
+def body_clearances(field, frame, samples, radii, poses, out) -> None:
     """Write the distance (m) of the body's edge to the nearest obstacle into ``out`` (P,), as ``footprint.clearances``.
 
     ``frame``: x, y (m) of the field's lower left corner, 1 / resolution. ``radii``: inscribed, circumscribed.

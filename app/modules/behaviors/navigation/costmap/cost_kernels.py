@@ -1,11 +1,12 @@
 """Compiled kernels: cost per metre from distances. Layers, settings and units as in ``inflation``."""
 
+# mypy: allow-untyped-defs, allow-incomplete-defs
+
 from __future__ import annotations
 
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from app.base.compiled import kernel
 
@@ -14,19 +15,11 @@ _PRICES = "float64, float64, float64, float64"
 
 
 @kernel(f"float64(float64, float64, boolean, {_PRICES})")
-def price(
-    clearance: float,
-    share: float,
-    unknown: bool,
-    lethal: float,
-    reach: float,
-    closeness: float,
-    unknown_cost: float,
-) -> float:
+def price(clearance, share, unknown, lethal, reach, closeness, unknown_cost) -> float:
     """Cost of a metre at ``clearance`` (m)."""
     if clearance < lethal:
         return math.inf
-    cost = 1.0 / max(share, 0.02)
+    cost: float = 1.0 / max(share, 0.02)
     if clearance < reach:
         near = (reach - clearance) / (reach - lethal)
         cost += closeness * near * near
@@ -36,18 +29,7 @@ def price(
 
 
 @kernel(f"void(float32[:,:], float32[:,:], float32[:,:], uint8[:,:], float32[:,:], float32[:,:], {_PRICES})")
-def lay(
-    distances: NDArray[np.float32],
-    zone: NDArray[np.float32],
-    share: NDArray[np.float32],
-    layers: NDArray[np.uint8],
-    clearance: NDArray[np.float32],
-    cost: NDArray[np.float32],
-    lethal: float,
-    reach: float,
-    closeness: float,
-    unknown_cost: float,
-) -> None:
+def lay(distances, zone, share, layers, clearance, cost, lethal, reach, closeness, unknown_cost) -> None:
     """Fill ``clearance`` and ``cost``, and set the layers each cell is too near to, from ``distances`` to occupied
     cells.
 
@@ -74,17 +56,7 @@ def lay(
 
 
 @kernel(f"void(float32[:,:], float32[:,:], uint8[:,:], float32[:,:], float32[:,:], {_PRICES})")
-def overlay(
-    distances: NDArray[np.float32],
-    share: NDArray[np.float32],
-    layers: NDArray[np.uint8],
-    clearance: NDArray[np.float32],
-    cost: NDArray[np.float32],
-    lethal: float,
-    reach: float,
-    closeness: float,
-    unknown_cost: float,
-) -> None:
+def overlay(distances, share, layers, clearance, cost, lethal, reach, closeness, unknown_cost) -> None:
     """Merge ``distances`` (H, W) to transient obstacles into a field of the map's obstacles."""
     rows, columns = distances.shape
     slow = share.size > 0

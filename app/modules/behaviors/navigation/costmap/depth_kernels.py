@@ -4,12 +4,13 @@ Heights of a cell are 16 bands (bits of a uint16) from the floor to the body's h
 not clear it, a ray through the box's place does.
 """
 
+# mypy: allow-untyped-defs, allow-incomplete-defs
+
 from __future__ import annotations
 
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from app.base.compiled import kernel
 
@@ -23,20 +24,7 @@ _ENOUGH = 2
     "void(uint16[:,::1], float64[::1], float64[:,::1], float64[::1], float64[:,::1], float64[::1], float64[::1],"
     " int64, int32, int32[:,::1], int32[:,::1], uint16[:,::1])"
 )
-def mark(
-    depth: NDArray[np.uint16],
-    lens: NDArray[np.float64],
-    X_BC: NDArray[np.float64],
-    pose: NDArray[np.float64],
-    edges: NDArray[np.float64],
-    frame: NDArray[np.float64],
-    limits: NDArray[np.float64],
-    step: int,
-    now: int,
-    first: NDArray[np.int32],
-    last: NDArray[np.int32],
-    bands: NDArray[np.uint16],
-) -> None:
+def mark(depth, lens, X_BC, pose, edges, frame, limits, step, now, first, last, bands) -> None:
     """Mark obstacles of ``depth`` (H, W) mm between the floor and the body's height.
 
     ``lens``: fx, fy, cx, cy (px). ``X_BC`` (3, 4): rotation and translation. ``pose``: x, y, theta of the robot in
@@ -105,18 +93,7 @@ def mark(
     "void(uint16[:,::1], float64[::1], float64[:,::1], float64[::1], float64[::1], float64, int32, int32, int32[:,::1],"
     " uint16[:,::1])"
 )
-def clear(
-    depth: NDArray[np.uint16],
-    lens: NDArray[np.float64],
-    X_BC: NDArray[np.float64],
-    pose: NDArray[np.float64],
-    frame: NDArray[np.float64],
-    top: float,
-    now: int,
-    clear_ms: int,
-    last: NDArray[np.int32],
-    bands: NDArray[np.uint16],
-) -> None:
+def clear(depth, lens, X_BC, pose, frame, top, now, clear_ms, last, bands) -> None:
     """Clear bands that the camera looks through: along the ray to a band the measured depth is greater than the band's.
 
     Only bands not hit for ``clear_ms``. Bands outside the image, and bands whose ray measured nothing, stay.

@@ -36,12 +36,11 @@ class Footprint:
         """Of ``corners`` (N, 2) m. Raises ValueError if they are not convex, counter-clockwise and around (0, 0)."""
         if corners.ndim != 2 or corners.shape[0] < 3 or corners.shape[1] != 2 or not np.isfinite(corners).all():
             raise ValueError(f"a footprint is three corners or more of x and y in m, not an array {corners.shape}")
-        edges = np.roll(corners, -1, axis=0) - corners
-        turns = _cross(edges, np.roll(edges, -1, axis=0))
-        if (turns < -1e-12).any():
+        sides = np.roll(corners, -1, axis=0) - corners
+        after = np.roll(sides, -1, axis=0)
+        if (sides[:, 0] * after[:, 1] - sides[:, 1] * after[:, 0] < -1e-12).any():
             raise ValueError("a footprint's corners go around it counter-clockwise, and it has no dents")
-        normals = np.stack((edges[:, 1], -edges[:, 0]), axis=-1) / np.linalg.norm(edges, axis=1, keepdims=True)
-        inscribed = float((normals * corners).sum(axis=1).min())
+        inscribed = float(_edges(corners)[:, 2].min())
         if inscribed <= 0.0:
             raise ValueError("a footprint lies around base_link: (0, 0) is inside it")
         return Footprint(corners, inscribed, float(np.linalg.norm(corners, axis=1).max()))
@@ -66,11 +65,13 @@ class Footprint:
     def contains(self, points: NDArray[np.float64], margin_m: float = 0.0) -> NDArray[np.bool_]:
         """Which of ``points`` (N, 2), m in ``base_link``, lie in the polygon, each edge moved outwards by ``margin_m``;
         (N,)."""
-        inside = np.ones(len(points), dtype=bool)
-        for begin, end in zip(self.corners, np.roll(self.corners, -1, axis=0), strict=True):
-            edge = (end - begin) / np.linalg.norm(end - begin)
-            inside &= edge[1] * (points[:, 0] - begin[0]) - edge[0] * (points[:, 1] - begin[1]) <= margin_m
-        return inside
+        edges = self.edges(margin_m)
+        return np.asarray((points @ edges[:, :2].T <= edges[:, 2]).all(axis=1))
+
+    def edges(self, margin_m: float = 0.0) -> NDArray[np.float64]:
+        """The edges (N, 3), each moved outwards by ``margin_m``: x and y of the outward normal, and the distance (m)
+        from ``base_link``."""
+        return np.asarray(_edges(self.corners) + np.array([0.0, 0.0, margin_m]))
 
 
 def clearances(
@@ -101,5 +102,7 @@ def clearances(
     return out
 
 
-def _cross(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
+def _edges(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    sides = np.roll(corners, -1, axis=0) - corners
+    normals = np.stack((sides[:, 1], -sides[:, 0]), axis=-1) / np.linalg.norm(sides, axis=1, keepdims=True)
+    return np.column_stack((normals, (normals * corners).sum(axis=1)))

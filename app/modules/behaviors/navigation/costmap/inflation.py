@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -128,17 +128,7 @@ def cost_field(
     if not boxes:
         return old
     layers |= old.layers & np.uint8(AT_OCCUPIED | AT_KEEP_OUT)
-    field = CostField(
-        frame,
-        layers,
-        clearance=old.clearance.copy(),
-        cost=old.cost.copy(),
-        footprint=footprint,
-        settings=settings,
-        zones=zones,
-        zone_clearance=zone_clearance,
-        share=share,
-    )
+    field = replace(old, layers=layers, clearance=old.clearance.copy(), cost=old.cost.copy())
     for box in boxes:
         _fill(field, box)
     return field
@@ -156,18 +146,8 @@ def with_obstacles(field: CostField, points: NDArray[np.float64]) -> CostField:
         return known
     there = np.zeros(known.layers.shape, dtype=np.uint8)
     there[rows, columns] = 1
-    result = CostField(
-        known.frame,
-        known.layers | there * np.uint8(TEMPORARY),
-        clearance=known.clearance.copy(),
-        cost=known.cost.copy(),
-        footprint=known.footprint,
-        settings=known.settings,
-        zones=known.zones,
-        zone_clearance=known.zone_clearance,
-        share=known.share,
-        known=known,
-    )
+    layers = known.layers | there * np.uint8(TEMPORARY)
+    result = replace(known, layers=layers, clearance=known.clearance.copy(), cost=known.cost.copy(), known=known)
     reach = _reach_cells(known)
     for box in _boxes(there, reach):
         around, inner = _widened(box, reach, there.shape)

@@ -70,7 +70,6 @@ class CostmapWindow:
     known_m: float
 
     def to_message(self, version: int) -> OccupancyGrid:
-        """As a message in ``odom``."""
         return OccupancyGrid(
             self.stamp, "odom", cells=self.cells, resolution_m=self.resolution_m, origin=self.origin, version=version
         )
@@ -87,8 +86,8 @@ class LocalCostmap:
         self._height_m = height_m
         memory_m = max(self.settings.memory_m, self.settings.size_m + 2.0 * _ROLL_M + 0.1)
         self._side = math.ceil(memory_m / self.settings.resolution_m)
-        self._edges = _edges(footprint, 0.0)
-        self._itself = _edges(footprint, _ITSELF_M)
+        self._edges = footprint.edges()
+        self._itself = footprint.edges(_ITSELF_M)
         self._epoch: float | None = None
         self._corner: tuple[int, int] | None = None
         self.clear()
@@ -155,23 +154,9 @@ class LocalCostmap:
         drop = math.inf if s.drop_m is None else s.drop_m
         limits = np.array([s.floor_m, s.floor_slope, self._height_m, s.depth_m, drop])
         frame, now = self._frame(), self._ms(image.stamp)
-        mark(
-            depth,
-            lens,
-            X_BC,
-            _row(X_OB),
-            self._itself,
-            frame,
-            limits,
-            s.depth_step,
-            now,
-            self._depth_first,
-            self._depth_last,
-            self._bands,
-        )
-        clear(
-            depth, lens, X_BC, _row(X_OB), frame, self._height_m, now, _ms(s.clear_s), self._depth_last, self._bands
-        )  # fmt: skip
+        seen, first, last, bands = (depth, lens, X_BC, _row(X_OB)), self._depth_first, self._depth_last, self._bands
+        mark(*seen, self._itself, frame, limits, s.depth_step, now, first, last, bands)
+        clear(*seen, frame, self._height_m, now, _ms(s.clear_s), last, bands)
 
     def around(self, X_OB: Pose2, stamp: float, known: NDArray[np.float64] | None = None) -> CostmapWindow:
         """The window at ``stamp``, not before the newest message; its middle is within a cell of ``X_OB``. ``known``
@@ -263,13 +248,6 @@ def _shift(grid: NDArray[np.generic], down: int, right: int) -> None:
 
 def _overlap(by: int, side: int) -> tuple[slice, slice]:
     return slice(max(-by, 0), side - max(by, 0)), slice(max(by, 0), side - max(-by, 0))
-
-
-def _edges(footprint: Footprint, margin_m: float) -> NDArray[np.float64]:
-    """The edges (E, 3): x and y of each outward normal, and its distance (m) from ``base_link``."""
-    sides = np.roll(footprint.corners, -1, axis=0) - footprint.corners
-    normals = np.stack((sides[:, 1], -sides[:, 0]), axis=-1) / np.linalg.norm(sides, axis=1, keepdims=True)
-    return np.column_stack((normals, (normals * footprint.corners).sum(axis=1) + margin_m))
 
 
 def _row(pose: Pose2) -> NDArray[np.float64]:

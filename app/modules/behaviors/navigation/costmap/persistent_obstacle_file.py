@@ -28,7 +28,6 @@ class PersistentObstacles:
 
     @staticmethod
     def none() -> PersistentObstacles:
-        """No obstacles."""
         return PersistentObstacles(np.empty((0, 2), dtype=np.int64), np.empty(0, dtype=np.uint16))
 
 

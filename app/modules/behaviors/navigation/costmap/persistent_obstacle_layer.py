@@ -58,11 +58,8 @@ class PersistentObstacleLayer:
     ) -> None:
         self.settings = settings or PersistentObstacleSettings()
         self._height_m = height_m
-        sides = np.roll(footprint.corners, -1, axis=0) - footprint.corners
-        normals = np.stack((sides[:, 1], -sides[:, 0]), axis=-1) / np.linalg.norm(sides, axis=1, keepdims=True)
-        reach = (normals * footprint.corners).sum(axis=1)
-        self._itself = np.column_stack((normals, reach))
-        self._inside = np.column_stack((normals, reach - _UNSURE_M))
+        self._itself = footprint.edges()
+        self._inside = footprint.edges(-_UNSURE_M)
         #: Incremented with every change of the kept cells, and with a change of the map.
         self.version = 0
         self.clear()

@@ -1,11 +1,10 @@
 """Compiled kernels: a laser's rays on a grid in ``odom``. Times are ms, int32; NEVER: not occupied, or not seen."""
 
+# mypy: allow-untyped-defs, allow-incomplete-defs
+
 from __future__ import annotations
 
 import math
-
-import numpy as np
-from numpy.typing import NDArray
 
 from app.base.compiled import kernel
 
@@ -17,19 +16,7 @@ NEVER = -(2**30)
     " int32, int32[:,::1], int32[:,::1], int32[:,::1])"
 )
 def sweep(
-    ranges: NDArray[np.float32],
-    angle_min: float,
-    angle_increment: float,
-    range_min: float,
-    range_max: float,
-    poses: NDArray[np.float64],
-    body: NDArray[np.float64],
-    frame: NDArray[np.float64],
-    now: int,
-    clear_ms: int,
-    first: NDArray[np.int32],
-    last: NDArray[np.int32],
-    seen: NDArray[np.int32],
+    ranges, angle_min, angle_increment, range_min, range_max, poses, body, frame, now, clear_ms, first, last, seen
 ) -> None:
     """Mark the ends of ``ranges`` (N,) m, and clear the cells that rays pass and that were not hit for ``clear_ms``.
 
@@ -98,13 +85,7 @@ def sweep(
 
 
 @kernel("void(float64[::1], float64[:,::1], float64[::1], int32[:,::1], int32[:,::1])")
-def free_body(
-    pose: NDArray[np.float64],
-    edges: NDArray[np.float64],
-    frame: NDArray[np.float64],
-    laser: NDArray[np.int32],
-    depth: NDArray[np.int32],
-) -> None:
+def free_body(pose, edges, frame, laser, depth) -> None:
     """Free the cells under the robot at ``pose`` (x, y, theta), whose ``edges`` (E, 3) are outward normals and
     distances (m): no obstacle is under the robot."""
     reach = 0.0
@@ -131,15 +112,7 @@ def free_body(
 
 
 @kernel("void(int32[:,::1], int32[:,::1], int32, int32, int32, int32, uint8[:,::1])")
-def standing(
-    first: NDArray[np.int32],
-    last: NDArray[np.int32],
-    now: int,
-    forget_ms: int,
-    steady_ms: int,
-    keep_ms: int,
-    free: NDArray[np.uint8],
-) -> None:
+def standing(first, last, now, forget_ms, steady_ms, keep_ms, free) -> None:
     """Set ``free`` (H, W) to 0 in occupied cells, and drop cells that were not seen for too long."""
     rows, columns = last.shape
     for i in range(rows):

@@ -22,7 +22,6 @@ class TransientObstacles:
 
     @staticmethod
     def none() -> TransientObstacles:
-        """No obstacles."""
         return TransientObstacles(np.empty((0, 2)), np.empty(0))
 
 

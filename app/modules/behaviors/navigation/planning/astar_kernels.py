@@ -6,6 +6,8 @@ exactly where their free cells touch: pooling neither loses nor invents a path, 
 Costs are small integers, so that the queue is a ring of buckets (Dial, 1969) instead of a heap.
 """
 
+# mypy: allow-untyped-defs, allow-incomplete-defs
+
 from __future__ import annotations
 
 import numpy as np
@@ -21,14 +23,7 @@ _RING = 8192
 
 
 @kernel("int32[:,::1](float32[:,::1], uint8[:,::1], uint8, float64, int64, int64)")
-def pool(
-    cost: NDArray[np.float32],
-    layers: NDArray[np.uint8],
-    passable: int,
-    fee: float,
-    odd_row: int,
-    odd_column: int,
-) -> NDArray[np.int32]:
+def pool(cost, layers, passable, fee, odd_row, odd_column) -> NDArray[np.int32]:
     """Blocks of the field, with a border of one block: 8 * mean cost << 4 | free cells of the four (bits); 0: none.
 
     ``cost`` (H, W) float32 per metre. Where it is infinite and ``passable`` (bits) covers all layers that make it so, a
@@ -59,11 +54,7 @@ def pool(
 
 
 @kernel("Tuple((int32[::1], uint8[::1]))(int32[:,::1], int64, int64)")
-def search(
-    blocks: NDArray[np.int32],
-    start: int,
-    goal: int,
-) -> tuple[NDArray[np.int32], NDArray[np.uint8]]:
+def search(blocks, start, goal) -> tuple[NDArray[np.int32], NDArray[np.uint8]]:
     """Least cost of a path from block ``start`` to each block (flat, int32; the largest value: not reached), and the
     direction (0 to 7, of ``joined``) of its last step (255: none).
 
@@ -159,17 +150,7 @@ def search(
     "int64[:,::1](int32[:,::1], uint8[::1], int64, UniTuple(int64, 2), UniTuple(int64, 2), float32[:,::1], float64,"
     " int64, int64)"
 )
-def trace(
-    blocks: NDArray[np.int32],
-    came: NDArray[np.uint8],
-    end: int,
-    first: tuple[int, int],
-    last: tuple[int, int],
-    cost: NDArray[np.float32],
-    fee: float,
-    odd_row: int,
-    odd_column: int,
-) -> NDArray[np.int64]:
+def trace(blocks, came, end, first, last, cost, fee, odd_row, odd_column) -> NDArray[np.int64]:
     """The cells (N, 2), each touching the one before, from cell ``first`` to cell ``last`` through the blocks of the
     path to block ``end`` that ``search`` found: the cheapest such cells of each block."""
     width = blocks.shape[1]

@@ -207,8 +207,7 @@ def _way_out(
             if free[first:].all():
                 return cells[: first + 1]
     reach = (settings.leave_zone_m if bits & AT_KEEP_OUT else settings.free_start_m) / field.frame.resolution_m
-    cells, count = escape(field.layers, field.cost, *start, reach, OCCUPIED)
-    return cells[:count]
+    return escape(field.layers, field.cost, *start, reach, OCCUPIED)
 
 
 def _what_is_at(field: CostField, pose: Pose2, cell: tuple[int, int], who: str = "it") -> str:

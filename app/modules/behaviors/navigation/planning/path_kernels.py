@@ -1,7 +1,10 @@
 """Compiled kernels on paths through a cost field, in cells: (row, column) of a cell's middle are its indices."""
 
+# mypy: allow-untyped-defs, allow-incomplete-defs
+
 from __future__ import annotations
 
+import heapq
 import math
 
 import numpy as np
@@ -11,13 +14,7 @@ from app.base.compiled import kernel
 
 
 @kernel("float64(float32[:,::1], float64, float64, float64, float64)")
-def line_cost(
-    cost: NDArray[np.float32],
-    r0: float,
-    c0: float,
-    r1: float,
-    c1: float,
-) -> float:
+def line_cost(cost, r0, c0, r1, c1) -> float:
     """Cost of the straight line, in cells of open floor: exact, cell by cell; +inf where it crosses a lethal one."""
     rows, columns = cost.shape
     dr, dc = r1 - r0, c1 - c0
@@ -60,10 +57,7 @@ def line_cost(
 
 
 @kernel("int64[::1](float32[:,::1], float64[:,::1])")
-def shortcuts(
-    cost: NDArray[np.float32],
-    points: NDArray[np.float64],
-) -> NDArray[np.int64]:
+def shortcuts(cost, points) -> NDArray[np.int64]:
     """Indices of the points (N, 2) row, column to keep: the straight line between two costs no more than the points
     between."""
     n = len(points)
@@ -105,12 +99,7 @@ def shortcuts(
 
 
 @kernel("int64(float32[:,::1], float64[:,::1], float64, int64)")
-def refine(
-    cost: NDArray[np.float32],
-    points: NDArray[np.float64],
-    stride: float,
-    rounds: int,
-) -> int:
+def refine(cost, points, stride, rounds) -> int:
     """Move the points (N, 2) row, column in place so that the path costs less; returns the number of moves.
 
     Each point in turn is placed level with its neighbours' middle and ``stride`` (cells), or half of it, to the left or
@@ -162,14 +151,7 @@ def refine(
 
 
 @kernel("int64(float32[:,::1], float32[:,::1], float64[:,::1], int64, float64, float64)")
-def relax(
-    cost: NDArray[np.float32],
-    clearance: NDArray[np.float32],
-    points: NDArray[np.float64],
-    rounds: int,
-    lethal: float,
-    keep: float,
-) -> int:
+def relax(cost, clearance, points, rounds, lethal, keep) -> int:
     """Round the corners of ``points`` (N, 2) row, column in place; returns the number of moves.
 
     Each point moves to the middle between its neighbours as long as both pieces beside it stay free of lethal cells and
@@ -209,12 +191,7 @@ def relax(
 
 
 @kernel("int64(float32[:,::1], float64[:,::1], int64, int64)")
-def first_lethal(
-    cost: NDArray[np.float32],
-    points: NDArray[np.float64],
-    first: int,
-    last: int,
-) -> int:
+def first_lethal(cost, points, first, last) -> int:
     """Index of the first of ``points`` (N, 2) row, column from ``first`` on that a lethal cell precedes or contains;
     -1: none.
 
@@ -233,17 +210,10 @@ def first_lethal(
     return -1 if free else last
 
 
-@kernel("Tuple((int64[:,::1], int64))(uint8[:,::1], float32[:,::1], int64, int64, float64, uint8)")
-def escape(
-    layers: NDArray[np.uint8],
-    cost: NDArray[np.float32],
-    row: int,
-    column: int,
-    radius: float,
-    through: int,
-) -> tuple[NDArray[np.int64], int]:
+@kernel("int64[:,::1](uint8[:,::1], float32[:,::1], int64, int64, float64, uint8)")
+def escape(layers, cost, row, column, radius, through) -> NDArray[np.int64]:
     """Cells (N, 2) from (row, column) to the nearest that is not lethal within ``radius`` (cells), each touching the
-    one before; and their number. Cells occupied by obstacles (of the layers ``through``, bits) are crossed only from
+    one before. Cells occupied by obstacles (of the layers ``through``, bits) are crossed only from
     such a cell."""
     rows, columns = cost.shape
     reach = int(radius) + 1
@@ -253,27 +223,13 @@ def escape(
     far = np.full(size, np.inf)
     came = np.full(size, -1, dtype=np.int64)
     done = np.zeros(size, dtype=np.uint8)
-    heap_key = np.empty(8 * size + 1)
-    heap_cell = np.empty(8 * size + 1, dtype=np.int64)
     start = (row - top) * width + column - left
     inside = (int(layers[row, column]) & int(through)) != 0
     far[start] = 0.0
-    heap_key[0], heap_cell[0] = 0.0, start
-    count, end = 1, -1
-    while count:
-        key, u = heap_key[0], heap_cell[0]
-        count -= 1
-        last_key, last_cell = heap_key[count], heap_cell[count]
-        k = 0
-        while 2 * k + 1 < count:
-            child = 2 * k + 1
-            if child + 1 < count and heap_key[child + 1] < heap_key[child]:
-                child += 1
-            if heap_key[child] >= last_key:
-                break
-            heap_key[k], heap_cell[k] = heap_key[child], heap_cell[child]
-            k = child
-        heap_key[k], heap_cell[k] = last_key, last_cell
+    heap = [(0.0, start)]
+    end = -1
+    while heap:
+        key, u = heapq.heappop(heap)
         if done[u]:
             continue
         done[u] = 1
@@ -293,14 +249,9 @@ def escape(
                 length = key + math.hypot(di, dj) * (4.0 if wall else 1.0)
                 if length < far[v] and math.hypot(top + a - row, left + b - column) <= radius:
                     far[v], came[v] = length, u
-                    k = count
-                    count += 1
-                    while k and heap_key[(k - 1) // 2] > length:
-                        heap_key[k], heap_cell[k] = heap_key[(k - 1) // 2], heap_cell[(k - 1) // 2]
-                        k = (k - 1) // 2
-                    heap_key[k], heap_cell[k] = length, v
+                    heapq.heappush(heap, (length, v))
     if end < 0:
-        return np.empty((0, 2), dtype=np.int64), 0
+        return np.empty((0, 2), dtype=np.int64)
     n, u = 1, end
     while came[u] >= 0:
         u = came[u]
@@ -310,4 +261,4 @@ def escape(
     for k in range(n - 1, -1, -1):
         cells[k, 0], cells[k, 1] = top + u // width, left + u % width
         u = came[u]
-    return cells, n
+    return cells

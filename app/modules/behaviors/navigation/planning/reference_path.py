@@ -46,7 +46,6 @@ class ReferencePath:
 
     @property
     def end(self) -> Pose2:
-        """The end, with the heading there."""
         return Pose2(float(self.points[-1, 0]), float(self.points[-1, 1]), float(self.headings[-1]))
 
     def come_to(self, X_MB: Pose2) -> tuple[float, float]:

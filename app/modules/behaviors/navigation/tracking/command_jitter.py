@@ -16,7 +16,6 @@ class CommandJitter:
         self._kept: deque[float] = deque(maxlen=_KEPT)
 
     def commanded(self, now: float) -> None:
-        """Note a command at ``now``."""
         if self._last is not None:
             self._kept.append(now - self._last)
         self._last = now

@@ -64,7 +64,6 @@ class DynamicWindow:
     def choose(
         self, motion: MotionState, field: DistanceField, way: LocalPath, body: BodyModel, period_s: float
     ) -> VelocityChoice:
-        """See :class:`Controller`."""
         from app.modules.behaviors.navigation.tracking.rollout_kernels import dynamic_window
 
         s = self.settings
@@ -72,13 +71,13 @@ class DynamicWindow:
         high = min(high, s.speed_mps, max(float(way.points[0, 4]), 0.02))
         limits = (max(low, 0.0) if low >= 0 else 0.0, high, min(turn, s.angular_radps), *accelerations)
         count = max(2, min(len(way.points), int(s.ahead_m / way.spacing)))
-        linear, angular, cost, clearance = dynamic_window(
+        linear, angular, cost, _ = dynamic_window(
             field.distances, field.frame, body.outline, body.radii, limits, motion.state,
             np.ascontiguousarray(way.points[:count]), s.samples, s.weights, period_s, s.horizon_s, s.margin_m,
             s.sight_m, s.strict,
         )  # fmt: skip
         if not math.isfinite(cost):
-            return VelocityChoice(0.0, 0.0, True, 0.0)
+            return VelocityChoice(0.0, 0.0, True)
         # At rest with path left: every motion costs more than none.
         still = linear < 0.02 and abs(angular) < 0.05 and float(way.points[-1, 3]) > 0.1
-        return VelocityChoice(linear, angular, still, clearance)
+        return VelocityChoice(linear, angular, still)

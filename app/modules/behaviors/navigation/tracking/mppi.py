@@ -72,7 +72,6 @@ class Mppi:
     def choose(
         self, motion: MotionState, field: DistanceField, way: LocalPath, body: BodyModel, period_s: float
     ) -> VelocityChoice:
-        """See :class:`Controller`."""
         from app.modules.behaviors.navigation.tracking import rollout_kernels
 
         s = self.settings
@@ -102,12 +101,11 @@ class Mppi:
         # No faster than the path's limit, or than braking toward that limit.
         allowed = max(float(way.points[0, 4]), motion.linear_mps - body.limits[5] * period_s)
         linear, angular = min(float(best[0, 0]), allowed), float(best[0, 1])
-        clearance = rollout_kernels.clearance_at(*scene[:4], motion.pose.x, motion.pose.y, motion.pose.theta)
         for share in _SLOWER:
             if rollout_kernels.can_stop(*scene, share * linear, share * angular, period_s + _REACTION_S, s.margin_m):
                 still = abs(share * linear) < 0.02 and abs(share * angular) < 0.05 and float(way.points[-1, 3]) > 0.1
-                return VelocityChoice(share * linear, share * angular, still, clearance)
-        return VelocityChoice(0.0, 0.0, True, clearance)
+                return VelocityChoice(share * linear, share * angular, still)
+        return VelocityChoice(0.0, 0.0, True)
 
 
 def proposals(settings: MppiSettings) -> list[tuple[float, float, float, float]]:

@@ -120,7 +120,6 @@ class PathTracker:
     # --- inputs ---
 
     def use_controller(self, controller: Controller) -> None:
-        """Replace the controller."""
         self._controller = controller
 
     def go(self, goal: Goal | None, now: float) -> None:
