@@ -10,7 +10,7 @@ microphones, Q a QR code, F a face, S a sound source.
 
 from __future__ import annotations
 
-from app.messages.base import Message, read_only
+from app.messages.base import Look, Message, PerceptKind, read_only
 from app.messages.driving import Exploitation, LinkStatus, OperatorDrive, Twist
 from app.messages.navigation import (
     GivenUpGoal,
@@ -96,6 +96,7 @@ __all__ = [
     "LoadRecord",
     "Localization",
     "LogLine",
+    "Look",
     "LoudNoise",
     "Message",
     "ModuleRecord",
@@ -105,6 +106,7 @@ __all__ = [
     "Odometry",
     "OperatorDrive",
     "PerceptEvent",
+    "PerceptKind",
     "PersonTruth",
     "PlacedCode",
     "PlacedFace",

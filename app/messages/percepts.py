@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from msgspec import Meta
 from numpy.typing import NDArray
 
 from app.base.geometry import Pose2, Pose3
+from app.messages.base import PerceptKind
 
 #: JSON Schema of a row of an array of points.
 POINT: dict[str, Any] = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}
@@ -132,10 +134,17 @@ class Faces:
 class Darkness:
     """How bright one image is: ``luma`` in [0, 1], its mean; ``dark`` with hysteresis. ``frame`` names the camera."""
 
+    percept_kind: ClassVar[PerceptKind] = PerceptKind("dark", "darkness before {subject}")
+
     stamp: float
     frame: str
     luma: float
     dark: bool
+
+    @property
+    def subjects(self) -> Mapping[str, float]:
+        """The camera, if it is dark before it."""
+        return {self.frame: 1.0} if self.dark else {}
 
 
 @dataclass(frozen=True, slots=True)
