@@ -39,6 +39,7 @@ from app.messages.percepts import (
     QRCode,
     QRCodes,
     SeparatedSound,
+    SoundClass,
     SoundSource,
     SoundSources,
 )
@@ -121,6 +122,7 @@ __all__ = [
     "RecorderStatus",
     "SceneTruth",
     "SeparatedSound",
+    "SoundClass",
     "SoundSource",
     "SoundSources",
     "SoundTruth",

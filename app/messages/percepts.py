@@ -160,6 +160,32 @@ class LoudNoise:
 
 
 @dataclass(frozen=True, slots=True)
+class SoundClass:
+    """What kind of sound the second before ``stamp`` was, by features of the spectrum of one of the microphones.
+
+    ``name`` is silence, voice-like, tonal, impulsive or broadband. From 200 Hz to 8 kHz, ``level_db`` is the level, dB
+    of full scale, ``centroid_hz`` the mean frequency, and 85 % of the energy lie below ``rolloff_hz``. ``flatness`` in
+    [0, 1]: 0 for a tone, 0.56 for white noise; ``onset_db`` is the steepest rise, dB. ``frame`` names the microphones.
+    """
+
+    percept_kind: ClassVar[PerceptKind] = PerceptKind("sound", "{subject} sound")
+
+    stamp: float
+    frame: str
+    name: str
+    level_db: float
+    centroid_hz: float
+    rolloff_hz: float
+    flatness: float
+    onset_db: float
+
+    @property
+    def subjects(self) -> Mapping[str, float]:
+        """The class, unless it is silence."""
+        return {} if self.name == "silence" else {self.name: 1.0}
+
+
+@dataclass(frozen=True, slots=True)
 class SoundSource:
     """A sound being tracked: ``direction`` (unit vector) from the microphones' middle, in ``base_link``'s axes.
 
