@@ -10,7 +10,7 @@ microphones, Q a QR code, F a face, S a sound source.
 
 from __future__ import annotations
 
-from app.messages.base import Message, read_only
+from app.messages.base import Look, Message, PerceptKind, read_only
 from app.messages.driving import Exploitation, LinkStatus, OperatorDrive, Twist
 from app.messages.navigation import (
     GivenUpGoal,
@@ -39,6 +39,7 @@ from app.messages.percepts import (
     QRCode,
     QRCodes,
     SeparatedSound,
+    SoundClass,
     SoundSource,
     SoundSources,
 )
@@ -96,6 +97,7 @@ __all__ = [
     "LoadRecord",
     "Localization",
     "LogLine",
+    "Look",
     "LoudNoise",
     "Message",
     "ModuleRecord",
@@ -105,6 +107,7 @@ __all__ = [
     "Odometry",
     "OperatorDrive",
     "PerceptEvent",
+    "PerceptKind",
     "PersonTruth",
     "PlacedCode",
     "PlacedFace",
@@ -119,6 +122,7 @@ __all__ = [
     "RecorderStatus",
     "SceneTruth",
     "SeparatedSound",
+    "SoundClass",
     "SoundSource",
     "SoundSources",
     "SoundTruth",

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Protocol, TypeVar
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar, Protocol, TypeVar
 
 from msgspec import Meta
 from numpy.typing import NDArray
@@ -24,6 +26,39 @@ class Message(Protocol):
     @property
     def stamp(self) -> float:
         """Seconds of the robot's clock (Unix epoch) at capture."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class PerceptKind:
+    """A kind of percept events, declared by the type of the messages that they are made of (:class:`Look`).
+
+    ``name`` begins the events' names (``dark.appears``). ``words``: what people read of a subject that is there,
+    ``{subject}`` in it being which.
+    """
+
+    name: str
+    words: str
+
+
+class Look(Protocol):
+    """A message of which percept events are made as it is: one look of a perception, at nothing too."""
+
+    percept_kind: ClassVar[PerceptKind]
+
+    @property
+    def stamp(self) -> float:
+        """Seconds of the robot's clock (Unix epoch) at capture."""
+        ...
+
+    @property
+    def frame(self) -> str:
+        """Name of the sensor."""
+        ...
+
+    @property
+    def subjects(self) -> Mapping[str, float]:
+        """Confidence, 0 to 1, in each subject that this look shows; "" where there can be but one."""
         ...
 
 

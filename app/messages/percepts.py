@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from msgspec import Meta
 from numpy.typing import NDArray
 
 from app.base.geometry import Pose2, Pose3
+from app.messages.base import PerceptKind
 
 #: JSON Schema of a row of an array of points.
 POINT: dict[str, Any] = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}
@@ -132,10 +134,17 @@ class Faces:
 class Darkness:
     """How bright one image is: ``luma`` in [0, 1], its mean; ``dark`` with hysteresis. ``frame`` names the camera."""
 
+    percept_kind: ClassVar[PerceptKind] = PerceptKind("dark", "darkness before {subject}")
+
     stamp: float
     frame: str
     luma: float
     dark: bool
+
+    @property
+    def subjects(self) -> Mapping[str, float]:
+        """The camera, if it is dark before it."""
+        return {self.frame: 1.0} if self.dark else {}
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,6 +157,32 @@ class LoudNoise:
     stamp: float
     ratio: float
     level_db: float
+
+
+@dataclass(frozen=True, slots=True)
+class SoundClass:
+    """What kind of sound the second before ``stamp`` was, by features of the spectrum of one of the microphones.
+
+    ``name`` is silence, voice-like, tonal, impulsive or broadband. From 200 Hz to 8 kHz, ``level_db`` is the level, dB
+    of full scale, ``centroid_hz`` the mean frequency, and 85 % of the energy lie below ``rolloff_hz``. ``flatness`` in
+    [0, 1]: 0 for a tone, 0.56 for white noise; ``onset_db`` is the steepest rise, dB. ``frame`` names the microphones.
+    """
+
+    percept_kind: ClassVar[PerceptKind] = PerceptKind("sound", "{subject} sound")
+
+    stamp: float
+    frame: str
+    name: str
+    level_db: float
+    centroid_hz: float
+    rolloff_hz: float
+    flatness: float
+    onset_db: float
+
+    @property
+    def subjects(self) -> Mapping[str, float]:
+        """The class, unless it is silence."""
+        return {} if self.name == "silence" else {self.name: 1.0}
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import AsyncExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -29,7 +29,7 @@ from app.logs.manifest import Manifest
 from app.maps.control import MapControl
 from app.maps.library import MapLibrary
 from app.maps.library import default_folder as default_maps_folder
-from app.messages import PerceptEvent
+from app.messages import PerceptEvent, PerceptKind
 from app.program.attachments import snapshot
 from app.program.body_restart import BodyRestarter
 from app.program.config import Configuration, load_configuration
@@ -134,7 +134,9 @@ class System:
         self._tasks: list[asyncio.Task[None]] = []
         self._report = SelfReport(self.graph.channels, self.clock.now, self.graph.filters.divisors)
         self._feed = TimelineFeed(
-            self.timeline, {n: spec.cpu_budget for n, spec in program.modules.items() if spec.cpu_budget is not None}
+            self.timeline,
+            {n: spec.cpu_budget for n, spec in program.modules.items() if spec.cpu_budget is not None},
+            self._percept_kinds(),
         )
 
     @classmethod
@@ -284,6 +286,12 @@ class System:
             return None
         sampler = LaneSampler(self.graph, self.classes, self.table.strategies)
         return LaneMonitor(channel, sampler, self.workspace, self.translator, now=self.clock.now, pace=self.pace)
+
+    def _percept_kinds(self) -> Iterator[PerceptKind]:
+        for channel in self.graph.channels.values():
+            kind = getattr(channel.message_type, "percept_kind", None)
+            if isinstance(kind, PerceptKind):
+                yield kind
 
     async def _sample(self) -> None:
         while True:

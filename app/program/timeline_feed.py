@@ -6,10 +6,10 @@ A bad state is noted once on entering and once on leaving, never in between.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from app.attention.timeline import Timeline
-from app.messages import Exploitation, LinkStatus, PerceptEvent
+from app.messages import Exploitation, LinkStatus, PerceptEvent, PerceptKind
 from app.runtime.freshness import Freshness
 from app.runtime.load import Load
 from app.runtime.supervisor import ModuleState
@@ -34,21 +34,25 @@ _GUARD_WORDS = {
 }
 
 
-#: Kinds of percepts whose words for people are others.
-_PERCEPT_WORDS = {"code": "QR code", "noise": "loud noise", "dark": "darkness before"}
+#: What people read of a percept that is there, by kind; of the others, kind and subject.
+_PERCEPT_WORDS = {"code": "QR code {subject}", "noise": "loud noise"}
 
 
 class TimelineFeed:
     """Turns states into timeline events, one for each change."""
 
-    def __init__(self, timeline: Timeline, budgets: Mapping[str, float]) -> None:
-        """``budgets``: the CPU (% of one core) each module is expected to stay under."""
+    def __init__(
+        self, timeline: Timeline, budgets: Mapping[str, float], percept_kinds: Iterable[PerceptKind] = ()
+    ) -> None:
+        """``budgets``: the CPU (% of one core) each module is expected to stay under. ``percept_kinds``: those that
+        message types declare."""
         self._timeline = timeline
         self._budgets = dict(budgets)
         self.reset()
 
     def reset(self) -> None:
         """Clear the known states: the next report of each is an event again."""
+        self._percept_words = _PERCEPT_WORDS | {kind.name: kind.words for kind in percept_kinds}
         self._guard = ""
         self._behavior: str | None = None
         self._slow_world = False
@@ -99,7 +103,10 @@ class TimelineFeed:
 
     def percept(self, event: PerceptEvent) -> None:
         """Something perceived appeared, left or changed: noted under the event's name."""
+        words = self._percept_words.get(event.kind)
+        label = f"{event.kind} {event.subject}".rstrip() if words is None else words.format(subject=event.subject)
         data = {
+            "label": label,
             "kind": event.kind,
             "subject": event.subject,
             "source": event.source,
@@ -108,7 +115,7 @@ class TimelineFeed:
             "p_OP": None if event.p_OP is None else [round(value, 3) for value in event.p_OP],
             "heading": None if event.heading is None else round(event.heading, 3),
         }
-        self._timeline.add("percept", event.name, _percept_words(event), data, stamp=event.stamp)
+        self._timeline.add("percept", event.name, _percept_words(label, event), data, stamp=event.stamp)
 
     def freshness(self, channels: Mapping[str, Freshness]) -> None:
         """The channels as they are now, by name; noted when one stays stale, and when it is so no longer."""
@@ -144,10 +151,8 @@ class TimelineFeed:
                     self._timeline.add("overload", name, f"{name} is within its budget again", {"used": round(used, 1)})
 
 
-def _percept_words(event: PerceptEvent) -> str:
-    kind = _PERCEPT_WORDS.get(event.kind, event.kind)
-    words = f"{kind} {event.subject}".rstrip()
-    text = f"{words[0].upper()}{words[1:]} {event.name.rpartition('.')[2]}"
+def _percept_words(label: str, event: PerceptEvent) -> str:
+    text = f"{label[0].upper()}{label[1:]} {event.name.rpartition('.')[2]}"
     return text if event.p_OP is None else f"{text} at x {event.p_OP[0]:.1f} m, y {event.p_OP[1]:.1f} m in odom"
 
 

@@ -8,10 +8,16 @@ from pathlib import Path
 
 import yaml
 
-from app.messages import PerceptEvent
-from app.modules.perception.percept_events import DEFAULTS, PerceptEventsSettings
+from app import messages
+from app.messages import PerceptEvent, PerceptKind
+from app.modules.perception.percept_events import DECLARED, DEFAULTS, PerceptEventsSettings
 from app.modules.perception.presence import Hysteresis
 
+KINDS = [
+    kind.name
+    for each in vars(messages).values()
+    if isinstance(kind := getattr(each, "percept_kind", None), PerceptKind)
+]
 PAGE = (Path(__file__).parents[2] / "docs" / "percept-events.md").read_text("utf-8")
 
 
@@ -24,7 +30,7 @@ def rows(heading: str) -> list[list[str]]:
 def test_the_names_are_those_of_each_kind() -> None:
     named = {name for row in rows("| name |")[1:] for name in re.findall(r"`([^`]+)`", row[0])}
     expected = set()
-    for kind, rule in DEFAULTS.items():
+    for kind, rule in (DEFAULTS | dict.fromkeys(KINDS, DECLARED)).items():
         changes = rule.moved_m is not None or rule.turned_rad is not None
         expected |= {f"{kind}.{verb}" for verb in ("appears", "leaves", *(["changes"] if changes else []))}
     assert named == expected
@@ -38,12 +44,13 @@ def test_the_fields_are_those_of_the_message() -> None:
 def test_the_parameters_are_the_defaults() -> None:
     head, *body = rows("| parameter |")
     kinds = [cell.strip("`") for cell in head[2:]]
-    assert kinds == list(DEFAULTS)
+    rules = {**DEFAULTS, "others": DECLARED}
+    assert kinds == list(rules)
     shown = {re.findall(r"`(\w+)`", row[0])[0]: row[2:] for row in body}
     assert set(shown) == set(Hysteresis.model_fields)
     for name, cells in shown.items():
         values = [None if cell == "–" else float(cell) for cell in cells]
-        assert values == [getattr(DEFAULTS[kind], name) for kind in kinds], name
+        assert values == [getattr(rules[kind], name) for kind in kinds], name
 
 
 def test_the_settings_shown_are_accepted() -> None:

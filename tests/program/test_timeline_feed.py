@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.attention.timeline import Timeline
-from app.messages import Exploitation, LinkStatus, PerceptEvent, Twist
+from app.messages import Exploitation, LinkStatus, PerceptEvent, PerceptKind, Twist
 from app.program.timeline_feed import OVERLOAD_WINDOWS, SLOW_AFTER_S, STALE_LOOKS, WELL_AFTER_S, TimelineFeed
 from app.runtime.freshness import Freshness, FreshnessState
 from app.runtime.load import Load
@@ -28,7 +28,7 @@ def timeline() -> Timeline:
 
 @pytest.fixture
 def feed(timeline: Timeline) -> TimelineFeed:
-    return TimelineFeed(timeline, {"Eye": 10.0})
+    return TimelineFeed(timeline, {"Eye": 10.0}, [PerceptKind("smoke", "smoke before {subject}")])
 
 
 def told(timeline: Timeline) -> list[tuple[str, str]]:
@@ -93,6 +93,8 @@ def test_a_module_is_noted_when_it_fails_and_when_it_is_back(feed: TimelineFeed,
         ("code.leaves", "tour:office", "QR code tour:office leaves"),
         ("noise.appears", "", "Loud noise appears"),
         ("dog.changes", "rex", "Dog rex changes"),
+        ("smoke.appears", "kinect", "Smoke before kinect appears"),
+        ("{odd}.appears", "{0}", "{odd} {0} appears"),
     ],
 )
 def test_percepts_are_noted_with_their_own_stamp_under_their_name(
@@ -101,6 +103,8 @@ def test_percepts_are_noted_with_their_own_stamp_under_their_name(
     feed.percept(PerceptEvent(4.5, name, name.partition(".")[0], subject, "kinect", 3.0, 1.0, None, None))
     (event,) = timeline.query()
     assert (event.stamp, event.kind, event.subject, event.text) == (4.5, "percept", name, words)
+    label = event.data["label"]
+    assert words == f"{label[0].upper()}{label[1:]} {name.partition('.')[2]}"
 
 
 def test_overload_is_noted_when_it_lasts_and_when_it_is_over(feed: TimelineFeed, timeline: Timeline) -> None:

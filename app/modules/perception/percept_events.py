@@ -5,31 +5,43 @@
     │                  in   faces     Faces, with each image looked at; may be absent          │
     │                  in   sources   SoundSources, as they come; may be absent                │
     │                  in   noises    LoudNoise, as they come; may be absent                   │
-    │                  in   darkness  Darkness, with each image looked at; may be absent       │
+    │                  in   ...       each Look that configuration names, as they come         │
     │                  in   odometry  Odometry, 100 Hz, X_OB in odom; may be absent            │
     │                  in   divisors  Divisors, on change; may be absent                       │
     │                  out  events    PerceptEvent (m and rad in odom), as they happen         │
     └─────────────────────────────────────────────────────────────────────────────────────────┘
 
-The hysteresis is ``presence.look``. Faces, codes, sound sources and darkness come with each look, empty where nothing
-is seen: no message is no look. A loud noise is an event, and its silence says nothing: quiet counts only while
-``divisors`` says that ``noise_filter`` is open. The inputs of percepts never want their channels: no perception is
-kept awake for its events.
+The hysteresis is ``presence.look``. Faces, codes, sound sources and messages whose type declares a ``percept_kind``
+(``app.messages.Look``) come with each look, empty where nothing is seen: no message is no look. A loud noise is an
+event, and its silence says nothing: quiet counts only while ``divisors`` says that ``noise_filter`` is open. The inputs
+of percepts never want their channels: no perception is kept awake for its events.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from typing import Any
 
 import numpy as np
-from pydantic import Field, ValidationInfo, field_validator
+from pydantic import ConfigDict, Field, model_validator
 
 from app.base.geometry import FloatArray, Pose2, wrap_angle
-from app.messages import Darkness, Divisors, Faces, LoudNoise, Odometry, PerceptEvent, QRCodes, SoundSources
+from app.messages import (
+    Divisors,
+    Faces,
+    Look,
+    LoudNoise,
+    Message,
+    Odometry,
+    PerceptEvent,
+    PerceptKind,
+    QRCodes,
+    SoundSources,
+)
 from app.modules.perception.pose_at import PoseAt
 from app.modules.perception.presence import Change, Hysteresis, Presence, Sighting, look
+from app.runtime.errors import ModuleFailed
 from app.runtime.filter import CLOSED
 from app.runtime.module import Module, ModuleContext, Settings
 
@@ -46,24 +58,42 @@ DEFAULTS = {
     "face": Hysteresis(sightings=3, off_looks=3, off_s=2.0, moved_m=0.5),
     "voice": Hysteresis(sightings=2, on_s=0.3, off_s=2.0, enter=0.5, stay=0.3, turned_rad=0.5),
     "noise": Hysteresis(off_s=1.0),
-    "dark": Hysteresis(sightings=2, off_s=0.5),
 }
+#: Of the kinds that message types declare.
+DECLARED = Hysteresis(sightings=2, off_s=0.5)
 
 
 class PerceptEventsSettings(Settings):
     """Settings of PerceptEvents: for each kind what differs from its default hysteresis."""
 
+    model_config = ConfigDict(extra="allow")
+    __pydantic_extra__: dict[str, Hysteresis] = Field(init=False)
+
     code: Hysteresis = DEFAULTS["code"]
     face: Hysteresis = DEFAULTS["face"]
     voice: Hysteresis = DEFAULTS["voice"]
     noise: Hysteresis = DEFAULTS["noise"]
-    dark: Hysteresis = DEFAULTS["dark"]
     noise_filter: str = Field("LoudNoiseDetector.audio", description="while it is closed, quiet is not heard")
 
-    @field_validator(*DEFAULTS, mode="before")
+    @model_validator(mode="before")
     @classmethod
-    def _over_defaults(cls, value: Any, info: ValidationInfo) -> Any:
-        return {**DEFAULTS[str(info.field_name)].model_dump(), **value} if isinstance(value, dict) else value
+    def _over_defaults(cls, values: Any) -> Any:
+        if not isinstance(values, dict):
+            return values
+        return {
+            kind: {**DEFAULTS.get(kind, DECLARED).model_dump(), **value} if isinstance(value, dict) else value
+            for kind, value in values.items()
+        }
+
+    def rule(self, kind: str) -> Hysteresis:
+        """The hysteresis of ``kind``."""
+        rule: Hysteresis = getattr(self, kind, DECLARED)
+        return rule
+
+    @property
+    def declared(self) -> frozenset[str]:
+        """The kinds named that are none of the module's own."""
+        return frozenset(self.__pydantic_extra__)
 
 
 class PerceptEvents(Module):
@@ -77,11 +107,11 @@ class PerceptEvents(Module):
         self._presence: dict[str, Presence] = {}
         self._poses = PoseAt(self.clock)
         self._listening = True
+        self._kinds: set[str] = set()
         self.codes = self.input("codes", QRCodes, capacity=_CAPACITY, wants="never")
         self.faces = self.input("faces", Faces, capacity=_CAPACITY, wants="never")
         self.sources = self.input("sources", SoundSources, capacity=_CAPACITY, wants="never")
         self.noises = self.input("noises", LoudNoise, capacity=_CAPACITY, wants="never")
-        self.darkness = self.input("darkness", Darkness, capacity=_CAPACITY, wants="never")
         self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True)
         self.divisors = self.input("divisors", Divisors)
         self.events = self.output("events", PerceptEvent)
@@ -89,10 +119,22 @@ class PerceptEvents(Module):
         self.on(self.faces, self._see)
         self.on(self.sources, self._hear)
         self.on(self.noises, self._startle)
-        self.on(self.darkness, self._dim)
         self.on(self.odometry, self._poses.add)
         self.on(self.divisors, self._learn)
         self.every(_BEAT_S, self._listen)
+
+    def accept(self, name: str, message_type: type[Message]) -> None:
+        """Take any message whose type declares a kind of percept events."""
+        kind = getattr(message_type, "percept_kind", None)
+        if isinstance(kind, PerceptKind):
+            self._kinds.add(kind.name)
+            self.on(self.input(name, message_type, capacity=_CAPACITY, wants="never"), self._looker(kind.name))
+
+    def check_wiring(self) -> None:
+        """Refuse the hysteresis of a kind that no input brings."""
+        if unknown := sorted(self.settings.declared - self._kinds):
+            known = ", ".join(sorted({*DEFAULTS, *self._kinds}))
+            raise ModuleFailed(f"no input of {self.name} brings percepts of kind {unknown[0]!r}; there are {known}")
 
     async def start(self) -> None:
         """Go on with what was there before a restart."""
@@ -120,9 +162,12 @@ class PerceptEvents(Module):
     async def _startle(self, noise: LoudNoise) -> None:
         self._look("noise", "loud_noises", noise.stamp, [Sighting("")])
 
-    async def _dim(self, darkness: Darkness) -> None:
-        frame = darkness.frame
-        self._look("dark", frame, darkness.stamp, [Sighting(frame)] if darkness.dark else [])
+    def _looker(self, kind: str) -> Callable[[Any], Awaitable[None]]:
+        async def take(message: Look) -> None:
+            sightings = [Sighting(subject, confidence) for subject, confidence in message.subjects.items()]
+            self._look(kind, message.frame, message.stamp, sightings)
+
+        return take
 
     async def _listen(self) -> None:
         """A look at no noise: it is quiet now, while the detector listens."""
@@ -133,8 +178,8 @@ class PerceptEvents(Module):
         return await self._poses.at(stamp) if seen and self.odometry.connected else None
 
     def _look(self, kind: str, source: str, stamp: float, sightings: Sequence[Sighting]) -> None:
-        rule: Hysteresis = getattr(self.settings, kind)
-        self._presence[kind], changes = look(self._presence.get(kind, Presence()), rule, source, stamp, sightings)
+        before, rule = self._presence.get(kind, Presence()), self.settings.rule(kind)
+        self._presence[kind], changes = look(before, rule, source, stamp, sightings)
         self.persistent[_PRESENCE] = self._presence
         for change in changes:
             self.events.publish(event(kind, stamp, change))

@@ -10,6 +10,7 @@ import pytest
 
 from app.base.geometry import Pose2, Pose3
 from app.messages import (
+    Darkness,
     Divisors,
     Face,
     Faces,
@@ -23,7 +24,7 @@ from app.messages import (
 )
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.clock import VirtualClock, run_virtual
-from app.runtime.graph import Graph, ModuleSpec
+from app.runtime.graph import Graph, ModuleSpec, WiringError
 from app.runtime.module import Module, ModuleContext
 from tests.modules.fakes import Bench, drain
 
@@ -222,6 +223,39 @@ def test_without_odometry_there_are_events_without_places() -> None:
             assert (event.name, event.p_OP, event.heading) == ("face.appears", None, None)
 
     run_virtual(main())
+
+
+def test_a_kind_that_a_message_type_declares_has_settings_of_its_own() -> None:
+    def there(**settings: Any) -> list[str]:
+        found: list[str] = []
+
+        async def main() -> None:
+            inputs = {"darkness": Darkness}
+            async with Bench(
+                "app.modules.perception.percept_events:PerceptEvents",
+                inputs=inputs,
+                outputs={"events": PerceptEvent},
+                settings=settings,
+            ) as b:
+                events = b.listen("events")
+                for step, dark in enumerate((True, True, True, False, False)):
+                    b.feed("darkness", Darkness(float(step), "kinect", 0.0, dark))
+                    await b.settle()
+                found.extend(f"{event.name} {event.stamp:g}" for event in drain(events))
+
+        run_virtual(main())
+        return found
+
+    assert there() == ["dark.appears 1", "dark.leaves 4"]
+    assert there(dark={"sightings": 3}) == ["dark.appears 2", "dark.leaves 4"], "the rest keeps its default"
+    assert there(dark={"off_s": 9}) == ["dark.appears 1"]
+
+
+def test_the_hysteresis_of_a_kind_that_no_input_brings_is_refused() -> None:
+    with pytest.raises(WiringError, match="brings percepts of kind 'smoke'; there are code, face, noise, voice"):
+        bench(smoke={"sightings": 3})
+    with pytest.raises(WiringError, match="smoke"):
+        bench(smoke=3)
 
 
 def test_settings_change_only_what_they_name() -> None:

@@ -1,19 +1,29 @@
 import { expect, test } from "vitest";
 import type { RobotEvent } from "../protocol/types";
-import { inTheDark } from "./People";
+import { noticed } from "./People";
 
-const event = (id: number, subject: string, camera: string): RobotEvent => ({
-  id,
-  stamp: id,
-  kind: "percept",
-  subject,
-  text: "",
-  data: { kind: subject.split(".")[0], subject: camera },
+const event = (id: number, name: string, subject: string): RobotEvent => {
+  const kind = name.split(".")[0];
+  return {
+    id,
+    stamp: id,
+    kind: "percept",
+    subject: name,
+    text: "",
+    data: { kind, subject, label: `${kind} ${subject}` },
+  };
+};
+
+test("A percept is listed from its appearing to its own leaving, whatever its kind", () => {
+  const events = [event(1, "dark.appears", "kinect"), event(2, "dark.appears", "imv"), event(3, "smoke.appears", "")];
+  expect(noticed(events)).toEqual(["dark kinect", "dark imv", "smoke "]);
+  expect(noticed([...events, event(4, "dark.leaves", "imv"), event(5, "smoke.changes", "")])).toEqual([
+    "dark kinect",
+    "smoke ",
+  ]);
+  expect(noticed([])).toEqual([]);
 });
 
-test("A camera is in the dark from dark.appears to its own dark.leaves", () => {
-  const events = [event(1, "face.appears", "3"), event(2, "dark.appears", "kinect"), event(3, "dark.appears", "imv")];
-  expect(inTheDark(events)).toEqual(["kinect", "imv"]);
-  expect(inTheDark([...events, event(4, "dark.leaves", "imv")])).toEqual(["kinect"]);
-  expect(inTheDark([])).toEqual([]);
+test("What is drawn by itself is not listed again", () => {
+  expect(noticed(["face", "voice", "noise", "code"].map((kind, id) => event(id, `${kind}.appears`, "3")))).toEqual([]);
 });

@@ -1,4 +1,4 @@
-/** Who is seen now and what is heard now: how far, and in which direction; and whether it is dark. */
+/** Who is seen now and what is heard now: how far, and in which direction; and what else is noticed. */
 
 import { directionWords, faceMarks, soundMarks } from "../around/perceptMarks";
 import { whyClosed } from "../around/whyClosed";
@@ -8,12 +8,19 @@ import type { Message } from "../state/latest";
 import { PersonIcon, SoundIcon } from "../ui/icons";
 import { panel } from "./panel";
 
-/** Cameras in the dark: those whose newest event of darkness is that it appeared. */
-export function inTheDark(events: RobotEvent[]): string[] {
-  const newest = new Map<unknown, string | null>();
-  for (const { kind, subject, data } of events)
-    if (kind === "percept" && data?.kind === "dark") newest.set(data.subject, subject);
-  return [...newest].filter(([, name]) => name === "dark.appears").map(([camera]) => String(camera));
+/** Kinds of percepts that are drawn by themselves; all others are listed. */
+const DRAWN = new Set<unknown>(["face", "voice", "noise", "code"]);
+
+/** Labels of the percepts that are there: of each subject of a kind, the newest event is not that it leaves. */
+export function noticed(events: RobotEvent[]): string[] {
+  const there = new Map<string, string>();
+  for (const { kind, subject, data } of events) {
+    if (kind !== "percept" || !data || DRAWN.has(data.kind)) continue;
+    const key = `${data.kind} ${data.subject}`;
+    if (subject?.endsWith(".leaves")) there.delete(key);
+    else there.set(key, String(data.label));
+  }
+  return [...there.values()];
 }
 
 export const peoplePanel = panel({ type: "perceived", tab: "Found", Card: People, offered: () => true });
@@ -23,7 +30,7 @@ function People({ message: perceived }: { message: Message<"perceived"> | null }
   const now = store.now.value ?? perceived?.stamp ?? 0;
   const faces = faceMarks(perceived).reverse();
   const sounds = soundMarks(perceived, now).reverse();
-  const dark = inTheDark(store.events.value);
+  const others = noticed(store.events.value);
   const closed = whyClosed(store.hello.value, store.rows.value, store.replay.value, true).filter(
     ({ what }) => what !== "picture",
   );
@@ -62,9 +69,9 @@ function People({ message: perceived }: { message: Message<"perceived"> | null }
           ))}
         </ul>
       )}
-      {dark.length > 0 && (
-        <p class="muted small" data-testid="dark">
-          It is dark before {dark.join(", ")}.
+      {others.length > 0 && (
+        <p class="muted small" data-testid="noticed">
+          Noticed: {others.join(", ")}.
         </p>
       )}
       {closed.map(({ what, text, reason }) => (
