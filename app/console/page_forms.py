@@ -10,7 +10,6 @@ from typing import Any, cast
 import numpy as np
 
 from app.attention.timeline import EventKind, TimelineEvent
-from app.attention.timeline_writer import divisor_json
 from app.base.geometry import Pose2
 from app.console import reports
 from app.console.live import messages
@@ -52,7 +51,7 @@ def zone_reports(zones: Iterable[Zone]) -> ZoneList:
 
 
 def lane_rows(message: Lanes) -> tuple[messages.LaneRow, ...]:
-    """Every row; φ of a closed filter is None."""
+    """Every row."""
     return tuple(_lane_row(row) for row in message.rows)
 
 
@@ -62,8 +61,8 @@ def _lane_row(row: LaneRow) -> messages.LaneRow:
         intensity=row.intensity,
         utility=row.utility,
         rate=row.rate,
-        divisor=divisor_json(row.divisor),
-        divisors=dict(zip(row.filters, map(divisor_json, row.divisors), strict=True)),
+        divisor=row.divisor,
+        divisors=dict(zip(row.filters, row.divisors, strict=True)),
         state=row.state,
         text=row.text,
     )

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from app.attention.timeline_writer import divisor_json
 from app.console.records.program import ModuleInput, ModuleOutput, ModuleReport, SourceState, SubscriptionCounters
 from app.console.records.robot import Guard, LandmarkReport, OdometryReport, RobotFacts, Velocity
 from app.messages import Exploitation, Landmarks, LinkStatus, Odometry
@@ -179,7 +178,7 @@ class ModuleMeter:
                 ModuleOutput(
                     port.name,
                     None if port.channel is None else port.channel.name,
-                    divisor_json(port.filter.divisor),
+                    port.filter.divisor,
                     port.offered,
                 )
                 for port in slot.context.outputs.values()
@@ -198,7 +197,7 @@ CountersT = TypeVar("CountersT", bound=SubscriptionCounters)
 def _counted(record: type[CountersT], statistics: SubscriptionStatistics, **more: str) -> CountersT:
     """``record`` of the counters, and of what it has ``more``."""
     return record(
-        divisor=divisor_json(statistics.divisor),
+        divisor=statistics.divisor,
         received=statistics.received,
         passed=statistics.passed,
         decimated=statistics.decimated,

@@ -10,6 +10,15 @@ microphones, Q a QR code, F a face, S a sound source.
 
 from __future__ import annotations
 
+from app.messages.attention import (
+    Alternative,
+    Divisor,
+    IntentionReport,
+    Reason,
+    ReasonState,
+    ResourceUse,
+    SelectedStrategy,
+)
 from app.messages.base import Message, read_only
 from app.messages.driving import Exploitation, LinkStatus, OperatorDrive, Twist
 from app.messages.navigation import (
@@ -47,14 +56,12 @@ from app.messages.records import (
     DesiresRecord,
     Divisors,
     EventRecord,
-    IntentionRecord,
     LaneRow,
     Lanes,
     LaneState,
     LoadRecord,
     LogLine,
     ModuleRecord,
-    ReasonRecord,
     RecorderState,
     RecorderStatus,
 )
@@ -71,10 +78,12 @@ from app.messages.sensors import (
 )
 
 __all__ = [
+    "Alternative",
     "Audio",
     "Darkness",
     "DesireRecord",
     "DesiresRecord",
+    "Divisor",
     "Divisors",
     "EncodedImage",
     "EventRecord",
@@ -84,7 +93,7 @@ __all__ = [
     "GivenUpGoal",
     "GroundTruth",
     "Image",
-    "IntentionRecord",
+    "IntentionReport",
     "JointState",
     "Landmark",
     "Landmarks",
@@ -114,10 +123,13 @@ __all__ = [
     "PointCloud",
     "QRCode",
     "QRCodes",
-    "ReasonRecord",
+    "Reason",
+    "ReasonState",
     "RecorderState",
     "RecorderStatus",
+    "ResourceUse",
     "SceneTruth",
+    "SelectedStrategy",
     "SeparatedSound",
     "SoundSource",
     "SoundSources",

@@ -16,7 +16,7 @@ def doc(text: str, *, nullable: bool = False) -> Meta:
 
     ``nullable``: a float that may be NaN or infinite, which JSON has as null; ``text`` says what that means.
     """
-    return Meta(description=text, extra_json_schema={"type": ["number", "null"]} if nullable else None)
+    return Meta(description=text, extra_json_schema={"nullable": True} if nullable else None)
 
 
 Stamp = Annotated[float, Meta(description="Seconds of the robot's clock (Unix epoch).", examples=[1795000000.25])]

@@ -35,41 +35,6 @@ class DesiresRecord:
 
 
 @dataclass(frozen=True, slots=True)
-class ReasonRecord:
-    """How a desired class fared: ``state``, the utility it has, the one ``wanted``, the ``best`` there is, in words."""
-
-    cls: str
-    state: str
-    utility: float
-    wanted: float
-    best: float
-    text: str
-
-
-@dataclass(frozen=True, slots=True)
-class IntentionRecord:
-    """An intention put in force, and again once its reasons are complete.
-
-    ``strategies`` selected; classes ``fulfilled`` and security desires ``relaxed``; Ω and its ``bound`` (+inf where
-    none is known); ``resources[i]`` is used ``used[i]`` of ``capacities[i]``; ``parameters`` is P' as JSON, by module.
-    """
-
-    stamp: float
-    strategies: tuple[str, ...]
-    fulfilled: tuple[str, ...]
-    relaxed: tuple[str, ...]
-    omega: float
-    bound: float
-    proven: bool
-    solve_time_s: float
-    resources: tuple[str, ...]
-    used: tuple[float, ...]
-    capacities: tuple[float, ...]
-    parameters: str
-    reasons: tuple[ReasonRecord, ...]
-
-
-@dataclass(frozen=True, slots=True)
 class Divisors:
     """φ of every filter that attention controls, after a change: ``divisors[i]`` (inf: closed) of ``filters[i]``."""
 

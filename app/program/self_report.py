@@ -15,6 +15,7 @@ from typing import Any
 
 from app.attention.desires import Desire
 from app.attention.intention import Intention
+from app.attention.reports import intention_report
 from app.attention.timeline import Timeline, TimelineEvent
 from app.attention.translator import IntentionTranslator
 from app.attention.workspace import IntentionWorkspace
@@ -23,11 +24,9 @@ from app.messages import (
     DesiresRecord,
     Divisors,
     EventRecord,
-    IntentionRecord,
     LoadRecord,
     LogLine,
     ModuleRecord,
-    ReasonRecord,
 )
 from app.runtime.channel import Channel
 from app.runtime.load import Load
@@ -55,10 +54,12 @@ class SelfReport:
         self._stack = ExitStack()
         self._divisors = divisors
         self._published: Mapping[str, float] = {}
+        self._translator: IntentionTranslator | None = None
 
     def open(self, workspace: IntentionWorkspace, translator: IntentionTranslator, timeline: Timeline) -> None:
         """Start to publish attention's records and log lines."""
         self._stack.callback(workspace.observe(lambda _: self._desires(workspace)))
+        self._translator = translator
         self._stack.callback(translator.observe(self._intention))
         self._stack.callback(timeline.observe(self._event))
         if "log" in self._channels:
@@ -69,6 +70,11 @@ class SelfReport:
     def close(self) -> None:
         """Stop publishing."""
         self._stack.close()
+
+    def again(self) -> None:
+        """Publish the intention in force again: channels have been cleared."""
+        if self._translator is not None and self._translator.current is not None:
+            self._intention(self._translator.current)
 
     def load(self, load: Load) -> None:
         """A load window closed."""
@@ -91,7 +97,8 @@ class SelfReport:
         self._publish("workspace", DesiresRecord(self._now(), records))
 
     def _intention(self, intention: Intention) -> None:
-        self._publish("intention", intention_record(intention))
+        assert self._translator is not None
+        self._publish("intention", intention_report(intention, self._translator.table.resources))
         everything = self._divisors()
         divisors = {name: everything[name] for name in intention.divisors}
         if divisors != self._published:
@@ -122,33 +129,6 @@ def desire_record(desire: Desire) -> DesireRecord:
         source_name=desire.source.name,
         created=desire.created,
         expires=NEVER if desire.expires is None else desire.expires,
-    )
-
-
-def intention_record(intention: Intention) -> IntentionRecord:
-    """An intention as it is recorded."""
-    selection = intention.selection
-    resources = tuple(intention.capacities)
-    parameters = {module: dict(values) for module, values in intention.parameters.items()}
-    return IntentionRecord(
-        stamp=intention.stamp,
-        strategies=selection.strategies,
-        fulfilled=selection.fulfilled,
-        relaxed=selection.relaxed,
-        omega=selection.omega,
-        bound=selection.bound,
-        proven=selection.proven,
-        solve_time_s=selection.solve_time_s,
-        resources=resources,
-        used=tuple(selection.use.get(name, 0.0) for name in resources),
-        capacities=tuple(intention.capacities.values()),
-        parameters=json.dumps(parameters, ensure_ascii=False),
-        reasons=tuple(
-            ReasonRecord(
-                cls, reason.state, utility=reason.utility, wanted=reason.wanted, best=reason.best, text=reason.text
-            )
-            for cls, reason in intention.reasons.items()
-        ),
     )
 
 

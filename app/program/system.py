@@ -129,10 +129,11 @@ class System:
         self.watchdog = LoopWatchdog(meters)
         self.translator = self._make_translator()
         self._lanes = None if "lanes" in recorded else self._lane_monitor()
-        self.body_restarter = BodyRestarter(self.link, self.supervisor, self._clear_state, self.timeline, self.clock)
+        self.body_restarter = BodyRestarter(self.link, self.supervisor, self._renew_state, self.timeline, self.clock)
         self._stack = AsyncExitStack()
         self._tasks: list[asyncio.Task[None]] = []
-        self._report = SelfReport(self.graph.channels, self.clock.now, self.graph.filters.divisors)
+        own = {name: channel for name, channel in self.graph.channels.items() if name not in recorded}
+        self._report = SelfReport(own, self.clock.now, self.graph.filters.divisors)
         self._feed = TimelineFeed(
             self.timeline, {n: spec.cpu_budget for n, spec in program.modules.items() if spec.cpu_budget is not None}
         )
@@ -188,7 +189,12 @@ class System:
         self._clear_state()
         self.timeline.clear()
         jump()
+        self._report.again()
         self.supervisor.start_modules()
+
+    def _renew_state(self) -> None:
+        self._clear_state()
+        self._report.again()
 
     def _clear_state(self) -> None:
         self.graph.reset()

@@ -134,6 +134,7 @@ going_toward: {type: NavigationStatus, latched: true, decimable: false, external
 placed_percepts: {type: PlacedPercepts, latched: true, log: never, page: {as: perceived, every_hz: 10}}
 navigation_report: {type: NavigationReport, latched: true, log: never, page: {as: navigation, every_hz: 10}}
 events: {type: EventRecord, decimable: false, external: true, page: {keep: all}}
+intention: {type: IntentionReport, latched: true, decimable: false, external: true, page: {}}
 lanes: {type: Lanes, decimable: false, external: true, page: {every_hz: 20}}
 """
 

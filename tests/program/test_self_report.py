@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from app.attention.desires import Source
-from app.messages import DesiresRecord, Divisors, EventRecord, IntentionRecord, LoadRecord, LogLine, ModuleRecord
+from app.messages import DesiresRecord, Divisors, EventRecord, IntentionReport, LoadRecord, LogLine, ModuleRecord
 from app.program.config import load_configuration
 from app.program.self_report import SelfReport
 from app.program.system import System
@@ -23,7 +23,6 @@ from tests.patience import PATIENCE_S
 
 CHANNELS = """\
 workspace: {type: DesiresRecord, external: true}
-intention: {type: IntentionRecord, external: true}
 divisors: {type: Divisors, external: true}
 load: {type: LoadRecord, external: true}
 module_states: {type: ModuleRecord, external: true}
@@ -63,10 +62,10 @@ async def test_a_desire_is_published_with_the_intention_and_the_divisors_that_fo
         (desire,) = told.desires
         assert (desire.cls, desire.source_kind, desire.expires) == ("Telepresence", "operator", math.inf)
         assert json.loads(desire.params)["max_points"] == 2000
-        intention = await until(intentions, lambda m: "picture-fast" in m.strategies)
-        assert isinstance(intention, IntentionRecord)
-        assert dict(zip(intention.resources, intention.used, strict=True)) == {"cpu": 40.0}
-        assert {r.cls: r.state for r in intention.reasons} == {"Telepresence": "fulfilled"}
+        intention = await until(intentions, lambda m: "picture-fast" in [s.name for s in m.strategies])
+        assert isinstance(intention, IntentionReport)
+        assert {name: use.used for name, use in intention.use.items()} == {"cpu": 40.0}
+        assert {cls: reason.state for cls, reason in intention.reasons.items()} == {"Telepresence": "fulfilled"}
         moved = await until(divisors, lambda m: sum(map(math.isfinite, m.divisors)) == 2)
         assert isinstance(moved, Divisors)
         now = dict(zip(moved.filters, moved.divisors, strict=True))

@@ -14,7 +14,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-from app.attention.reports import Scale, desire_class_report, intention_report
+from app.attention.reports import Scale, desire_class_report
 from app.console import reports
 from app.console.drive import drive_lease
 from app.console.drive.command_age import CommandAge
@@ -267,7 +267,6 @@ class Hub:
         self._presence.attend(True)
         keep = self._watching.callback
         keep(system.workspace.observe(lambda _: self._mark_stale("desires")))
-        keep(system.translator.observe(lambda _: self._mark_stale("intention")))
         if self._recorder.channel is not None:
             keep(Tap(self._recorder.channel, "console.recorder", lambda _: self._on_recorder()).close)
             for source in (system.workspace, system.translator, system.supervisor):
@@ -326,7 +325,7 @@ class Hub:
     # --- Frames ------------------------------------------------------------------------------------------------------
 
     def _builders(self) -> dict[str, Callable[[], str]]:
-        builders = {"desires": self._desires, "intention": self._intention}
+        builders = {"desires": self._desires}
         if self._playback is not None:
             builders["playback"] = self._transport
         return builders if self._recorder.channel is None else builders | {"recorder": self._recording}
@@ -375,11 +374,6 @@ class Hub:
 
     def _desires(self) -> str:
         return frame("desires", DesireList(tuple(self._system.workspace.desires())))
-
-    def _intention(self) -> str:
-        current, resources = self._system.translator.current, self._system.table.resources
-        report = None if current is None else intention_report(current, resources)
-        return frame("intention", messages.CurrentIntention(report))
 
     def _recording(self) -> str:
         return frame("recorder", self._recorder.report())

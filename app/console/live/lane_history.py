@@ -26,7 +26,7 @@ MOST_BYTES = 200_000
 HELD = ("intensity", "utility", "divisor", "divisors", "state", "text")
 
 _ABSENT = LaneRow(
-    cls="", intensity=None, utility=None, rate=None, divisor=None, divisors={}, state="undesired", text=""
+    cls="", intensity=None, utility=None, rate=None, divisor=math.inf, divisors={}, state="undesired", text=""
 )
 
 

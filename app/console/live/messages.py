@@ -11,14 +11,14 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 from msgspec import Meta, Struct
 
-from app.attention.reports import DesireClassReport, Divisor, IntentionReport, Scale
+from app.attention.reports import DesireClassReport, Scale
 from app.console.records.attention import DesireList, EventList
 from app.console.records.maps import LocalizationState, ZoneList
 from app.console.records.navigation import NavigationModel
 from app.console.records.program import ModuleReport, SourceState
 from app.console.records.recordings import PlaybackReport, RecorderReport
 from app.console.records.robot import Guard, LandmarkReport, OdometryReport, RobotFacts
-from app.messages import LaneState, PlacedPercepts
+from app.messages import Divisor, IntentionReport, LaneState, PlacedPercepts
 from app.messages.base import Stamp, doc
 
 Sequence = Annotated[int, doc("Grows.")]
@@ -144,13 +144,6 @@ class LanesHistory:
 
 
 @dataclass(frozen=True, slots=True)
-class CurrentIntention:
-    """What attention chose; null before the first."""
-
-    intention: IntentionReport | None
-
-
-@dataclass(frozen=True, slots=True)
 class Load:
     """What the modules take of the computer."""
 
@@ -242,7 +235,7 @@ FROM_ROBOT: dict[str, Message] = {
     "lanes": Message(Lanes, "20 times a second: one row for each desire class."),
     "lanes_history": Message(LanesHistory, "Once, before the first `lanes`, and after a `jump`: what they were."),
     "desires": Message(DesireList, "On change: every desire."),
-    "intention": Message(CurrentIntention, "On change: what attention chose; null before the first."),
+    "intention": Message(IntentionReport, "On change, from the first on: what attention chose."),
     "events": Message(EventList, "As they come: events, oldest first."),
     "load": Message(Load, "Once a second: what the modules take of the computer."),
     "recorder": Message(RecorderReport, "On change, and about once a second while it records: what the Recorder does."),

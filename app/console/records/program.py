@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
-from app.attention.reports import Divisor
+from app.messages import Divisor
 from app.messages.base import Stamp, doc
 from app.runtime.freshness import FreshnessState
 from app.runtime.supervisor import Status as ModuleStatus

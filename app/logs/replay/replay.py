@@ -58,7 +58,7 @@ class Replay:
             idle: dict[str, str] = {}
             while True:
                 folder = Path(self._folder.name) / str(len(idle))
-                self.program: ReplayProgram = prepare(log, self.options, folder, idle)
+                self.program: ReplayProgram = prepare(log, self.options, folder, idle, watched=not reproducible)
                 self.body = ReplayedLink(
                     log,
                     clock,

@@ -10,13 +10,13 @@ import httpx
 import pytest
 
 from app.attention.desires import Desire, Source
-from app.attention.reports import DesireClassReport, IntentionReport
+from app.attention.reports import DesireClassReport
 from app.console.live.hub import Hub
 from app.console.records import attention, program, robot
-from app.messages import PerceptEvent
+from app.messages import IntentionReport, PerceptEvent
 from app.program.system import System
 from app.runtime.filter import CLOSED
-from tests.console.answers import answered
+from tests.console.answers import answered, described
 from tests.console.program import Body
 
 NEW = {"class": "Telepresence", "intensity": 8, "utility": 4, "security": False, "params": {}, "ttl": 30}
@@ -56,7 +56,7 @@ def is_problem(response: httpx.Response, status: int, kind: str) -> dict[str, An
 async def test_every_answer_has_the_shape_that_is_declared(
     client: httpx.AsyncClient, path: str, record: type[Any]
 ) -> None:
-    answered(await client.get(path), record)
+    described(await client.get(path), record)
 
 
 async def test_a_desire_from_creation_to_removal(client: httpx.AsyncClient, system: System) -> None:

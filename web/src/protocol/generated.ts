@@ -5,6 +5,20 @@
 
 import type { JsonSchema } from "./jsonSchema";
 
+/** A change that would serve a desire better: more of a resource, or no desire for another class. */
+export interface Alternative {
+  kind: "capacity" | "without";
+  /** The utility that the class would get. */
+  utility: number;
+  /** Of `capacity`: the resource; else empty. */
+  resource: string;
+  /** Of `capacity`: how much more of it. */
+  amount: number;
+  unit: string;
+  /** Of `without`: the other class; else empty. */
+  without: string;
+}
+
 /** Whether the robot has microphones to listen to, and a loudspeaker to speak through. */
 export interface AudioFacts {
   listen: boolean;
@@ -37,11 +51,6 @@ export interface Channels {
   costmap: boolean;
   scan: boolean;
   point_cloud: boolean;
-}
-
-/** What attention chose; null before the first. */
-export interface CurrentIntention {
-  intention: IntentionReport | null;
 }
 
 /** The map in use. */
@@ -158,7 +167,10 @@ export interface Hello {
   playback: PlaybackReport | null;
 }
 
-/** The intention at work: what was selected, what follows from it, and why. */
+/**
+ * The intention at work: what was selected, what follows from it, and why. Published when it is put in force, and again
+ * once its reasons are complete.
+ */
 export interface IntentionReport {
   /** Seconds of the robot's clock (Unix epoch). */
   stamp: number;
@@ -178,7 +190,7 @@ export interface IntentionReport {
   /** Security desires that could not be kept. */
   relaxed: string[];
   /** By desired class. */
-  reasons: Record<string, ReasonReport>;
+  reasons: Record<string, Reason>;
   /** What each module was handed. */
   parameters: Record<string, Record<string, unknown>>;
   /** Id of the strongest desire of each class that it answers. */
@@ -371,16 +383,6 @@ export interface ModuleReport {
   outputs: ModuleOutput[];
 }
 
-/** What would help a desire: ``amount`` more of a resource. */
-export interface MoreCapacity {
-  kind: "capacity";
-  /** The utility it would get. */
-  utility: number;
-  resource: string;
-  amount: number;
-  unit: string;
-}
-
 /** State of the behavior that drives to a goal; as `navigation` on the live stream. */
 export interface NavigationModel {
   stamp: number;
@@ -536,7 +538,7 @@ export interface Pong {
 }
 
 /** Why a desired class gets what it gets. */
-export interface ReasonReport {
+export interface Reason {
   state: "degraded" | "fulfilled" | "inhibited" | "unfulfilled";
   /** The utility it gets. */
   utility: number;
@@ -546,7 +548,9 @@ export interface ReasonReport {
   best: number;
   /** The reason in words. */
   text: string;
-  alternatives: (MoreCapacity | WithoutClass)[];
+  alternatives: Alternative[];
+  /** Whether the search for alternatives was complete. */
+  searched: boolean;
 }
 
 /** State of the Recorder. */
@@ -723,15 +727,6 @@ export interface TimelineEvent {
 export interface Velocity {
   linear_mps: number;
   angular_radps: number;
-}
-
-/** What would help a desire: no desire for another class. */
-export interface WithoutClass {
-  kind: "without";
-  /** The utility it would get. */
-  utility: number;
-  /** The other class. */
-  without: string;
 }
 
 /** Every zone of the map. */
@@ -955,8 +950,8 @@ export interface RobotMessages {
   lanes_history: LanesHistory;
   /** On change: every desire. */
   desires: DesireList;
-  /** On change: what attention chose; null before the first. */
-  intention: CurrentIntention;
+  /** On change, from the first on: what attention chose. */
+  intention: IntentionReport;
   /** As they come: events, oldest first. */
   events: EventList;
   /** Once a second: what the modules take of the computer. */
