@@ -125,8 +125,7 @@ class LaneSampler:
                     utility=None if desire is None else desire.utility,
                     rate=None if rate is None else round(rate, 4),
                     divisor=divisor if names else CLOSED,
-                    filters=tuple(each),
-                    divisors=tuple(each.values()),
+                    divisors=each,
                     state=state,
                     text=text,
                 )

@@ -1,21 +1,69 @@
-"""What attention publishes: the intention in force and its reasons. Recorded as any message; no module acts on it.
+"""What attention publishes: desires, the intention in force and its reasons, lanes, events of the timeline.
 
-A class with a field ``cls`` is a Struct, for its JSON has a member ``class``. A closed filter's φ is inf.
+Recorded as any message; no module acts on it. A class with a field ``cls`` is a Struct, for its JSON has a member
+``class``. A closed filter's φ is inf.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal
 
-from msgspec import Struct
+from msgspec import Meta, Struct
 
 from app.messages.base import Stamp, doc
 
+SourceKind = Literal["motivation", "operator", "rest"]
 ReasonState = Literal["fulfilled", "degraded", "unfulfilled", "inhibited"]
+LaneState = Literal["fulfilled", "degraded", "unfulfilled", "inhibited", "undesired", "needed"]
+EventKind = Literal[
+    "desire",
+    "intention",
+    "filter",
+    "exploitation",
+    "restart",
+    "overload",
+    "guard",
+    "solver",
+    "capacity",
+    "module",
+    "stale",
+    "goal",
+    "percept",
+]
 
 Divisor = Annotated[float, doc("φ: one message in φ passes; null: none passes.", nullable=True)]
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """The author of a desire: a motivation of the robot, an operator at the console or a REST client, by name."""
+
+    kind: SourceKind
+    name: str
+
+
+class Desire(Struct, frozen=True, rename={"cls": "class"}):
+    """One desire of the Intention Workspace."""
+
+    id: Annotated[str, Meta(examples=["d-3f0c81a2b4"])]
+    cls: Annotated[str, Meta(examples=["FindQRCodes"])]
+    intensity: Annotated[float, Meta(description="How much it is desired, over 0 and at most 8.", examples=[8])]
+    utility: Annotated[float, Meta(description="Utility desired, 0 to 8; 0 inhibits the class.", examples=[4])]
+    security: Annotated[bool, doc("Whether it must be fulfilled.")]
+    params: Annotated[Mapping[str, Any], doc("Parameters as the class declares them.")]
+    source: Source
+    created: Stamp
+    expires: Annotated[float | None, doc("When it expires (robot's clock, s); null: never.")] = None
+
+
+@dataclass(frozen=True, slots=True)
+class Desires:
+    """Every desire in the Intention Workspace, in the order they came."""
+
+    stamp: Stamp
+    desires: tuple[Desire, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,3 +131,39 @@ class IntentionReport:
     reasons: Annotated[Mapping[str, Reason], doc("By desired class.")]
     parameters: Annotated[Mapping[str, Mapping[str, Any]], doc("What each module was handed.")]
     desires: Annotated[Mapping[str, str], doc("Id of the strongest desire of each class that it answers.")]
+
+
+class LaneRow(Struct, frozen=True, rename={"cls": "class"}):
+    """A desire class: how much it is desired, what attention gives it, and why."""
+
+    cls: str
+    intensity: Annotated[float | None, doc("Of its strongest desire; null: there is none.")]
+    utility: Annotated[float | None, doc("Desired by that; null: there is none.")]
+    rate: Annotated[
+        float | None,
+        doc("Messages let through over messages offered, in the last second; 0 when closed, null: none was offered."),
+    ]
+    divisor: Divisor
+    divisors: Annotated[Mapping[str, Divisor], doc("By filter, `Module.port`, of its strategies at work.")]
+    state: LaneState
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Lanes:
+    """20 times a second: one row for each desire class, in a fixed order."""
+
+    stamp: Stamp
+    rows: tuple[LaneRow, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class TimelineEvent:
+    """One event of the timeline; ``data`` is JSON as it is."""
+
+    id: Annotated[int, doc("Grows by one from 1.")]
+    stamp: Stamp
+    kind: EventKind
+    subject: Annotated[str, doc("What it is about: a desire class, a module, a filter.")]
+    text: Annotated[str, doc("One sentence.")]
+    data: Mapping[str, Any] = field(default_factory=dict)

@@ -6,32 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-LaneState = Literal["fulfilled", "degraded", "unfulfilled", "inhibited", "undesired", "needed"]
 RecorderState = Literal["idle", "recording", "ring", "stopped"]
-
-
-@dataclass(frozen=True, slots=True)
-class DesireRecord:
-    """One desire at one moment: ``params`` is JSON; ``expires`` (robot's clock, s) is +inf without an expiry."""
-
-    id: str
-    cls: str
-    intensity: float
-    utility: float
-    security: bool
-    params: str
-    source_kind: str
-    source_name: str
-    created: float
-    expires: float
-
-
-@dataclass(frozen=True, slots=True)
-class DesiresRecord:
-    """Every desire in the Intention Workspace after a change of it."""
-
-    stamp: float
-    desires: tuple[DesireRecord, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,34 +16,6 @@ class Divisors:
     stamp: float
     filters: tuple[str, ...]
     divisors: tuple[float, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class LaneRow:
-    """Desire class ``cls``: ``intensity`` and desired ``utility`` of its strongest desire (None: there is none).
-
-    ``divisor`` is φ of the input that its strategies at work live by (inf: closed), ``divisors[i]`` that of every
-    filter ``filters[i]`` of these strategies. ``rate`` in [0, 1] is messages let through over messages offered, in the
-    last second; 0 when closed, None when nothing was offered. ``state`` and ``text`` are the reason.
-    """
-
-    cls: str
-    intensity: float | None
-    utility: float | None
-    rate: float | None
-    divisor: float
-    filters: tuple[str, ...]
-    divisors: tuple[float, ...]
-    state: LaneState
-    text: str
-
-
-@dataclass(frozen=True, slots=True)
-class Lanes:
-    """One row for each desire class, in a fixed order."""
-
-    stamp: float
-    rows: tuple[LaneRow, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,18 +38,6 @@ class ModuleRecord:
     status: str
     restarts: int
     problem: str
-
-
-@dataclass(frozen=True, slots=True)
-class EventRecord:
-    """One event of the timeline: ``data`` is JSON, ``text`` a sentence for people, ``id`` its number there, 0: none."""
-
-    stamp: float
-    kind: str
-    subject: str
-    text: str
-    data: str
-    id: int = 0
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,23 +7,20 @@ of its subject, on the channel of its name if the table of channels has it.
 from __future__ import annotations
 
 import asyncio
-import json
 import logging
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
+from functools import partial
 from typing import Any
 
-from app.attention.desires import Desire
 from app.attention.intention import Intention
 from app.attention.reports import intention_report
-from app.attention.timeline import Timeline, TimelineEvent
+from app.attention.timeline import Timeline
 from app.attention.translator import IntentionTranslator
 from app.attention.workspace import IntentionWorkspace
 from app.messages import (
-    DesireRecord,
-    DesiresRecord,
+    Desires,
     Divisors,
-    EventRecord,
     LoadRecord,
     LogLine,
     ModuleRecord,
@@ -31,8 +28,6 @@ from app.messages import (
 from app.runtime.channel import Channel
 from app.runtime.load import Load
 from app.runtime.supervisor import ModuleState
-
-NEVER = float("inf")
 
 #: Loggers of the Recorder itself and of the layers below it: recording their lines would cause more lines.
 _NOT_RECORDED = ("hbba.Recorder", "asyncio")
@@ -54,14 +49,15 @@ class SelfReport:
         self._stack = ExitStack()
         self._divisors = divisors
         self._published: Mapping[str, float] = {}
+        self._workspace: IntentionWorkspace | None = None
         self._translator: IntentionTranslator | None = None
 
     def open(self, workspace: IntentionWorkspace, translator: IntentionTranslator, timeline: Timeline) -> None:
         """Start to publish attention's records and log lines."""
-        self._stack.callback(workspace.observe(lambda _: self._desires(workspace)))
-        self._translator = translator
+        self._workspace, self._translator = workspace, translator
+        self._stack.callback(workspace.observe(lambda _: self._desires()))
         self._stack.callback(translator.observe(self._intention))
-        self._stack.callback(timeline.observe(self._event))
+        self._stack.callback(timeline.observe(partial(self._publish, "events")))
         if "log" in self._channels:
             handler = _LogHandler(asyncio.get_running_loop(), self._log_line)
             logging.getLogger().addHandler(handler)
@@ -72,7 +68,9 @@ class SelfReport:
         self._stack.close()
 
     def again(self) -> None:
-        """Publish the intention in force again: channels have been cleared."""
+        """Publish desires and the intention in force again: channels have been cleared."""
+        if self._workspace is not None:
+            self._desires()
         if self._translator is not None and self._translator.current is not None:
             self._intention(self._translator.current)
 
@@ -92,9 +90,9 @@ class SelfReport:
         if channel in self._channels:
             self._channels[channel].publish(record)
 
-    def _desires(self, workspace: IntentionWorkspace) -> None:
-        records = tuple(desire_record(desire) for desire in workspace.desires())
-        self._publish("workspace", DesiresRecord(self._now(), records))
+    def _desires(self) -> None:
+        assert self._workspace is not None
+        self._publish("workspace", Desires(self._now(), self._workspace.desires()))
 
     def _intention(self, intention: Intention) -> None:
         assert self._translator is not None
@@ -105,31 +103,8 @@ class SelfReport:
             self._published = divisors
             self._publish("divisors", Divisors(self._now(), tuple(divisors), tuple(divisors.values())))
 
-    def _event(self, event: TimelineEvent) -> None:
-        data = json.dumps(dict(event.data), ensure_ascii=False)
-        self._publish(
-            "events",
-            EventRecord(event.stamp, event.kind, subject=event.subject, text=event.text, data=data, id=event.id),
-        )
-
     def _log_line(self, level: int, source: str, text: str) -> None:
         self._publish("log", LogLine(self._now(), level, source, text))
-
-
-def desire_record(desire: Desire) -> DesireRecord:
-    """A desire as it is recorded."""
-    return DesireRecord(
-        id=desire.id,
-        cls=desire.cls,
-        intensity=desire.intensity,
-        utility=desire.utility,
-        security=desire.security,
-        params=json.dumps(dict(desire.params), ensure_ascii=False),
-        source_kind=desire.source.kind,
-        source_name=desire.source.name,
-        created=desire.created,
-        expires=NEVER if desire.expires is None else desire.expires,
-    )
 
 
 class _LogHandler(logging.Handler):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import json
 import logging
 import math
 from pathlib import Path
@@ -12,7 +11,7 @@ from typing import Any
 import pytest
 
 from app.attention.desires import Source
-from app.messages import DesiresRecord, Divisors, EventRecord, IntentionReport, LoadRecord, LogLine, ModuleRecord
+from app.messages import Desires, Divisors, IntentionReport, LoadRecord, LogLine, ModuleRecord, TimelineEvent
 from app.program.config import load_configuration
 from app.program.self_report import SelfReport
 from app.program.system import System
@@ -22,7 +21,6 @@ from tests.console.program import Body, build
 from tests.patience import PATIENCE_S
 
 CHANNELS = """\
-workspace: {type: DesiresRecord, external: true}
 divisors: {type: Divisors, external: true}
 load: {type: LoadRecord, external: true}
 module_states: {type: ModuleRecord, external: true}
@@ -58,10 +56,10 @@ async def test_a_desire_is_published_with_the_intention_and_the_divisors_that_fo
     async with system:
         system.workspace.add("Telepresence", intensity=4, utility=1, params={"max_points": 2000}, source=OPERATOR)
         told = await until(desires, lambda m: m.desires)
-        assert isinstance(told, DesiresRecord)
+        assert isinstance(told, Desires)
         (desire,) = told.desires
-        assert (desire.cls, desire.source_kind, desire.expires) == ("Telepresence", "operator", math.inf)
-        assert json.loads(desire.params)["max_points"] == 2000
+        assert (desire.cls, desire.source, desire.expires) == ("Telepresence", OPERATOR, None)
+        assert desire.params["max_points"] == 2000
         intention = await until(intentions, lambda m: "picture-fast" in [s.name for s in m.strategies])
         assert isinstance(intention, IntentionReport)
         assert {name: use.used for name, use in intention.use.items()} == {"cpu": 40.0}
@@ -72,8 +70,8 @@ async def test_a_desire_is_published_with_the_intention_and_the_divisors_that_fo
         opened = {"CameraStream.images": 1, "PointCloudBuilder.images": 3}
         assert now == {"AudioStream.audio": math.inf, "Teleop.twist": math.inf, **opened}
         event = await until(events, lambda m: m.kind == "intention")
-        assert isinstance(event, EventRecord)
-        assert json.loads(event.data)["on"] == ["picture-fast"]
+        assert isinstance(event, TimelineEvent)
+        assert event.data["on"] == ["picture-fast"]
 
 
 async def test_modules_load_and_log_lines_are_published(system: System) -> None:

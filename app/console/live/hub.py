@@ -32,7 +32,6 @@ from app.console.live.speech import Speech
 from app.console.live.viewer import Viewer
 from app.console.playback import PERIOD_S, playback_report
 from app.console.recordings import RecorderWatch
-from app.console.records.attention import DesireList
 from app.console.taps import Tap
 from app.console.wire import frame
 from app.messages import Lanes, LinkStatus
@@ -266,7 +265,6 @@ class Hub:
         system = self._system
         self._presence.attend(True)
         keep = self._watching.callback
-        keep(system.workspace.observe(lambda _: self._mark_stale("desires")))
         if self._recorder.channel is not None:
             keep(Tap(self._recorder.channel, "console.recorder", lambda _: self._on_recorder()).close)
             for source in (system.workspace, system.translator, system.supervisor):
@@ -325,7 +323,7 @@ class Hub:
     # --- Frames ------------------------------------------------------------------------------------------------------
 
     def _builders(self) -> dict[str, Callable[[], str]]:
-        builders = {"desires": self._desires}
+        builders: dict[str, Callable[[], str]] = {}
         if self._playback is not None:
             builders["playback"] = self._transport
         return builders if self._recorder.channel is None else builders | {"recorder": self._recording}
@@ -371,9 +369,6 @@ class Hub:
     def _transport(self) -> str:
         assert self._playback is not None
         return frame("playback", playback_report(self._playback))
-
-    def _desires(self) -> str:
-        return frame("desires", DesireList(tuple(self._system.workspace.desires())))
 
     def _recording(self) -> str:
         return frame("recorder", self._recorder.report())

@@ -12,11 +12,12 @@ from app.attention.reports import DesireClassReport, Scale, desire_class_report
 from app.attention.workspace import KEEP
 from app.console.access.operators import operator_name
 from app.console.problems import Problem
-from app.console.records.attention import DesireClassList, DesireList
+from app.console.records.attention import DesireClassList
 from app.console.rest.answers import Json, problems
 from app.console.rest.idempotency import KEY_LIMITS, IdempotencyStore
 from app.console.rest.models import DesireChange, NewDesire
 from app.console.rest.routing import router as api_router
+from app.messages import Desires
 
 if TYPE_CHECKING:
     from app.program.system import System
@@ -70,9 +71,9 @@ def desires_router(system: System) -> APIRouter:
     workspace = system.workspace
     store = IdempotencyStore(system.pace.now)
 
-    @router.get("/desires", response_model=DesireList, summary="List all desires")
+    @router.get("/desires", response_model=Desires, summary="List all desires")
     async def list_desires() -> Response:
-        return Json(DesireList(workspace.desires()))
+        return Json(Desires(system.clock.now(), workspace.desires()))
 
     @router.post(
         "/desires",

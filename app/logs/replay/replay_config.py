@@ -15,14 +15,14 @@ from app.logs.log import Log, LogInfo
 from app.logs.replay.options import ReplayOptions
 from app.logs.replay.unpack_attachments import extract
 from app.messages import (
-    DesiresRecord,
+    Desires,
     Divisors,
-    EventRecord,
     IntentionReport,
     LoadRecord,
     LogLine,
     ModuleRecord,
     RecorderStatus,
+    TimelineEvent,
 )
 from app.modules.recording.recorder import Recorder
 from app.program.config import Configuration, load_configuration
@@ -33,7 +33,7 @@ from app.runtime.module import Module
 
 #: Records that a program publishes about itself: a replayed program publishes its own.
 OWN_RECORDS: frozenset[type[Any]] = frozenset(
-    {DesiresRecord, Divisors, EventRecord, IntentionReport, LoadRecord, LogLine, ModuleRecord, RecorderStatus}
+    {Desires, Divisors, TimelineEvent, IntentionReport, LoadRecord, LogLine, ModuleRecord, RecorderStatus}
 )
 #: Those among them that people watch as they were recorded, where the log has them.
 WATCHED: frozenset[type[Any]] = frozenset({IntentionReport})

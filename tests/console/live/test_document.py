@@ -10,8 +10,8 @@ from typing import Any, get_args
 import msgspec
 import pytest
 
-from app.attention.timeline import EventKind
 from app.console.live import protocol
+from app.messages import EventKind
 from app.program.system import System
 from app.runtime.freshness import FreshnessState
 from app.runtime.supervisor import Status

@@ -13,7 +13,7 @@ from app.attention.desires import Desire, Source
 from app.attention.reports import DesireClassReport
 from app.console.live.hub import Hub
 from app.console.records import attention, program, robot
-from app.messages import IntentionReport, PerceptEvent
+from app.messages import Desires, IntentionReport, PerceptEvent
 from app.program.system import System
 from app.runtime.filter import CLOSED
 from tests.console.answers import answered, described
@@ -37,7 +37,7 @@ def is_problem(response: httpx.Response, status: int, kind: str) -> dict[str, An
 @pytest.mark.parametrize(
     ("path", "record"),
     [
-        ("/desires", attention.DesireList),
+        ("/desires", Desires),
         ("/desire-classes", attention.DesireClassList),
         ("/desire-classes/Telepresence", DesireClassReport),
         ("/intention", IntentionReport),
@@ -167,7 +167,7 @@ async def test_a_wrong_field_is_named(client: httpx.AsyncClient, body: Any, fiel
     document = is_problem(response, 422, response.json()["type"].rpartition(":")[2])
     assert [error["field"] for error in document["errors"]] == [field]
     assert all(error["message"] for error in document["errors"])
-    assert (await client.get("/desires")).json() == {"desires": []}
+    assert (await client.get("/desires")).json()["desires"] == []
 
 
 @pytest.mark.parametrize("body", ["", "{", '{"class": NaN}', "\xff"])

@@ -25,7 +25,7 @@ _ROWS: dict[str, dict[str, Any]] = {
     "odometry": {"type": "Odometry", "rate_hz": 100},
     "landmarks": {"type": "Landmarks", "latched": True},
     "module_states": {"type": "ModuleRecord", "latched": True},
-    "events": {"type": "EventRecord"},
+    "events": {"type": "TimelineEvent"},
     "load": {"type": "LoadRecord", "log": "never"},
     "recorder": {"type": "RecorderStatus", "log": "never", "external": False},
 }

@@ -95,8 +95,10 @@ export interface DesireClassReport {
   served: boolean;
 }
 
-/** Every desire, in the order they came. */
-export interface DesireList {
+/** Every desire in the Intention Workspace, in the order they came. */
+export interface Desires {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
   desires: Desire[];
 }
 
@@ -250,23 +252,27 @@ export interface LanePast {
   spells: LaneSpell[];
 }
 
-/** A lane now. */
+/** A desire class: how much it is desired, what attention gives it, and why. */
 export interface LaneRow {
+  class: string;
+  /** Of its strongest desire; null: there is none. */
   intensity: number | null;
+  /** Desired by that; null: there is none. */
   utility: number | null;
+  /** Messages let through over messages offered, in the last second; 0 when closed, null: none was offered. */
+  rate: number | null;
   /** φ: one message in φ passes; null: none passes. */
   divisor: number | null;
-  /** By filter, `Module.port`. */
+  /** By filter, `Module.port`, of its strategies at work. */
   divisors: Record<string, number | null>;
   state: "degraded" | "fulfilled" | "inhibited" | "needed" | "undesired" | "unfulfilled";
   text: string;
-  class: string;
-  /** Messages let through over messages offered, in the last second. */
-  rate: number | null;
 }
 
 /** What a lane was, from one sample until the next spell's. */
 export interface LaneSpell {
+  /** Number of the sample. */
+  at: number;
   intensity: number | null;
   utility: number | null;
   /** φ: one message in φ passes; null: none passes. */
@@ -275,11 +281,9 @@ export interface LaneSpell {
   divisors: Record<string, number | null>;
   state: "degraded" | "fulfilled" | "inhibited" | "needed" | "undesired" | "unfulfilled";
   text: string;
-  /** Number of the sample. */
-  at: number;
 }
 
-/** 20 times a second: one row for each desire class. */
+/** 20 times a second: one row for each desire class, in a fixed order. */
 export interface Lanes {
   /** Seconds of the robot's clock (Unix epoch). */
   stamp: number;
@@ -949,7 +953,7 @@ export interface RobotMessages {
   /** Once, before the first `lanes`, and after a `jump`: what they were. */
   lanes_history: LanesHistory;
   /** On change: every desire. */
-  desires: DesireList;
+  desires: Desires;
   /** On change, from the first on: what attention chose. */
   intention: IntentionReport;
   /** As they come: events, oldest first. */
