@@ -167,3 +167,52 @@ class TimelineEvent:
     subject: Annotated[str, doc("What it is about: a desire class, a module, a filter.")]
     text: Annotated[str, doc("One sentence.")]
     data: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Scale:
+    """The ends of the scales of desires."""
+
+    intensity: float
+    utility: float
+
+
+@dataclass(frozen=True, slots=True)
+class DesireClassReport:
+    """What can be desired."""
+
+    name: Annotated[str, Meta(examples=["FindQRCodes"])]
+    title: str
+    description: str
+    schema: Annotated[dict[str, Any], Meta(title="JsonSchema", description="JSON Schema of `params`.")]
+    served: Annotated[
+        bool, doc("Whether a strategy of this program's modules serves it; else no desire for it is fulfilled.")
+    ]
+
+
+class StrategyReport(Struct, frozen=True, rename={"cls": "class"}):
+    """One way to serve a desire class."""
+
+    name: str
+    cls: str
+    utility: Annotated[float, doc("Produced utility v, over 0 and at most 8.")]
+    requires: Annotated[Mapping[str, float], doc("Utility needed of other classes.")]
+    filters: Annotated[Mapping[str, Divisor], doc("φ by `Module.port`.")]
+    parameters: Annotated[
+        Mapping[str, Mapping[str, Any]], doc("What modules are handed while it is selected, by module.")
+    ]
+    costs: Annotated[Mapping[str, float], doc("What it uses of each resource.")]
+    selected: bool
+    declared: Annotated[str | None, doc("File and line.")]
+
+
+@dataclass(frozen=True, slots=True)
+class ResourceReport:
+    """What strategies share."""
+
+    name: Annotated[str, Meta(examples=["cpu"])]
+    capacity: Annotated[float, Meta(description="How much of it attention may give now.", examples=[120])]
+    declared: Annotated[float, doc("Its capacity in configuration.")]
+    used: Annotated[float, doc("What the intention at work uses of it.")]
+    unit: str
+    description: str

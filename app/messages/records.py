@@ -4,8 +4,12 @@ filter's divisor is inf."""
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
 
+from app.messages.attention import Divisor
+from app.messages.base import Stamp, doc
+
+ModuleStatus = Literal["starting", "running", "failed", "hung", "stopped"]
 RecorderState = Literal["idle", "recording", "ring", "stopped"]
 
 
@@ -19,14 +23,60 @@ class Divisors:
 
 
 @dataclass(frozen=True, slots=True)
-class LoadRecord:
-    """CPU over the last window of ``window_s``: ``cpu[i]`` % of a core for ``modules[i]``, ``process`` in all."""
+class SubscriptionCounters:
+    """The counters of one consumer's end of a channel, since the start."""
 
-    stamp: float
-    window_s: float
-    modules: tuple[str, ...]
-    cpu: tuple[float, ...]
-    process: float
+    divisor: Divisor
+    received: Annotated[int, doc("Messages offered.")]
+    passed: Annotated[int, doc("... let through by the filter.")]
+    decimated: Annotated[int, doc("... stopped by the filter, as wanted.")]
+    dropped: Annotated[int, doc("... pushed out of a full inbox.")]
+    age_ms: Annotated[float | None, doc("Age of the last message when it was taken.")]
+
+
+@dataclass(frozen=True, slots=True)
+class ModuleInput(SubscriptionCounters):
+    """A module's input and its counters since the start."""
+
+    name: str
+    channel: str
+
+
+@dataclass(frozen=True, slots=True)
+class ModuleOutput:
+    """A module's output."""
+
+    name: str
+    channel: Annotated[str | None, doc("null: nothing is connected.")]
+    divisor: Divisor
+    offered: int
+
+
+@dataclass(frozen=True, slots=True)
+class ModuleReport:
+    """One module, its load and its counters."""
+
+    name: str
+    title: str
+    state: ModuleStatus
+    cpu: Annotated[float, doc("Per cent of one core, over the last second.")]
+    cpu_budget: Annotated[float | None, doc("What it is expected to stay under.")]
+    message_cpu_us: Annotated[float | None, doc("CPU time for each message taken (µs).")]
+    restarts: int
+    problem: str | None
+    inputs: tuple[ModuleInput, ...]
+    outputs: tuple[ModuleOutput, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class LoadReport:
+    """What the modules take of the computer, once a second."""
+
+    stamp: Stamp
+    window_s: Annotated[float, doc("The time that it was measured over.")]
+    process_cpu: Annotated[float, doc("Per cent of one core.")]
+    budget: Annotated[float | None, doc("Per cent that attention may give; null: no limit.")]
+    modules: tuple[ModuleReport, ...]
 
 
 @dataclass(frozen=True, slots=True)

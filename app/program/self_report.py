@@ -21,12 +21,11 @@ from app.attention.workspace import IntentionWorkspace
 from app.messages import (
     Desires,
     Divisors,
-    LoadRecord,
+    LoadReport,
     LogLine,
     ModuleRecord,
 )
 from app.runtime.channel import Channel
-from app.runtime.load import Load
 from app.runtime.supervisor import ModuleState
 
 #: Loggers of the Recorder itself and of the layers below it: recording their lines would cause more lines.
@@ -74,12 +73,9 @@ class SelfReport:
         if self._translator is not None and self._translator.current is not None:
             self._intention(self._translator.current)
 
-    def load(self, load: Load) -> None:
+    def load(self, load: LoadReport) -> None:
         """A load window closed."""
-        modules = tuple(load.modules)
-        self._publish(
-            "load", LoadRecord(load.stamp, load.window_s, modules, tuple(load.modules.values()), load.process)
-        )
+        self._publish("load", load)
 
     def module(self, state: ModuleState) -> None:
         """A module's state changed."""

@@ -136,6 +136,7 @@ navigation_report: {type: NavigationReport, latched: true, log: never, page: {as
 events: {type: TimelineEvent, decimable: false, external: true, page: {keep: all}}
 workspace: {type: Desires, latched: true, decimable: false, external: true, page: {as: desires}}
 intention: {type: IntentionReport, latched: true, decimable: false, external: true, page: {}}
+load: {type: LoadReport, decimable: false, external: true, page: {}}
 lanes: {type: Lanes, decimable: false, external: true, page: {every_hz: 20}}
 """
 

@@ -11,18 +11,16 @@ from typing import Any
 import pytest
 
 from app.attention.desires import Source
-from app.messages import Desires, Divisors, IntentionReport, LoadRecord, LogLine, ModuleRecord, TimelineEvent
+from app.messages import Desires, Divisors, IntentionReport, LoadReport, LogLine, ModuleRecord, TimelineEvent
 from app.program.config import load_configuration
 from app.program.self_report import SelfReport
 from app.program.system import System
 from app.runtime.channel import Subscription
-from app.runtime.load import Load
 from tests.console.program import Body, build
 from tests.patience import PATIENCE_S
 
 CHANNELS = """\
 divisors: {type: Divisors, external: true}
-load: {type: LoadRecord, external: true}
 module_states: {type: ModuleRecord, external: true}
 log: {type: LogLine, external: true}
 """
@@ -83,8 +81,8 @@ async def test_modules_load_and_log_lines_are_published(system: System) -> None:
         line = await until(lines, lambda m: m.source == "hbba.Teleop")
         assert line == LogLine(line.stamp, logging.WARNING, "hbba.Teleop", "heard in a thread")
         load = await until(loads, lambda m: True)
-        assert isinstance(load, LoadRecord)
-        assert len(load.modules) == len(load.cpu) == len(system.graph.modules)
+        assert isinstance(load, LoadReport)
+        assert [module.name for module in load.modules] == list(system.graph.modules)
 
 
 async def test_after_its_end_nothing_is_published_and_no_logger_refers_to_it(system: System) -> None:
@@ -95,4 +93,4 @@ async def test_after_its_end_nothing_is_published_and_no_logger_refers_to_it(sys
 
 
 def test_channels_that_are_not_there_are_not_missed() -> None:
-    SelfReport({}, lambda: 0.0, dict).load(Load(1.0, 1.0, {"A": 2.0}, 3.0))
+    SelfReport({}, lambda: 0.0, dict).load(LoadReport(1.0, 1.0, 3.0, None, ()))

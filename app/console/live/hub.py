@@ -14,7 +14,8 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-from app.attention.reports import Scale, desire_class_report
+from app.attention.desires import SCALE
+from app.attention.reports import desire_class_report
 from app.console import reports
 from app.console.drive import drive_lease
 from app.console.drive.command_age import CommandAge
@@ -34,7 +35,7 @@ from app.console.playback import PERIOD_S, playback_report
 from app.console.recordings import RecorderWatch
 from app.console.taps import Tap
 from app.console.wire import frame
-from app.messages import Lanes, LinkStatus
+from app.messages import Lanes, LinkStatus, Scale
 
 if TYPE_CHECKING:
     from app.logs.replay.playback import Playback
@@ -333,7 +334,6 @@ class Hub:
         return {
             **self._past_and_present(),
             **self._channels.standing(),
-            "load": self._sampler.load_frame(),
             **self._panels.frames(),
         }
 
@@ -350,7 +350,7 @@ class Hub:
                 session=viewer.session,
                 stamp=system.clock.now(),
                 robot=reports.robot_facts(system, replayed=self._playback is not None),
-                scale=Scale(),
+                scale=Scale(SCALE, SCALE),
                 classes=tuple(desire_class_report(each, system.table) for each in system.classes.values()),
                 channels=messages.Channels(
                     camera=self._comes(PICTURES[CAMERA]),

@@ -11,14 +11,23 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 from msgspec import Meta, Struct
 
-from app.attention.reports import DesireClassReport, Scale
 from app.console.records.attention import EventList
 from app.console.records.maps import LocalizationState, ZoneList
 from app.console.records.navigation import NavigationModel
-from app.console.records.program import ModuleReport, SourceState
+from app.console.records.program import SourceState
 from app.console.records.recordings import PlaybackReport, RecorderReport
 from app.console.records.robot import Guard, LandmarkReport, OdometryReport, RobotFacts
-from app.messages import Desires, Divisor, IntentionReport, Lanes, LaneState, PlacedPercepts
+from app.messages import (
+    DesireClassReport,
+    Desires,
+    Divisor,
+    IntentionReport,
+    Lanes,
+    LaneState,
+    LoadReport,
+    PlacedPercepts,
+    Scale,
+)
 from app.messages.base import Stamp, doc
 
 Sequence = Annotated[int, doc("Grows.")]
@@ -124,16 +133,6 @@ class LanesHistory:
 
 
 @dataclass(frozen=True, slots=True)
-class Load:
-    """What the modules take of the computer."""
-
-    stamp: Stamp
-    process_cpu: Annotated[float, doc("Per cent of one core.")]
-    budget: Annotated[float | None, doc("Per cent that attention may give; null: no limit.")]
-    modules: tuple[ModuleReport, ...]
-
-
-@dataclass(frozen=True, slots=True)
 class Landmarks:
     """What was found, in `odom`."""
 
@@ -217,7 +216,7 @@ FROM_ROBOT: dict[str, Message] = {
     "desires": Message(Desires, "On change: every desire."),
     "intention": Message(IntentionReport, "On change, from the first on: what attention chose."),
     "events": Message(EventList, "As they come: events, oldest first."),
-    "load": Message(Load, "Once a second: what the modules take of the computer."),
+    "load": Message(LoadReport, "Once a second: what the modules take of the computer."),
     "recorder": Message(RecorderReport, "On change, and about once a second while it records: what the Recorder does."),
     "landmarks": Message(Landmarks, "On change: what was found, in `odom`."),
     "perceived": Message(PlacedPercepts, "On change: what the robot sees and hears."),

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from app.attention.reports import DesireClassReport, ResourceReport, Scale, StrategyReport
-from app.messages import TimelineEvent
+from app.messages import DesireClassReport, ResourceReport, Scale, StrategyReport, TimelineEvent
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, get_args
 from fastapi import APIRouter, Path, Query, Request
 from fastapi.responses import Response
 
-from app.attention.reports import ResourceReport, resource_report, strategy_report
+from app.attention.reports import resource_report, strategy_report
 from app.console import reports
 from app.console.problems import Problem
 from app.console.records.attention import EventList, ResourceList, StrategyList
@@ -15,7 +15,7 @@ from app.console.rest.answers import Json, problems
 from app.console.rest.desires import IN_SOMEBODYS_NAME, source_of
 from app.console.rest.models import ResourceChange
 from app.console.rest.routing import router as api_router
-from app.messages import EventKind, IntentionReport
+from app.messages import EventKind, IntentionReport, ResourceReport
 
 if TYPE_CHECKING:
     from app.program.system import System

@@ -21,7 +21,8 @@ from app.messages import (
     Image,
     JointState,
     LaserScan,
-    LoadRecord,
+    LoadReport,
+    ModuleReport,
     PointCloud,
 )
 from app.messages.base import field_names, is_record
@@ -31,7 +32,8 @@ UNITS: Mapping[type[Any], Mapping[str, str]] = {
     LaserScan: {
         "ranges": "m", "angle_min": "rad", "angle_increment": "rad", "range_min": "m", "range_max": "m",
     },
-    LoadRecord: {"cpu": "percent", "process": "percent"},
+    LoadReport: {"process_cpu": "percent", "budget": "percent"},
+    ModuleReport: {"cpu": "percent", "cpu_budget": "percent"},
     Pose2: {"x": "m", "y": "m", "theta": "rad"},
 }  # fmt: skip
 #: Fields of any class that are times of the robot's clock.
@@ -39,9 +41,10 @@ TIMES = frozenset({"stamp", "created", "expires", "first_seen", "last_seen", "be
 #: Fields that give the columns of another their names.
 NAMED: Mapping[type[Any], Mapping[str, str]] = {
     JointState: {"positions": "names"},
-    LoadRecord: {"cpu": "modules"},
     Divisors: {"divisors": "filters"},
 }
+#: Fields of records that have a name, each in columns of this name.
+BY_NAME: Mapping[type[Any], str] = {LoadReport: "modules"}
 BULKY = (Image, EncodedImage, PointCloud)
 
 Row = dict[str, Any]
@@ -102,6 +105,9 @@ def _flatten(value: Any, prefix: str, row: Row, arrays: Row) -> None:
         key = prefix + _with_unit(kind, field)
         if names := NAMED.get(kind, {}).get(field):
             row.update(zip((f"{key}.{name}" for name in getattr(value, names)), content, strict=False))
+        elif field == BY_NAME.get(kind):
+            for each in content:
+                _flatten(each, f"{key}.{each.name}.", row, arrays)
         elif field not in NAMED.get(kind, {}).values():
             _cell(content, key, row, arrays)
 

@@ -18,7 +18,7 @@ from app.messages import (
     Desires,
     Divisors,
     IntentionReport,
-    LoadRecord,
+    LoadReport,
     LogLine,
     ModuleRecord,
     RecorderStatus,
@@ -33,7 +33,7 @@ from app.runtime.module import Module
 
 #: Records that a program publishes about itself: a replayed program publishes its own.
 OWN_RECORDS: frozenset[type[Any]] = frozenset(
-    {Desires, Divisors, TimelineEvent, IntentionReport, LoadRecord, LogLine, ModuleRecord, RecorderStatus}
+    {Desires, Divisors, TimelineEvent, IntentionReport, LoadReport, LogLine, ModuleRecord, RecorderStatus}
 )
 #: Those among them that people watch as they were recorded, where the log has them.
 WATCHED: frozenset[type[Any]] = frozenset({IntentionReport})

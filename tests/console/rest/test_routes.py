@@ -10,10 +10,9 @@ import httpx
 import pytest
 
 from app.attention.desires import Desire, Source
-from app.attention.reports import DesireClassReport
 from app.console.live.hub import Hub
 from app.console.records import attention, program, robot
-from app.messages import Desires, IntentionReport, PerceptEvent
+from app.messages import DesireClassReport, Desires, IntentionReport, ModuleReport, PerceptEvent
 from app.program.system import System
 from app.runtime.filter import CLOSED
 from tests.console.answers import answered, described
@@ -44,7 +43,7 @@ def is_problem(response: httpx.Response, status: int, kind: str) -> dict[str, An
         ("/strategies", attention.StrategyList),
         ("/resources", attention.ResourceList),
         ("/modules", program.ModuleList),
-        ("/modules/Teleop", program.ModuleReport),
+        ("/modules/Teleop", ModuleReport),
         ("/channels", program.ChannelList),
         ("/timeline", attention.EventList),
         ("/robot", robot.RobotReport),

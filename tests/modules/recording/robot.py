@@ -26,7 +26,7 @@ _ROWS: dict[str, dict[str, Any]] = {
     "landmarks": {"type": "Landmarks", "latched": True},
     "module_states": {"type": "ModuleRecord", "latched": True},
     "events": {"type": "TimelineEvent"},
-    "load": {"type": "LoadRecord", "log": "never"},
+    "load": {"type": "LoadReport", "log": "never"},
     "recorder": {"type": "RecorderStatus", "log": "never", "external": False},
 }
 TABLE = ChannelTable({name: ChannelSpec.model_validate({"external": True, **row}) for name, row in _ROWS.items()})

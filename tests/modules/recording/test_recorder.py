@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from app.messages import Landmarks, LoadRecord, ModuleRecord, Odometry, TimelineEvent
+from app.messages import Landmarks, LoadReport, ModuleRecord, Odometry, TimelineEvent
 from tests.logs.mcap.disks import BEGIN, Disk, image, landmarks, odometry
 from tests.modules.recording.robot import Robot, files, of, read
 
@@ -38,7 +38,7 @@ async def test_what_is_fed_while_it_is_desired_is_in_the_file(tmp_path: Path) ->
             robot.feed("odometry", odometry(BEGIN + i / 100))
             await asyncio.sleep(0)
         robot.feed("kinect", image(BEGIN))
-        robot.feed("load", LoadRecord(BEGIN, 1.0, (), (), 0.0))
+        robot.feed("load", LoadReport(BEGIN, 1.0, 0.0, None, ()))
         await robot.taken("odometry", 201)
         await robot.taken("kinect", 1)
         robot.desire(False)

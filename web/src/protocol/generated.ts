@@ -296,10 +296,12 @@ export interface LanesHistory {
   rows: LanePast[];
 }
 
-/** What the modules take of the computer. */
-export interface Load {
+/** What the modules take of the computer, once a second. */
+export interface LoadReport {
   /** Seconds of the robot's clock (Unix epoch). */
   stamp: number;
+  /** The time that it was measured over. */
+  window_s: number;
   /** Per cent of one core. */
   process_cpu: number;
   /** Per cent that attention may give; null: no limit. */
@@ -959,7 +961,7 @@ export interface RobotMessages {
   /** As they come: events, oldest first. */
   events: EventList;
   /** Once a second: what the modules take of the computer. */
-  load: Load;
+  load: LoadReport;
   /** On change, and about once a second while it records: what the Recorder does. */
   recorder: RecorderReport;
   /** On change: what was found, in `odom`. */
