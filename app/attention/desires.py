@@ -9,21 +9,20 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, Final, Literal
+from typing import Any, Final
 
-from msgspec import Meta, Struct
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from app.base.yaml_source import dotted, suggestion, validation_message
-from app.messages.base import Stamp, doc
+from app.messages import Desire as Desire
+from app.messages import Source as Source
+from app.messages import SourceKind as SourceKind
 
 SCALE: Final = 8.0
 """The scale's end for intensity, desired utility and produced utility: t_i = t_u = t_v of the thesis."""
 
 GRAIN: Final = 1000
 """Intensities, utilities and costs are whole thousandths, so that optima are compared exactly."""
-
-SourceKind = Literal["motivation", "operator", "rest"]
 
 
 class UnknownDesireClass(Exception):
@@ -101,28 +100,6 @@ class DesireClasses(Mapping[str, DesireClass]):
 
     def __len__(self) -> int:
         return len(self._classes)
-
-
-@dataclass(frozen=True, slots=True)
-class Source:
-    """The author of a desire: a motivation of the robot, an operator at the console or a REST client, by name."""
-
-    kind: SourceKind
-    name: str
-
-
-class Desire(Struct, frozen=True, rename={"cls": "class"}):
-    """One desire of the Intention Workspace."""
-
-    id: Annotated[str, Meta(examples=["d-3f0c81a2b4"])]
-    cls: Annotated[str, Meta(examples=["FindQRCodes"])]
-    intensity: Annotated[float, Meta(description="How much it is desired, over 0 and at most 8.", examples=[8])]
-    utility: Annotated[float, Meta(description="Utility desired, 0 to 8; 0 inhibits the class.", examples=[4])]
-    security: Annotated[bool, doc("Whether it must be fulfilled.")]
-    params: Annotated[Mapping[str, Any], doc("Parameters as the class declares them.")]
-    source: Source
-    created: Stamp
-    expires: Annotated[float | None, doc("When it expires (robot's clock, s); null: never.")] = None
 
 
 def checked_number(field: str, value: object, *, above: float | None = None) -> float:

@@ -6,9 +6,10 @@ import logging
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Any, Final
 
-from app.attention.problem import Problem, Reason, Selection
+from app.attention.problem import Problem, Selection
 from app.attention.reasons import explain
 from app.attention.strategies import Resource
+from app.messages import Reason
 
 _log = logging.getLogger(__name__)
 

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from app.attention.desires import Desire
-from app.attention.problem import Reason, Selection
+from app.attention.problem import Selection
 from app.attention.strategies import CLOSED, Strategy
+from app.messages import Reason
 
 
 @dataclass(frozen=True, slots=True)

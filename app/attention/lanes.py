@@ -7,11 +7,10 @@ from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 
 from app.attention.desires import Desire
-from app.attention.problem import Reason
 from app.attention.strategies import CLOSED, Strategy
 from app.attention.translator import IntentionTranslator
 from app.attention.workspace import IntentionWorkspace
-from app.messages import LaneRow, Lanes, LaneState
+from app.messages import LaneRow, Lanes, LaneState, Reason
 from app.runtime.channel import Channel
 from app.runtime.clock import Clock
 from app.runtime.graph import Graph
@@ -126,8 +125,7 @@ class LaneSampler:
                     utility=None if desire is None else desire.utility,
                     rate=None if rate is None else round(rate, 4),
                     divisor=divisor if names else CLOSED,
-                    filters=tuple(each),
-                    divisors=tuple(each.values()),
+                    divisors=each,
                     state=state,
                     text=text,
                 )

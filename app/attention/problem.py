@@ -17,13 +17,11 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Literal
 
 from app.attention.desires import Desire
 from app.attention.prepared import PreparedTable, prepare
 from app.attention.strategies import Strategy
-
-ReasonState = Literal["fulfilled", "degraded", "unfulfilled", "inhibited"]
+from app.messages import Reason
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,39 +70,6 @@ class Problem:
     def with_capacity(self, resource: str, capacity: float) -> Problem:
         """The same problem had ``resource`` another capacity."""
         return replace(self, capacities={**self.capacities, resource: capacity})
-
-
-@dataclass(frozen=True, slots=True)
-class Alternative:
-    """A change that would serve a desire better.
-
-    ``kind`` "capacity": ``amount`` more of ``resource``; "without": no desire of the class ``without``. ``utility`` is
-    the utility that would then be produced for the class.
-    """
-
-    kind: Literal["capacity", "without"]
-    utility: float
-    resource: str = ""
-    amount: float = 0.0
-    unit: str = ""
-    without: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class Reason:
-    """The reason for the result of a desired class.
-
-    ``utility`` is the utility produced for it, ``wanted`` the desired one, ``best`` the most that any selection could
-    give. ``text`` is a sentence for people. ``searched``: whether the search for alternatives was complete.
-    """
-
-    state: ReasonState
-    utility: float
-    wanted: float
-    best: float
-    text: str
-    alternatives: tuple[Alternative, ...] = ()
-    searched: bool = True
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,10 +11,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from app.attention.desires import GRAIN, Desire
-from app.attention.problem import Alternative, Problem, Reason, Selection
+from app.attention.problem import Problem, Selection
 from app.attention.strategies import Resource
 from app.attention.utility_bound import best_utility
 from app.attention.variants import Variants
+from app.messages import Alternative, Reason
 
 
 def explain(

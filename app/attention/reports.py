@@ -1,143 +1,20 @@
-"""What attention reports to REST, the live stream and the commands: records that are JSON as they are.
-
-A desire and an event of the timeline are such records themselves. A record is a frozen dataclass, or a Struct where
-JSON has a member ``class`` or a ``kind`` that distinguishes two records.
-"""
+"""What attention reports to REST, the live stream and the commands: records of :mod:`app.messages.attention`."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Annotated, Any
 
-from msgspec import Meta, Struct
-
-from app.attention.desires import SCALE, DesireClass
+from app.attention.desires import DesireClass
 from app.attention.intention import Intention
-from app.attention.problem import Alternative, Reason, ReasonState
 from app.attention.strategies import Resource, Strategy, StrategyTable
-from app.attention.timeline_writer import divisor_json
-from app.messages.base import Stamp, doc
-
-Divisor = Annotated[int | None, Meta(description="φ: one message in φ passes; null: none passes.", examples=[2])]
-
-
-@dataclass(frozen=True, slots=True)
-class Scale:
-    """The ends of the scales of desires."""
-
-    intensity: float = SCALE
-    utility: float = SCALE
-
-
-@dataclass(frozen=True, slots=True)
-class DesireClassReport:
-    """What can be desired."""
-
-    name: Annotated[str, Meta(examples=["FindQRCodes"])]
-    title: str
-    description: str
-    schema: Annotated[dict[str, Any], Meta(title="JsonSchema", description="JSON Schema of `params`.")]
-    served: Annotated[
-        bool, doc("Whether a strategy of this program's modules serves it; else no desire for it is fulfilled.")
-    ]
-
-
-class StrategyReport(Struct, frozen=True, rename={"cls": "class"}):
-    """One way to serve a desire class."""
-
-    name: str
-    cls: str
-    utility: Annotated[float, doc("Produced utility v, over 0 and at most 8.")]
-    requires: Annotated[Mapping[str, float], doc("Utility needed of other classes.")]
-    filters: Annotated[Mapping[str, Divisor], doc("φ by `Module.port`.")]
-    parameters: Annotated[
-        Mapping[str, Mapping[str, Any]], doc("What modules are handed while it is selected, by module.")
-    ]
-    costs: Annotated[Mapping[str, float], doc("What it uses of each resource.")]
-    selected: bool
-    declared: Annotated[str | None, doc("File and line.")]
-
-
-@dataclass(frozen=True, slots=True)
-class ResourceReport:
-    """What strategies share."""
-
-    name: Annotated[str, Meta(examples=["cpu"])]
-    capacity: Annotated[float, Meta(description="How much of it attention may give now.", examples=[120])]
-    declared: Annotated[float, doc("Its capacity in configuration.")]
-    used: Annotated[float, doc("What the intention at work uses of it.")]
-    unit: str
-    description: str
-
-
-class SelectedStrategy(Struct, frozen=True, rename={"cls": "class"}):
-    """A strategy at work."""
-
-    name: str
-    cls: str
-    utility: float
-    filters: Mapping[str, Divisor]
-    costs: Mapping[str, float]
-
-
-@dataclass(frozen=True, slots=True)
-class ResourceUse:
-    """What is used of a resource."""
-
-    used: float
-    capacity: float
-    unit: str
-
-
-class MoreCapacity(Struct, frozen=True, tag_field="kind", tag="capacity"):
-    """What would help a desire: ``amount`` more of a resource."""
-
-    utility: Annotated[float, doc("The utility it would get.")]
-    resource: str
-    amount: float
-    unit: str
-
-
-class WithoutClass(Struct, frozen=True, tag_field="kind", tag="without"):
-    """What would help a desire: no desire for another class."""
-
-    utility: Annotated[float, doc("The utility it would get.")]
-    without: Annotated[str, doc("The other class.")]
-
-
-@dataclass(frozen=True, slots=True)
-class ReasonReport:
-    """Why a desired class gets what it gets."""
-
-    state: ReasonState
-    utility: Annotated[float, doc("The utility it gets.")]
-    wanted: Annotated[float, doc("The utility desired.")]
-    best: Annotated[float, doc("The most that any selection could give it.")]
-    text: Annotated[str, doc("The reason in words.")]
-    alternatives: tuple[MoreCapacity | WithoutClass, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class IntentionReport:
-    """The intention at work: what was selected, what follows from it, and why."""
-
-    stamp: Stamp
-    strategies: tuple[SelectedStrategy, ...]
-    fulfilled: Annotated[tuple[str, ...], doc("Classes whose strongest desire is fulfilled.")]
-    omega: Annotated[float, doc("Ω, what the selection is worth (thesis, equation 4.9).")]
-    bound: Annotated[
-        float | None, doc("No selection can be worth more; equal to `omega` when proven, null where none is known.")
-    ]
-    use: Mapping[str, ResourceUse]
-    filters: Annotated[Mapping[str, Divisor], doc("φ of every filter that attention controls.")]
-    proven: Annotated[bool, doc("Whether no better selection exists.")]
-    solve_ms: float
-    relaxed: Annotated[tuple[str, ...], doc("Security desires that could not be kept.")]
-    reasons: Annotated[Mapping[str, ReasonReport], doc("By desired class.")]
-    parameters: Annotated[Mapping[str, Mapping[str, Any]], doc("What each module was handed.")]
-    desires: Annotated[Mapping[str, str], doc("Id of the strongest desire of each class that it answers.")]
+from app.messages import (
+    DesireClassReport,
+    IntentionReport,
+    ResourceReport,
+    ResourceUse,
+    SelectedStrategy,
+    StrategyReport,
+)
 
 
 def desire_class_report(desire_class: DesireClass, table: StrategyTable) -> DesireClassReport:
@@ -158,7 +35,7 @@ def strategy_report(strategy: Strategy, *, selected: bool) -> StrategyReport:
         strategy.cls,
         utility=strategy.utility,
         requires=strategy.requires,
-        filters=divisors_report(strategy.filters),
+        filters=strategy.filters,
         parameters=strategy.parameters,
         costs=strategy.costs,
         selected=selected,
@@ -184,46 +61,19 @@ def intention_report(intention: Intention, resources: Mapping[str, Resource]) ->
     selection = intention.selection
     return IntentionReport(
         stamp=intention.stamp,
-        strategies=tuple(
-            SelectedStrategy(s.name, s.cls, s.utility, divisors_report(s.filters), s.costs)
-            for s in intention.strategies
-        ),
+        strategies=tuple(SelectedStrategy(s.name, s.cls, s.utility, s.filters, s.costs) for s in intention.strategies),
         fulfilled=selection.fulfilled,
         omega=selection.omega,
-        bound=selection.bound if math.isfinite(selection.bound) else None,
+        bound=selection.bound,
         use={
             name: ResourceUse(selection.use.get(name, 0.0), capacity, resources[name].unit if name in resources else "")
             for name, capacity in intention.capacities.items()
         },
-        filters=divisors_report(intention.divisors),
+        filters=intention.divisors,
         proven=selection.proven,
         solve_ms=round(selection.solve_time_s * 1000, 3),
         relaxed=selection.relaxed,
-        reasons={cls: reason_report(reason) for cls, reason in intention.reasons.items()},
+        reasons=intention.reasons,
         parameters=intention.parameters,
         desires={cls: desire.id for cls, desire in intention.desires.items()},
     )
-
-
-def reason_report(reason: Reason) -> ReasonReport:
-    """``reason`` with what would help."""
-    alternatives = tuple(_alternative(alternative) for alternative in reason.alternatives)
-    return ReasonReport(
-        reason.state,
-        reason.utility,
-        wanted=reason.wanted,
-        best=reason.best,
-        text=reason.text,
-        alternatives=alternatives,
-    )
-
-
-def divisors_report(divisors: Mapping[str, float]) -> dict[str, int | None]:
-    """φ by filter name."""
-    return {name: divisor_json(divisor) for name, divisor in divisors.items()}
-
-
-def _alternative(alternative: Alternative) -> MoreCapacity | WithoutClass:
-    if alternative.kind == "without":
-        return WithoutClass(alternative.utility, alternative.without)
-    return MoreCapacity(alternative.utility, alternative.resource, alternative.amount, alternative.unit)

@@ -17,8 +17,9 @@ from typing import Final
 
 from app.attention.integer_program import Infeasible, IntegerProgram, ProgramSolution, build_integer_program
 from app.attention.prepared import InvalidProblem, PreparedTable
-from app.attention.problem import Alternative, Problem, Reason, Selection, Weights, assess
+from app.attention.problem import Problem, Selection, Weights, assess
 from app.attention.search import solve_search
+from app.messages import Alternative, Reason
 
 __all__ = [
     "Alternative",

@@ -4,39 +4,11 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass, field
-from typing import Annotated, Any, Literal
+from dataclasses import dataclass
+from typing import Any
 
 from app.base.observers import Observers
-from app.messages.base import Stamp, doc
-
-EventKind = Literal[
-    "desire",
-    "intention",
-    "filter",
-    "exploitation",
-    "restart",
-    "overload",
-    "guard",
-    "solver",
-    "capacity",
-    "module",
-    "stale",
-    "goal",
-    "percept",
-]
-
-
-@dataclass(frozen=True, slots=True)
-class TimelineEvent:
-    """One event of the timeline; ``data`` is JSON as it is."""
-
-    id: Annotated[int, doc("Grows by one from 1.")]
-    stamp: Stamp
-    kind: EventKind
-    subject: Annotated[str, doc("What it is about: a desire class, a module, a filter.")]
-    text: Annotated[str, doc("One sentence.")]
-    data: Mapping[str, Any] = field(default_factory=dict)
+from app.messages import EventKind, TimelineEvent
 
 
 @dataclass(frozen=True, slots=True)

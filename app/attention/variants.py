@@ -8,9 +8,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from app.attention.desires import GRAIN
-from app.attention.problem import Alternative, Problem, Selection
+from app.attention.problem import Problem, Selection
 from app.attention.solver import SolverFailed, solve
 from app.attention.strategies import Resource
+from app.messages import Alternative
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, cast
 
 import numpy as np
 
-from app.attention.timeline import EventKind, TimelineEvent
-from app.attention.timeline_writer import divisor_json
 from app.base.geometry import Pose2
 from app.console import reports
 from app.console.live import messages
 from app.console.records.maps import LocalizationState, ZoneKind, ZoneList, ZoneReport
-from app.messages import EventRecord, Landmarks, LaneRow, Lanes, Localization, Zone, Zones
+from app.messages import Desires, Landmarks, Localization, Zone, Zones
 
 
 def localization_report(message: Localization) -> messages.Localization:
@@ -51,46 +48,18 @@ def zone_reports(zones: Iterable[Zone]) -> ZoneList:
     )
 
 
-def lane_rows(message: Lanes) -> tuple[messages.LaneRow, ...]:
-    """Every row; φ of a closed filter is None."""
-    return tuple(_lane_row(row) for row in message.rows)
-
-
-def _lane_row(row: LaneRow) -> messages.LaneRow:
-    return messages.LaneRow(
-        cls=row.cls,
-        intensity=row.intensity,
-        utility=row.utility,
-        rate=row.rate,
-        divisor=divisor_json(row.divisor),
-        divisors=dict(zip(row.filters, map(divisor_json, row.divisors), strict=True)),
-        state=row.state,
-        text=row.text,
-    )
-
-
-def _event(message: EventRecord) -> TimelineEvent:
-    """An event as on REST's timeline."""
-    return TimelineEvent(
-        message.id,
-        message.stamp,
-        kind=cast(EventKind, message.kind),
-        subject=message.subject,
-        text=message.text,
-        data=json.loads(message.data),
-    )
-
-
 #: By message type, the record of a message.
 FORMS: Mapping[type[Any], Callable[[Any], Any]] = {
-    EventRecord: _event,
     Landmarks: lambda message: messages.Landmarks(reports.landmarks(message)),
-    Lanes: lambda message: messages.Lanes(message.stamp, lane_rows(message)),
     Localization: localization_report,
     Zones: lambda message: zone_reports(message.zones),
 }
 #: The same of types that list what there is, before the first message: there is nothing.
-NOTHING: Mapping[type[Any], Any] = {Landmarks: messages.Landmarks(()), Zones: ZoneList(())}
+NOTHING: Mapping[type[Any], Any] = {
+    Desires: Desires(0.0, ()),
+    Landmarks: messages.Landmarks(()),
+    Zones: ZoneList(()),
+}
 
 
 def form(message: Any) -> Any:

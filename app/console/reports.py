@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
-from app.attention.timeline_writer import divisor_json
-from app.console.records.program import ModuleInput, ModuleOutput, ModuleReport, SourceState, SubscriptionCounters
+from app.console.records.program import SourceState
 from app.console.records.robot import Guard, LandmarkReport, OdometryReport, RobotFacts, Velocity
 from app.messages import Exploitation, Landmarks, LinkStatus, Odometry
-from app.runtime.channel import SubscriptionStatistics
 from app.runtime.freshness import Freshness, sources
-from app.runtime.graph import Graph, ModuleSlot
+from app.runtime.graph import Graph
 
 if TYPE_CHECKING:
     from app.program.system import System
@@ -133,73 +131,4 @@ def source_state(channel: str, freshness: Freshness) -> SourceState:
         age_ms=None if age is None else round(1e3 * age, 1),
         rate_hz=None if rate is None else round(rate, 2),
         expected_hz=None if expected is None else round(expected, 2),
-    )
-
-
-class ModuleMeter:
-    """Load and counters of every module; CPU per message is taken between two calls of :meth:`sample`."""
-
-    def __init__(self, system: System) -> None:
-        self._system = system
-        self._counted: dict[str, tuple[int, int]] = {}
-        self._message_cpu_us: dict[str, float | None] = {}
-
-    def sample(self) -> tuple[ModuleReport, ...]:
-        """Measure CPU per message since the last call (or the start), and report."""
-        for name, slot in self._system.graph.modules.items():
-            taken = sum(p.subscription.statistics().taken for p in slot.context.inputs.values() if p.connected)
-            before_ns, before = self._counted.get(name, (0, 0))
-            self._counted[name] = (slot.context.meter.cpu_ns, taken)
-            cpu_us = 1e-3 * (slot.context.meter.cpu_ns - before_ns)
-            self._message_cpu_us[name] = round(cpu_us / (taken - before), 1) if taken > before else None
-        return self.modules()
-
-    def modules(self) -> tuple[ModuleReport, ...]:
-        return tuple(self.module(slot) for slot in self._system.graph.modules.values())
-
-    def module(self, slot: ModuleSlot) -> ModuleReport:
-        state = self._system.supervisor.states[slot.name]
-        return ModuleReport(
-            name=slot.name,
-            title=slot.title,
-            state=state.status,
-            cpu=round(self._system.load.latest.modules.get(slot.name, 0.0), 2),
-            cpu_budget=slot.spec.cpu_budget,
-            message_cpu_us=self._message_cpu_us.get(slot.name),
-            restarts=state.restarts,
-            problem=state.problem or None,
-            inputs=tuple(
-                _counted(ModuleInput, port.subscription.statistics(), name=port.name, channel=port.channel.name)
-                for port in slot.context.inputs.values()
-                if port.connected and port.channel is not None
-            ),
-            outputs=tuple(
-                ModuleOutput(
-                    port.name,
-                    None if port.channel is None else port.channel.name,
-                    divisor_json(port.filter.divisor),
-                    port.offered,
-                )
-                for port in slot.context.outputs.values()
-            ),
-        )
-
-
-def subscription_counters(statistics: SubscriptionStatistics) -> SubscriptionCounters:
-    return _counted(SubscriptionCounters, statistics)
-
-
-CountersT = TypeVar("CountersT", bound=SubscriptionCounters)
-
-
-def _counted(record: type[CountersT], statistics: SubscriptionStatistics, **more: str) -> CountersT:
-    """``record`` of the counters, and of what it has ``more``."""
-    return record(
-        divisor=divisor_json(statistics.divisor),
-        received=statistics.received,
-        passed=statistics.passed,
-        decimated=statistics.decimated,
-        dropped=statistics.dropped,
-        age_ms=None if statistics.age_s is None else round(1e3 * statistics.age_s, 2),
-        **more,
     )

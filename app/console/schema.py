@@ -56,7 +56,18 @@ def _schemas(
         _, document = models_json_schema(asked, ref_template=reference.replace("{name}", "{model}"))
         found |= document["$defs"]
     with_plain_lists(found)
+    _with_null(found)
     return found
+
+
+def _with_null(schema: Any) -> None:
+    """Describe in ``schema``, at any depth, a number that may be NaN or infinite as a number or null."""
+    inside = schema.values() if isinstance(schema, dict) else schema if isinstance(schema, list) else ()
+    for each in inside:
+        _with_null(each)
+    if isinstance(schema, dict) and schema.get("nullable") is True:
+        del schema["nullable"]
+        schema["anyOf"] = [{"type": schema.pop("type")}, {"type": "null"}]
 
 
 def with_type(kind: str, schema: Schema) -> Schema:

@@ -21,10 +21,10 @@ from app.logs.output_file import McapCopy, Progress, check_new, durable, replaci
 from app.logs.ros.converters import converter
 from app.logs.ros.record import MAIN
 from app.logs.stamps import SECOND, from_ns, to_ns
-from app.messages import DesiresRecord, Divisors, IntentionRecord, Landmarks, ModuleRecord
+from app.messages import Desires, Divisors, IntentionReport, Landmarks, ModuleRecord
 
 #: Messages that stay true until the next on their channel; a log's own word (``layout.LATCHED``) goes before.
-STATES = frozenset(kind.__name__ for kind in (DesiresRecord, IntentionRecord, Divisors, Landmarks, ModuleRecord))
+STATES = frozenset(kind.__name__ for kind in (Desires, IntentionReport, Divisors, Landmarks, ModuleRecord))
 #: Topics of other programs that are written once and stay valid, in spite of their quality of service.
 STANDING_TOPICS = frozenset({"/tf_static", "/robot_description"})
 

@@ -4,69 +4,13 @@ filter's divisor is inf."""
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
 
-LaneState = Literal["fulfilled", "degraded", "unfulfilled", "inhibited", "undesired", "needed"]
+from app.messages.attention import Divisor
+from app.messages.base import Stamp, doc
+
+ModuleStatus = Literal["starting", "running", "failed", "hung", "stopped"]
 RecorderState = Literal["idle", "recording", "ring", "stopped"]
-
-
-@dataclass(frozen=True, slots=True)
-class DesireRecord:
-    """One desire at one moment: ``params`` is JSON; ``expires`` (robot's clock, s) is +inf without an expiry."""
-
-    id: str
-    cls: str
-    intensity: float
-    utility: float
-    security: bool
-    params: str
-    source_kind: str
-    source_name: str
-    created: float
-    expires: float
-
-
-@dataclass(frozen=True, slots=True)
-class DesiresRecord:
-    """Every desire in the Intention Workspace after a change of it."""
-
-    stamp: float
-    desires: tuple[DesireRecord, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class ReasonRecord:
-    """How a desired class fared: ``state``, the utility it has, the one ``wanted``, the ``best`` there is, in words."""
-
-    cls: str
-    state: str
-    utility: float
-    wanted: float
-    best: float
-    text: str
-
-
-@dataclass(frozen=True, slots=True)
-class IntentionRecord:
-    """An intention put in force, and again once its reasons are complete.
-
-    ``strategies`` selected; classes ``fulfilled`` and security desires ``relaxed``; Ω and its ``bound`` (+inf where
-    none is known); ``resources[i]`` is used ``used[i]`` of ``capacities[i]``; ``parameters`` is P' as JSON, by module.
-    """
-
-    stamp: float
-    strategies: tuple[str, ...]
-    fulfilled: tuple[str, ...]
-    relaxed: tuple[str, ...]
-    omega: float
-    bound: float
-    proven: bool
-    solve_time_s: float
-    resources: tuple[str, ...]
-    used: tuple[float, ...]
-    capacities: tuple[float, ...]
-    parameters: str
-    reasons: tuple[ReasonRecord, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,42 +23,60 @@ class Divisors:
 
 
 @dataclass(frozen=True, slots=True)
-class LaneRow:
-    """Desire class ``cls``: ``intensity`` and desired ``utility`` of its strongest desire (None: there is none).
+class SubscriptionCounters:
+    """The counters of one consumer's end of a channel, since the start."""
 
-    ``divisor`` is φ of the input that its strategies at work live by (inf: closed), ``divisors[i]`` that of every
-    filter ``filters[i]`` of these strategies. ``rate`` in [0, 1] is messages let through over messages offered, in the
-    last second; 0 when closed, None when nothing was offered. ``state`` and ``text`` are the reason.
-    """
-
-    cls: str
-    intensity: float | None
-    utility: float | None
-    rate: float | None
-    divisor: float
-    filters: tuple[str, ...]
-    divisors: tuple[float, ...]
-    state: LaneState
-    text: str
+    divisor: Divisor
+    received: Annotated[int, doc("Messages offered.")]
+    passed: Annotated[int, doc("... let through by the filter.")]
+    decimated: Annotated[int, doc("... stopped by the filter, as wanted.")]
+    dropped: Annotated[int, doc("... pushed out of a full inbox.")]
+    age_ms: Annotated[float | None, doc("Age of the last message when it was taken.")]
 
 
 @dataclass(frozen=True, slots=True)
-class Lanes:
-    """One row for each desire class, in a fixed order."""
+class ModuleInput(SubscriptionCounters):
+    """A module's input and its counters since the start."""
 
-    stamp: float
-    rows: tuple[LaneRow, ...]
+    name: str
+    channel: str
 
 
 @dataclass(frozen=True, slots=True)
-class LoadRecord:
-    """CPU over the last window of ``window_s``: ``cpu[i]`` % of a core for ``modules[i]``, ``process`` in all."""
+class ModuleOutput:
+    """A module's output."""
 
-    stamp: float
-    window_s: float
-    modules: tuple[str, ...]
-    cpu: tuple[float, ...]
-    process: float
+    name: str
+    channel: Annotated[str | None, doc("null: nothing is connected.")]
+    divisor: Divisor
+    offered: int
+
+
+@dataclass(frozen=True, slots=True)
+class ModuleReport:
+    """One module, its load and its counters."""
+
+    name: str
+    title: str
+    state: ModuleStatus
+    cpu: Annotated[float, doc("Per cent of one core, over the last second.")]
+    cpu_budget: Annotated[float | None, doc("What it is expected to stay under.")]
+    message_cpu_us: Annotated[float | None, doc("CPU time for each message taken (µs).")]
+    restarts: int
+    problem: str | None
+    inputs: tuple[ModuleInput, ...]
+    outputs: tuple[ModuleOutput, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class LoadReport:
+    """What the modules take of the computer, once a second."""
+
+    stamp: Stamp
+    window_s: Annotated[float, doc("The time that it was measured over.")]
+    process_cpu: Annotated[float, doc("Per cent of one core.")]
+    budget: Annotated[float | None, doc("Per cent that attention may give; null: no limit.")]
+    modules: tuple[ModuleReport, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,18 +88,6 @@ class ModuleRecord:
     status: str
     restarts: int
     problem: str
-
-
-@dataclass(frozen=True, slots=True)
-class EventRecord:
-    """One event of the timeline: ``data`` is JSON, ``text`` a sentence for people, ``id`` its number there, 0: none."""
-
-    stamp: float
-    kind: str
-    subject: str
-    text: str
-    data: str
-    id: int = 0
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,33 +7,26 @@ of its subject, on the channel of its name if the table of channels has it.
 from __future__ import annotations
 
 import asyncio
-import json
 import logging
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
+from functools import partial
 from typing import Any
 
-from app.attention.desires import Desire
 from app.attention.intention import Intention
-from app.attention.timeline import Timeline, TimelineEvent
+from app.attention.reports import intention_report
+from app.attention.timeline import Timeline
 from app.attention.translator import IntentionTranslator
 from app.attention.workspace import IntentionWorkspace
 from app.messages import (
-    DesireRecord,
-    DesiresRecord,
+    Desires,
     Divisors,
-    EventRecord,
-    IntentionRecord,
-    LoadRecord,
+    LoadReport,
     LogLine,
     ModuleRecord,
-    ReasonRecord,
 )
 from app.runtime.channel import Channel
-from app.runtime.load import Load
 from app.runtime.supervisor import ModuleState
-
-NEVER = float("inf")
 
 #: Loggers of the Recorder itself and of the layers below it: recording their lines would cause more lines.
 _NOT_RECORDED = ("hbba.Recorder", "asyncio")
@@ -55,12 +48,15 @@ class SelfReport:
         self._stack = ExitStack()
         self._divisors = divisors
         self._published: Mapping[str, float] = {}
+        self._workspace: IntentionWorkspace | None = None
+        self._translator: IntentionTranslator | None = None
 
     def open(self, workspace: IntentionWorkspace, translator: IntentionTranslator, timeline: Timeline) -> None:
         """Start to publish attention's records and log lines."""
-        self._stack.callback(workspace.observe(lambda _: self._desires(workspace)))
+        self._workspace, self._translator = workspace, translator
+        self._stack.callback(workspace.observe(lambda _: self._desires()))
         self._stack.callback(translator.observe(self._intention))
-        self._stack.callback(timeline.observe(self._event))
+        self._stack.callback(timeline.observe(partial(self._publish, "events")))
         if "log" in self._channels:
             handler = _LogHandler(asyncio.get_running_loop(), self._log_line)
             logging.getLogger().addHandler(handler)
@@ -70,12 +66,16 @@ class SelfReport:
         """Stop publishing."""
         self._stack.close()
 
-    def load(self, load: Load) -> None:
+    def again(self) -> None:
+        """Publish desires and the intention in force again: channels have been cleared."""
+        if self._workspace is not None:
+            self._desires()
+        if self._translator is not None and self._translator.current is not None:
+            self._intention(self._translator.current)
+
+    def load(self, load: LoadReport) -> None:
         """A load window closed."""
-        modules = tuple(load.modules)
-        self._publish(
-            "load", LoadRecord(load.stamp, load.window_s, modules, tuple(load.modules.values()), load.process)
-        )
+        self._publish("load", load)
 
     def module(self, state: ModuleState) -> None:
         """A module's state changed."""
@@ -86,70 +86,21 @@ class SelfReport:
         if channel in self._channels:
             self._channels[channel].publish(record)
 
-    def _desires(self, workspace: IntentionWorkspace) -> None:
-        records = tuple(desire_record(desire) for desire in workspace.desires())
-        self._publish("workspace", DesiresRecord(self._now(), records))
+    def _desires(self) -> None:
+        assert self._workspace is not None
+        self._publish("workspace", Desires(self._now(), self._workspace.desires()))
 
     def _intention(self, intention: Intention) -> None:
-        self._publish("intention", intention_record(intention))
+        assert self._translator is not None
+        self._publish("intention", intention_report(intention, self._translator.table.resources))
         everything = self._divisors()
         divisors = {name: everything[name] for name in intention.divisors}
         if divisors != self._published:
             self._published = divisors
             self._publish("divisors", Divisors(self._now(), tuple(divisors), tuple(divisors.values())))
 
-    def _event(self, event: TimelineEvent) -> None:
-        data = json.dumps(dict(event.data), ensure_ascii=False)
-        self._publish(
-            "events",
-            EventRecord(event.stamp, event.kind, subject=event.subject, text=event.text, data=data, id=event.id),
-        )
-
     def _log_line(self, level: int, source: str, text: str) -> None:
         self._publish("log", LogLine(self._now(), level, source, text))
-
-
-def desire_record(desire: Desire) -> DesireRecord:
-    """A desire as it is recorded."""
-    return DesireRecord(
-        id=desire.id,
-        cls=desire.cls,
-        intensity=desire.intensity,
-        utility=desire.utility,
-        security=desire.security,
-        params=json.dumps(dict(desire.params), ensure_ascii=False),
-        source_kind=desire.source.kind,
-        source_name=desire.source.name,
-        created=desire.created,
-        expires=NEVER if desire.expires is None else desire.expires,
-    )
-
-
-def intention_record(intention: Intention) -> IntentionRecord:
-    """An intention as it is recorded."""
-    selection = intention.selection
-    resources = tuple(intention.capacities)
-    parameters = {module: dict(values) for module, values in intention.parameters.items()}
-    return IntentionRecord(
-        stamp=intention.stamp,
-        strategies=selection.strategies,
-        fulfilled=selection.fulfilled,
-        relaxed=selection.relaxed,
-        omega=selection.omega,
-        bound=selection.bound,
-        proven=selection.proven,
-        solve_time_s=selection.solve_time_s,
-        resources=resources,
-        used=tuple(selection.use.get(name, 0.0) for name in resources),
-        capacities=tuple(intention.capacities.values()),
-        parameters=json.dumps(parameters, ensure_ascii=False),
-        reasons=tuple(
-            ReasonRecord(
-                cls, reason.state, utility=reason.utility, wanted=reason.wanted, best=reason.best, text=reason.text
-            )
-            for cls, reason in intention.reasons.items()
-        ),
-    )
 
 
 class _LogHandler(logging.Handler):

@@ -29,11 +29,12 @@ from app.logs.manifest import Manifest
 from app.maps.control import MapControl
 from app.maps.library import MapLibrary
 from app.maps.library import default_folder as default_maps_folder
-from app.messages import PerceptEvent, PerceptKind
+from app.messages import LoadReport, PerceptEvent, PerceptKind
 from app.program.attachments import snapshot
 from app.program.body_restart import BodyRestarter
 from app.program.config import Configuration, load_configuration
 from app.program.desire_classes import desire_classes
+from app.program.module_meter import ModuleMeter
 from app.program.self_report import SelfReport
 from app.program.timeline_feed import TimelineFeed
 from app.robots.factory import Body, create_link, load_body
@@ -126,13 +127,15 @@ class System:
         meters = {name: slot.context.meter for name, slot in self.graph.modules.items()}
         self.freshness = FreshnessWatch(self.graph, self.supervisor.states)
         self.load = LoadMeter(meters, self.clock.now)
+        self._modules = ModuleMeter(self.graph.modules, self.supervisor, self.load)
         self.watchdog = LoopWatchdog(meters)
         self.translator = self._make_translator()
         self._lanes = None if "lanes" in recorded else self._lane_monitor()
-        self.body_restarter = BodyRestarter(self.link, self.supervisor, self._clear_state, self.timeline, self.clock)
+        self.body_restarter = BodyRestarter(self.link, self.supervisor, self._renew_state, self.timeline, self.clock)
         self._stack = AsyncExitStack()
         self._tasks: list[asyncio.Task[None]] = []
-        self._report = SelfReport(self.graph.channels, self.clock.now, self.graph.filters.divisors)
+        own = {name: channel for name, channel in self.graph.channels.items() if name not in recorded}
+        self._report = SelfReport(own, self.clock.now, self.graph.filters.divisors)
         self._feed = TimelineFeed(
             self.timeline,
             {n: spec.cpu_budget for n, spec in program.modules.items() if spec.cpu_budget is not None},
@@ -190,7 +193,12 @@ class System:
         self._clear_state()
         self.timeline.clear()
         jump()
+        self._report.again()
         self.supervisor.start_modules()
+
+    def _renew_state(self) -> None:
+        self._clear_state()
+        self._report.again()
 
     def _clear_state(self) -> None:
         self.graph.reset()
@@ -301,10 +309,12 @@ class System:
             self._feed.freshness(self.freshness.sample(self.clock.now()))
 
     def _sample_load(self) -> None:
-        load = self.load.sample()
+        before, load = self.load.latest.stamp, self.load.sample()
         if self.pace is self.clock:  # budgets are of the robot's time
             self._feed.load(load)
-        self._report.load(load)
+        if load.stamp != before:  # time goes on
+            budget, modules = self.translator.capacities.get("cpu"), self._modules.sample()
+            self._report.load(LoadReport(load.stamp, load.window_s, round(load.process, 2), budget, modules))
 
     async def _follow_exploitation(self) -> None:
         channel = self.graph.channels.get("exploitation")

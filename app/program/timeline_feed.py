@@ -48,11 +48,11 @@ class TimelineFeed:
         message types declare."""
         self._timeline = timeline
         self._budgets = dict(budgets)
+        self._percept_words = _PERCEPT_WORDS | {kind.name: kind.words for kind in percept_kinds}
         self.reset()
 
     def reset(self) -> None:
         """Clear the known states: the next report of each is an event again."""
-        self._percept_words = _PERCEPT_WORDS | {kind.name: kind.words for kind in percept_kinds}
         self._guard = ""
         self._behavior: str | None = None
         self._slow_world = False

@@ -15,9 +15,10 @@ import time
 import traceback
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any
 
 from app.base.observers import Observers
+from app.messages import ModuleStatus
 from app.runtime.clock import Clock
 from app.runtime.errors import ModuleFailed
 from app.runtime.graph import ModuleSlot
@@ -38,7 +39,7 @@ CANCEL_GRACE_S = 0.5
 #: In the end modules' threads get this long for the jobs they are at.
 LET_END_S = 0.3
 
-Status = Literal["starting", "running", "failed", "hung", "stopped"]
+Status = ModuleStatus
 
 
 @dataclass(frozen=True, slots=True)

@@ -97,7 +97,8 @@ def test_intention() -> None:
     )
     reason = found["reasons"]["LocateFaces"]
     assert (reason["state"], reason["utility"], reason["wanted"], reason["best"]) == ("degraded", 4, 1, 8)
-    assert reason["alternatives"][1] == {"kind": "without", "utility": 8, "without": "GoTo"}
+    nothing = {"resource": "", "amount": 0, "unit": ""}
+    assert reason["alternatives"][1] == {"kind": "without", "utility": 8, "without": "GoTo", **nothing}
     assert found["desires"] == {"GoTo": "d-GoTo", "LocateFaces": "d-LocateFaces"}
 
 

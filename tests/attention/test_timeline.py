@@ -6,7 +6,8 @@ import logging
 
 import pytest
 
-from app.attention.timeline import Timeline, TimelineEvent
+from app.attention.timeline import Timeline
+from app.messages import TimelineEvent
 
 
 def filled(count: int = 10, capacity: int = 100) -> Timeline:

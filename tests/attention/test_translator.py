@@ -13,10 +13,10 @@ import pytest
 
 from app.attention.hysteresis import Hysteresis
 from app.attention.intention import Intention, divisors_of
-from app.attention.problem import Reason
 from app.attention.reasons import explain
 from app.attention.solver import solve
 from app.attention.strategies import Strategy, StrategyTable
+from app.messages import Reason
 from app.runtime.clock import in_virtual_time
 from tests.attention.setting import CLASSES, RIVALS, TABLE, HeldSolver, Setting
 

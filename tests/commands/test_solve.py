@@ -54,8 +54,8 @@ def test_second_thesis_example(capsys: pytest.CaptureFixture[str]) -> None:
     reason = found["reasons"]["LocateFaces"]
     assert (reason["state"], reason["utility"], reason["best"]) == ("degraded", 4, 8)
     assert reason["alternatives"] == [
-        {"kind": "capacity", "utility": 8, "resource": "cpu", "amount": 10, "unit": "% of one core"},
-        {"kind": "without", "utility": 8, "without": "GoTo"},
+        {"kind": "capacity", "utility": 8, "resource": "cpu", "amount": 10, "unit": "% of one core", "without": ""},
+        {"kind": "without", "utility": 8, "resource": "", "amount": 0, "unit": "", "without": "GoTo"},
     ]
 
 

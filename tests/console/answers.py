@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import json
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import httpx
+import jsonschema
 import msgspec
+
+from app.console import schema
 
 RecordT = TypeVar("RecordT")
 
@@ -17,3 +20,21 @@ def answered(response: httpx.Response, record: type[RecordT]) -> RecordT:
     found = msgspec.json.decode(response.content, type=record)
     assert json.loads(msgspec.json.encode(found)) == response.json()
     return found
+
+
+def described(response: httpx.Response, record: type[Any]) -> None:
+    """Raises ValidationError unless ``response`` holds what is described of ``record``, member by member."""
+    assert response.is_success, response.text
+    components = {"schemas": strict(schema.sent([record]))}
+    whole = {"$ref": schema.REFERENCE.format(name=record.__name__), "components": components}
+    jsonschema.Draft202012Validator(whole).validate(response.json())
+
+
+def strict(schema: Any) -> Any:
+    """``schema`` without the room for what is not described, which it has for later versions."""
+    if isinstance(schema, list):
+        return [strict(each) for each in schema]
+    if not isinstance(schema, dict):
+        return schema
+    closed = {"additionalProperties": False} if "properties" in schema else {}
+    return {**closed, **{key: strict(value) for key, value in schema.items()}}

@@ -133,7 +133,10 @@ local_costmap: {type: OccupancyGrid, frame: odom, log: never, external: true}
 going_toward: {type: NavigationStatus, latched: true, decimable: false, external: true}
 placed_percepts: {type: PlacedPercepts, latched: true, log: never, page: {as: perceived, every_hz: 10}}
 navigation_report: {type: NavigationReport, latched: true, log: never, page: {as: navigation, every_hz: 10}}
-events: {type: EventRecord, decimable: false, external: true, page: {keep: all}}
+events: {type: TimelineEvent, decimable: false, external: true, page: {keep: all}}
+workspace: {type: Desires, latched: true, decimable: false, external: true, page: {as: desires}}
+intention: {type: IntentionReport, latched: true, decimable: false, external: true, page: {}}
+load: {type: LoadReport, decimable: false, external: true, page: {}}
 lanes: {type: Lanes, decimable: false, external: true, page: {every_hz: 20}}
 """
 

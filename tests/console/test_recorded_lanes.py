@@ -18,7 +18,7 @@ from tests.logs.replay.playing import Played, prepare
 def lanes(stamp: float) -> Lanes:
     """Of one class, with the second of the recording as its intensity."""
     second = int(stamp - BEGIN + 1e-3)
-    return Lanes(stamp, (LaneRow("Listen", float(second), 1.0, 0.5, 2.0, ("A.b",), (2.0,), "degraded", f"{second} s"),))
+    return Lanes(stamp, (LaneRow("Listen", float(second), 1.0, 0.5, 2.0, {"A.b": 2.0}, "degraded", f"{second} s"),))
 
 
 @pytest.fixture

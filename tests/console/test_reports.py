@@ -7,11 +7,10 @@ import asyncio
 import httpx
 import pytest
 
-from app.attention.timeline import TimelineEvent
 from app.console import reports
 from app.console.playback import rate
 from app.console.records.program import SourceState
-from app.messages import Exploitation, LinkStatus, Twist
+from app.messages import Exploitation, LinkStatus, TimelineEvent, Twist
 from app.program.system import System
 from app.runtime.clock import RealClock
 from app.runtime.freshness import Freshness

@@ -14,7 +14,7 @@ from app.logs.log import LogError, Logged
 from app.logs.manifest import YAML, AttachedFile, Manifest
 from app.logs.mcap.reader import McapLog
 from app.logs.stamps import SECOND, to_ns
-from app.messages import DesireRecord, DesiresRecord, EventRecord, ModuleRecord
+from app.messages import Desire, Desires, ModuleRecord, Source, TimelineEvent
 from app.runtime.channel_table import ChannelSpec
 from tests.logs.mcap.mcap_files import BEGIN, CHANNELS, drive, write_log
 
@@ -22,16 +22,16 @@ Records = list[tuple[str, int, int, bytes]]
 
 TABLE = {
     **CHANNELS,
-    "workspace": ChannelSpec(type="DesiresRecord", latched=True),
+    "workspace": ChannelSpec(type="Desires", latched=True),
     "module_states": ChannelSpec(type="ModuleRecord", latched=True),
-    "events": ChannelSpec(type="EventRecord"),
+    "events": ChannelSpec(type="TimelineEvent"),
 }
 MANIFEST = Manifest((AttachedFile("lab.yaml", YAML, b"robot: robot.yaml\n"),), {"program": "lab.yaml", "robot": "IRL"})
 
 
 def desires(at: float, *ids: str) -> Logged:
-    wanted = (DesireRecord(each, "GoTo", 1.0, 1.0, False, "{}", "operator", "a", at, at + 60) for each in ids)
-    return Logged(at, "workspace", DesiresRecord(at, tuple(wanted)))
+    wanted = (Desire(each, "GoTo", 1.0, 1.0, False, {}, Source("operator", "a"), at, at + 60) for each in ids)
+    return Logged(at, "workspace", Desires(at, tuple(wanted)))
 
 
 def module(at: float, name: str, status: str) -> Logged:
@@ -39,7 +39,7 @@ def module(at: float, name: str, status: str) -> Logged:
 
 
 def event(at: float, text: str) -> Logged:
-    return Logged(at, "events", EventRecord(at, "desire", "a", text, "{}"))
+    return Logged(at, "events", TimelineEvent(1, at, "desire", "a", text))
 
 
 STATES = [

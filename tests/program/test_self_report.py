@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import json
 import logging
 import math
 from pathlib import Path
@@ -12,20 +11,16 @@ from typing import Any
 import pytest
 
 from app.attention.desires import Source
-from app.messages import DesiresRecord, Divisors, EventRecord, IntentionRecord, LoadRecord, LogLine, ModuleRecord
+from app.messages import Desires, Divisors, IntentionReport, LoadReport, LogLine, ModuleRecord, TimelineEvent
 from app.program.config import load_configuration
 from app.program.self_report import SelfReport
 from app.program.system import System
 from app.runtime.channel import Subscription
-from app.runtime.load import Load
 from tests.console.program import Body, build
 from tests.patience import PATIENCE_S
 
 CHANNELS = """\
-workspace: {type: DesiresRecord, external: true}
-intention: {type: IntentionRecord, external: true}
 divisors: {type: Divisors, external: true}
-load: {type: LoadRecord, external: true}
 module_states: {type: ModuleRecord, external: true}
 log: {type: LogLine, external: true}
 """
@@ -59,22 +54,22 @@ async def test_a_desire_is_published_with_the_intention_and_the_divisors_that_fo
     async with system:
         system.workspace.add("Telepresence", intensity=4, utility=1, params={"max_points": 2000}, source=OPERATOR)
         told = await until(desires, lambda m: m.desires)
-        assert isinstance(told, DesiresRecord)
+        assert isinstance(told, Desires)
         (desire,) = told.desires
-        assert (desire.cls, desire.source_kind, desire.expires) == ("Telepresence", "operator", math.inf)
-        assert json.loads(desire.params)["max_points"] == 2000
-        intention = await until(intentions, lambda m: "picture-fast" in m.strategies)
-        assert isinstance(intention, IntentionRecord)
-        assert dict(zip(intention.resources, intention.used, strict=True)) == {"cpu": 40.0}
-        assert {r.cls: r.state for r in intention.reasons} == {"Telepresence": "fulfilled"}
+        assert (desire.cls, desire.source, desire.expires) == ("Telepresence", OPERATOR, None)
+        assert desire.params["max_points"] == 2000
+        intention = await until(intentions, lambda m: "picture-fast" in [s.name for s in m.strategies])
+        assert isinstance(intention, IntentionReport)
+        assert {name: use.used for name, use in intention.use.items()} == {"cpu": 40.0}
+        assert {cls: reason.state for cls, reason in intention.reasons.items()} == {"Telepresence": "fulfilled"}
         moved = await until(divisors, lambda m: sum(map(math.isfinite, m.divisors)) == 2)
         assert isinstance(moved, Divisors)
         now = dict(zip(moved.filters, moved.divisors, strict=True))
         opened = {"CameraStream.images": 1, "PointCloudBuilder.images": 3}
         assert now == {"AudioStream.audio": math.inf, "Teleop.twist": math.inf, **opened}
         event = await until(events, lambda m: m.kind == "intention")
-        assert isinstance(event, EventRecord)
-        assert json.loads(event.data)["on"] == ["picture-fast"]
+        assert isinstance(event, TimelineEvent)
+        assert event.data["on"] == ["picture-fast"]
 
 
 async def test_modules_load_and_log_lines_are_published(system: System) -> None:
@@ -86,8 +81,8 @@ async def test_modules_load_and_log_lines_are_published(system: System) -> None:
         line = await until(lines, lambda m: m.source == "hbba.Teleop")
         assert line == LogLine(line.stamp, logging.WARNING, "hbba.Teleop", "heard in a thread")
         load = await until(loads, lambda m: True)
-        assert isinstance(load, LoadRecord)
-        assert len(load.modules) == len(load.cpu) == len(system.graph.modules)
+        assert isinstance(load, LoadReport)
+        assert [module.name for module in load.modules] == list(system.graph.modules)
 
 
 async def test_after_its_end_nothing_is_published_and_no_logger_refers_to_it(system: System) -> None:
@@ -98,4 +93,4 @@ async def test_after_its_end_nothing_is_published_and_no_logger_refers_to_it(sys
 
 
 def test_channels_that_are_not_there_are_not_missed() -> None:
-    SelfReport({}, lambda: 0.0, dict).load(Load(1.0, 1.0, {"A": 2.0}, 3.0))
+    SelfReport({}, lambda: 0.0, dict).load(LoadReport(1.0, 1.0, 3.0, None, ()))

@@ -14,7 +14,8 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-from app.attention.reports import Scale, desire_class_report, intention_report
+from app.attention.desires import SCALE
+from app.attention.reports import desire_class_report
 from app.console import reports
 from app.console.drive import drive_lease
 from app.console.drive.command_age import CommandAge
@@ -32,10 +33,9 @@ from app.console.live.speech import Speech
 from app.console.live.viewer import Viewer
 from app.console.playback import PERIOD_S, playback_report
 from app.console.recordings import RecorderWatch
-from app.console.records.attention import DesireList
 from app.console.taps import Tap
 from app.console.wire import frame
-from app.messages import Lanes, LinkStatus
+from app.messages import Lanes, LinkStatus, Scale
 
 if TYPE_CHECKING:
     from app.logs.replay.playback import Playback
@@ -266,8 +266,6 @@ class Hub:
         system = self._system
         self._presence.attend(True)
         keep = self._watching.callback
-        keep(system.workspace.observe(lambda _: self._mark_stale("desires")))
-        keep(system.translator.observe(lambda _: self._mark_stale("intention")))
         if self._recorder.channel is not None:
             keep(Tap(self._recorder.channel, "console.recorder", lambda _: self._on_recorder()).close)
             for source in (system.workspace, system.translator, system.supervisor):
@@ -326,7 +324,7 @@ class Hub:
     # --- Frames ------------------------------------------------------------------------------------------------------
 
     def _builders(self) -> dict[str, Callable[[], str]]:
-        builders = {"desires": self._desires, "intention": self._intention}
+        builders: dict[str, Callable[[], str]] = {}
         if self._playback is not None:
             builders["playback"] = self._transport
         return builders if self._recorder.channel is None else builders | {"recorder": self._recording}
@@ -336,7 +334,6 @@ class Hub:
         return {
             **self._past_and_present(),
             **self._channels.standing(),
-            "load": self._sampler.load_frame(),
             **self._panels.frames(),
         }
 
@@ -353,7 +350,7 @@ class Hub:
                 session=viewer.session,
                 stamp=system.clock.now(),
                 robot=reports.robot_facts(system, replayed=self._playback is not None),
-                scale=Scale(),
+                scale=Scale(SCALE, SCALE),
                 classes=tuple(desire_class_report(each, system.table) for each in system.classes.values()),
                 channels=messages.Channels(
                     camera=self._comes(PICTURES[CAMERA]),
@@ -372,14 +369,6 @@ class Hub:
     def _transport(self) -> str:
         assert self._playback is not None
         return frame("playback", playback_report(self._playback))
-
-    def _desires(self) -> str:
-        return frame("desires", DesireList(tuple(self._system.workspace.desires())))
-
-    def _intention(self) -> str:
-        current, resources = self._system.translator.current, self._system.table.resources
-        report = None if current is None else intention_report(current, resources)
-        return frame("intention", messages.CurrentIntention(report))
 
     def _recording(self) -> str:
         return frame("recorder", self._recorder.report())

@@ -9,10 +9,9 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import Any
 
-from app.console.live.messages import LanePast, LaneRow, LanesHistory, LaneSpell
-from app.console.page_forms import lane_rows
+from app.console.live.messages import LanePast, LanesHistory, LaneSpell
 from app.console.wire import frame
-from app.messages import Lanes
+from app.messages import LaneRow, Lanes
 
 PERIOD_S = 0.5
 #: A sample that comes so much early (s) is noted, or of those that come twice a second every other one would not be.
@@ -26,7 +25,7 @@ MOST_BYTES = 200_000
 HELD = ("intensity", "utility", "divisor", "divisors", "state", "text")
 
 _ABSENT = LaneRow(
-    cls="", intensity=None, utility=None, rate=None, divisor=None, divisors={}, state="undesired", text=""
+    cls="", intensity=None, utility=None, rate=None, divisor=math.inf, divisors={}, state="undesired", text=""
 )
 
 
@@ -61,7 +60,7 @@ class LaneHistory:
         self._due = lanes.stamp + PERIOD_S - _EARLY_S
         self._stamps.append(lanes.stamp)
         oldest = self._count + 1 - len(self._stamps)
-        rows = {row.cls: row for row in lane_rows(lanes)}
+        rows = {row.cls: row for row in lanes.rows}
         for cls in self._classes:
             # A recording may have other classes than the program that it is replayed with.
             row = rows.get(cls, _ABSENT)

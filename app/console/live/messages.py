@@ -11,14 +11,23 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 from msgspec import Meta, Struct
 
-from app.attention.reports import DesireClassReport, Divisor, IntentionReport, Scale
-from app.console.records.attention import DesireList, EventList
+from app.console.records.attention import EventList
 from app.console.records.maps import LocalizationState, ZoneList
 from app.console.records.navigation import NavigationModel
-from app.console.records.program import ModuleReport, SourceState
+from app.console.records.program import SourceState
 from app.console.records.recordings import PlaybackReport, RecorderReport
 from app.console.records.robot import Guard, LandmarkReport, OdometryReport, RobotFacts
-from app.messages import LaneState, PlacedPercepts
+from app.messages import (
+    DesireClassReport,
+    Desires,
+    Divisor,
+    IntentionReport,
+    Lanes,
+    LaneState,
+    LoadReport,
+    PlacedPercepts,
+    Scale,
+)
 from app.messages.base import Stamp, doc
 
 Sequence = Annotated[int, doc("Grows.")]
@@ -95,36 +104,16 @@ class Status:
     sources: tuple[SourceState, ...]
 
 
-class LaneValues(Struct, frozen=True, kw_only=True):
-    """A desire class: how much it is desired, what attention gives it, and why."""
+class LaneSpell(Struct, frozen=True):
+    """What a lane was, from one sample until the next spell's."""
 
+    at: Annotated[int, Meta(ge=0, description="Number of the sample.")]
     intensity: float | None
     utility: float | None
     divisor: Divisor
     divisors: Annotated[Mapping[str, Divisor], doc("By filter, `Module.port`.")]
     state: LaneState
     text: str
-
-
-class LaneRow(LaneValues, frozen=True, kw_only=True, rename={"cls": "class"}):
-    """A lane now."""
-
-    cls: str
-    rate: Annotated[float | None, doc("Messages let through over messages offered, in the last second.")]
-
-
-@dataclass(frozen=True, slots=True)
-class Lanes:
-    """20 times a second: one row for each desire class."""
-
-    stamp: Stamp
-    rows: tuple[LaneRow, ...]
-
-
-class LaneSpell(LaneValues, frozen=True, kw_only=True):
-    """What a lane was, from one sample until the next spell's."""
-
-    at: Annotated[int, Meta(ge=0, description="Number of the sample.")]
 
 
 class LanePast(Struct, frozen=True, rename={"cls": "class"}):
@@ -141,23 +130,6 @@ class LanesHistory:
 
     stamps: tuple[float, ...]
     rows: tuple[LanePast, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class CurrentIntention:
-    """What attention chose; null before the first."""
-
-    intention: IntentionReport | None
-
-
-@dataclass(frozen=True, slots=True)
-class Load:
-    """What the modules take of the computer."""
-
-    stamp: Stamp
-    process_cpu: Annotated[float, doc("Per cent of one core.")]
-    budget: Annotated[float | None, doc("Per cent that attention may give; null: no limit.")]
-    modules: tuple[ModuleReport, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -241,10 +213,10 @@ FROM_ROBOT: dict[str, Message] = {
     "status": Message(Status, "20 times a second: guard, pose, driver, freshness of every source."),
     "lanes": Message(Lanes, "20 times a second: one row for each desire class."),
     "lanes_history": Message(LanesHistory, "Once, before the first `lanes`, and after a `jump`: what they were."),
-    "desires": Message(DesireList, "On change: every desire."),
-    "intention": Message(CurrentIntention, "On change: what attention chose; null before the first."),
+    "desires": Message(Desires, "On change: every desire."),
+    "intention": Message(IntentionReport, "On change, from the first on: what attention chose."),
     "events": Message(EventList, "As they come: events, oldest first."),
-    "load": Message(Load, "Once a second: what the modules take of the computer."),
+    "load": Message(LoadReport, "Once a second: what the modules take of the computer."),
     "recorder": Message(RecorderReport, "On change, and about once a second while it records: what the Recorder does."),
     "landmarks": Message(Landmarks, "On change: what was found, in `odom`."),
     "perceived": Message(PlacedPercepts, "On change: what the robot sees and hears."),

@@ -1,4 +1,4 @@
-"""What the stream carries at fixed rates and is on no channel: status at 20 Hz, load at 1 Hz."""
+"""What the stream carries at a fixed rate and is on no channel: the status, 20 times a second."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, Protocol
 from app.console import reports
 from app.console.live import messages
 from app.console.playback import rate
-from app.console.wire import frame
 from app.messages import Exploitation, LinkStatus, Odometry
 
 if TYPE_CHECKING:
@@ -22,15 +21,6 @@ class Audience(Protocol):
 
     link_status: LinkStatus | None
 
-    @property
-    def moving(self) -> bool:
-        """Whether the time of a recording is just being moved: what is measured meanwhile is of no time."""
-        ...
-
-    def broadcast(self, kind: str, frame: str) -> None:
-        """Give every page the newest frame of ``kind``."""
-        ...
-
     def broadcast_status(self, status: messages.Status) -> None:
         """Give every page the status, completed with who drives."""
         ...
@@ -42,9 +32,7 @@ class Sampler:
     def __init__(self, system: System, audience: Audience) -> None:
         self._system = system
         self._audience = audience
-        self._modules = reports.ModuleMeter(system)
         self._sequence = 0
-        self._load_stamp = 0.0
         self._exploitation: Exploitation | None = None
         self._odometry: Odometry | None = None
 
@@ -75,10 +63,6 @@ class Sampler:
     def _sample(self, now: float) -> None:
         self._sequence += 1
         self._audience.broadcast_status(self._status(now))
-        if not self._audience.moving and self._system.load.latest.stamp != self._load_stamp:
-            self._load_stamp = self._system.load.latest.stamp
-            self._modules.sample()
-            self._audience.broadcast("load", self.load_frame())
 
     def _status(self, now: float) -> messages.Status:
         status, speed = self._audience.link_status, rate(self._system.clock)
@@ -95,9 +79,3 @@ class Sampler:
             waits="",
             sources=reports.source_states(self._system.graph, self._system.freshness.read(now)),
         )
-
-    def load_frame(self) -> str:
-        """The last load window."""
-        load = self._system.load.latest
-        budget = self._system.translator.capacities.get("cpu")
-        return frame("load", messages.Load(load.stamp, round(load.process, 2), budget, self._modules.modules()))

@@ -4,16 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from app.attention.desires import Desire
-from app.attention.reports import DesireClassReport, ResourceReport, Scale, StrategyReport
-from app.attention.timeline import TimelineEvent
-
-
-@dataclass(frozen=True, slots=True)
-class DesireList:
-    """Every desire, in the order they came."""
-
-    desires: tuple[Desire, ...]
+from app.messages import DesireClassReport, ResourceReport, Scale, StrategyReport, TimelineEvent
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,56 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
-from app.attention.reports import Divisor
+from app.messages import ModuleReport, SubscriptionCounters
 from app.messages.base import Stamp, doc
 from app.runtime.freshness import FreshnessState
-from app.runtime.supervisor import Status as ModuleStatus
-
-
-@dataclass(frozen=True, slots=True)
-class SubscriptionCounters:
-    """The counters of one consumer's end of a channel, since the start."""
-
-    divisor: Divisor
-    received: Annotated[int, doc("Messages offered.")]
-    passed: Annotated[int, doc("... let through by the filter.")]
-    decimated: Annotated[int, doc("... stopped by the filter, as wanted.")]
-    dropped: Annotated[int, doc("... pushed out of a full inbox.")]
-    age_ms: Annotated[float | None, doc("Age of the last message when it was taken.")]
-
-
-@dataclass(frozen=True, slots=True)
-class ModuleInput(SubscriptionCounters):
-    """A module's input and its counters since the start."""
-
-    name: str
-    channel: str
-
-
-@dataclass(frozen=True, slots=True)
-class ModuleOutput:
-    """A module's output."""
-
-    name: str
-    channel: Annotated[str | None, doc("null: nothing is connected.")]
-    divisor: Divisor
-    offered: int
-
-
-@dataclass(frozen=True, slots=True)
-class ModuleReport:
-    """One module, its load and its counters."""
-
-    name: str
-    title: str
-    state: ModuleStatus
-    cpu: Annotated[float, doc("Per cent of one core, over the last second.")]
-    cpu_budget: Annotated[float | None, doc("What it is expected to stay under.")]
-    message_cpu_us: Annotated[float | None, doc("CPU time for each message taken (µs).")]
-    restarts: int
-    problem: str | None
-    inputs: tuple[ModuleInput, ...]
-    outputs: tuple[ModuleOutput, ...]
 
 
 @dataclass(frozen=True, slots=True)

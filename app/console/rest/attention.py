@@ -7,14 +7,15 @@ from typing import TYPE_CHECKING, Annotated, get_args
 from fastapi import APIRouter, Path, Query, Request
 from fastapi.responses import Response
 
-from app.attention.reports import IntentionReport, ResourceReport, intention_report, resource_report, strategy_report
-from app.attention.timeline import EventKind
+from app.attention.reports import resource_report, strategy_report
+from app.console import reports
 from app.console.problems import Problem
 from app.console.records.attention import EventList, ResourceList, StrategyList
 from app.console.rest.answers import Json, problems
 from app.console.rest.desires import IN_SOMEBODYS_NAME, source_of
 from app.console.rest.models import ResourceChange
 from app.console.rest.routing import router as api_router
+from app.messages import EventKind, IntentionReport, ResourceReport
 
 if TYPE_CHECKING:
     from app.program.system import System
@@ -43,10 +44,10 @@ def attention_router(system: System) -> APIRouter:
     async def get_intention() -> Response:
         """The strategies at work, the filters they set, Ω, what they use of each resource, and for each desired class
         the reason why it gets what it gets."""
-        current = system.translator.current
+        current = reports.latest(system.graph, "intention")
         if current is None:
             raise Problem(409, "no-intention-yet", "Attention has not chosen anything yet; ask again in a moment.")
-        return Json(intention_report(current, system.table.resources))
+        return Json(current)
 
     @router.get("/strategies", response_model=StrategyList, summary="List all strategies")
     async def list_strategies() -> Response:

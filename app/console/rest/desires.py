@@ -7,16 +7,17 @@ from typing import TYPE_CHECKING, Annotated
 from fastapi import APIRouter, Header, Path, Request
 from fastapi.responses import Response
 
-from app.attention.desires import Desire, Source
-from app.attention.reports import DesireClassReport, Scale, desire_class_report
+from app.attention.desires import SCALE, Desire, Source
+from app.attention.reports import desire_class_report
 from app.attention.workspace import KEEP
 from app.console.access.operators import operator_name
 from app.console.problems import Problem
-from app.console.records.attention import DesireClassList, DesireList
+from app.console.records.attention import DesireClassList
 from app.console.rest.answers import Json, problems
 from app.console.rest.idempotency import KEY_LIMITS, IdempotencyStore
 from app.console.rest.models import DesireChange, NewDesire
 from app.console.rest.routing import router as api_router
+from app.messages import DesireClassReport, Desires, Scale
 
 if TYPE_CHECKING:
     from app.program.system import System
@@ -70,9 +71,9 @@ def desires_router(system: System) -> APIRouter:
     workspace = system.workspace
     store = IdempotencyStore(system.pace.now)
 
-    @router.get("/desires", response_model=DesireList, summary="List all desires")
+    @router.get("/desires", response_model=Desires, summary="List all desires")
     async def list_desires() -> Response:
-        return Json(DesireList(workspace.desires()))
+        return Json(Desires(system.clock.now(), workspace.desires()))
 
     @router.post(
         "/desires",
@@ -168,7 +169,7 @@ def desires_router(system: System) -> APIRouter:
     async def list_desire_classes() -> Response:
         """Each class with the JSON Schema of its parameters: enough to build a form from."""
         classes = tuple(desire_class_report(each, system.table) for each in system.classes.values())
-        return Json(DesireClassList(classes, Scale()))
+        return Json(DesireClassList(classes, Scale(SCALE, SCALE)))
 
     @router.get(
         "/desire-classes/{name}", response_model=DesireClassReport, summary="One desire class", responses=problems(404)

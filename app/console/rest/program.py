@@ -16,11 +16,13 @@ from app.console.live.hub import Hub
 from app.console.playback import rate
 from app.console.problems import Problem
 from app.console.recordings import RecorderWatch
-from app.console.records.program import ChannelList, ChannelReport, Health, ModuleList, ModuleReport
+from app.console.records.program import ChannelList, ChannelReport, Health, ModuleList
 from app.console.records.robot import EStop, RobotReport
 from app.console.rest.answers import Json, problems
 from app.console.rest.desires import IN_SOMEBODYS_NAME, source_of
 from app.console.rest.routing import router as api_router
+from app.messages import ModuleReport
+from app.program.module_meter import ModuleMeter, subscription_counters
 
 if TYPE_CHECKING:
     from app.messages import LinkStatus
@@ -136,10 +138,14 @@ def program_router(system: System, hub: Hub) -> APIRouter:
     router = api_router("program")
     recorder = RecorderWatch(system)
 
+    def meter() -> ModuleMeter:
+        """That measures from the start."""
+        return ModuleMeter(system.graph.modules, system.supervisor, system.load)
+
     @router.get("/modules", response_model=ModuleList, summary="Modules, their load and counters")
     async def list_modules() -> Response:
         load = system.load.latest
-        return Json(ModuleList(load.stamp, round(load.process, 2), reports.ModuleMeter(system).sample()))
+        return Json(ModuleList(load.stamp, round(load.process, 2), meter().sample()))
 
     @router.get("/modules/{name}", response_model=ModuleReport, summary="One module", responses=problems(404))
     async def get_module(name: Annotated[str, Path(min_length=1, examples=["QRCodeDetector"])]) -> Response:
@@ -147,7 +153,7 @@ def program_router(system: System, hub: Hub) -> APIRouter:
         if slot is None:
             known = ", ".join(system.graph.modules)
             raise Problem(404, "no-such-module", f"No module is called {name}; there are: {known}.")
-        return Json(reports.ModuleMeter(system).module(slot))
+        return Json(meter().module(slot))
 
     @router.get("/channels", response_model=ChannelList, summary="Channels, their freshness and counters")
     async def list_channels() -> Response:
@@ -191,6 +197,6 @@ def _channel(graph: Graph, name: str, freshness: Freshness) -> ChannelReport:
         age_ms=fresh.age_ms,
         stale_after_ms=None if freshness.limit_s is None else round(1e3 * freshness.limit_s, 1),
         subscriptions={
-            consumer: reports.subscription_counters(counters) for consumer, counters in statistics.subscriptions.items()
+            consumer: subscription_counters(counters) for consumer, counters in statistics.subscriptions.items()
         },
     )

@@ -6,9 +6,9 @@ import csv
 import json
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import fields, is_dataclass
 from typing import Any
 
+import msgspec
 import numpy as np
 
 from app.base.geometry import Pose2, Pose3
@@ -21,16 +21,19 @@ from app.messages import (
     Image,
     JointState,
     LaserScan,
-    LoadRecord,
+    LoadReport,
+    ModuleReport,
     PointCloud,
 )
+from app.messages.base import field_names, is_record
 
 #: Units that the names of fields do not say; a field's own ``_s``, ``_mps``, ... stays as it is.
 UNITS: Mapping[type[Any], Mapping[str, str]] = {
     LaserScan: {
         "ranges": "m", "angle_min": "rad", "angle_increment": "rad", "range_min": "m", "range_max": "m",
     },
-    LoadRecord: {"cpu": "percent", "process": "percent"},
+    LoadReport: {"process_cpu": "percent", "budget": "percent"},
+    ModuleReport: {"cpu": "percent", "cpu_budget": "percent"},
     Pose2: {"x": "m", "y": "m", "theta": "rad"},
 }  # fmt: skip
 #: Fields of any class that are times of the robot's clock.
@@ -38,9 +41,10 @@ TIMES = frozenset({"stamp", "created", "expires", "first_seen", "last_seen", "be
 #: Fields that give the columns of another their names.
 NAMED: Mapping[type[Any], Mapping[str, str]] = {
     JointState: {"positions": "names"},
-    LoadRecord: {"cpu": "modules"},
     Divisors: {"divisors": "filters"},
 }
+#: Fields of records that have a name, each in columns of this name.
+BY_NAME: Mapping[type[Any], str] = {LoadReport: "modules"}
 BULKY = (Image, EncodedImage, PointCloud)
 
 Row = dict[str, Any]
@@ -93,12 +97,15 @@ def flat(message: Any) -> Row:
 def _flatten(value: Any, prefix: str, row: Row, arrays: Row) -> None:
     """Into ``row``, but into ``arrays`` what makes many columns, so that these come last."""
     kind = type(value)
-    for each in fields(value):
-        content = getattr(value, each.name)
-        key = prefix + _with_unit(kind, each.name)
-        if names := NAMED.get(kind, {}).get(each.name):
+    for field in field_names(kind):
+        content = getattr(value, field)
+        key = prefix + _with_unit(kind, field)
+        if names := NAMED.get(kind, {}).get(field):
             row.update(zip((f"{key}.{name}" for name in getattr(value, names)), content, strict=False))
-        elif each.name not in NAMED.get(kind, {}).values():
+        elif field == BY_NAME.get(kind):
+            for each in content:
+                _flatten(each, f"{key}.{each.name}.", row, arrays)
+        elif field not in NAMED.get(kind, {}).values():
             _cell(content, key, row, arrays)
 
 
@@ -113,10 +120,12 @@ def _cell(content: Any, key: str, row: Row, arrays: Row) -> None:
             arrays.update({f"{key}.{index}": write(number) for index, number in enumerate(content.tolist())})
         else:
             row[key] = json.dumps(content.tolist())
-    elif is_dataclass(content):
+    elif is_record(type(content)):
         _flatten(content, f"{key}.", row, arrays)
-    elif isinstance(content, tuple):
-        row[key] = json.dumps([_plain(each) for each in content], ensure_ascii=False)
+    elif isinstance(content, Mapping) and all(isinstance(each, float) for each in content.values()):
+        row.update({f"{key}.{name}": each for name, each in content.items()})
+    elif isinstance(content, tuple | Mapping):
+        row[key] = json.dumps(msgspec.to_builtins(content, enc_hook=np.ndarray.tolist), ensure_ascii=False)
     elif isinstance(content, bytes):
         row[key] = content.hex()
     else:
@@ -124,17 +133,6 @@ def _cell(content: Any, key: str, row: Row, arrays: Row) -> None:
 
 
 _POSE3 = ("x_m", "y_m", "z_m", "qw", "qx", "qy", "qz")
-
-
-def _plain(value: Any) -> Any:
-    """``value`` as JSON has it."""
-    if is_dataclass(value) and not isinstance(value, type):
-        return {each.name: _plain(getattr(value, each.name)) for each in fields(value)}
-    if isinstance(value, np.ndarray):
-        return value.tolist()
-    if isinstance(value, tuple):
-        return [_plain(each) for each in value]
-    return value
 
 
 def _with_unit(kind: type[Any], name: str) -> str:

@@ -17,7 +17,7 @@ from app.logs.replay.options import ReplayOptions
 from app.logs.replay.replay import Replay
 from app.logs.replay.replay_config import OWN_RECORDS
 from app.logs.replay.report import ChannelReport, InputReport, IntentionLine, ReplayedModule, ReplayReport
-from app.messages import LoadRecord, LogLine, RecorderStatus
+from app.messages import LoadReport, LogLine, RecorderStatus
 from app.modules.recording.recorder import Recorder
 from app.program.system import System
 from app.runtime.clock import Clock, VirtualClock, run_virtual
@@ -33,7 +33,7 @@ QUEUED_BYTES = 16_000_000
 DISK_S = 0.01
 
 #: Records about this computer, or in an order that depends on its threads.
-_OF_THE_MACHINE = (LoadRecord, LogLine, RecorderStatus)
+_OF_THE_MACHINE = (LoadReport, LogLine, RecorderStatus)
 
 
 @dataclass(frozen=True, slots=True)

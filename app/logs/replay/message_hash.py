@@ -5,11 +5,12 @@ from __future__ import annotations
 import hashlib
 import struct
 from collections.abc import Mapping
-from dataclasses import fields, is_dataclass
 from enum import Enum
 from typing import Any
 
 import numpy as np
+
+from app.messages.base import field_names, is_record
 
 
 class MessageHash:
@@ -71,9 +72,9 @@ def _feed(update: Any, value: Any) -> None:
             for key in sorted(value):
                 _feed(update, key)
                 _feed(update, value[key])
-        case _ if is_dataclass(value) and not isinstance(value, type):
+        case _ if is_record(type(value)):
             update(f"d{type(value).__name__}:".encode())
-            for entry in fields(value):
-                _feed(update, getattr(value, entry.name))
+            for name in field_names(type(value)):
+                _feed(update, getattr(value, name))
         case _:
             raise TypeError(f"a {type(value).__name__} has no certain bytes")

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import contextlib
-import json
 import logging
-import math
 from collections.abc import Callable, Collection
-from typing import Any, cast, get_args
+from typing import get_args
 
 from app.attention.desires import InvalidDesire, Source, SourceKind, UnknownDesireClass
 from app.attention.workspace import IntentionWorkspace, UnknownDesire
-from app.messages import DesireRecord, DesiresRecord
+from app.messages import Desire, Desires
 
 log = logging.getLogger("hbba.replay")
 
@@ -52,10 +50,10 @@ class RecordedDesires:
         self._now = now
         self._ignored = frozenset(ignored)
         #: Desires now in the workspace: by id in the log, as recorded, with the id here.
-        self._standing: dict[str, tuple[DesireRecord, str]] = {}
+        self._standing: dict[str, tuple[Desire, str]] = {}
         self._refused: set[str] = set()
 
-    def take(self, record: DesiresRecord | None) -> None:
+    def take(self, record: Desires | None) -> None:
         """Make it so that the desires of ``record`` stand, and no others of the log; None: none."""
         wanted = {d.id: d for d in (record.desires if record is not None else ()) if self._is_foreign(d)}
         with self._workspace.transaction():
@@ -68,22 +66,28 @@ class RecordedDesires:
                 elif before[0] != desire:
                     self._change(before[1], desire)
 
-    def _is_foreign(self, desire: DesireRecord) -> bool:
-        own = desire.source_kind == "motivation" and desire.source_name in self._modules
+    def _is_foreign(self, desire: Desire) -> bool:
+        own = desire.source.kind == "motivation" and desire.source.name in self._modules
         return not own and desire.cls not in self._ignored
 
-    def _ttl(self, desire: DesireRecord) -> float | None:
-        return None if math.isinf(desire.expires) else desire.expires - self._now()
+    def _ttl(self, desire: Desire) -> float | None:
+        return None if desire.expires is None else desire.expires - self._now()
 
-    def _add(self, desire: DesireRecord) -> None:
+    def _add(self, desire: Desire) -> None:
         ttl = self._ttl(desire)
         if ttl is not None and ttl <= 0:
             return
-        kind = desire.source_kind if desire.source_kind in get_args(SourceKind) else "operator"
+        kind = desire.source.kind if desire.source.kind in get_args(SourceKind) else "operator"
         self._ids.next = desire.id
         try:
             added = self._workspace.add(
-                desire.cls, **_wish(desire), source=Source(cast(SourceKind, kind), desire.source_name), ttl=ttl
+                desire.cls,
+                intensity=desire.intensity,
+                utility=desire.utility,
+                security=desire.security,
+                params=desire.params,
+                source=Source(kind, desire.source.name),
+                ttl=ttl,
             )
         except (UnknownDesireClass, InvalidDesire) as failure:
             self._refuse(desire, failure)
@@ -92,13 +96,20 @@ class RecordedDesires:
             self._ids.next = None
         self._standing[desire.id] = (desire, added.id)
 
-    def _change(self, own_id: str, desire: DesireRecord) -> None:
+    def _change(self, own_id: str, desire: Desire) -> None:
         ttl = self._ttl(desire)
         try:
             if ttl is not None and ttl <= 0:
                 self._remove(desire.id)
                 return
-            self._workspace.change(own_id, **_wish(desire), ttl=ttl)
+            self._workspace.change(
+                own_id,
+                intensity=desire.intensity,
+                utility=desire.utility,
+                security=desire.security,
+                params=desire.params,
+                ttl=ttl,
+            )
         except UnknownDesire:  # it expired here, but not in the log
             del self._standing[desire.id]
             self._add(desire)
@@ -113,17 +124,7 @@ class RecordedDesires:
         with contextlib.suppress(UnknownDesire):  # it expired by itself, as it did then
             self._workspace.remove(own_id)
 
-    def _refuse(self, desire: DesireRecord, failure: Exception) -> None:
+    def _refuse(self, desire: Desire, failure: Exception) -> None:
         if desire.id not in self._refused:
             self._refused.add(desire.id)
             log.warning("the log's desire for %s cannot be had in this program: %s", desire.cls, failure)
-
-
-def _wish(desire: DesireRecord) -> dict[str, Any]:
-    params = json.loads(desire.params) if desire.params else {}
-    return {
-        "intensity": desire.intensity,
-        "utility": desire.utility,
-        "security": desire.security,
-        "params": params if isinstance(params, dict) else {},
-    }

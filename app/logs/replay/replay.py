@@ -18,7 +18,7 @@ from app.logs.replay.options import ReplayOptions
 from app.logs.replay.recorded_desires import CountedIds, RecordedDesires
 from app.logs.replay.replay_config import NOT_ASKED, ReplayProgram, idle_modules, prepare
 from app.logs.replay.state_at import RecordedState
-from app.messages import DesiresRecord, RecorderStatus
+from app.messages import Desires, RecorderStatus
 from app.modules.recording.recorder import Recorder
 from app.program.system import System
 from app.robots.replayed.link import ReplayedLink
@@ -58,7 +58,7 @@ class Replay:
             idle: dict[str, str] = {}
             while True:
                 folder = Path(self._folder.name) / str(len(idle))
-                self.program: ReplayProgram = prepare(log, self.options, folder, idle)
+                self.program: ReplayProgram = prepare(log, self.options, folder, idle, watched=not reproducible)
                 self.body = ReplayedLink(
                     log,
                     clock,
@@ -89,9 +89,7 @@ class Replay:
             self.system.workspace, ids, self.system.graph.modules.keys(), clock.now, ignored={RECORD}
         )
         #: Channels of the log with records of desires.
-        self._desire_channels = [
-            name for name, channel in log.info.channels.items() if channel.message_type is DesiresRecord
-        ]
+        self._desire_channels = [name for name, channel in log.info.channels.items() if channel.message_type is Desires]
 
     def notes(self) -> list[str]:
         """Differences from the recorded program, in sentences for people."""
@@ -116,9 +114,7 @@ class Replay:
             await self.system.translator.settled()
             if self.options.desires and self._desire_channels:
                 # The body, held, does not read yet.
-                for logged in await asyncio.to_thread(
-                    RecordedState(self.log).of_types, (DesiresRecord,), self.body.begin
-                ):
+                for logged in await asyncio.to_thread(RecordedState(self.log).of_types, (Desires,), self.body.begin):
                     self._desires.take(logged.message)
             self._record()
             await self.system.translator.settled()

@@ -15,14 +15,14 @@ from app.logs.log import Log, LogInfo
 from app.logs.replay.options import ReplayOptions
 from app.logs.replay.unpack_attachments import extract
 from app.messages import (
-    DesiresRecord,
+    Desires,
     Divisors,
-    EventRecord,
-    IntentionRecord,
-    LoadRecord,
+    IntentionReport,
+    LoadReport,
     LogLine,
     ModuleRecord,
     RecorderStatus,
+    TimelineEvent,
 )
 from app.modules.recording.recorder import Recorder
 from app.program.config import Configuration, load_configuration
@@ -33,8 +33,10 @@ from app.runtime.module import Module
 
 #: Records that a program publishes about itself: a replayed program publishes its own.
 OWN_RECORDS: frozenset[type[Any]] = frozenset(
-    {DesiresRecord, Divisors, EventRecord, IntentionRecord, LoadRecord, LogLine, ModuleRecord, RecorderStatus}
+    {Desires, Divisors, TimelineEvent, IntentionReport, LoadReport, LogLine, ModuleRecord, RecorderStatus}
 )
+#: Those among them that people watch as they were recorded, where the log has them.
+WATCHED: frozenset[type[Any]] = frozenset({IntentionReport})
 NOT_ASKED = "not asked for"
 _STREAM = "stream."
 
@@ -57,10 +59,13 @@ class ReplayProgram:
     silent: Mapping[str, str]
 
 
-def prepare(log: Log, options: ReplayOptions, folder: Path, idle: Mapping[str, str] | None = None) -> ReplayProgram:
+def prepare(
+    log: Log, options: ReplayOptions, folder: Path, idle: Mapping[str, str] | None = None, *, watched: bool = False
+) -> ReplayProgram:
     """Put the program together; the log's files are written under ``folder``, which must outlive the program.
 
-    ``idle``: modules that stay out besides, with the reason in words (see :func:`idle_modules`).
+    ``idle``: modules that stay out besides, with the reason in words (see :func:`idle_modules`). ``watched``: people
+    watch it, who are shown the intentions of the log.
 
     Raises ConfigError for a mistake in the configuration or the options, LogError for files that cannot be.
     """
@@ -73,8 +78,9 @@ def prepare(log: Log, options: ReplayOptions, folder: Path, idle: Mapping[str, s
         reasons = "; ".join(f"{name}: {why}" for name, why in left_out.items())
         raise ConfigError(f"no module of this program can run on it ({reasons})", str(log.info.path))
     produced = {channel for spec in modules.values() for channel in spec.outputs.values()}
+    own = OWN_RECORDS - WATCHED if watched else OWN_RECORDS
     fed = tuple(
-        name for name in configuration.channels if name not in produced and _feeds(log.info, configuration, name)
+        name for name in configuration.channels if name not in produced and _feeds(log.info, configuration, name, own)
     )
     channels = _as_recorded(log.info, configuration.channels, modules.values(), fed)
     silent = {
@@ -184,10 +190,10 @@ def _obstacle(name: str, module_class: type[Module] | None, options: ReplayOptio
     return f"the log has no {' and no '.join(missing)}" if missing else ""
 
 
-def _feeds(info: LogInfo, configuration: Configuration, name: str) -> bool:
-    """Whether the log can feed the channel ``name``."""
+def _feeds(info: LogInfo, configuration: Configuration, name: str, own: Collection[type[Any]]) -> bool:
+    """Whether the log can feed the channel ``name``: not with what the program publishes of its ``own``."""
     logged = info.channels.get(name)
-    if logged is None or logged.message_type in OWN_RECORDS:
+    if logged is None or logged.message_type in own:
         return False
     return logged.message_type is _message_type(configuration.channels[name])
 

@@ -12,8 +12,7 @@ from app.logs.log import Log, Logged
 from app.logs.replay.state_at import ACCUMULATED, RecordedState
 from app.messages import (
     Audio,
-    DesiresRecord,
-    EventRecord,
+    Desires,
     Image,
     Lanes,
     LaserScan,
@@ -22,6 +21,7 @@ from app.messages import (
     OperatorDrive,
     PerceptEvent,
     SeparatedSound,
+    TimelineEvent,
     Twist,
 )
 from app.program.system import System
@@ -32,7 +32,7 @@ T = TypeVar("T")
 
 #: Messages of a moment: commands, events and sounds are not published again at a jump. A frame of sound alone is a
 #: click, which a detector of noises would report.
-OF_THE_MOMENT = (OperatorDrive, Twist, EventRecord, LogLine, Audio, SeparatedSound, LoudNoise, PerceptEvent)
+OF_THE_MOMENT = (OperatorDrive, Twist, TimelineEvent, LogLine, Audio, SeparatedSound, LoudNoise, PerceptEvent)
 #: The time (s) before a jump of which recorded lanes are read, and the period (s) between two.
 LANES_S = 60.0
 LANES_PERIOD_S = 0.5
@@ -138,10 +138,10 @@ class ReplaySeeker:
         """State that modules need at ``position``, the desires there, and the lanes before."""
         past = self._past
         lanes: list[Lanes] = past.now_and_then(Lanes, position - LANES_S, position, LANES_PERIOD_S)
-        return past.of_types(ACCUMULATED, position), past.of_types((DesiresRecord,), position), lanes
+        return past.of_types(ACCUMULATED, position), past.of_types((Desires,), position), lanes
 
     def _scene(self, position: float, channels: Set[str]) -> list[Logged]:
-        shown = {c.name for c in self._info.channels.values() if c.message_type not in (DesiresRecord, *OF_THE_MOMENT)}
+        shown = {c.name for c in self._info.channels.values() if c.message_type not in (Desires, *OF_THE_MOMENT)}
         return self._past.scene(position, self._body.listened & shown & channels)
 
     def _next_step(self, position: float) -> float:

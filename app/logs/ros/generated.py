@@ -6,10 +6,12 @@ Python                                 ROS
 ``stamp: float``                       ``builtin_interfaces/Time stamp``
 ``float``, ``int``, ``bool``, ``str``  ``float64``, ``int64``, ``bool``, ``string``
 ``bytes``                              ``uint8[]``
-dataclass                              nested ``hbba_msgs/<Class>``, or of its package
+record                                 nested ``hbba_msgs/<Class>``, or of its package
 ``tuple[X, ...]``, ``tuple[X, X]``     ``X[]``, ``X[2]``
 ``NDArray[np.float32]``                ``float32[] name`` (row by row) and ``uint32[] name_shape``
 ``X | None``                           ``bool has_name`` and ``X name`` (zeros, empty, where there is none)
+``Mapping[str, X]``                    ``hbba_msgs/<X>Entry[]``, each ``string key`` and ``X value``
+``Mapping[str, Any]``                  ``string``, which holds JSON
 =====================================  ==================================================================
 
 A field is named as in Python, in lower case, since ROS allows no other: ``X_BC`` is ``x_bc``. What ``Annotated`` says
@@ -18,11 +20,12 @@ of a field beside its type is not in the definition.
 
 from __future__ import annotations
 
+import json
 import re
 import types
 import typing
-from collections.abc import Callable, Iterator
-from dataclasses import MISSING, dataclass, fields, is_dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import MISSING, dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -31,7 +34,7 @@ from numpy.typing import NDArray
 from app.base.geometry import Pose3
 from app.logs.ros import typestore
 from app.logs.stamps import to_ns
-from app.messages import read_only
+from app.messages.base import field_names, is_record, read_only
 
 PACKAGE = "hbba_msgs"
 
@@ -76,7 +79,7 @@ class Generated:
         self.type = f"{package_of(cls)}/msg/{cls.__name__}" + ("" if count is None else f"First{count}")
         hints = typing.get_type_hints(cls)
         self._cls = cls
-        self._names = [f.name for f in fields(cls)][:count]
+        self._names = field_names(cls)[:count]
         self._fields = [_field(cls, name, hints[name]) for name in self._names]
         declared = [pair for field in self._fields for pair in field.declared]
         if len({name for _, name in declared}) < len(declared):
@@ -158,6 +161,8 @@ def _by_hint(name: str, hint: Any, shape: tuple[int, ...] | None = None) -> _Fie
         return _optional(name, arguments)
     if origin is tuple:
         return _tuple(name, arguments)
+    if origin is Mapping:
+        return _mapping(name, arguments[1])
     if origin is np.ndarray:
         return _array(name, typing.get_args(arguments[1])[0], shape)
     if origin is typing.Literal and all(isinstance(value, str) for value in arguments):
@@ -168,7 +173,7 @@ def _by_hint(name: str, hint: Any, shape: tuple[int, ...] | None = None) -> _Fie
         return _single("string", name, typestore.encodable, str, "")
     if hint is bytes:
         return _single("uint8[]", name, lambda data: np.frombuffer(data, np.uint8), lambda a: a.tobytes(), b"")
-    if isinstance(hint, type) and is_dataclass(hint):
+    if is_record(hint):
         nested = generated(hint)
         return _single(_nested_name(nested), name, nested.to_ros, nested.from_ros, nested.empty())
     raise UnrecordableType("ROS has nothing like it")
@@ -218,6 +223,26 @@ def _tuple(name: str, arguments: tuple[Any, ...]) -> _Field:
     )
 
 
+def _mapping(name: str, hint: Any) -> _Field:
+    if hint is Any:
+        return _single("string", name, _pack_json, json.loads, {})
+    value = _by_hint("value", hint)
+    kind = value.declared[0][0]
+    if len(value.declared) != 1 or kind.endswith("]"):
+        raise UnrecordableType("a mapping is from words to one value each")
+    package, _, short = kind.rpartition("/")
+    declared = f"{package or PACKAGE}/{short[0].upper()}{short[1:]}Entry"
+    entry = declared.replace("/", "/msg/")
+    typestore.add(entry, f"string key\n{kind} value")
+    return _single(
+        f"{declared}[]",
+        name,
+        lambda mapping: [typestore.make(entry, typestore.encodable(k), *value.pack(v)) for k, v in mapping.items()],
+        lambda entries: {each.key: value.unpack(iter((each.value,))) for each in entries},
+        {},
+    )
+
+
 def _array(name: str, scalar: Any, shape: tuple[int, ...] | None) -> _Field:
     try:
         dtype = np.dtype(scalar)
@@ -245,3 +270,7 @@ def _array(name: str, scalar: Any, shape: tuple[int, ...] | None) -> _Field:
 def _nested_name(nested: Generated) -> str:
     package, _, name = nested.type.split("/")
     return f"{package}/{name}"
+
+
+def _pack_json(mapping: Mapping[str, Any]) -> str:
+    return typestore.encodable(json.dumps(dict(mapping), ensure_ascii=False))

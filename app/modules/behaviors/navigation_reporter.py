@@ -23,11 +23,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.attention.desires import Desire
-from app.attention.timeline import Timeline, TimelineEvent
+from app.attention.timeline import Timeline
 from app.attention.workspace import IntentionWorkspace
 from app.base.geometry import Pose2
 from app.base.polyline import thinned_path
-from app.messages import GivenUpGoal, Localization, NavigationReport, NavigationStatus, PlannedPath, read_only
+from app.messages import (
+    GivenUpGoal,
+    Localization,
+    NavigationReport,
+    NavigationStatus,
+    PlannedPath,
+    TimelineEvent,
+    read_only,
+)
 from app.runtime.module import Module, ModuleContext
 
 #: What is over is looked for so often (s).

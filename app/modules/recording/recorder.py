@@ -22,7 +22,6 @@ from typing import Annotated, Any, ClassVar
 from pydantic import AfterValidator, BaseModel, Field
 
 from app.attention.desires import DesireClass
-from app.attention.timeline import EventKind
 from app.base.named_library import LONGEST_NAME
 from app.logs.control import RecorderControl, RecorderUnavailable
 from app.logs.library import NAME_PATTERN, RecordingLibrary, default_name, name_or_nothing
@@ -34,7 +33,16 @@ from app.logs.mcap.open_file import OpenFile, create
 from app.logs.mcap.ring import SEGMENT_S, Ring
 from app.logs.mcap.writer import MEGABYTE, Limits, RecordingWriter, Sink, check_room
 from app.logs.ros.encoder import Encoder
-from app.messages import EventRecord, Image, Message, ModuleRecord, PointCloud, RecorderState, RecorderStatus
+from app.messages import (
+    EventKind,
+    Image,
+    Message,
+    ModuleRecord,
+    PointCloud,
+    RecorderState,
+    RecorderStatus,
+    TimelineEvent,
+)
 from app.modules.recording.ring_saver import NO_RING, RingSaver
 from app.runtime.channel_table import ChannelSpec, ChannelTable
 from app.runtime.errors import InboxOverflow
@@ -58,7 +66,7 @@ class EventPattern(BaseModel, frozen=True, extra="forbid"):
     kind: EventKind
     subject: str | None = None
 
-    def matches(self, event: EventRecord) -> bool:
+    def matches(self, event: TimelineEvent) -> bool:
         """Whether ``event`` matches."""
         return event.kind == self.kind and self.subject in (None, event.subject)
 
@@ -268,7 +276,7 @@ class Recorder(Module):
             writer.put(self.clock.now(), channel, message)
             if writer.reason and writer not in self._reported:
                 self._publish()
-        if isinstance(message, EventRecord):
+        if isinstance(message, TimelineEvent):
             self._save_on(message)
         elif (key := self._state_key(channel, message)) is not None:
             self._standing[key] = (channel, message)
@@ -327,7 +335,7 @@ class Recorder(Module):
 
     # --- saving ---
 
-    def _save_on(self, event: EventRecord) -> None:
+    def _save_on(self, event: TimelineEvent) -> None:
         if self._saving_on_event or self._ring_writer() is None:
             return
         if any(pattern.matches(event) for pattern in self.settings.save_ring_on):
@@ -340,7 +348,7 @@ class Recorder(Module):
             await asyncio.to_thread(ended.join)
         await self._saver.rescue()
 
-    async def _save_after(self, event: EventRecord) -> None:
+    async def _save_after(self, event: TimelineEvent) -> None:
         try:
             await self.clock.sleep(self.settings.save_after_s)
             subject = "".join(c if c.isascii() and (c.isalnum() or c in "._-") else "-" for c in event.subject)

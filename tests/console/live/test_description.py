@@ -21,6 +21,7 @@ from app.console.live.description import description
 from app.program.system import System
 from app.robots.config import circle
 from app.runtime.module import Caution
+from tests.console.answers import strict
 from tests.console.live.whole_stream import heard, say_everything
 from tests.console.live_client import page as connected
 from tests.console.live_client import voice
@@ -48,16 +49,6 @@ def built(tmp_path: Path) -> tuple[System, Body]:
 def prepared() -> Any:
     """Three seconds of the lab, recorded."""
     return prepare(lab_log(3.0))
-
-
-def strict(schema: Any) -> Any:
-    """``schema`` without the room for what is not described, which it has for later versions."""
-    if isinstance(schema, list):
-        return [strict(each) for each in schema]
-    if not isinstance(schema, dict):
-        return schema
-    closed = {"additionalProperties": False} if "properties" in schema else {}
-    return {**closed, **{key: strict(value) for key, value in schema.items()}}
 
 
 COMPONENTS = strict(DOCUMENT["components"])
@@ -105,7 +96,7 @@ async def test_what_the_robot_sends_is_as_described(url: str, system: System, bo
     seen = await heard(url, system, wanted, lambda frame: check(frame["type"], frame))
     assert seen["perceived"]["faces"]
     assert seen["desires"]["desires"]
-    assert seen["intention"]["intention"]
+    assert seen["intention"]["strategies"]
     assert seen["load"]["modules"]
     robot = seen["hello"]["robot"]
     assert robot["footprint"] == [[round(x, 4), round(y, 4)] for x, y in circle(0.28)]

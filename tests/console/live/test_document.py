@@ -10,8 +10,8 @@ from typing import Any, get_args
 import msgspec
 import pytest
 
-from app.attention.timeline import EventKind
 from app.console.live import protocol
+from app.messages import EventKind
 from app.program.system import System
 from app.runtime.freshness import FreshnessState
 from app.runtime.supervisor import Status
@@ -20,7 +20,7 @@ from tests.console.program import Body, build
 
 DOCUMENT = Path(__file__).parents[3] / "docs" / "live-stream.md"
 #: Described elsewhere (REST, JSON Schema) or free by nature.
-FOREIGN = {"desires", "divisors", "intention", "schema", "data"}
+FOREIGN = {"costs", "data", "desires", "divisors", "filters", "parameters", "reasons", "schema", "use"}
 
 
 @pytest.fixture

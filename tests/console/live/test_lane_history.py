@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import replace
 from typing import Any
 
 import msgspec
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec import structs
 
 from app.console.live.lane_history import HELD, LaneHistory
-from app.console.page_forms import lane_rows
 from app.messages import LaneRow, Lanes
 
 CLASSES = ("Explore", "Telepresence")
@@ -22,8 +21,7 @@ USUAL = LaneRow(
     utility=1.0,
     rate=0.1234,
     divisor=1.0,
-    filters=("SomeDetector.images", "SomeDetector.panorama", "SomeDetector.scans"),
-    divisors=(1.0, 1.0, 2.0),
+    divisors={"SomeDetector.images": 1.0, "SomeDetector.panorama": 1.0, "SomeDetector.scans": 2.0},
     state="fulfilled",
     text="",
 )
@@ -34,8 +32,7 @@ ROWS = st.builds(
         utility=intensity,
         rate=rate,
         divisor=divisor,
-        filters=() if math.isinf(divisor) else ("Camera.images",),
-        divisors=() if math.isinf(divisor) else (divisor,),
+        divisors={} if math.isinf(divisor) else {"Camera.images": divisor},
         state="undesired" if intensity is None else "fulfilled",
         text=text,
     ),
@@ -68,12 +65,12 @@ def test_the_newest_samples_are_sent_as_they_were_and_no_more_are_kept(
     history = LaneHistory(CLASSES, most)
     samples = []
     for number, pair in enumerate(noted):
-        rows = tuple(replace(row, cls=cls) for cls, row in zip(CLASSES, pair, strict=True))
+        rows = tuple(structs.replace(row, cls=cls) for cls, row in zip(CLASSES, pair, strict=True))
         lanes = Lanes(100.0 + 0.5 * number, rows)
-        samples.append((lanes.stamp, [msgspec.to_builtins(row) for row in lane_rows(lanes)]))
+        samples.append((lanes.stamp, [json.loads(msgspec.json.encode(row)) for row in lanes.rows]))
         history.add(lanes)
         # Those of a moment later are left out.
-        history.add(replace(lanes, stamp=lanes.stamp + 0.05, rows=()))
+        history.add(Lanes(lanes.stamp + 0.05, ()))
         assert all(len(spells) <= most for spells in history._spells.values())
     assert spelled_out(history.frame()) == samples[-most:]
 
@@ -82,8 +79,8 @@ def test_the_frame_is_never_too_large_and_keeps_the_newest() -> None:
     """Ten minutes of a reason that is another each time, which is more than fits."""
     history = LaneHistory(CLASSES)
     for number in range(1300):
-        row = replace(USUAL, filters=(), divisors=(), text=f"{number} {'why ' * 40}")
-        history.add(Lanes(0.5 * number, tuple(replace(row, cls=cls) for cls in CLASSES)))
+        row = structs.replace(USUAL, divisors={}, text=f"{number} {'why ' * 40}")
+        history.add(Lanes(0.5 * number, tuple(structs.replace(row, cls=cls) for cls in CLASSES)))
     frame = history.frame()
     assert len(frame) <= 200_000
     samples = spelled_out(frame)
@@ -98,8 +95,8 @@ def test_a_usual_past_is_small() -> None:
     history = LaneHistory(classes)
     for number in range(1200):
         text = f"fulfilled at its best ({number // 60}) by some-strategy-of-a-usual-length"
-        row = replace(USUAL, rate=round(number / 1200, 4), text=text)
-        history.add(Lanes(1.7e9 + 0.5 * number, tuple(replace(row, cls=cls) for cls in classes)))
+        row = structs.replace(USUAL, rate=round(number / 1200, 4), text=text)
+        history.add(Lanes(1.7e9 + 0.5 * number, tuple(structs.replace(row, cls=cls) for cls in classes)))
     frame = history.frame()
     assert len(json.loads(frame)["stamps"]) == 1200
     assert len(frame) < 200_000

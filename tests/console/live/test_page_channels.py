@@ -9,7 +9,7 @@ import pytest
 from pydantic import ValidationError
 
 from app.console.live.page_channels import PageChannels
-from app.messages import EventRecord, Landmarks, Twist
+from app.messages import Landmarks, TimelineEvent, Twist
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.clock import VirtualClock, run_virtual
 from app.runtime.graph import Graph
@@ -17,7 +17,7 @@ from app.runtime.graph import Graph
 TABLE: dict[str, dict[str, Any]] = {
     "wish": {"type": "Twist", "external": True, "latched": True, "page": {"every_hz": 10}},
     "drive": {"type": "Twist", "external": True, "page": {"as": "wheels"}},
-    "events": {"type": "EventRecord", "external": True, "page": {"keep": "all"}},
+    "events": {"type": "TimelineEvent", "external": True, "page": {"keep": "all"}},
     "found": {"type": "Landmarks", "external": True, "page": {"as": "landmarks"}},
     "quiet": {"type": "Twist", "external": True},
 }
@@ -89,7 +89,7 @@ def test_of_a_channel_that_keeps_all_every_message_comes_and_none_stands() -> No
         pages = Pages()
         pages.channels.open()
         for number in range(1, 4):
-            pages.say("events", EventRecord(1.0, "module", "Kinect", "failed", '{"a": 1}', number))
+            pages.say("events", TimelineEvent(number, 1.0, "module", "Kinect", "failed", {"a": 1}))
         await pages.settle()
         assert [(kind, item["id"], item["data"]) for kind, item in pages.items] == [
             ("events", number, {"a": 1}) for number in range(1, 4)

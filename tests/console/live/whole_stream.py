@@ -35,19 +35,26 @@ def say_everything(system: System, body: Body) -> None:
 async def heard(
     url: str, system: System, wanted: set[str], check: Callable[[dict[str, Any]], None]
 ) -> dict[str, dict[str, Any]]:
-    """The last frame of each type, once every type of ``wanted`` came and the page drives and speaks; ``check`` is
-    called with every frame."""
+    """The last frame of each type, once every type of ``wanted`` came and, after that, the page drives and speaks.
+
+    ``check`` is called with every frame."""
     frames: dict[str, dict[str, Any]] = {}
     async with page(url) as ann:
-        await ann.send("ping", t=1, rtt_ms=None)
-        await ann.send("view", map=True, costmap=True)
-        await ann.connection.send("{")
-        system.timeline.add("module", "Nothing", "said")
-        await ann.drive(0.1)
-        await ann.connection.send(voice(1))
-        while frames.keys() != wanted or None in (frames["status"]["driver"], frames["status"]["speaker"]):
+
+        async def take() -> None:
             frame = await ann.receive()
             if isinstance(frame, dict):
                 check(frame)
                 frames[frame["type"]] = frame
+
+        await ann.send("ping", t=1, rtt_ms=None)
+        await ann.send("view", map=True, costmap=True)
+        await ann.connection.send("{")
+        system.timeline.add("module", "Nothing", "said")
+        while frames.keys() != wanted:
+            await take()
+        await ann.drive(0.1)
+        await ann.connection.send(voice(1))
+        while None in (frames["status"]["driver"], frames["status"]["speaker"]):
+            await take()
     return frames

@@ -10,13 +10,12 @@ import httpx
 import pytest
 
 from app.attention.desires import Desire, Source
-from app.attention.reports import DesireClassReport, IntentionReport
 from app.console.live.hub import Hub
 from app.console.records import attention, program, robot
-from app.messages import PerceptEvent
+from app.messages import DesireClassReport, Desires, IntentionReport, ModuleReport, PerceptEvent
 from app.program.system import System
 from app.runtime.filter import CLOSED
-from tests.console.answers import answered
+from tests.console.answers import answered, described
 from tests.console.program import Body
 
 NEW = {"class": "Telepresence", "intensity": 8, "utility": 4, "security": False, "params": {}, "ttl": 30}
@@ -37,14 +36,14 @@ def is_problem(response: httpx.Response, status: int, kind: str) -> dict[str, An
 @pytest.mark.parametrize(
     ("path", "record"),
     [
-        ("/desires", attention.DesireList),
+        ("/desires", Desires),
         ("/desire-classes", attention.DesireClassList),
         ("/desire-classes/Telepresence", DesireClassReport),
         ("/intention", IntentionReport),
         ("/strategies", attention.StrategyList),
         ("/resources", attention.ResourceList),
         ("/modules", program.ModuleList),
-        ("/modules/Teleop", program.ModuleReport),
+        ("/modules/Teleop", ModuleReport),
         ("/channels", program.ChannelList),
         ("/timeline", attention.EventList),
         ("/robot", robot.RobotReport),
@@ -56,7 +55,7 @@ def is_problem(response: httpx.Response, status: int, kind: str) -> dict[str, An
 async def test_every_answer_has_the_shape_that_is_declared(
     client: httpx.AsyncClient, path: str, record: type[Any]
 ) -> None:
-    answered(await client.get(path), record)
+    described(await client.get(path), record)
 
 
 async def test_a_desire_from_creation_to_removal(client: httpx.AsyncClient, system: System) -> None:
@@ -167,7 +166,7 @@ async def test_a_wrong_field_is_named(client: httpx.AsyncClient, body: Any, fiel
     document = is_problem(response, 422, response.json()["type"].rpartition(":")[2])
     assert [error["field"] for error in document["errors"]] == [field]
     assert all(error["message"] for error in document["errors"])
-    assert (await client.get("/desires")).json() == {"desires": []}
+    assert (await client.get("/desires")).json()["desires"] == []
 
 
 @pytest.mark.parametrize("body", ["", "{", '{"class": NaN}', "\xff"])

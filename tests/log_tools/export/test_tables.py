@@ -26,8 +26,9 @@ from app.messages import (
     Landmark,
     Landmarks,
     LaserScan,
-    LoadRecord,
+    LoadReport,
     LogLine,
+    ModuleReport,
     Odometry,
     SeparatedSound,
     Twist,
@@ -78,19 +79,27 @@ def test_a_scan_is_a_row_and_every_ray_is_exact(tmp_path: Path) -> None:
     assert list(row)[-8:] == [f"{name}.{k}" for name in ("ranges_m", "intensities") for k in range(4)]
 
 
+def load(stamp: float, **cpu: float) -> LoadReport:
+    """Of modules that take ``cpu``."""
+    reports = [ModuleReport(name, name, "running", each, None, None, 0, None, (), ()) for name, each in cpu.items()]
+    return LoadReport(stamp, 1.0, 20.0, None, tuple(reports))
+
+
 def test_values_that_have_names_stand_in_columns_of_these_names(tmp_path: Path) -> None:
     log = MemoryLog(
         [
             Logged(BEGIN, "joints", JointState(BEGIN, ("pan", "tilt"), (0.5, -0.25))),
-            Logged(BEGIN, "load", LoadRecord(BEGIN, 1.0, ("Kinect",), (12.0,), 20.0)),
-            Logged(BEGIN + 1, "load", LoadRecord(BEGIN + 1, 1.0, ("Kinect", "Teleop"), (13.0, 1.0), 21.0)),
+            Logged(BEGIN, "load", load(BEGIN, Kinect=12.0)),
+            Logged(BEGIN + 1, "load", load(BEGIN + 1, Kinect=13.0, Teleop=1.0)),
             Logged(BEGIN, "divisors", Divisors(BEGIN, ("A.images", "B.scan"), (2.0, math.inf))),
         ]
     )
     export(log, Wish("csv", tmp_path))
     (joints,) = table(tmp_path, "joints")
     assert joints == {"stamp_s": str(BEGIN), "positions.pan": "0.5", "positions.tilt": "-0.25"}
-    assert [(row["cpu_percent.Kinect"], row["cpu_percent.Teleop"]) for row in table(tmp_path, "load")] == [
+    assert [
+        (row["modules.Kinect.cpu_percent"], row["modules.Teleop.cpu_percent"]) for row in table(tmp_path, "load")
+    ] == [
         ("12.0", ""),
         ("13.0", "1.0"),
     ]

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import math
 import threading
 from collections.abc import Collection, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import segno
@@ -20,8 +19,8 @@ from app.logs.manifest import Manifest
 from app.logs.mcap.open_file import McapFile
 from app.logs.ros.encoder import Encoder
 from app.messages import (
-    DesireRecord,
-    DesiresRecord,
+    Desire,
+    Desires,
     Image,
     JointState,
     LaserScan,
@@ -29,6 +28,8 @@ from app.messages import (
     Message,
     Odometry,
     OperatorDrive,
+    Source,
+    SourceKind,
     Twist,
     read_only,
 )
@@ -113,10 +114,10 @@ def poster(text: str = "https://example.org/lab") -> np.ndarray[Any, np.dtype[np
     return picture
 
 
-def desire(desire_id: str, cls: str, *, kind: str = "operator", name: str = "ada", **more: Any) -> DesireRecord:
+def desire(desire_id: str, cls: str, *, kind: str = "operator", name: str = "ada", **more: Any) -> Desire:
     """A desire as the workspace records it."""
-    told = {"intensity": 6.0, "utility": 4.0, "security": False, "params": "{}", "created": BEGIN, "expires": math.inf}
-    return DesireRecord(id=desire_id, cls=cls, source_kind=kind, source_name=name, **{**told, **more})
+    usual = {"intensity": 6.0, "utility": 4.0, "security": False, "params": {}, "created": BEGIN}
+    return Desire(id=desire_id, cls=cls, source=Source(cast(SourceKind, kind), name), **{**usual, **more})
 
 
 def lab_messages(seconds: float = 4.0, *, images_hz: float = 10.0) -> list[Logged]:
@@ -155,7 +156,7 @@ def lab_messages(seconds: float = 4.0, *, images_hz: float = 10.0) -> list[Logge
         desire("d-1", "FindQRCodes", kind="motivation", name="ScenarioCoordinator", intensity=8.0, utility=1.0),
         desire("d-2", "Teleoperation", kind="motivation", name="ScenarioCoordinator", intensity=8.0, utility=1.0),
     ]
-    eyes = desire("d-3", "Telepresence", params=json.dumps({"max_points": 5000, "jpeg_quality": 70}))
+    eyes = desire("d-3", "Telepresence", params={"max_points": 5000, "jpeg_quality": 70})
     codes = desire("d-4", "FindQRCodes", kind="rest", name="script", intensity=8.0, utility=8.0)
     for t, standing in (
         (0.0, coordinator),
@@ -164,7 +165,7 @@ def lab_messages(seconds: float = 4.0, *, images_hz: float = 10.0) -> list[Logge
         (3.0, [*coordinator, codes]),
     ):
         if t < seconds:
-            messages.append((t, "workspace", DesiresRecord(BEGIN + t, tuple(standing))))
+            messages.append((t, "workspace", Desires(BEGIN + t, tuple(standing))))
     messages.sort(key=lambda entry: entry[0])
     return [Logged(BEGIN + t, channel, message) for t, channel, message in messages]
 

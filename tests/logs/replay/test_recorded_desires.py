@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import logging
-from dataclasses import replace
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from app.attention.desires import Source
 from app.attention.workspace import IntentionWorkspace, WorkspaceChange
 from app.base import paths
 from app.logs.replay.recorded_desires import CountedIds, RecordedDesires
-from app.messages import DesireRecord, DesiresRecord
+from app.messages import Desire, Desires
 from app.program.config import load_configuration
 from app.program.desire_classes import desire_classes
 from tests.logs.replay.logs import BEGIN, desire
@@ -32,8 +32,8 @@ class Setting:
         self.changes: list[WorkspaceChange] = []
         self.workspace.observe(self.changes.append)
 
-    def take(self, *records: DesireRecord) -> None:
-        self.desires.take(DesiresRecord(self.now, records))
+    def take(self, *records: Desire) -> None:
+        self.desires.take(Desires(self.now, records))
 
     @property
     def ids_there(self) -> list[str]:
@@ -46,7 +46,7 @@ def setting() -> Setting:
 
 
 def test_they_come_change_and_go_as_they_did(setting: Setting) -> None:
-    eyes = desire("d-3", "Telepresence", params='{"max_points": 5000}')
+    eyes = desire("d-3", "Telepresence", params={"max_points": 5000})
     setting.take(eyes)
     (standing,) = setting.workspace.desires()
     assert (standing.id, standing.intensity, standing.source) == ("d-3", 6.0, Source("operator", "ada"))
@@ -85,7 +85,7 @@ def test_a_desire_with_an_end_ends_by_itself_and_may_be_prolonged(setting: Setti
 def test_what_cannot_be_had_here_is_said_once(setting: Setting, caplog: pytest.LogCaptureFixture) -> None:
     with caplog.at_level(logging.WARNING):
         for _ in range(3):
-            setting.take(desire("d-6", "FlyAway"), desire("d-7", "FindQRCodes", params='{"upscale": 7}'))
+            setting.take(desire("d-6", "FlyAway"), desire("d-7", "FindQRCodes", params={"upscale": 7}))
     assert setting.ids_there == []
     assert len(caplog.records) == 2
     assert "FlyAway" in caplog.text

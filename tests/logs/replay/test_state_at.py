@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from app.logs.log import Logged
 from app.logs.replay.state_at import RecordedState, taken_at
-from app.messages import DesiresRecord, Landmarks, Odometry
+from app.messages import Desires, Landmarks, Odometry
 from tests.logs.replay.logs import BEGIN, MemoryLog, lab_log, lab_messages, numbered
 
 #: Arrivals of one channel: bursts and gaps of any length.
@@ -96,7 +96,7 @@ def test_before_the_beginning_there_is_nothing() -> None:
 
 
 def test_what_was_desired_is_the_last_record_however_long_ago() -> None:
-    (record,) = RecordedState(lab_log(4.0)).of_types((DesiresRecord,), BEGIN + 2.9)
+    (record,) = RecordedState(lab_log(4.0)).of_types((Desires,), BEGIN + 2.9)
     assert record.at == BEGIN + 2.0
 
 

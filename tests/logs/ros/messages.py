@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import types
 import typing
-from dataclasses import fields, is_dataclass
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -24,10 +24,12 @@ from app.messages import (
     PlannedPath,
     PointCloud,
 )
+from app.messages.base import field_names, is_record
 
 #: Stamps as the robot's clock gives them: from there on float64 and nanoseconds say the same.
 STAMPS = st.floats(2**23, 2**31 - 1)
 _FLOATS = st.floats(width=64)
+_TEXT = st.text(st.characters(exclude_categories=["Cs"]), max_size=20)
 _LENGTHS = st.floats(-1e3, 1e3)
 _GREATEST_FLOAT32 = float(np.finfo(np.float32).max)
 #: Bounded, or most draws would be too great for 32 bits and thrown away; what no bounds hold is added.
@@ -37,11 +39,7 @@ _FLOATS32 = st.floats(-_GREATEST_FLOAT32, _GREATEST_FLOAT32, width=32) | st.samp
 
 def message_classes() -> list[type[Any]]:
     """Every message class of ``app.messages``: the dataclasses with a stamp."""
-    return [
-        found
-        for found in vars(messages).values()
-        if isinstance(found, type) and is_dataclass(found) and any(f.name == "stamp" for f in fields(found))
-    ]
+    return [found for found in vars(messages).values() if is_record(found) and "stamp" in field_names(found)]
 
 
 def instances(cls: type[Any]) -> st.SearchStrategy[Any]:
@@ -49,7 +47,7 @@ def instances(cls: type[Any]) -> st.SearchStrategy[Any]:
     if cls in _SPECIAL:
         return _SPECIAL[cls]
     hints = typing.get_type_hints(cls)
-    return st.builds(cls, **{f.name: _values(f.name, hints[f.name]) for f in fields(cls)})
+    return st.builds(cls, **{name: _values(name, hints[name]) for name in field_names(cls)})
 
 
 def sequences(cls: type[Any], min_size: int = 1, max_size: int = 3) -> st.SearchStrategy[list[Any]]:
@@ -62,12 +60,14 @@ def same(a: Any, b: Any) -> bool:
     """Whether two messages are equal to the last bit (NaN being NaN), of the same types throughout."""
     if type(a) is not type(b):
         return False
-    if is_dataclass(a):
-        return all(same(getattr(a, f.name), getattr(b, f.name)) for f in fields(a))
+    if is_record(type(a)):
+        return all(same(getattr(a, name), getattr(b, name)) for name in field_names(type(a)))
     if isinstance(a, np.ndarray):
         return bool(a.dtype == b.dtype and a.shape == b.shape and np.array_equal(a, b, equal_nan=a.dtype.kind == "f"))
     if isinstance(a, tuple):
         return len(a) == len(b) and all(same(x, y) for x, y in zip(a, b, strict=True))
+    if isinstance(a, dict):
+        return a.keys() == b.keys() and all(same(a[name], b[name]) for name in a)
     return bool(a == b) or (a != a and b != b)
 
 
@@ -79,6 +79,10 @@ def _values(name: str, hint: Any) -> st.SearchStrategy[Any]:
         return st.lists(_values("", arguments[0]), max_size=5).map(tuple)
     if origin is tuple:
         return st.tuples(*[_values("", a) for a in arguments])
+    if origin is Mapping:
+        return st.dictionaries(_TEXT, _values("", arguments[1]), max_size=3)
+    if hint is Any:
+        return st.recursive(st.none() | st.booleans() | st.floats(allow_nan=False) | _TEXT, st.lists, max_leaves=3)
     if origin is np.ndarray:
         dtype = np.dtype(typing.get_args(arguments[1])[0])
         return arrays.arrays(dtype, arrays.array_shapes(max_dims=2, min_side=0, max_side=5))
@@ -88,11 +92,10 @@ def _values(name: str, hint: Any) -> st.SearchStrategy[Any]:
         return STAMPS if name == "stamp" else _FLOATS
     simple = {int: st.integers(-(2**63), 2**63 - 1), bool: st.booleans(), bytes: st.binary(max_size=30)}
     if hint is str:
-        return st.text(st.characters(exclude_categories=["Cs"]), max_size=20)
+        return _TEXT
     return simple[hint] if hint in simple else instances(hint)
 
 
-_TEXT = st.text(st.characters(exclude_categories=["Cs"]), max_size=20)
 _FRAMES = st.from_regex(r"[a-z][a-z_]{0,20}", fullmatch=True)
 _POSES = st.builds(
     Pose3.from_translation_rpy, st.tuples(_LENGTHS, _LENGTHS, _LENGTHS), st.tuples(*[st.floats(-3.2, 3.2)] * 3)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
 import numpy as np
 import pytest
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from app.base.geometry import Pose2, Pose3
@@ -23,6 +25,13 @@ class Smell:
 
     name: str
     ppm: float
+
+
+class Owner(Struct, frozen=True, rename={"cls": "class"}):
+    """Something nested that has a name in JSON which Python keeps for itself."""
+
+    cls: str
+    noses: Mapping[str, Smell]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,6 +55,10 @@ class NoseReport:
     X_OB: Pose2
     note: str | None
     seen: float | None
+    gains: Mapping[str, float]
+    owners: Mapping[str, Owner]
+    more: Mapping[str, Any]
+    settings: Mapping[str, Mapping[str, Any]]
 
 
 FULL = NoseReport(
@@ -53,10 +66,12 @@ FULL = NoseReport(
     (Smell("a", 1.0), Smell("", 2.0)), ("x", "ÿ", ""), (True, False), (1, -(2**63), 2**63 - 1),
     read_only(np.arange(6, dtype=np.float32).reshape(2, 3)), read_only(np.array([True, False])),
     Pose3.from_translation_rpy((1, 2, 3), (0.1, 0.2, 0.3)), Pose2(1.0, 2.0, 9.0), "a note", 4.5,
+    {"left": 0.5, "": float("inf")}, {"é": Owner("dog", {"a": Smell("b", 1.0)}), "x": Owner("", {})},
+    {"a": [1, None, {"b": "ÿ"}]}, {"Nose": {"depth": 2}, "Ear": {}},
 )  # fmt: skip
 EMPTY = NoseReport(
     1_790_000_000.0, 0, False, "clean", b"", None, None, (), (), (False, True), (),
-    read_only(np.zeros((0, 4), np.float32)), None, Pose3.identity(), Pose2(), None, None,
+    read_only(np.zeros((0, 4), np.float32)), None, Pose3.identity(), Pose2(), None, None, {}, {}, {}, {},
 )  # fmt: skip
 
 
@@ -74,11 +89,15 @@ def test_the_definition_says_what_is_in_it() -> None:
         "tests_msgs/Smell[] smells", "string[] words", "bool[2] flags", "int64[] counts",
         "float32[] spectrum", "uint32[] spectrum_shape", "bool has_mask", "bool[] mask", "uint32[] mask_shape",
         "hbba_msgs/Pose3 x_bn", "hbba_msgs/Pose2 x_ob", "bool has_note", "string note", "bool has_seen",
-        "float64 seen",
+        "float64 seen", "hbba_msgs/Float64Entry[] gains", "tests_msgs/OwnerEntry[] owners", "string more",
+        "hbba_msgs/StringEntry[] settings",
     ]  # fmt: skip
     assert "MSG: tests_msgs/Smell\nstring name\nfloat64 ppm\n" in rest
+    assert "MSG: tests_msgs/OwnerEntry\nstring key\ntests_msgs/Owner value\n" in rest
     assert {part.splitlines()[0] for part in rest} == {
         "MSG: builtin_interfaces/Time", "MSG: tests_msgs/Smell", "MSG: hbba_msgs/Pose3", "MSG: hbba_msgs/Pose2",
+        "MSG: hbba_msgs/Float64Entry", "MSG: hbba_msgs/StringEntry", "MSG: tests_msgs/Owner",
+        "MSG: tests_msgs/OwnerEntry", "MSG: tests_msgs/SmellEntry",
     }  # fmt: skip
 
 
@@ -107,6 +126,12 @@ class Ragged:
 
 
 @dataclass(frozen=True, slots=True)
+class Sparse:
+    stamp: float
+    gains: Mapping[str, float | None]
+
+
+@dataclass(frozen=True, slots=True)
 class AnyArray:
     stamp: float
     array: NDArray[Any]
@@ -123,7 +148,7 @@ class Twins:
     ("cls", "what"),
     [
         (Untyped, "Untyped.anything"), (Either, "Either.which"), (Mixed, "Mixed.pair"), (Ragged, "Ragged.rows"),
-        (AnyArray, "AnyArray.array"), (Twins, "two fields of Twins"),
+        (Sparse, "Sparse.gains"), (AnyArray, "AnyArray.array"), (Twins, "two fields of Twins"),
     ],
 )  # fmt: skip
 def test_what_ros_cannot_say_is_refused_by_name(cls: type[Any], what: str) -> None:

@@ -25,8 +25,8 @@ _ROWS: dict[str, dict[str, Any]] = {
     "odometry": {"type": "Odometry", "rate_hz": 100},
     "landmarks": {"type": "Landmarks", "latched": True},
     "module_states": {"type": "ModuleRecord", "latched": True},
-    "events": {"type": "EventRecord"},
-    "load": {"type": "LoadRecord", "log": "never"},
+    "events": {"type": "TimelineEvent"},
+    "load": {"type": "LoadReport", "log": "never"},
     "recorder": {"type": "RecorderStatus", "log": "never", "external": False},
 }
 TABLE = ChannelTable({name: ChannelSpec.model_validate({"external": True, **row}) for name, row in _ROWS.items()})

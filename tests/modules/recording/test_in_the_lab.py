@@ -8,7 +8,7 @@ from pathlib import Path
 from app.attention.desires import Source
 from app.logs.library import RecordingLibrary
 from app.logs.mcap.reader import McapLog
-from app.messages import Image, IntentionRecord, Odometry, RecorderStatus
+from app.messages import Image, IntentionReport, Odometry, RecorderStatus
 from app.program.config import load_configuration
 from app.program.system import System
 from tests.logs.mcap.disks import image, odometry
@@ -64,5 +64,5 @@ async def test_the_kinect_runs_for_a_recording_only(tmp_path: Path) -> None:
     types, facts = await asyncio.to_thread(read)
     assert types.count(Odometry) == 30
     assert types.count(Image) >= 1
-    assert IntentionRecord in types
+    assert IntentionReport in types
     assert facts["stream.kinect"] == "kinect"

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from app.messages import EventRecord, Landmarks, LoadRecord, ModuleRecord, Odometry
+from app.messages import Landmarks, LoadReport, ModuleRecord, Odometry, TimelineEvent
 from tests.logs.mcap.disks import BEGIN, Disk, image, landmarks, odometry
 from tests.modules.recording.robot import Robot, files, of, read
 
@@ -38,7 +38,7 @@ async def test_what_is_fed_while_it_is_desired_is_in_the_file(tmp_path: Path) ->
             robot.feed("odometry", odometry(BEGIN + i / 100))
             await asyncio.sleep(0)
         robot.feed("kinect", image(BEGIN))
-        robot.feed("load", LoadRecord(BEGIN, 1.0, (), (), 0.0))
+        robot.feed("load", LoadReport(BEGIN, 1.0, 0.0, None, ()))
         await robot.taken("odometry", 201)
         await robot.taken("kinect", 1)
         robot.desire(False)
@@ -70,7 +70,7 @@ async def test_a_log_begins_with_the_whole_state(tmp_path: Path) -> None:
         robot.feed("module_states", ModuleRecord(BEGIN - 40, "Kinect", "running", 0, ""))
         robot.feed("module_states", ModuleRecord(BEGIN - 30, "Hokuyo", "running", 0, ""))
         robot.feed("module_states", ModuleRecord(BEGIN - 20, "Kinect", "failed", 0, "lost"))
-        robot.feed("events", EventRecord(BEGIN - 10, "module", "Kinect", "Kinect failed", "{}"))
+        robot.feed("events", TimelineEvent(1, BEGIN - 10, "module", "Kinect", "Kinect failed"))
         await robot.taken("module_states", 3)
         await robot.record(5, name="walk")
     messages = await read(tmp_path / "walk.mcap")
@@ -80,7 +80,7 @@ async def test_a_log_begins_with_the_whole_state(tmp_path: Path) -> None:
     modules = of(messages, ModuleRecord)
     assert {(m.module, m.status) for m in modules} == {("Kinect", "failed"), ("Hokuyo", "running")}
     assert set(map(type, state)) == {Landmarks, ModuleRecord}  # what merely happened before is not part of it
-    assert not of(messages, EventRecord)
+    assert not of(messages, TimelineEvent)
 
 
 async def test_a_name_that_is_taken_gets_a_number_and_none_is_the_time(tmp_path: Path) -> None:

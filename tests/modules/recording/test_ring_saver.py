@@ -16,7 +16,7 @@ from app.logs.library import RecordingLibrary
 from app.logs.log import LogError
 from app.logs.mcap.ring import HeldSegments, Ring
 from app.logs.mcap.ring_folder import leftovers
-from app.messages import EventRecord, Odometry
+from app.messages import Odometry, TimelineEvent
 from app.modules.recording import ring_saver
 from tests.logs.mcap.disks import BEGIN, MANIFEST, Disk, encoder, odometry
 from tests.modules.recording.robot import Robot, files, of, read
@@ -102,14 +102,14 @@ async def test_an_event_saves_the_ring(tmp_path: Path) -> None:
         robot.desire(keep_minutes=5)
         await robot.until(lambda status: status.state == "ring")
         robot.feed("odometry", odometry(BEGIN))
-        robot.feed("events", EventRecord(BEGIN, "guard", "driving", "The base drives", "{}"))
-        robot.feed("events", EventRecord(BEGIN, "guard", "e_stopped", "Emergency stop", "{}"))
+        robot.feed("events", TimelineEvent(1, BEGIN, "guard", "driving", "The base drives"))
+        robot.feed("events", TimelineEvent(2, BEGIN, "guard", "e_stopped", "Emergency stop"))
         async with asyncio.timeout(PATIENCE_S):
             while not await asyncio.to_thread(files, tmp_path):
                 await robot.statuses.receive()
     (saved,) = await asyncio.to_thread(files, tmp_path)
     assert saved.endswith("-guard-e_stopped.mcap")
-    assert [event.subject for event in of(await read(tmp_path / saved), EventRecord)] == ["driving", "e_stopped"]
+    assert [event.subject for event in of(await read(tmp_path / saved), TimelineEvent)] == ["driving", "e_stopped"]
 
 
 async def test_the_ring_of_an_earlier_run_becomes_a_recording(tmp_path: Path) -> None:

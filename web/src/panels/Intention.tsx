@@ -10,11 +10,10 @@ import { panel } from "./panel";
 export const intentionPanel = panel({ type: "intention", tab: "Attention", Card: Intention, offered: () => true });
 
 function Intention({ message }: { message: Message<"intention"> | null }) {
-  const intention = message?.intention;
   return (
     <section class="card" aria-label="Intention" data-testid="intention">
       <h2>What the robot attends to, and why</h2>
-      {intention ? <Body intention={intention} /> : <p class="empty">No intention yet.</p>}
+      {message ? <Body intention={message} /> : <p class="empty">No intention yet.</p>}
     </section>
   );
 }

@@ -30,7 +30,7 @@ function Load({ message: load }: { message: LoadMessage | null }) {
 function Body({ load }: { load: LoadMessage }) {
   const modules = [...load.modules].sort((a, b) => rank(a) - rank(b) || b.cpu - a.cpu || a.name.localeCompare(b.name));
   const { store } = useApp();
-  const attended = attendedCpu(load, store.of("intention").value?.intention ?? null);
+  const attended = attendedCpu(load, store.of("intention").value);
   const budget = load.budget;
   const most = Math.max(2, ...modules.map((module) => Math.max(module.cpu, module.cpu_budget ?? 0)));
   return (

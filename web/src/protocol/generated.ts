@@ -5,6 +5,20 @@
 
 import type { JsonSchema } from "./jsonSchema";
 
+/** A change that would serve a desire better: more of a resource, or no desire for another class. */
+export interface Alternative {
+  kind: "capacity" | "without";
+  /** The utility that the class would get. */
+  utility: number;
+  /** Of `capacity`: the resource; else empty. */
+  resource: string;
+  /** Of `capacity`: how much more of it. */
+  amount: number;
+  unit: string;
+  /** Of `without`: the other class; else empty. */
+  without: string;
+}
+
 /** Whether the robot has microphones to listen to, and a loudspeaker to speak through. */
 export interface AudioFacts {
   listen: boolean;
@@ -37,11 +51,6 @@ export interface Channels {
   costmap: boolean;
   scan: boolean;
   point_cloud: boolean;
-}
-
-/** What attention chose; null before the first. */
-export interface CurrentIntention {
-  intention: IntentionReport | null;
 }
 
 /** The map in use. */
@@ -86,8 +95,10 @@ export interface DesireClassReport {
   served: boolean;
 }
 
-/** Every desire, in the order they came. */
-export interface DesireList {
+/** Every desire in the Intention Workspace, in the order they came. */
+export interface Desires {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
   desires: Desire[];
 }
 
@@ -158,7 +169,10 @@ export interface Hello {
   playback: PlaybackReport | null;
 }
 
-/** The intention at work: what was selected, what follows from it, and why. */
+/**
+ * The intention at work: what was selected, what follows from it, and why. Published when it is put in force, and again
+ * once its reasons are complete.
+ */
 export interface IntentionReport {
   /** Seconds of the robot's clock (Unix epoch). */
   stamp: number;
@@ -178,7 +192,7 @@ export interface IntentionReport {
   /** Security desires that could not be kept. */
   relaxed: string[];
   /** By desired class. */
-  reasons: Record<string, ReasonReport>;
+  reasons: Record<string, Reason>;
   /** What each module was handed. */
   parameters: Record<string, Record<string, unknown>>;
   /** Id of the strongest desire of each class that it answers. */
@@ -238,23 +252,27 @@ export interface LanePast {
   spells: LaneSpell[];
 }
 
-/** A lane now. */
+/** A desire class: how much it is desired, what attention gives it, and why. */
 export interface LaneRow {
+  class: string;
+  /** Of its strongest desire; null: there is none. */
   intensity: number | null;
+  /** Desired by that; null: there is none. */
   utility: number | null;
+  /** Messages let through over messages offered, in the last second; 0 when closed, null: none was offered. */
+  rate: number | null;
   /** φ: one message in φ passes; null: none passes. */
   divisor: number | null;
-  /** By filter, `Module.port`. */
+  /** By filter, `Module.port`, of its strategies at work. */
   divisors: Record<string, number | null>;
   state: "degraded" | "fulfilled" | "inhibited" | "needed" | "undesired" | "unfulfilled";
   text: string;
-  class: string;
-  /** Messages let through over messages offered, in the last second. */
-  rate: number | null;
 }
 
 /** What a lane was, from one sample until the next spell's. */
 export interface LaneSpell {
+  /** Number of the sample. */
+  at: number;
   intensity: number | null;
   utility: number | null;
   /** φ: one message in φ passes; null: none passes. */
@@ -263,11 +281,9 @@ export interface LaneSpell {
   divisors: Record<string, number | null>;
   state: "degraded" | "fulfilled" | "inhibited" | "needed" | "undesired" | "unfulfilled";
   text: string;
-  /** Number of the sample. */
-  at: number;
 }
 
-/** 20 times a second: one row for each desire class. */
+/** 20 times a second: one row for each desire class, in a fixed order. */
 export interface Lanes {
   /** Seconds of the robot's clock (Unix epoch). */
   stamp: number;
@@ -280,10 +296,12 @@ export interface LanesHistory {
   rows: LanePast[];
 }
 
-/** What the modules take of the computer. */
-export interface Load {
+/** What the modules take of the computer, once a second. */
+export interface LoadReport {
   /** Seconds of the robot's clock (Unix epoch). */
   stamp: number;
+  /** The time that it was measured over. */
+  window_s: number;
   /** Per cent of one core. */
   process_cpu: number;
   /** Per cent that attention may give; null: no limit. */
@@ -369,16 +387,6 @@ export interface ModuleReport {
   problem: string | null;
   inputs: ModuleInput[];
   outputs: ModuleOutput[];
-}
-
-/** What would help a desire: ``amount`` more of a resource. */
-export interface MoreCapacity {
-  kind: "capacity";
-  /** The utility it would get. */
-  utility: number;
-  resource: string;
-  amount: number;
-  unit: string;
 }
 
 /** State of the behavior that drives to a goal; as `navigation` on the live stream. */
@@ -536,7 +544,7 @@ export interface Pong {
 }
 
 /** Why a desired class gets what it gets. */
-export interface ReasonReport {
+export interface Reason {
   state: "degraded" | "fulfilled" | "inhibited" | "unfulfilled";
   /** The utility it gets. */
   utility: number;
@@ -546,7 +554,9 @@ export interface ReasonReport {
   best: number;
   /** The reason in words. */
   text: string;
-  alternatives: (MoreCapacity | WithoutClass)[];
+  alternatives: Alternative[];
+  /** Whether the search for alternatives was complete. */
+  searched: boolean;
 }
 
 /** State of the Recorder. */
@@ -723,15 +733,6 @@ export interface TimelineEvent {
 export interface Velocity {
   linear_mps: number;
   angular_radps: number;
-}
-
-/** What would help a desire: no desire for another class. */
-export interface WithoutClass {
-  kind: "without";
-  /** The utility it would get. */
-  utility: number;
-  /** The other class. */
-  without: string;
 }
 
 /** Every zone of the map. */
@@ -954,13 +955,13 @@ export interface RobotMessages {
   /** Once, before the first `lanes`, and after a `jump`: what they were. */
   lanes_history: LanesHistory;
   /** On change: every desire. */
-  desires: DesireList;
-  /** On change: what attention chose; null before the first. */
-  intention: CurrentIntention;
+  desires: Desires;
+  /** On change, from the first on: what attention chose. */
+  intention: IntentionReport;
   /** As they come: events, oldest first. */
   events: EventList;
   /** Once a second: what the modules take of the computer. */
-  load: Load;
+  load: LoadReport;
   /** On change, and about once a second while it records: what the Recorder does. */
   recorder: RecorderReport;
   /** On change: what was found, in `odom`. */

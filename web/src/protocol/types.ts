@@ -8,6 +8,7 @@ export type {
   IntentionReport as Intention,
   LandmarkReport as Landmark,
   MapList as KeptMaps,
+  LoadReport as Load,
   ModuleReport as ModuleLoad,
   NavigationModel as Navigation,
   PlacedCode as SeenCode,

@@ -114,7 +114,7 @@ export function createStore() {
       const point = {
         stamp: load.stamp,
         cpu: load.process_cpu,
-        attended: attendedCpu(load, of("intention").value?.intention ?? null),
+        attended: attendedCpu(load, of("intention").value),
         budget: load.budget,
       };
       loadHistory.value = [...loadHistory.value.slice(1 - LOAD_KEPT), point];

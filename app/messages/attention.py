@@ -1,0 +1,218 @@
+"""What attention publishes: desires, the intention in force and its reasons, lanes, events of the timeline.
+
+Recorded as any message; no module acts on it. A class with a field ``cls`` is a Struct, for its JSON has a member
+``class``. A closed filter's φ is inf.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Annotated, Any, Literal
+
+from msgspec import Meta, Struct
+
+from app.messages.base import Stamp, doc
+
+SourceKind = Literal["motivation", "operator", "rest"]
+ReasonState = Literal["fulfilled", "degraded", "unfulfilled", "inhibited"]
+LaneState = Literal["fulfilled", "degraded", "unfulfilled", "inhibited", "undesired", "needed"]
+EventKind = Literal[
+    "desire",
+    "intention",
+    "filter",
+    "exploitation",
+    "restart",
+    "overload",
+    "guard",
+    "solver",
+    "capacity",
+    "module",
+    "stale",
+    "goal",
+    "percept",
+]
+
+Divisor = Annotated[float, doc("φ: one message in φ passes; null: none passes.", nullable=True)]
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """The author of a desire: a motivation of the robot, an operator at the console or a REST client, by name."""
+
+    kind: SourceKind
+    name: str
+
+
+class Desire(Struct, frozen=True, rename={"cls": "class"}):
+    """One desire of the Intention Workspace."""
+
+    id: Annotated[str, Meta(examples=["d-3f0c81a2b4"])]
+    cls: Annotated[str, Meta(examples=["FindQRCodes"])]
+    intensity: Annotated[float, Meta(description="How much it is desired, over 0 and at most 8.", examples=[8])]
+    utility: Annotated[float, Meta(description="Utility desired, 0 to 8; 0 inhibits the class.", examples=[4])]
+    security: Annotated[bool, doc("Whether it must be fulfilled.")]
+    params: Annotated[Mapping[str, Any], doc("Parameters as the class declares them.")]
+    source: Source
+    created: Stamp
+    expires: Annotated[float | None, doc("When it expires (robot's clock, s); null: never.")] = None
+
+
+@dataclass(frozen=True, slots=True)
+class Desires:
+    """Every desire in the Intention Workspace, in the order they came."""
+
+    stamp: Stamp
+    desires: tuple[Desire, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Alternative:
+    """A change that would serve a desire better: more of a resource, or no desire for another class."""
+
+    kind: Literal["capacity", "without"]
+    utility: Annotated[float, doc("The utility that the class would get.")]
+    resource: Annotated[str, doc("Of `capacity`: the resource; else empty.")] = ""
+    amount: Annotated[float, doc("Of `capacity`: how much more of it.")] = 0.0
+    unit: str = ""
+    without: Annotated[str, doc("Of `without`: the other class; else empty.")] = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Reason:
+    """Why a desired class gets what it gets."""
+
+    state: ReasonState
+    utility: Annotated[float, doc("The utility it gets.")]
+    wanted: Annotated[float, doc("The utility desired.")]
+    best: Annotated[float, doc("The most that any selection could give it.")]
+    text: Annotated[str, doc("The reason in words.")]
+    alternatives: tuple[Alternative, ...] = ()
+    searched: Annotated[bool, doc("Whether the search for alternatives was complete.")] = True
+
+
+class SelectedStrategy(Struct, frozen=True, rename={"cls": "class"}):
+    """A strategy at work."""
+
+    name: str
+    cls: str
+    utility: float
+    filters: Mapping[str, Divisor]
+    costs: Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True)
+class ResourceUse:
+    """What is used of a resource."""
+
+    used: float
+    capacity: float
+    unit: str
+
+
+@dataclass(frozen=True, slots=True)
+class IntentionReport:
+    """The intention at work: what was selected, what follows from it, and why. Published when it is put in force, and
+    again once its reasons are complete."""
+
+    stamp: Stamp
+    strategies: tuple[SelectedStrategy, ...]
+    fulfilled: Annotated[tuple[str, ...], doc("Classes whose strongest desire is fulfilled.")]
+    omega: Annotated[float, doc("Ω, what the selection is worth (thesis, equation 4.9).")]
+    bound: Annotated[
+        float,
+        doc("No selection can be worth more; equal to `omega` when proven, null where none is known.", nullable=True),
+    ]
+    use: Mapping[str, ResourceUse]
+    filters: Annotated[Mapping[str, Divisor], doc("φ of every filter that attention controls.")]
+    proven: Annotated[bool, doc("Whether no better selection exists.")]
+    solve_ms: float
+    relaxed: Annotated[tuple[str, ...], doc("Security desires that could not be kept.")]
+    reasons: Annotated[Mapping[str, Reason], doc("By desired class.")]
+    parameters: Annotated[Mapping[str, Mapping[str, Any]], doc("What each module was handed.")]
+    desires: Annotated[Mapping[str, str], doc("Id of the strongest desire of each class that it answers.")]
+
+
+class LaneRow(Struct, frozen=True, rename={"cls": "class"}):
+    """A desire class: how much it is desired, what attention gives it, and why."""
+
+    cls: str
+    intensity: Annotated[float | None, doc("Of its strongest desire; null: there is none.")]
+    utility: Annotated[float | None, doc("Desired by that; null: there is none.")]
+    rate: Annotated[
+        float | None,
+        doc("Messages let through over messages offered, in the last second; 0 when closed, null: none was offered."),
+    ]
+    divisor: Divisor
+    divisors: Annotated[Mapping[str, Divisor], doc("By filter, `Module.port`, of its strategies at work.")]
+    state: LaneState
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Lanes:
+    """20 times a second: one row for each desire class, in a fixed order."""
+
+    stamp: Stamp
+    rows: tuple[LaneRow, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class TimelineEvent:
+    """One event of the timeline; ``data`` is JSON as it is."""
+
+    id: Annotated[int, doc("Grows by one from 1.")]
+    stamp: Stamp
+    kind: EventKind
+    subject: Annotated[str, doc("What it is about: a desire class, a module, a filter.")]
+    text: Annotated[str, doc("One sentence.")]
+    data: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Scale:
+    """The ends of the scales of desires."""
+
+    intensity: float
+    utility: float
+
+
+@dataclass(frozen=True, slots=True)
+class DesireClassReport:
+    """What can be desired."""
+
+    name: Annotated[str, Meta(examples=["FindQRCodes"])]
+    title: str
+    description: str
+    schema: Annotated[dict[str, Any], Meta(title="JsonSchema", description="JSON Schema of `params`.")]
+    served: Annotated[
+        bool, doc("Whether a strategy of this program's modules serves it; else no desire for it is fulfilled.")
+    ]
+
+
+class StrategyReport(Struct, frozen=True, rename={"cls": "class"}):
+    """One way to serve a desire class."""
+
+    name: str
+    cls: str
+    utility: Annotated[float, doc("Produced utility v, over 0 and at most 8.")]
+    requires: Annotated[Mapping[str, float], doc("Utility needed of other classes.")]
+    filters: Annotated[Mapping[str, Divisor], doc("φ by `Module.port`.")]
+    parameters: Annotated[
+        Mapping[str, Mapping[str, Any]], doc("What modules are handed while it is selected, by module.")
+    ]
+    costs: Annotated[Mapping[str, float], doc("What it uses of each resource.")]
+    selected: bool
+    declared: Annotated[str | None, doc("File and line.")]
+
+
+@dataclass(frozen=True, slots=True)
+class ResourceReport:
+    """What strategies share."""
+
+    name: Annotated[str, Meta(examples=["cpu"])]
+    capacity: Annotated[float, Meta(description="How much of it attention may give now.", examples=[120])]
+    declared: Annotated[float, doc("Its capacity in configuration.")]
+    used: Annotated[float, doc("What the intention at work uses of it.")]
+    unit: str
+    description: str
