@@ -47,7 +47,7 @@ BEGIN = 1_795_000_000.0
 WIDTH, HEIGHT, KINECT_HZ = 424, 318, 0.85
 RAYS, HOKUYO_HZ, ODOMETRY_HZ = 181, 5, 50
 #: Modules that perceive or map: replays run them; they are off while the log is recorded.
-WITHOUT = ("Imv", "FaceDetector", "SLAM2D")
+WITHOUT = ("PanoramicCamera", "FaceDetector", "SLAM2D")
 
 #: In odom (m; the robot begins at its origin, looking along x): places to go to, and points to look at for so long (s).
 #: Up the corridor to the Robotics lab's poster, then west by the Office's to the Workshop's.
@@ -158,7 +158,7 @@ def make_small(config: Path) -> None:
             "filters": {
                 "Recorder.kinect": 1,
                 "Recorder.scan": 1,
-                "Recorder.imv": "off",
+                "Recorder.panorama": "off",
                 "Recorder.microphones": "off",
             },
         }

@@ -134,7 +134,7 @@ def _check_model(robot: RobotConfig) -> None:
     """Raise ConfigError unless the model has the joints and links that the configuration names."""
     model = load_model(robot.model)
     streams = robot.streams
-    parts = (streams.kinect, streams.hokuyo, streams.imv, streams.microphones, robot.loudspeaker)
+    parts = (streams.kinect, streams.hokuyo, streams.panorama, streams.microphones, robot.loudspeaker)
     sensors = [part.link for part in parts if part is not None]
     for joint in (robot.base.left_wheel_joint, robot.base.right_wheel_joint):
         if joint not in model.joint_names:

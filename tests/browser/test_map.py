@@ -85,7 +85,7 @@ def write_program(folder: Path, start: Pose2, scans_hz: float = 40) -> Path:
         "ground_truth": True,
         "start": {"x": start.x, "y": start.y, "heading_deg": math.degrees(start.theta)},
     }
-    body["streams"] |= {"kinect": None, "imv": None, "microphones": None}
+    body["streams"] |= {"kinect": None, "panorama": None, "microphones": None}
     body["streams"]["hokuyo"]["rate_hz"] = scans_hz
     body["loudspeaker"] = None
     (folder / "robot.yaml").write_text(yaml.safe_dump(body))

@@ -56,7 +56,7 @@ modules:
     outputs: {pictures: camera_jpeg}
   PanoramaStream:
     class: app.modules.perception.panorama_stream:PanoramaStream
-    inputs: {images: imv}
+    inputs: {images: panorama}
     outputs: {pictures: panorama_jpeg}
   PointCloudBuilder:
     class: app.modules.perception.point_cloud_builder:PointCloudBuilder
@@ -122,7 +122,7 @@ qr_codes: {type: QRCodes, external: true}
 sound_sources: {type: SoundSources, external: true}
 loud_noises: {type: LoudNoise, decimable: false, external: true}
 percept_events: {type: PerceptEvent, decimable: false, external: true}
-imv: {type: Image, rate_hz: 10, external: true}
+panorama: {type: Image, rate_hz: 10, external: true}
 panorama_jpeg: {type: EncodedImage, log: never}
 localization: {type: Localization, frame: map, decimable: false, external: true, page: {every_hz: 10}}
 map: {type: OccupancyGrid, latched: true, frame: map, decimable: false, external: true}

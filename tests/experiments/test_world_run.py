@@ -67,7 +67,7 @@ def test_modules_of_streams_that_are_not_there_are_left_out_and_their_channels_s
     assert isinstance(body, RobotConfig)
     blind = able(configuration, create_lockstep(body, VirtualClock()))
     gone = set(configuration.program.modules) - set(blind.program.modules)
-    assert gone == {"Kinect", "Imv", "Microphones", "Recorder"}
+    assert gone == {"Kinect", "PanoramicCamera", "Microphones", "Recorder"}
     assert blind.channels["kinect"].external
     assert blind.channels["kinect"].rate_hz is None
     assert not blind.channels["scan"].external

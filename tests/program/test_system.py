@@ -22,7 +22,7 @@ from tests.patience import PATIENCE_S
 ME = Source("operator", "test")
 RUN_S = 6.0
 #: Of the rate by the world's own time: a busy computer loses pictures and sound first.
-LEAST_SHARE = {"kinect": 0.1, "imv": 0.1, "microphones": 0.1}
+LEAST_SHARE = {"kinect": 0.1, "panorama": 0.1, "microphones": 0.1}
 
 needs_gl = pytest.mark.skipif(check_gl() is not None, reason=check_gl() or "")
 

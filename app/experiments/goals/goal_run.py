@@ -66,7 +66,7 @@ def simulated_body(config: Path, scenario: Path | None) -> RobotConfig:
 
 def seeing(body: RobotConfig) -> RobotConfig:
     """``body`` with only the camera that navigation uses, to save rendering."""
-    return body.model_copy(update={"streams": body.streams.model_copy(update={"imv": None})})
+    return body.model_copy(update={"streams": body.streams.model_copy(update={"panorama": None})})
 
 
 def work(run_spec: GoalRun, give: Callable[[GoalResult], None]) -> None:

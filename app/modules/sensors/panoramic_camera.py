@@ -1,10 +1,11 @@
-"""Imv: the panoramic camera (immersive video), a full hemisphere in front (thesis 4.2).
+"""PanoramicCamera: a full hemisphere in front (thesis 4.2, where it is called IMV, immersive video).
 
-    ┌─────────────────────────────────────────────────────────────────────────────────────────┐
-    │ Imv    out  images  Image, 10 Hz, 1024 x 768, fisheye, in imv_optical_frame, no depth    │
-    └─────────────────────────────────────────────────────────────────────────────────────────┘
+    ┌──────────────────────────────────────────────────────────────────────────────────────────────┐
+    │ PanoramicCamera    out  images  Image, 10 Hz, 1024 x 768, fisheye, in panorama_optical_frame │
+    └──────────────────────────────────────────────────────────────────────────────────────────────┘
 
-Computes nothing: the body's stream ``imv`` is published unchanged, and only while a subscription is open.
+Computes nothing: the body's stream ``panorama`` is published unchanged, without depth, and only while a subscription is
+open.
 """
 
 from __future__ import annotations
@@ -16,11 +17,11 @@ from app.modules.stream_module import StreamModule
 from app.runtime.module import ModuleContext
 
 
-class Imv(StreamModule):
-    """The body's ``imv`` stream on a channel."""
+class PanoramicCamera(StreamModule):
+    """The body's ``panorama`` stream on a channel."""
 
     title = "Panoramic camera"
-    streams = MappingProxyType({"images": "imv"})
+    streams = MappingProxyType({"images": "panorama"})
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
@@ -28,4 +29,4 @@ class Imv(StreamModule):
 
     async def start(self) -> None:
         """Attach to the body's stream. Raises ModuleFailed for a body without a panoramic camera."""
-        self.relay("imv", self.images, lazy=True)
+        self.relay("panorama", self.images, lazy=True)

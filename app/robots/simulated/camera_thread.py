@@ -55,7 +55,7 @@ class CameraThread:
         self._wake = wake
         self._periods = {
             name: 1.0 / config.rate_hz
-            for name, config in (("kinect", streams.kinect), ("imv", streams.imv))
+            for name, config in (("kinect", streams.kinect), ("panorama", streams.panorama))
             if config is not None
         }
         self._condition = threading.Condition()

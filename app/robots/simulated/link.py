@@ -203,8 +203,8 @@ def describe(robot: RobotConfig) -> RobotDescription:
     ]
     if streams.kinect is not None:
         table.append(("kinect", Image, streams.kinect.rate_hz))
-    if streams.imv is not None:
-        table.append(("imv", Image, streams.imv.rate_hz))
+    if streams.panorama is not None:
+        table.append(("panorama", Image, streams.panorama.rate_hz))
     if streams.hokuyo is not None:
         table.append(("hokuyo", LaserScan, streams.hokuyo.rate_hz))
     if streams.microphones is not None:

@@ -14,8 +14,8 @@ a guard in the program's own process protects from little.
 
     pose = run_in_world(configuration, body, script)                  # app.experiments.world_run
 
-``kinect`` and ``imv`` exist only with ``cameras``, and ``microphones`` only with ``microphones``: images and sound are
-then rendered while time is stopped, and arrive with their step. There is no loudspeaker.
+``kinect`` and ``panorama`` exist only with ``cameras``, and ``microphones`` only with ``microphones``: images and sound
+are then rendered while time is stopped, and arrive with their step. There is no loudspeaker.
 """
 
 from __future__ import annotations
@@ -202,6 +202,6 @@ def without_threads(robot: RobotConfig, *, cameras: bool, microphones: bool = Fa
     if not microphones:
         removed |= {"microphones": None}
     if not cameras:
-        removed |= {"kinect": None, "imv": None}
+        removed |= {"kinect": None, "panorama": None}
     streams = robot.streams.model_copy(update=removed)
     return robot.model_copy(update={"streams": streams, "loudspeaker": None, "guard_log": None})

@@ -71,9 +71,9 @@ class WorldSimulation:
         streams = robot.streams
         seeds = np.random.SeedSequence(robot.seed).spawn(8)
         rngs = [np.random.default_rng(s) for s in seeds]  # one each, in a fixed order: append new ones at the end
-        base_rng, odometry_rng, laser_rng, kinect_rng, self._joint_rng, imv_rng = rngs[:6]
+        base_rng, odometry_rng, laser_rng, kinect_rng, self._joint_rng, panorama_rng = rngs[:6]
         self.robot = robot
-        self.camera_rngs = {"kinect": kinect_rng, "imv": imv_rng}
+        self.camera_rngs = {"kinect": kinect_rng, "panorama": panorama_rng}
         self.scenario_state = ScenarioState(scenario or ScenarioConfig(name="empty"))
         self._inhabited = scenario is not None
         self.wanted = set(wanted)
@@ -111,7 +111,7 @@ class WorldSimulation:
             X_BL = self.kinematics.pose(streams.hokuyo.link)
             self._laser = Laser(self.physics, streams.hokuyo, X_BL, laser_rng)
             rates["hokuyo"] = streams.hokuyo.rate_hz
-        for stream, camera in (("kinect", streams.kinect), ("imv", streams.imv)):
+        for stream, camera in (("kinect", streams.kinect), ("panorama", streams.panorama)):
             if camera is not None:
                 rates[stream] = camera.rate_hz
         self._camera_frames = {stream: frame for stream, (frame, _) in lenses(robot).items()}

@@ -59,18 +59,18 @@ def test_a_fisheyes_images_come_back_beside_a_pinholes(tmp_path: Path) -> None:
     lens = FisheyeModel.from_fov(64, 48, math.pi, math.pi)
     written = [logged for logged in drive(0.5) if logged.channel == "kinect"]
     for logged in tuple(written):
-        seen = replace(logged.message, frame="imv_optical_frame", depth=None, camera=lens)
-        written.append(Logged(logged.at, "imv", seen))
-    path = write_log(tmp_path / "both.mcap", written, CHANNELS | {"imv": spec("Image", 10)})
+        seen = replace(logged.message, frame="panorama_optical_frame", depth=None, camera=lens)
+        written.append(Logged(logged.at, "panorama", seen))
+    path = write_log(tmp_path / "both.mcap", written, CHANNELS | {"panorama": spec("Image", 10)})
     log = McapLog(path)
     assert log.info.ignored == {}
-    assert log.info.channels["imv"].count == len(written) / 2
-    assert_same(list(log.messages(channels=["imv"])), [w for w in written if w.channel == "imv"])
+    assert log.info.channels["panorama"].count == len(written) / 2
+    assert_same(list(log.messages(channels=["panorama"])), [w for w in written if w.channel == "panorama"])
     assert_same(list(log.messages(channels=["kinect"])), [w for w in written if w.channel == "kinect"])
-    export(log, Wish("png", tmp_path / "out", channels=["imv"]))
-    assert len(list((tmp_path / "out" / "imv").iterdir())) == len(written) / 2
-    export(log, Wish("mp4", tmp_path / "out", channels=["imv"]))
-    assert (tmp_path / "out" / "imv.mp4").stat().st_size > 1000
+    export(log, Wish("png", tmp_path / "out", channels=["panorama"]))
+    assert len(list((tmp_path / "out" / "panorama").iterdir())) == len(written) / 2
+    export(log, Wish("mp4", tmp_path / "out", channels=["panorama"]))
+    assert (tmp_path / "out" / "panorama.mp4").stat().st_size > 1000
     log.close()
 
 

@@ -38,10 +38,12 @@ def test_a_recording_brings_its_own_program(tmp_path: Path) -> None:
     assert program.description.limits.linear_mps == 0.4
     assert not program.description.simulated
     assert program.left_out == {
-        "Recorder": "not asked for", "Imv": "the log has no imv", "Microphones": "the log has no microphones",
-    }  # fmt: skip
+        "Recorder": "not asked for",
+        "PanoramicCamera": "the log has no panorama",
+        "Microphones": "the log has no microphones",
+    }
     assert program.fed == ("operator_drive",)
-    assert set(program.silent.values()) == {"imv", "microphones"}
+    assert set(program.silent.values()) == {"panorama", "microphones"}
 
 
 def test_what_the_log_has_nothing_for_stays_out(tmp_path: Path) -> None:
@@ -109,10 +111,10 @@ def test_modules_that_would_hear_nothing_stay_out_with_their_strategies() -> Non
         running = set(replay.system.graph.modules)
         name = replay.system.link.description.name
     for module, channels in (
-        ("QRCodeDetector", "imv and no kinect"),
-        ("FaceDetector", "imv and no kinect"),
+        ("QRCodeDetector", "kinect and no panorama"),
+        ("FaceDetector", "kinect and no panorama"),
         ("CameraStream", "kinect"),
-        ("PanoramaStream", "imv"),
+        ("PanoramaStream", "panorama"),
         ("PointCloudBuilder", "kinect"),
     ):
         assert f"{module} does not run: the log has no {channels}" in notes
@@ -133,7 +135,7 @@ def test_modules_that_would_hear_nothing_stay_out_with_their_strategies() -> Non
 
 
 def test_a_module_alone_that_would_hear_nothing_is_refused() -> None:
-    with pytest.raises(ConfigError, match="QRCodeDetector: the log has no imv and no kinect"):
+    with pytest.raises(ConfigError, match="QRCodeDetector: the log has no kinect and no panorama"):
         Replay(scans_alone(), VirtualClock(BEGIN), ReplayOptions(only=("QRCodeDetector",))).close()
 
 

@@ -86,7 +86,7 @@ def test_angles_are_seen_from_the_camera(perception: Perception) -> None:
     perception.say("panorama_jpeg", panorama(9.9))
     (face,) = perception.at(10.0)["faces"]
     assert face["panorama"] == [face["azimuth"], face["elevation"]]
-    assert (face["camera"], face["image"], face["box"]) == ("imv_optical_frame", [1024, 768], [400, 300, 40, 50])
+    assert (face["camera"], face["image"], face["box"]) == ("panorama_optical_frame", [1024, 768], [400, 300, 40, 50])
 
 
 def test_a_face_is_seen_from_where_its_camera_was_when_it_was_seen(perception: Perception) -> None:
@@ -125,7 +125,7 @@ def test_one_face_in_two_cameras_is_two_entries_of_one_track(perception: Percept
     perception.say("faces", faces(10.0))
     perception.say("faces", faces(10.0, frame="kinect_optical_frame"))
     entries = [(face["track"], face["camera"]) for face in perception.at(10.0)["faces"]]
-    assert entries == [(1, "imv_optical_frame"), (1, "kinect_optical_frame")]
+    assert entries == [(1, "kinect_optical_frame"), (1, "panorama_optical_frame")]
 
 
 def test_a_sound_falls_silent_and_goes(perception: Perception) -> None:
@@ -204,7 +204,7 @@ def test_a_code_is_told_as_it_was_read_until_it_is_gone(perception: Perception) 
     (code,) = perception.at(10.5)["codes"]
     assert code == {
         "text": "stop 1",
-        "camera": "imv_optical_frame",
+        "camera": "panorama_optical_frame",
         "stamp": 10.0,
         "corners": [[1, 2], [11, 2], [11, 12], [1, 12]],
         "image": [1024, 768],

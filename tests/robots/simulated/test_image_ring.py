@@ -21,7 +21,7 @@ from tests.robots.simulated.shared_memory import shared_memory
 WIDTH, HEIGHT = 32, 24
 FORMATS = {
     "kinect": PictureFormat(WIDTH, HEIGHT, has_depth=True),
-    "imv": PictureFormat(2 * WIDTH + 1, HEIGHT, has_depth=False),
+    "panorama": PictureFormat(2 * WIDTH + 1, HEIGHT, has_depth=False),
 }
 
 
@@ -104,8 +104,8 @@ def test_each_camera_has_slots_of_its_own(both: tuple[ImageRings, ImageRings]) -
             assert pictures is not None
             assert pictures[0].shape == (FORMATS[stream].height, FORMATS[stream].width, 3)
             assert (pictures[0] == number).all()
-            assert (pictures[1] is None) == (stream == "imv")
-    assert reader.read("imv", *told["imv"][1]) is not None
+            assert (pictures[1] is None) == (stream == "panorama")
+    assert reader.read("panorama", *told["panorama"][1]) is not None
 
 
 def test_the_memory_has_no_name_and_goes_with_its_last_user() -> None:

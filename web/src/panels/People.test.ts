@@ -12,8 +12,12 @@ const event = (id: number, subject: string, camera: string): RobotEvent => ({
 });
 
 test("A camera is in the dark from dark.appears to its own dark.leaves", () => {
-  const events = [event(1, "face.appears", "3"), event(2, "dark.appears", "kinect"), event(3, "dark.appears", "imv")];
-  expect(inTheDark(events)).toEqual(["kinect", "imv"]);
-  expect(inTheDark([...events, event(4, "dark.leaves", "imv")])).toEqual(["kinect"]);
+  const events = [
+    event(1, "face.appears", "3"),
+    event(2, "dark.appears", "kinect"),
+    event(3, "dark.appears", "panorama"),
+  ];
+  expect(inTheDark(events)).toEqual(["kinect", "panorama"]);
+  expect(inTheDark([...events, event(4, "dark.leaves", "panorama")])).toEqual(["kinect"]);
   expect(inTheDark([])).toEqual([]);
 });

@@ -305,7 +305,7 @@ def test_only_depth_of_a_pinhole_will_do() -> None:
     color = np.zeros((4, 4, 3), np.uint8)
     fisheye = FisheyeModel.from_fov(4, 4, math.pi, math.pi)
     for image in (
-        Image(0.0, "imv", color, np.ones((4, 4), np.uint16), fisheye, looking()),
+        Image(0.0, "panorama", color, np.ones((4, 4), np.uint16), fisheye, looking()),
         Image(0.0, "camera", color, None, CAMERA, looking()),
     ):
         with pytest.raises(ValueError, match=f"{image.frame} gives none"):
