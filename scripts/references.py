@@ -30,7 +30,7 @@ from app.base.geometry import Pose2
 from app.experiments.world_run import able
 from app.logs.library import RecordingLibrary
 from app.logs.replay.references import LOG, VALUES, compare, load_values, measure, write_values
-from app.messages import Odometry, OperatorDrive
+from app.messages import Odometry, TeleopCommand
 from app.program.config import Configuration, load_configuration
 from app.program.system import System
 from app.robots.config import RobotConfig
@@ -208,13 +208,13 @@ async def desire(system: System, begin: float) -> None:
 
 async def drive(system: System) -> None:
     """Steer along the route as an operator would: sticks, twenty times a second, the dead-man held."""
-    channel = system.graph.channel("operator_drive")
+    channel = system.graph.channel("teleop_command")
     sequence = 0
 
     def say(linear: float, angular: float, held: bool = True) -> None:
         nonlocal sequence
         sequence += 1
-        channel.publish(OperatorDrive(system.clock.now(), "ada", sequence, held, linear, angular))
+        channel.publish(TeleopCommand(system.clock.now(), "ada", sequence, held, linear, angular))
 
     for kind, x, y, stay_s in ROUTE:
         arrived: float | None = None

@@ -11,7 +11,7 @@ microphones, Q a QR code, F a face, S a sound source.
 from __future__ import annotations
 
 from app.messages.base import Message, read_only
-from app.messages.driving import Exploitation, LinkStatus, OperatorDrive, Twist
+from app.messages.driving import Exploitation, LinkStatus, TeleopCommand, Twist
 from app.messages.navigation import (
     GivenUpGoal,
     Localization,
@@ -103,7 +103,6 @@ __all__ = [
     "NavigationStatus",
     "OccupancyGrid",
     "Odometry",
-    "OperatorDrive",
     "PerceptEvent",
     "PersonTruth",
     "PlacedCode",
@@ -122,6 +121,7 @@ __all__ = [
     "SoundSource",
     "SoundSources",
     "SoundTruth",
+    "TeleopCommand",
     "Twist",
     "Zone",
     "Zones",

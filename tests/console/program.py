@@ -64,7 +64,7 @@ modules:
     outputs: {clouds: point_cloud}
   Teleop:
     class: tests.console.versatile_teleop:VersatileTeleop
-    inputs: {operator: operator_drive}
+    inputs: {operator: teleop_command}
     outputs: {twist: teleop_twist}
   Microphones:
     class: app.modules.sensors.microphones:Microphones
@@ -108,7 +108,7 @@ kinect: {type: Image, rate_hz: 15}
 scan: {type: LaserScan, rate_hz: 40}
 odometry: {type: Odometry, rate_hz: 100, decimable: false}
 joints: {type: JointState, rate_hz: 30, decimable: false}
-operator_drive: {type: OperatorDrive, decimable: false, external: true}
+teleop_command: {type: TeleopCommand, decimable: false, external: true}
 teleop_twist: {type: Twist, decimable: false}
 camera_jpeg: {type: EncodedImage}
 point_cloud: {type: PointCloud}

@@ -10,7 +10,7 @@ import math
 from app.base.geometry import Pose2
 from app.base.pose_buffer import PoseBuffer
 from app.link import BaseLimits
-from app.messages import LaserScan, Odometry, OperatorDrive, Twist
+from app.messages import LaserScan, Odometry, TeleopCommand, Twist
 from app.modules.actuation.arbitration import approach
 from app.modules.actuation.collision_monitor import CollisionMonitor, SeenPoints, Verdict
 
@@ -30,7 +30,7 @@ class CollisionContext:
         self._seen: SeenPoints | None = None
         self._odometry: Odometry | None = None
         self._poses = PoseBuffer(span_s=2.0)
-        self._operator: OperatorDrive | None = None
+        self._operator: TeleopCommand | None = None
 
     def scanned(self, scan: LaserScan) -> None:
         """Take the newest scan."""
@@ -41,7 +41,7 @@ class CollisionContext:
         self._odometry = odometry
         self._poses.add(odometry.stamp, odometry.X_OB)
 
-    def commanded(self, drive: OperatorDrive) -> None:
+    def commanded(self, drive: TeleopCommand) -> None:
         """Take the operator's newest command."""
         self._operator = drive
 

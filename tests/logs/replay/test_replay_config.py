@@ -42,7 +42,7 @@ def test_a_recording_brings_its_own_program(tmp_path: Path) -> None:
         "PanoramicCamera": "the log has no panorama",
         "Microphones": "the log has no microphones",
     }
-    assert program.fed == ("operator_drive",)
+    assert program.fed == ("teleop_command",)
     assert set(program.silent.values()) == {"panorama", "microphones"}
 
 
@@ -60,7 +60,7 @@ def test_what_the_log_has_nothing_for_stays_out(tmp_path: Path) -> None:
 def test_only_some_modules_get_the_rest_from_the_log(tmp_path: Path) -> None:
     program = prepare(lab_log(), ReplayOptions(only=("QRCodeDetector",)), tmp_path)
     assert list(program.configuration.program.modules) == ["QRCodeDetector"]
-    assert set(program.fed) == {"kinect", "scan", "odometry", "joints", "link_status", "operator_drive"}
+    assert set(program.fed) == {"kinect", "scan", "odometry", "joints", "link_status", "teleop_command"}
 
 
 def test_a_module_that_is_not_there_is_named(tmp_path: Path) -> None:
@@ -80,10 +80,10 @@ def test_another_program_on_the_same_log(tmp_path: Path) -> None:
 
 
 def test_a_channel_that_carries_something_else_is_not_fed(tmp_path: Path) -> None:
-    messages = [Logged(logged.at, "operator_drive", logged.message) for logged in numbered(5)] + numbered(5)
+    messages = [Logged(logged.at, "teleop_command", logged.message) for logged in numbered(5)] + numbered(5)
     log = MemoryLog(sorted(messages, key=lambda logged: logged.at))
     program = prepare(log, ReplayOptions(only=("Teleop",)), tmp_path)
-    assert "operator_drive" not in program.fed
+    assert "teleop_command" not in program.fed
 
 
 @contextmanager

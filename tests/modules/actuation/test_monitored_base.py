@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from app.base.geometry import Pose2
-from app.messages import Exploitation, LaserScan, LinkStatus, Odometry, OperatorDrive, Twist
+from app.messages import Exploitation, LaserScan, LinkStatus, Odometry, TeleopCommand, Twist
 from app.robots.config import circle
 from app.runtime.clock import run_virtual
 from app.runtime.graph import WiringError
@@ -24,7 +24,7 @@ INPUTS = {
     "path": Twist,
     "scans": LaserScan,
     "odometry": Odometry,
-    "operator": OperatorDrive,
+    "operator": TeleopCommand,
 }
 OUTPUTS = {"exploitation": Exploitation, "status": LinkStatus}
 SETTINGS = {
@@ -75,7 +75,7 @@ class Drive:
             if step % 2 == 0:
                 self.sequence += 1
                 if port == "teleop":
-                    drive = OperatorDrive(clock.now(), "ada", self.sequence, True, 1.0, 0.0, self.override)
+                    drive = TeleopCommand(clock.now(), "ada", self.sequence, True, 1.0, 0.0, self.override)
                     self.bench.feed("operator", drive)
                 self.bench.feed(port, Twist(clock.now(), linear, angular))
             await clock.sleep(0.025)
@@ -216,10 +216,10 @@ def test_the_override_crawls_only_while_it_is_held_and_only_by_hand() -> None:
             await d.go(0.05, 0.4)
             assert d.sent.linear_mps == 0.0
             # The operator holds the override, but another behavior drives: its twists, the operator's hold.
-            d.bench.feed("operator", OperatorDrive(d.bench.clock.now(), "ada", d.sequence + 1, True, 1.0, 0.0, True))
+            d.bench.feed("operator", TeleopCommand(d.bench.clock.now(), "ada", d.sequence + 1, True, 1.0, 0.0, True))
             await d.bench.clock.sleep(0.3)
             for _ in range(10):
-                d.bench.feed("operator", OperatorDrive(d.bench.clock.now(), "ada", d.sequence + 1, True, 1, 0, True))
+                d.bench.feed("operator", TeleopCommand(d.bench.clock.now(), "ada", d.sequence + 1, True, 1, 0, True))
                 await d.go(0.05, 0.4, port="path")
             assert d.sent.linear_mps == 0.0
             assert d.limited.startswith("stopped")
@@ -243,7 +243,7 @@ def test_what_is_no_hold_overrides_nothing(hold: dict[str, Any]) -> None:
                 now = d.bench.clock.now()
                 d.bench.feed("scans", wall(now, 0.34))
                 stamp = now - hold.get("age_s", 0.0)
-                d.bench.feed("operator", OperatorDrive(stamp, "ada", number, hold["held"], 1, 0, hold["override"]))
+                d.bench.feed("operator", TeleopCommand(stamp, "ada", number, hold["held"], 1, 0, hold["override"]))
                 d.bench.feed("teleop", Twist(now, 0.4, 0.0))
                 await d.bench.clock.sleep(0.025)
                 assert d.sent.linear_mps == 0.0
