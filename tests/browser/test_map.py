@@ -26,7 +26,7 @@ from app.experiments.world_run import WorldRun, run_in_world
 from app.maps.library import MapLibrary
 from app.program.config import load_configuration
 from app.robots.config import load_robot_config
-from tests.browser.hands import hold, hold_until
+from tests.browser.held_keys import hold, hold_until
 from tests.browser.running import LOOPS_DEBUG, Robot, running_program
 from tests.browser.witness import true_pose
 

@@ -25,7 +25,7 @@ RECORDING = "This is a recording: there is no robot to drive or to stop."
 Notify = Callable[[str, Literal["info", "warning", "error"], str], None]
 
 
-def hands(graph: Graph) -> Channel[TeleopCommand] | None:
+def teleop_channel(graph: Graph) -> Channel[TeleopCommand] | None:
     """Where the driver's commands go; None: this program drives nothing, since no module asks for them by name (a
     recorder takes whatever there is)."""
     taken = any(CHANNEL in slot.spec.inputs.values() for slot in graph.modules.values())

@@ -27,7 +27,7 @@ DesireId = Annotated[str, Path(min_length=1, description="Id of the desire.", ex
 MOST_DESIRES = 1000
 OPERATOR_HEADER = "X-HBBA-Operator"
 #: The header of operations on behalf of an operator, for the OpenAPI description.
-IN_SOMEBODYS_NAME = {
+OPERATOR_PARAMETER = {
     "parameters": [
         {
             "name": OPERATOR_HEADER,
@@ -79,7 +79,7 @@ def desires_router(system: System) -> APIRouter:
         response_model=Desire,
         status_code=201,
         summary="Create a desire",
-        openapi_extra=IN_SOMEBODYS_NAME,
+        openapi_extra=OPERATOR_PARAMETER,
         responses={
             201: {
                 "headers": {
