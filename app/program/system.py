@@ -23,12 +23,12 @@ from app.attention.timeline import Timeline
 from app.attention.translator import IntentionTranslator
 from app.attention.workspace import IntentionWorkspace, random_id
 from app.link import LinkFailed, RobotLink
-from app.logs.control import RecorderControl
 from app.logs.library import RecordingLibrary, default_folder
 from app.logs.manifest import Manifest
-from app.maps.control import MapControl
+from app.logs.recorder_service import RecorderService
 from app.maps.library import MapLibrary
 from app.maps.library import default_folder as default_maps_folder
+from app.maps.map_service import MapService
 from app.messages import PerceptEvent
 from app.program.attachments import snapshot
 from app.program.body_restart import BodyRestarter
@@ -96,17 +96,17 @@ class System:
         self.workspace = IntentionWorkspace(self.classes, self.clock.now, new_id=new_id)
         self.timeline = Timeline(program.attention.history, self.clock.now)
         self.recordings = recordings or RecordingLibrary(default_folder())
-        self.recorder = RecorderControl()
+        self.recorder = RecorderService()
         self.maps = maps or MapLibrary(default_maps_folder())
-        self.map = MapControl()
+        self.map = MapService()
         services: dict[type[object], object] = {
             RobotLink: self.link,
             IntentionWorkspace: self.workspace,
             Timeline: self.timeline,
             RecordingLibrary: self.recordings,
-            RecorderControl: self.recorder,
+            RecorderService: self.recorder,
             MapLibrary: self.maps,
-            MapControl: self.map,
+            MapService: self.map,
             ChannelTable: ChannelTable(configuration.channels),
         }
         self.graph = Graph(

@@ -55,7 +55,7 @@ def maps(tmp_path_factory: pytest.TempPathFactory) -> Path:
         for kind in ("SLAM", "Teleoperation"):
             run.system.workspace.add(kind, intensity=8, utility=1, source=HANDS)
         await drive_script(run.system, DRIVE)
-        await run.system.map.keeper.save(MAP)
+        await run.system.map.server.save(MAP)
 
     # Playwright holds this thread's event loop.
     with pytest.MonkeyPatch.context() as patch, ThreadPoolExecutor(1) as aside:

@@ -23,8 +23,8 @@ from app.console.rest.idempotency import KEY_LIMITS, IdempotencyStore
 from app.console.rest.recording_models import NewRecording, SaveRequest
 from app.console.rest.routing import router as api_router
 from app.logs.catalog import Catalog, Recording
-from app.logs.control import RecorderUnavailable
 from app.logs.log import LogError
+from app.logs.recorder_service import RecorderUnavailable
 
 if TYPE_CHECKING:
     from app.program.system import System

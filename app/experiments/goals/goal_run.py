@@ -14,8 +14,8 @@ from app.base.errors import ConfigError
 from app.base.geometry import Pose2, wrap_angle
 from app.experiments.goals.result import GoalResult, Outcome, clearance
 from app.experiments.world_run import WorldRun, run_in_world
-from app.maps.control import MapUnavailable
 from app.maps.library import MapLibrary
+from app.maps.map_service import MapUnavailable
 from app.messages import NavigationStatus
 from app.program.config import load_configuration
 from app.robots.config import RobotConfig
@@ -111,7 +111,7 @@ async def _take_map(run: WorldRun, X_MB: Pose2) -> None:
         if run.system.map.available:
             break
         await clock.sleep(0.1)
-    await run.system.map.keeper.load(MAP, X_MB)
+    await run.system.map.server.load(MAP, X_MB)
     channel = run.system.graph.channels["localization"]
     tracking = asyncio.Event()
     end = channel.observe(lambda message: tracking.set() if message.state == "tracking" else None)

@@ -37,8 +37,8 @@ import numpy as np
 from pydantic import Field
 
 from app.base.geometry import Pose2
-from app.maps.control import MapControl
 from app.maps.library import MapLibrary
+from app.maps.map_service import MapService
 from app.messages import (
     Exploitation,
     Image,
@@ -202,7 +202,7 @@ class PlanAndFollowPath(Module):
 
     async def _keep_with_map(self, things: PersistentObstacleLayer) -> None:
         try:
-            control, library = self.service(MapControl), self.service(MapLibrary)
+            control, library = self.service(MapService), self.service(MapLibrary)
         except ModuleFailed:
             return  # without a map library, obstacles last as long as the module
         layer = PersistentObstacleStore(things, library, self.compute, self.compute_background, self.log)

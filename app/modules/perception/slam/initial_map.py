@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from app.base.geometry import Pose2
-from app.maps.control import MapUnavailable
 from app.maps.library import MapLibrary
+from app.maps.map_service import MapUnavailable
 from app.messages import Localization, OccupancyGrid, Zone
 
 if TYPE_CHECKING:  # kernels are compiled or loaded on import

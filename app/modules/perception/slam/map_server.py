@@ -1,4 +1,4 @@
-"""Map server: saving, loading and beginning maps; the MapKeeper of a module that localizes on them."""
+"""The MapServer of a module that localizes on its maps: saves, loads and begins them."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from app.base.geometry import Pose2
-from app.maps.control import MapUnavailable
 from app.maps.library import MapLibrary
+from app.maps.map_service import MapUnavailable
 from app.maps.zones import checked
 from app.messages import Zone
 
@@ -79,8 +79,8 @@ class MapHost(Protocol):
         ...
 
 
-class MapServer:
-    """Implements :class:`app.maps.control.MapKeeper`: one operation at a time, in the order of the calls."""
+class SlamMapServer:
+    """Implements :class:`app.maps.map_service.MapServer`: one operation at a time, in the order of the calls."""
 
     def __init__(self, host: MapHost, library: MapLibrary) -> None:
         self._host = host
