@@ -16,7 +16,7 @@ from types import TracebackType
 
 from app.attention.cached_solver import CachedSolver
 from app.attention.explaining import EXPLAIN_S
-from app.attention.hysteresis import Hysteresis
+from app.attention.hysteresis import SelectionHysteresis
 from app.attention.lanes import LaneMonitor, LaneSampler
 from app.attention.strategies import StrategyTable, load_strategies, trimmed
 from app.attention.timeline import Timeline
@@ -273,7 +273,7 @@ class System:
                 safe=safe,
                 solver=CachedSolver(time_limit_s=limit_s, timed=not self._reproducible),
                 explain_limit_s=PATIENT_S if self._reproducible else EXPLAIN_S,
-                hysteresis=Hysteresis(settings.hysteresis_gain, settings.hysteresis_dwell_s),
+                hysteresis=SelectionHysteresis(settings.hysteresis_gain, settings.hysteresis_dwell_s),
             )
         except ValueError as failure:
             raise self.config.program_document.error(str(failure), ("attention", "safe_strategies")) from None
