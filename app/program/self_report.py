@@ -30,7 +30,7 @@ from app.messages import (
     ReasonRecord,
 )
 from app.runtime.channel import Channel
-from app.runtime.load import Load
+from app.runtime.load import CpuLoad
 from app.runtime.supervisor import ModuleState
 
 NEVER = float("inf")
@@ -70,7 +70,7 @@ class SelfReport:
         """Stop publishing."""
         self._stack.close()
 
-    def load(self, load: Load) -> None:
+    def load(self, load: CpuLoad) -> None:
         """A load window closed."""
         modules = tuple(load.modules)
         self._publish(

@@ -17,7 +17,7 @@ from app.program.config import load_configuration
 from app.program.self_report import SelfReport
 from app.program.system import System
 from app.runtime.channel import Subscription
-from app.runtime.load import Load
+from app.runtime.load import CpuLoad
 from tests.console.program import Body, build
 from tests.patience import PATIENCE_S
 
@@ -98,4 +98,4 @@ async def test_after_its_end_nothing_is_published_and_no_logger_refers_to_it(sys
 
 
 def test_channels_that_are_not_there_are_not_missed() -> None:
-    SelfReport({}, lambda: 0.0, dict).load(Load(1.0, 1.0, {"A": 2.0}, 3.0))
+    SelfReport({}, lambda: 0.0, dict).load(CpuLoad(1.0, 1.0, {"A": 2.0}, 3.0))

@@ -13,7 +13,7 @@ from app.attention.timeline import Timeline
 from app.messages import Exploitation, LinkStatus, PerceptEvent, Twist
 from app.program.timeline_feed import OVERLOAD_WINDOWS, SLOW_AFTER_S, STALE_LOOKS, WELL_AFTER_S, TimelineFeed
 from app.runtime.freshness import Freshness, FreshnessState
-from app.runtime.load import Load
+from app.runtime.load import CpuLoad
 from app.runtime.supervisor import ModuleState
 
 STILL = Twist(0.0, 0.0, 0.0)
@@ -105,7 +105,7 @@ def test_percepts_are_noted_with_their_own_stamp_under_their_name(
 
 def test_overload_is_noted_when_it_lasts_and_when_it_is_over(feed: TimelineFeed, timeline: Timeline) -> None:
     def window(used: float) -> None:
-        feed.load(Load(0.0, 1.0, {"Eye": used}, used))
+        feed.load(CpuLoad(0.0, 1.0, {"Eye": used}, used))
 
     window(50.0)
     window(5.0)
@@ -180,7 +180,7 @@ def test_whatever_comes_after_forgetting_is_news(feed: TimelineFeed, timeline: T
         for _ in range(STALE_LOOKS):
             feed.freshness({"scan": replace(LIVE, state="stale")})
         for _ in range(OVERLOAD_WINDOWS):
-            feed.load(Load(1.0, 1.0, {"Eye": 50.0}, 60.0))
+            feed.load(CpuLoad(1.0, 1.0, {"Eye": 50.0}, 60.0))
 
     tell()
     once = told(timeline)

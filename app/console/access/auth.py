@@ -25,7 +25,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from app.console.access.login_attempts import Attempts
 from app.console.access.request_limits import ClientLeft, objection_to_scope, with_body
-from app.console.access.sessions import Session, Sessions
+from app.console.access.sessions import LoginSession, Sessions
 from app.console.problems import MEDIA_TYPE, Problem, problem_body, problem_response
 
 COOKIE = "hbba_session"
@@ -87,7 +87,7 @@ class Door:
         """End the session that a request belongs to, and its connections."""
         self._sessions.end(_cookie(scope))
 
-    def session(self, scope: Scope) -> Session | None:
+    def session(self, scope: Scope) -> LoginSession | None:
         """The session that a request belongs to; None without one, as where it brings the token itself."""
         return self._sessions.find(_cookie(scope)) if self.asks else None
 
@@ -256,7 +256,7 @@ class Guarded:
             await self._app(scope, receive, send)
 
 
-async def _within(session: Session, app: ASGIApp, scope: Scope, receive: Receive, send: Send) -> None:
+async def _within(session: LoginSession, app: ASGIApp, scope: Scope, receive: Receive, send: Send) -> None:
     """Serve a WebSocket until it or its session ends."""
     closing: asyncio.Task[None] | None = None
 

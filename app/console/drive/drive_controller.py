@@ -99,7 +99,7 @@ class Driving:
                             override=override,
                         )
                     )
-                case drive_lease.Notice(session, level, text):
+                case drive_lease.PageNotice(session, level, text):
                     self._notify(session, level, text)
         self._set_timer(now)
 

@@ -110,7 +110,7 @@ class Command:
 
 
 @dataclass(frozen=True, slots=True)
-class Notice:
+class PageNotice:
     """Show ``text`` on one page."""
 
     session: str
@@ -118,7 +118,7 @@ class Notice:
     text: str
 
 
-Action: TypeAlias = Command | Notice
+Action: TypeAlias = Command | PageNotice
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,7 +160,7 @@ def step(lease: Lease, now: float, event: Event) -> Step:
             return (replace(lease, last_heard=now) if session == lease.driver else lease), ()
         case Garbled(session):
             stopped, actions = _stopped(lease) if session == lease.driver else (lease, ())
-            return stopped, (*actions, Notice(session, "error", "The robot could not read the last message."))
+            return stopped, (*actions, PageNotice(session, "error", "The robot could not read the last message."))
         case Drive():
             return _drive(lease, now, event)
         case TakeControl(session):
@@ -204,7 +204,7 @@ def _refused(lease: Lease, session: str, level: Literal["info", "warning", "erro
     """Refuse a hold, saying why once."""
     if session in lease.blocked:
         return lease, ()
-    return replace(lease, blocked=lease.blocked | {session}), (Notice(session, level, text),)
+    return replace(lease, blocked=lease.blocked | {session}), (PageNotice(session, level, text),)
 
 
 def _drive(lease: Lease, now: float, drive: Drive) -> Step:
@@ -272,9 +272,9 @@ def _take(lease: Lease, now: float, session: str) -> Step:
         lease, actions = _free(lease)
         # Still holding, perhaps: that hold is over.
         lease = replace(lease, blocked=lease.blocked | {before})
-        actions = (*actions, Notice(before, "warning", f"{taker} has taken control."))
+        actions = (*actions, PageNotice(before, "warning", f"{taker} has taken control."))
     taken = replace(lease, driver=session, sequence=0, last_drive=now, last_heard=now, last_held=now)
-    return taken, (*actions, Notice(session, "info", "You have control."))
+    return taken, (*actions, PageNotice(session, "info", "You have control."))
 
 
 def _e_stop(lease: Lease, latched: bool) -> Step:

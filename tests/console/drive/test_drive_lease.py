@@ -22,7 +22,7 @@ from app.console.drive.drive_lease import (
     Gone,
     Heard,
     Lease,
-    Notice,
+    PageNotice,
     ReleaseControl,
     TakeControl,
     Tick,
@@ -62,7 +62,7 @@ def commands(actions: tuple[Action, ...] | list[Action]) -> list[Command]:
 
 
 def notified(actions: tuple[Action, ...] | list[Action]) -> list[str]:
-    return [action.session for action in actions if isinstance(action, Notice)]
+    return [action.session for action in actions if isinstance(action, PageNotice)]
 
 
 def test_the_first_held_drive_takes_the_wheel() -> None:
