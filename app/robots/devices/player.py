@@ -10,7 +10,7 @@ from app.messages import Audio
 from app.robots.devices.config import SpeakerConfig
 from app.robots.devices.pictures import InputUnavailable
 from app.robots.devices.reader import RETRY_S
-from app.robots.devices.sound import Speaker
+from app.robots.devices.sound import LoudspeakerStream
 
 #: Greatest waiting time (s) of frames; beyond it the oldest is dropped.
 QUEUED_S = 0.5
@@ -46,7 +46,7 @@ class Player:
             self._condition.notify()
 
     def _run(self) -> None:
-        speaker: Speaker | None = None
+        speaker: LoudspeakerStream | None = None
         told = ""
         while (audio := self._next()) is not None:
             try:
@@ -54,7 +54,7 @@ class Player:
                     speaker.close()
                     speaker = None
                 if speaker is None:
-                    speaker = Speaker(self._config, audio.rate)
+                    speaker = LoudspeakerStream(self._config, audio.rate)
                 speaker.write(audio.samples[:, 0])
                 told = ""
             except InputUnavailable as failure:

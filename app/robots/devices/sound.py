@@ -163,7 +163,7 @@ class _Microphones:
         self._stream.close()
 
 
-class Speaker:
+class LoudspeakerStream:
     """A loudspeaker for one channel at ``rate``; :meth:`write` blocks until the device takes the samples."""
 
     def __init__(self, config: SpeakerConfig, rate: int) -> None:

@@ -152,7 +152,7 @@ class SimulatedLink:
         if self._e_stop is None:
             self._e_stop = reason
         if self._session is not None:
-            self._session.send(wire.EStop(reason))
+            self._session.send(wire.EStopRequest(reason))
 
     def clear_e_stop(self) -> None:
         """Release the latch."""

@@ -114,7 +114,7 @@ class LockstepLink:
             raise LinkFailed(str(failure)) from None
         simulation.wanted |= self._receivers.wanted
         if self._e_stop is not None:
-            simulation.accept(wire.EStop(self._e_stop))
+            simulation.accept(wire.EStopRequest(self._e_stop))
         self._simulation = simulation
         self._turning = asyncio.create_task(self._turn(self._simulation), name="world in lockstep")
 
@@ -159,7 +159,7 @@ class LockstepLink:
         """Latch the emergency stop, also beyond a restart of the link."""
         if self._e_stop is None:
             self._e_stop = reason
-        self._accept(wire.EStop(reason))
+        self._accept(wire.EStopRequest(reason))
 
     def clear_e_stop(self) -> None:
         """Release the latch."""

@@ -129,7 +129,7 @@ class WorldSimulation:
         match frame:
             case wire.DriveRequest(stamp, linear, angular):
                 self.state = guard.accept(self.state, guard.VelocityCommand(stamp, guard.BaseVelocity(linear, angular)))
-            case wire.EStop(reason):
+            case wire.EStopRequest(reason):
                 self.state = guard.e_stop(self.state, reason)
             case wire.ClearEStop():
                 self.state = guard.clear_e_stop(self.state)

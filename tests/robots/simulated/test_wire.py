@@ -60,8 +60,8 @@ def test_a_reader_that_is_frozen_costs_the_oldest_frames_and_no_waiting(
 def test_what_arrived_is_read_and_the_end_is_noticed(pair: tuple[wire.Socket, socket.socket]) -> None:
     link, theirs = pair
     assert link.receive() == []
-    theirs.send(wire.encode(wire.EStop("x")) + wire.encode(wire.Stop()))
-    assert link.receive() == [wire.EStop("x"), wire.Stop()]
+    theirs.send(wire.encode(wire.EStopRequest("x")) + wire.encode(wire.Stop()))
+    assert link.receive() == [wire.EStopRequest("x"), wire.Stop()]
     theirs.close()
     assert link.receive() == []
     assert link.closed
