@@ -37,7 +37,7 @@ from app.modules.behaviors.navigation.recovery.recovery_behaviors import Recover
 from app.modules.behaviors.navigation.tracking.desired_goal import goal_of
 from app.modules.behaviors.navigation.tracking.dynamic_window import DynamicWindow, DynamicWindowSettings
 from app.modules.behaviors.navigation.tracking.localization_monitor import LocalizationMonitor
-from app.modules.behaviors.navigation.tracking.path_tracker import Goal, PathTracker, TrackingStep
+from app.modules.behaviors.navigation.tracking.path_tracker import NavigationGoal, PathTracker, TrackingStep
 from app.modules.behaviors.navigation.tracking.sensor_health import unfit
 from app.modules.behaviors.navigation.tracking.status_publisher import StatusPublisher
 from app.modules.stream_module import robot_link
@@ -85,7 +85,7 @@ class GoToward(Module):
         self._scan: LaserScan | None = None
         self._seen: tuple[float, np.ndarray[Any, np.dtype[np.float64]]] | None = None
         self._zones = Zones(0.0, ())
-        self._goal: Goal | None = None
+        self._goal: NavigationGoal | None = None
         self._aimed_at = -math.inf
 
     async def start(self) -> None:
@@ -160,7 +160,7 @@ class GoToward(Module):
     def _decide(
         self,
         now: float,
-        goal: Goal,
+        goal: NavigationGoal,
         motion: MotionState,
         X_MO: Pose2,
         seen: np.ndarray[Any, np.dtype[np.float64]],
@@ -181,7 +181,7 @@ class GoToward(Module):
             return replace(step, state="waiting", reason="something is in the way, and it knows no way around")
         return step
 
-    def _speeds(self, goal: Goal, zones: Zones) -> SpeedAt | None:
+    def _speeds(self, goal: NavigationGoal, zones: Zones) -> SpeedAt | None:
         if not zones.zones:
             return None
         speed_mps = goal.speed * robot_link(self).description.limits.linear_mps

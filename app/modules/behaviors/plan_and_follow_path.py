@@ -71,7 +71,7 @@ from app.modules.behaviors.navigation.tracking.control_cycle import (
 )
 from app.modules.behaviors.navigation.tracking.desired_goal import goal_of
 from app.modules.behaviors.navigation.tracking.localization_monitor import LocalizationMonitor
-from app.modules.behaviors.navigation.tracking.path_tracker import Goal, PathTrackerSettings
+from app.modules.behaviors.navigation.tracking.path_tracker import NavigationGoal, PathTrackerSettings
 from app.modules.behaviors.navigation.tracking.status_publisher import StatusPublisher
 from app.modules.stream_module import robot_link
 from app.runtime.errors import ModuleFailed
@@ -152,13 +152,13 @@ class PlanAndFollowPath(Module):
         self._grid: OccupancyGrid | None = None
         self._zones = Zones(0.0, ())
         self._given_mps: float | None = None
-        self._goal: Goal | None = None
+        self._goal: NavigationGoal | None = None
         self._controller = self.settings.controller
         self._controller_in_use = self._controller
         self._planning: asyncio.Task[PlanResult] | None = None
         self._planned_at = -math.inf
         self._planned_from: Localization | None = None
-        self._planned_for: Goal | None = None
+        self._planned_for: NavigationGoal | None = None
         self._answer: PlanResult | None = None
         self._plan: GlobalPlan | None = None
         self._wanted_plan = ""
@@ -251,7 +251,7 @@ class PlanAndFollowPath(Module):
     # --- a cycle ---
 
     @property
-    def _given(self) -> Goal | None:
+    def _given(self) -> NavigationGoal | None:
         """The goal while the output is open; None where attention closed it because another behavior drives."""
         return self._goal if self.twist.filter.is_open else None
 
@@ -331,7 +331,7 @@ class PlanAndFollowPath(Module):
         self._image = None
         return image, X_OB
 
-    def _publish(self, now: float, output: CycleOutput, goal: Goal | None, answer: PlanResult | None) -> None:
+    def _publish(self, now: float, output: CycleOutput, goal: NavigationGoal | None, answer: PlanResult | None) -> None:
         if goal is None:
             self.twist.publish(Twist(now, 0.0, 0.0))
         else:
@@ -362,7 +362,7 @@ class PlanAndFollowPath(Module):
             self._costmap_version += 1
             self.costmap.publish(output.around.to_message(self._costmap_version))
 
-    def _publish_stop(self, now: float, goal: Goal | None, problem: str) -> None:
+    def _publish_stop(self, now: float, goal: NavigationGoal | None, problem: str) -> None:
         self.twist.publish(Twist(now, 0.0, 0.0))
         if goal is not None:
             self._periods.commanded(self.clock.now())
@@ -383,7 +383,7 @@ class PlanAndFollowPath(Module):
 
     # --- planning, in the second thread ---
 
-    def _plan_if_wanted(self, now: float, goal: Goal, output: CycleOutput) -> None:
+    def _plan_if_wanted(self, now: float, goal: NavigationGoal, output: CycleOutput) -> None:
         if self._planning is not None:
             return
         if self._planned_for is not goal:
@@ -413,7 +413,7 @@ class PlanAndFollowPath(Module):
         self._planning = asyncio.create_task(finding, name=f"{self.name} plans")
         self._planning.add_done_callback(self._planned)
 
-    def _why_plan(self, now: float, goal: Goal, output: CycleOutput) -> str | None:
+    def _why_plan(self, now: float, goal: NavigationGoal, output: CycleOutput) -> str | None:
         """Reason for planning now: "" for a possibly better path only; None for no planning."""
         since = now - self._planned_at
         if self._planned_for is not goal:

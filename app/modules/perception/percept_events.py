@@ -29,7 +29,7 @@ from pydantic import Field, ValidationInfo, field_validator
 from app.base.geometry import FloatArray, Pose2, wrap_angle
 from app.messages import Darkness, Divisors, Faces, LoudNoise, Odometry, PerceptEvent, QRCodes, SoundSources
 from app.modules.perception.pose_at import PoseAt
-from app.modules.perception.presence import Change, Hysteresis, Presence, Sighting, look
+from app.modules.perception.presence import Change, Hysteresis, PresenceState, Sighting, look
 from app.runtime.filter import CLOSED
 from app.runtime.module import Module, ModuleContext, Settings
 
@@ -76,7 +76,7 @@ class PerceptEvents(Module):
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
-        self._presence: dict[str, Presence] = {}
+        self._presence: dict[str, PresenceState] = {}
         self._poses = PoseAt(self.clock)
         self._listening = True
         self.codes = self.input("codes", QRCodes, capacity=_CAPACITY, wants="never")
@@ -131,7 +131,7 @@ class PerceptEvents(Module):
 
     async def _listen(self) -> None:
         """A look at no noise: it is quiet now, while the detector listens."""
-        if self._listening and self._presence.get("noise", Presence()).subjects:
+        if self._listening and self._presence.get("noise", PresenceState()).subjects:
             self._look("noise", "loud_noises", self.clock.now(), [])
 
     async def _pose(self, stamp: float, seen: Sequence[object]) -> Pose2 | None:
@@ -139,7 +139,7 @@ class PerceptEvents(Module):
 
     def _look(self, kind: str, source: str, stamp: float, sightings: Sequence[Sighting]) -> None:
         rule: Hysteresis = getattr(self.settings, kind)
-        self._presence[kind], changes = look(self._presence.get(kind, Presence()), rule, source, stamp, sightings)
+        self._presence[kind], changes = look(self._presence.get(kind, PresenceState()), rule, source, stamp, sightings)
         self.persistent[_PRESENCE] = self._presence
         for change in changes:
             self.events.publish(event(kind, stamp, change))

@@ -10,7 +10,7 @@ import pytest
 
 from app.base.geometry import Pose2, Pose3
 from app.modules.perception.faces.face_position import FaceSighting
-from app.modules.perception.faces.face_tracks import FaceTracks, PlacedFace, TrackModel
+from app.modules.perception.faces.face_tracks import FaceTracks, TrackedFace, TrackModel
 from app.modules.perception.faces.yunet import Detection
 from app.modules.perception.height_prior import range_from_height
 
@@ -40,7 +40,7 @@ def sight(
     return FaceSighting(face, ORIGIN, ray, sigma, range_m, range_sigma_m, depth)
 
 
-def numbers(placed: Iterable[PlacedFace]) -> list[int]:
+def numbers(placed: Iterable[TrackedFace]) -> list[int]:
     return [p.track for p in placed]
 
 

@@ -16,7 +16,7 @@ from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import P
 from app.modules.behaviors.navigation.kernels import load_kernels
 from app.modules.behaviors.navigation.planning.goal_planning import GlobalPlan
 from app.modules.behaviors.navigation.tracking.control_cycle import ControlCycle, ControlCycleSettings, CycleInput
-from app.modules.behaviors.navigation.tracking.path_tracker import Goal
+from app.modules.behaviors.navigation.tracking.path_tracker import NavigationGoal
 from tests.modules.behaviors.driven_world import DrivenLink, box, mapped
 from tests.modules.behaviors.navigation.boxes import CAMERA, Box, World, looking
 
@@ -97,7 +97,7 @@ def clearance_m(pose: Pose2, boxes: tuple[Box, ...]) -> float:
 
 def drive(control: ControlCycle, world: World, to: tuple[float, float], cycles: int) -> list[Pose2]:
     """Where the body goes that follows a straight way exactly as commanded, ``odom`` being the map."""
-    goal = Goal(Pose2(*to, math.nan))
+    goal = NavigationGoal(Pose2(*to, math.nan))
     x, y = (np.linspace(0.0, end, 60) for end in to)
     poses = np.stack((x, y, np.full(60, math.atan2(to[1], to[0]))), axis=1)
     plan: GlobalPlan | None = GlobalPlan("way", "", poses, goal.pose, math.hypot(*to))
@@ -177,7 +177,7 @@ def test_a_body_that_others_keep_standing_feels_nothing(given_mps: float | None,
     """The collision monitor stops it before what the laser sees: no unseen thing is there to be remembered."""
     here = seeing_no_depth()
     assert here.persistent_obstacles is not None
-    goal = Goal(Pose2(3.0, 0.0, math.nan))
+    goal = NavigationGoal(Pose2(3.0, 0.0, math.nan))
     poses = np.stack((np.linspace(0.0, 3.0, 60), np.zeros(60), np.zeros(60)), axis=1)
     plan: GlobalPlan | None = GlobalPlan("way", "", poses, goal.pose, 3.0)
     standing = MotionState(Pose2(), 0.0, 0.0)
