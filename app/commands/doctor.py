@@ -274,7 +274,7 @@ def cameras() -> Finding:
 
 def audio() -> Finding:
     """Sound cards, for a body of devices, and whether they can be reached."""
-    from app.robots.devices.pictures import InputUnavailable
+    from app.robots.devices.image_inputs import InputUnavailable
     from app.robots.devices.sound import sounddevice
 
     only = "only for --robot webcam; there, --microphones FILE takes a sound file instead"

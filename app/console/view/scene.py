@@ -17,7 +17,7 @@ import viser
 from numpy.typing import NDArray
 
 from app.base.geometry import Pose2
-from app.console.view.body import Body
+from app.console.view.body_nodes import Body
 from app.console.view.drawing import colors_along_x, moved, point_size, pose_arrays, scan_points, thinned
 from app.console.view.ground import FloorLayers, Ground
 from app.console.view.person_nodes import People

@@ -85,7 +85,7 @@ class Painter:
 
     def _run(self) -> None:
         # Imports take seconds: only a program with a viewer spends them, and never on its event loop.
-        from app.console.view.body import Body
+        from app.console.view.body_nodes import Body
         from app.console.view.host import ViewHost
         from app.console.view.scene import Scene
 

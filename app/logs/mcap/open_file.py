@@ -18,8 +18,8 @@ from app.logs import layout
 from app.logs.manifest import Manifest
 from app.logs.mcap.chunks import complete
 from app.logs.ros.record import Record
-from app.logs.ros.robot import METADATA as ROBOT_METADATA
-from app.logs.ros.robot import robot_description
+from app.logs.ros.robot_description import METADATA as ROBOT_METADATA
+from app.logs.ros.robot_description import robot_description
 from app.logs.stamps import to_ns
 
 

@@ -47,8 +47,8 @@ from app.runtime.ports import Output
 
 if TYPE_CHECKING:  # kernels are compiled or loaded on import, in the module's thread
     from app.modules.perception.slam.map_rendering import ExtraView
+    from app.modules.perception.slam.map_session import MapSession, ScanResult, StoredMap
     from app.modules.perception.slam.relocalization import PoseHypothesis, PoseSearch
-    from app.modules.perception.slam.session import MapSession, ScanResult, StoredMap
     from app.modules.perception.slam.types import Match
 
 M = TypeVar("M", bound=Message)
@@ -347,7 +347,7 @@ class SLAM2D(Module):
 
     def new_session(self, kept: StoredMap | None, X_MO: Pose2 | None, grows: bool) -> MapSession:
         """*Behind.* A session on a saved map, or an empty one."""
-        from app.modules.perception.slam.session import MapSession
+        from app.modules.perception.slam.map_session import MapSession
 
         settings = self.settings
         grid, state = (None, None) if kept is None else (kept.grid, kept.state)
@@ -403,7 +403,7 @@ class SLAM2D(Module):
         if not compiled.is_ready():
             self.log.info("compiles what it computes with, once on this computer: that takes a minute or two")
             compiled.make_ready()
-        import app.modules.perception.slam.session  # noqa: F401
+        import app.modules.perception.slam.map_session  # noqa: F401
 
     async def _take_first(self) -> bool:
         """Take the initial map into use; returns whether the earlier instance used the same."""
@@ -427,6 +427,6 @@ def _last(output: Output[M]) -> M | None:
 
 
 def _looked(search: PoseSearch, scan: LaserScan, X_OB: Pose2) -> tuple[Pose2 | None, tuple[PoseHypothesis, ...]]:
-    from app.modules.perception.slam.session import look
+    from app.modules.perception.slam.map_session import look
 
     return look(search, scan, X_OB)

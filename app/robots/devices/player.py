@@ -8,8 +8,8 @@ from collections import deque
 
 from app.messages import Audio
 from app.robots.devices.config import SpeakerConfig
-from app.robots.devices.pictures import InputUnavailable
-from app.robots.devices.reader import RETRY_S
+from app.robots.devices.image_inputs import InputUnavailable
+from app.robots.devices.reader_thread import RETRY_S
 from app.robots.devices.sound import LoudspeakerStream
 
 #: Greatest waiting time (s) of frames; beyond it the oldest is dropped.

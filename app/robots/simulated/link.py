@@ -30,7 +30,7 @@ from app.messages import (
 )
 from app.robots.config import RobotConfig
 from app.robots.receivers import Receivers
-from app.robots.simulated import wire
+from app.robots.simulated import link_protocol
 from app.robots.simulated.camera_models import lenses, picture_formats
 from app.robots.simulated.gl import check_gl, gl_environment
 from app.robots.simulated.image_ring import ImageRings, create_memory, memory_bytes
@@ -94,7 +94,7 @@ class SimulatedLink:
         self._session = session
         wanted = frozenset(self._receivers.wanted)
         session.send(
-            wire.Start(
+            link_protocol.Start(
                 self._robot,
                 self._world,
                 clock_offset=self._clock_offset,
@@ -117,7 +117,7 @@ class SimulatedLink:
         """Stop the wheels, end the process, release everything; idempotent, under 1 s."""
         if self._session is not None:
             self._session.expect_end()
-            self._session.send(wire.Stop())
+            self._session.send(link_protocol.Stop())
             await self._release()
 
     async def wait_failed(self) -> LinkFailed:
@@ -133,32 +133,32 @@ class SimulatedLink:
     def demand(self, stream: str, wanted: bool) -> None:
         """Set whether ``stream`` has subscribers; also before :meth:`start`."""
         if self._receivers.demand(stream, wanted) and self._session is not None:
-            self._session.send(wire.Demand(stream, wanted))
+            self._session.send(link_protocol.Demand(stream, wanted))
 
     def command(self, twist: Twist) -> None:
         """Give the base a velocity; dropped while a frozen link does not read: it would arrive too late."""
         if self._session is None or self._session.unsent_bytes > _UNSENT_BYTES:
             self.commands_dropped += 1
             return
-        self._session.send(wire.DriveRequest(twist.stamp, twist.linear_mps, twist.angular_radps))
+        self._session.send(link_protocol.DriveRequest(twist.stamp, twist.linear_mps, twist.angular_radps))
 
     def play(self, audio: Audio) -> None:
         """Play one frame through the loudspeaker."""
         if self._session is not None and self._session.unsent_bytes <= _UNSENT_BYTES:
-            self._session.send(wire.Play(audio))
+            self._session.send(link_protocol.Play(audio))
 
     def e_stop(self, reason: str) -> None:
         """Latch the emergency stop, also beyond a restart of the link."""
         if self._e_stop is None:
             self._e_stop = reason
         if self._session is not None:
-            self._session.send(wire.EStopRequest(reason))
+            self._session.send(link_protocol.EStopRequest(reason))
 
     def clear_e_stop(self) -> None:
         """Release the latch."""
         self._e_stop = None
         if self._session is not None:
-            self._session.send(wire.ClearEStop())
+            self._session.send(link_protocol.ClearEStop())
 
     async def _release(self) -> None:
         session, self._session = self._session, None
@@ -167,7 +167,7 @@ class SimulatedLink:
 
     def _receive(self, frame: Any) -> None:
         match frame:
-            case wire.Sample(stream, message):
+            case link_protocol.Sample(stream, message):
                 if isinstance(message, LaserScan):
                     read_only(message.ranges)
                     read_only(message.intensities)
@@ -175,10 +175,10 @@ class SimulatedLink:
                     read_only(message.samples)
                     read_only(message.p_BM)
                 self._receivers.deliver(stream, message)
-            case wire.ImageNotice():
+            case link_protocol.ImageNotice():
                 self._deliver_image(frame)
 
-    def _deliver_image(self, notice: wire.ImageNotice) -> None:
+    def _deliver_image(self, notice: link_protocol.ImageNotice) -> None:
         if not self._receivers.listened(notice.stream) or self._session is None:
             return
         pictures = self._session.rings.read(notice.stream, notice.slot, notice.sequence)
@@ -233,7 +233,7 @@ class _Session(asyncio.Protocol):
     def __init__(self, rings: ImageRings, receive: Callable[[Any], None]) -> None:
         self.rings = rings
         self._receive = receive
-        self._reader = wire.FrameReader()
+        self._reader = link_protocol.FrameReader()
         self._running = asyncio.Event()
         self._transport: asyncio.Transport | None = None
         self._ended = asyncio.get_running_loop().create_future()
@@ -280,7 +280,7 @@ class _Session(asyncio.Protocol):
     def send(self, frame: Any) -> None:
         """Write ``frame``; never waits."""
         if self._transport is not None and not self._transport.is_closing():
-            self._transport.write(wire.encode(frame))
+            self._transport.write(link_protocol.encode(frame))
 
     def expect_end(self) -> None:
         """The end of the process is no failure from now on."""
@@ -326,7 +326,7 @@ class _Session(asyncio.Protocol):
     def data_received(self, data: bytes) -> None:
         """Frames arrive."""
         for frame in self._reader.feed(data):
-            if isinstance(frame, wire.Sample) and not self._running.is_set():
+            if isinstance(frame, link_protocol.Sample) and not self._running.is_set():
                 self._running.set()
                 self._notify_held()
             self._receive(frame)

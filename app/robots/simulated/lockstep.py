@@ -32,7 +32,7 @@ from app.link import LinkFailed, RobotDescription
 from app.messages import Audio, Image, LaserScan, PersonTruth, Twist, read_only
 from app.robots.config import RobotConfig
 from app.robots.receivers import Receivers
-from app.robots.simulated import wire
+from app.robots.simulated import link_protocol
 from app.robots.simulated.camera_models import picture_formats
 from app.robots.simulated.contacts import Contact
 from app.robots.simulated.gl import GlUnavailable, check_gl, gl_environment
@@ -114,7 +114,7 @@ class LockstepLink:
             raise LinkFailed(str(failure)) from None
         simulation.wanted |= self._receivers.wanted
         if self._e_stop is not None:
-            simulation.accept(wire.EStopRequest(self._e_stop))
+            simulation.accept(link_protocol.EStopRequest(self._e_stop))
         self._simulation = simulation
         self._turning = asyncio.create_task(self._turn(self._simulation), name="world in lockstep")
 
@@ -146,11 +146,11 @@ class LockstepLink:
     def demand(self, stream: str, wanted: bool) -> None:
         """Set whether ``stream`` has subscribers; also before :meth:`start`."""
         if self._receivers.demand(stream, wanted):
-            self._accept(wire.Demand(stream, wanted))
+            self._accept(link_protocol.Demand(stream, wanted))
 
     def command(self, twist: Twist) -> None:
         """Give the base a velocity."""
-        self._accept(wire.DriveRequest(twist.stamp, twist.linear_mps, twist.angular_radps))
+        self._accept(link_protocol.DriveRequest(twist.stamp, twist.linear_mps, twist.angular_radps))
 
     def play(self, audio: Audio) -> None:
         """No effect: this body has no loudspeaker."""
@@ -159,12 +159,12 @@ class LockstepLink:
         """Latch the emergency stop, also beyond a restart of the link."""
         if self._e_stop is None:
             self._e_stop = reason
-        self._accept(wire.EStopRequest(reason))
+        self._accept(link_protocol.EStopRequest(reason))
 
     def clear_e_stop(self) -> None:
         """Release the latch."""
         self._e_stop = None
-        self._accept(wire.ClearEStop())
+        self._accept(link_protocol.ClearEStop())
 
     def _accept(self, frame: object) -> None:
         if self._simulation is not None:

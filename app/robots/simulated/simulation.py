@@ -15,7 +15,7 @@ from app.messages import GroundTruth, JointState, LinkStatus, Odometry, SceneTru
 from app.robots import guard
 from app.robots.config import RobotConfig
 from app.robots.model import load_model
-from app.robots.simulated import wire
+from app.robots.simulated import link_protocol
 from app.robots.simulated.acoustics.soundscape import Soundscape
 from app.robots.simulated.body import TIMESTEP_S, build_simulation
 from app.robots.simulated.camera_models import lenses
@@ -125,15 +125,15 @@ class WorldSimulation:
         return tuple(self._camera_frames)
 
     def accept(self, frame: object) -> None:
-        """Take one of ``wire``'s commands to the guard or demands of streams; others are ignored."""
+        """Take one of ``link_protocol``'s commands to the guard or demands of streams; others are ignored."""
         match frame:
-            case wire.DriveRequest(stamp, linear, angular):
+            case link_protocol.DriveRequest(stamp, linear, angular):
                 self.state = guard.accept(self.state, guard.VelocityCommand(stamp, guard.BaseVelocity(linear, angular)))
-            case wire.EStopRequest(reason):
+            case link_protocol.EStopRequest(reason):
                 self.state = guard.e_stop(self.state, reason)
-            case wire.ClearEStop():
+            case link_protocol.ClearEStop():
                 self.state = guard.clear_e_stop(self.state)
-            case wire.Demand(stream, wanted):
+            case link_protocol.Demand(stream, wanted):
                 (self.wanted.add if wanted else self.wanted.discard)(stream)
                 self._last_seen.pop(stream, None)
 

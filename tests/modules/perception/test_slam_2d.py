@@ -16,7 +16,7 @@ from app.base.geometry import Pose2, Pose3
 from app.maps.library import GRAPH, MapLibrary
 from app.maps.map_service import MapService, MapUnavailable
 from app.messages import LaserScan, Localization, OccupancyGrid, Odometry, Zone, Zones, read_only
-from app.modules.perception.slam.session import stored_map
+from app.modules.perception.slam.map_session import stored_map
 from app.modules.perception.slam_2d import SLAM2D
 from app.runtime.clock import run_virtual
 from app.runtime.filter import CLOSED

@@ -11,7 +11,7 @@ from app.link import LinkFailed
 from app.messages import Audio, Image, LinkStatus
 from app.robots.devices.config import CameraConfig, DevicesConfig, SoundInputConfig, SpeakerConfig
 from app.robots.devices.link import DevicesLink
-from app.robots.devices.reader import InputReader
+from app.robots.devices.reader_thread import InputReader
 from tests.patience import PATIENCE_S
 from tests.robots.devices.files import DESK, MODEL, link, picture_file, ramp, sound_file, video_file
 

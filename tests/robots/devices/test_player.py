@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from app.messages import Audio
 from app.robots.devices import player
 from app.robots.devices.config import SpeakerConfig
-from app.robots.devices.pictures import InputUnavailable
+from app.robots.devices.image_inputs import InputUnavailable
 from app.robots.devices.player import Player
 
 WAIT_S = 5.0

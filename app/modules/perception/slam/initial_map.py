@@ -12,7 +12,7 @@ from app.maps.map_service import MapUnavailable
 from app.messages import Localization, OccupancyGrid, Zone
 
 if TYPE_CHECKING:  # kernels are compiled or loaded on import
-    from app.modules.perception.slam.session import MapSession, StoredMap
+    from app.modules.perception.slam.map_session import MapSession, StoredMap
     from app.modules.perception.slam.types import SlamState
 
 _MAP, _GROWS, _GROWN = "map", "grows", "grown"
@@ -96,7 +96,7 @@ def choose_initial_map(
 ) -> InitialMap:
     """*Behind.* Choose the initial map; ``configured``: name of the map without other knowledge, ``extend``: whether it
     grows."""
-    from app.modules.perception.slam.session import MapSession, StoredMap, stored_map
+    from app.modules.perception.slam.map_session import MapSession, StoredMap, stored_map
 
     name, grows, grown = restart_state.name(configured), restart_state.grows(extend), restart_state.grown()
     if grown is not None and last_published.grid is not None:

@@ -14,7 +14,7 @@ from app.maps.zones import checked
 from app.messages import Zone
 
 if TYPE_CHECKING:  # kernels are compiled or loaded on import
-    from app.modules.perception.slam.session import MapSession, StoredMap
+    from app.modules.perception.slam.map_session import MapSession, StoredMap
 
 T = TypeVar("T")
 
@@ -94,7 +94,7 @@ class SlamMapServer:
 
     async def save(self, name: str, others: Mapping[str, Callable[[Path], None]] | None = None) -> None:
         """Save the map under ``name``."""
-        from app.modules.perception.slam.session import keep
+        from app.modules.perception.slam.map_session import keep
 
         host = self._host
         self._checked(name)
@@ -112,7 +112,7 @@ class SlamMapServer:
 
     async def load(self, name: str, X_MB: Pose2 | None = None, extend: bool = False) -> None:
         """Take the map ``name`` into use."""
-        from app.modules.perception.slam.session import stored_map
+        from app.modules.perception.slam.map_session import stored_map
 
         host = self._host
         self._checked(name)

@@ -14,7 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, PlainValidator, field_validat
 
 from app.base.plain_file import check_plain
 from app.base.yaml_source import load_yaml, suggestion
-from app.robots.simulated.acoustics.sounds import NAMES
+from app.robots.simulated.acoustics.sound_library import NAMES
 from app.robots.simulated.scenery.faces import FACES
 
 Positive = Annotated[float, Field(gt=0)]

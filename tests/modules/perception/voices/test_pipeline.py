@@ -14,7 +14,7 @@ from app.robots.config import MicrophonesConfig
 from app.robots.simulated.acoustics.diffraction import BaffledMicrophones
 from app.robots.simulated.acoustics.offline_rendering import OfflineSource, render_scene
 from app.robots.simulated.acoustics.room import Shoebox
-from app.robots.simulated.acoustics.sounds import ClipLibrary
+from app.robots.simulated.acoustics.sound_library import ClipLibrary
 from tests.modules.perception.voices.sounds import ARRAY, RATE, as_int16, babble, heard, heard_turning, toward
 from tests.scenery.bss_eval import bss_eval
 

@@ -13,7 +13,7 @@ from app.messages import Image
 from app.modules.behaviors.navigation.controller import MotionState
 from app.modules.behaviors.navigation.costmap.footprint import Footprint
 from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import PersistentObstacleLayer
-from app.modules.behaviors.navigation.kernels import load_kernels
+from app.modules.behaviors.navigation.kernel_loading import load_kernels
 from app.modules.behaviors.navigation.planning.goal_planning import GlobalPlan
 from app.modules.behaviors.navigation.tracking.control_cycle import ControlCycle, ControlCycleSettings, CycleInput
 from app.modules.behaviors.navigation.tracking.path_tracker import NavigationGoal

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import pytest
 
-from app.robots.devices.reader import InputReader
+from app.robots.devices.reader_thread import InputReader
 from tests.patience import PATIENCE_S
 
 

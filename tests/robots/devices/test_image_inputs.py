@@ -8,7 +8,7 @@ import pytest
 from pydantic import ValidationError
 
 from app.robots.devices.config import CameraConfig
-from app.robots.devices.pictures import InputUnavailable, PlaybackTimer, open_pictures
+from app.robots.devices.image_inputs import InputUnavailable, PlaybackTimer, open_pictures
 from tests.base.test_image_source import BOMBS
 from tests.robots.devices.files import picture_file, video_file
 

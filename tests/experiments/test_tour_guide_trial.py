@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from app.experiments.simulated import simulated_program
-from app.experiments.trial import run
+from app.experiments.tour_guide_trial import run
 from app.logs.open import open_log
 
 # The loop is virtual, and its drawing and hearing are meant to hold it up.

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from app.base.geometry import Pose3
 from app.logs.ros import typestore
-from app.logs.ros.cloud import XYZ, CloudHead
+from app.logs.ros.cloud_converter import XYZ, CloudHead
 from app.logs.ros.frames import BASE, TF, Transform, header, pose3_numbers
 from app.logs.ros.info import InfoTopic, pose_key
 from app.logs.ros.record import MAIN, Record, RecordTopic

@@ -11,7 +11,7 @@ from app.logs.manifest import AttachedFile, Manifest
 from app.logs.mcap.open_file import McapFile
 from app.logs.mcap.reader import McapLog
 from app.logs.ros.encoder import Encoder
-from app.logs.ros.robot import robot_description
+from app.logs.ros.robot_description import robot_description
 from app.messages import Odometry
 from tests.logs.mcap.mcap_files import BEGIN, CHANNELS, drive
 
