@@ -168,7 +168,7 @@ def test_a_kept_map_is_loaded_the_robot_finds_itself_and_goes_to_another_room(
     drag_on_map(page, X_MW @ SENT_TO)
     way = page.get_by_test_id("map-way")
     expect(way).to_have_attribute("data-state", "following")
-    # Hands take over for as long as they hold, and the page says what comes then; Space ends the trip.
+    # Held keys take over for as long as they are held, and the page says what comes then; Space ends the trip.
     hold_until(page, "KeyA", page.get_by_test_id("drive-hint").filter(has_text="continue to the goal"), 5_000)
     expect(driver).not_to_have_text(re.compile("You|Nobody"))
     page.keyboard.press("Space")

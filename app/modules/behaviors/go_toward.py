@@ -11,7 +11,7 @@
 
 No map, plan, memory or depth: every ``period_s`` the Dynamic Window Approach follows the straight line to the goal in a
 distance field of the newest scan alone. It costs little CPU and passes single obstacles. It does not leave a dead end
-and does not see obstacles lower than the laser. Without progress it stands and publishes the reason.
+and does not see obstacles lower than the laser. Without progress it stops and publishes the reason.
 """
 
 from __future__ import annotations
@@ -97,7 +97,7 @@ class GoToward(Module):
             body = BodyModel.of(description.footprint, description.limits)
         except ValueError as error:
             raise ModuleFailed(f"{self.name} cannot drive {description.name}: {error}") from None
-        # No recovery actions: the robot stands and publishes the reason.
+        # No recovery actions: the robot stops and publishes the reason.
         self._path_tracker = PathTracker(body, DynamicWindow(_CHEAP), recovery=RecoverySettings(stuck_s=math.inf))
 
     def configure(self, parameters: Mapping[str, Any]) -> None:

@@ -47,7 +47,7 @@ class Player:
 
     def _run(self) -> None:
         speaker: LoudspeakerStream | None = None
-        told = ""
+        reported = ""
         while (audio := self._next()) is not None:
             try:
                 if speaker is not None and speaker.rate != audio.rate:
@@ -56,14 +56,14 @@ class Player:
                 if speaker is None:
                     speaker = LoudspeakerStream(self._config, audio.rate)
                 speaker.write(audio.samples[:, 0])
-                told = ""
+                reported = ""
             except InputUnavailable as failure:
                 if speaker is not None:
                     speaker.close()
                     speaker = None
-                if str(failure) != told:
-                    told = str(failure)
-                    log.warning("%s", told)
+                if str(failure) != reported:
+                    reported = str(failure)
+                    log.warning("%s", reported)
                 self._be_silent(RETRY_S)
         if speaker is not None:
             speaker.close()
