@@ -249,18 +249,18 @@ async def test_equal_problems_are_recalled() -> None:
 @in_virtual_time
 async def test_reasons_come_with_the_intention_and_are_completed_after_it() -> None:
     s = Setting(explain_limit_s=5.0)
-    told: list[Intention] = []
-    s.translator.observe(told.append)
+    intentions: list[Intention] = []
+    s.translator.observe(intentions.append)
     async with s.running():
         with s.workspace.transaction():
             s.add("FindQRCodes", 1, 8)
             s.add("LocateFaces", 1)
         await s.translator.explained()
-        assert [i.reasons["LocateFaces"].state for i in told] == ["degraded", "degraded"]
-        assert told[0].reasons["LocateFaces"].alternatives == ()
-        offers = told[1].reasons["LocateFaces"].alternatives
+        assert [i.reasons["LocateFaces"].state for i in intentions] == ["degraded", "degraded"]
+        assert intentions[0].reasons["LocateFaces"].alternatives == ()
+        offers = intentions[1].reasons["LocateFaces"].alternatives
         assert [(a.kind, a.amount, a.without) for a in offers] == [("capacity", 40, ""), ("without", 0, "FindQRCodes")]
-        assert s.translator.current is told[1]
+        assert s.translator.current is intentions[1]
 
 
 @in_virtual_time

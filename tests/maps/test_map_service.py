@@ -43,19 +43,19 @@ class Layer:
     """Records its calls."""
 
     def __init__(self, lacks: str = "") -> None:
-        self.told: list[str] = []
+        self.calls: list[str] = []
         self._lacks = lacks
 
     async def files(self) -> Files:
         return {"layer": lambda path: void(path)}
 
     async def load(self, name: str) -> None:
-        self.told.append(name)
+        self.calls.append(name)
         if name == self._lacks:
             raise MapUnavailable(f"nothing is known of {name}")
 
     async def clear(self) -> None:
-        self.told.append("")
+        self.calls.append("")
 
 
 def void(path: Path) -> None:
@@ -77,11 +77,11 @@ def test_there_is_a_map_server_while_one_is_attached() -> None:
 async def test_a_layer_is_loaded_for_the_map_in_either_order() -> None:
     control, early, late = MapService(), Layer(), Layer()
     await control.add(early)
-    assert early.told == [], "nobody knows yet which map is in use"
+    assert early.calls == [], "nobody knows yet which map is in use"
     await control.resume("hall", same=False)
     control.attach(FakeMapServer("hall"))
     await control.add(late)
-    assert early.told == late.told == ["hall"]
+    assert early.calls == late.calls == ["hall"]
 
 
 async def test_after_a_restart_on_the_same_map_a_layer_goes_on_and_on_another_it_does_not() -> None:
@@ -91,12 +91,12 @@ async def test_after_a_restart_on_the_same_map_a_layer_goes_on_and_on_another_it
         await control.resume(name, same=same)
         leave = control.attach(FakeMapServer(name))
         leave()
-    assert layer.told == ["", "", "hall", "attic"]
+    assert layer.calls == ["", "", "hall", "attic"]
     late = Layer()
     await control.add(late)
     await control.resume("attic", same=True)
-    assert late.told == ["attic"], "who was not there knows nothing of it"
-    assert layer.told[-2:] == ["hall", "attic"]
+    assert late.calls == ["attic"], "who was not there knows nothing of it"
+    assert layer.calls[-2:] == ["hall", "attic"]
 
 
 async def test_a_layer_added_during_a_load_is_loaded_for_the_new_map() -> None:
@@ -108,7 +108,7 @@ async def test_a_layer_added_during_a_load_is_loaded_for_the_new_map() -> None:
     await control.add(layer)
     server.go_on.set()
     await load
-    assert layer.told == ["hall", "attic"]
+    assert layer.calls == ["hall", "attic"]
 
 
 async def test_what_layers_know_is_written_with_the_map_by_those_that_know_it() -> None:
@@ -120,7 +120,7 @@ async def test_what_layers_know_is_written_with_the_map_by_those_that_know_it() 
     await control.server.save("hall")
     assert list(server.kept["hall"]) == ["layer"]
     await control.resume("hall", same=True)
-    assert layer.told == [""], "it has the name that it was kept under"
+    assert layer.calls == [""], "it has the name that it was kept under"
     server.name = "attic"  # taken into use, and no layer is loaded yet
     await control.server.save("attic")
     assert not server.kept["attic"], "what it knows is of another map"
@@ -136,6 +136,6 @@ async def test_a_layer_that_lacks_something_holds_up_no_other(caplog: pytest.Log
     await control.add(other)
     with pytest.raises(MapUnavailable, match="nothing is known of hall"):
         await control.server.load("hall")
-    assert other.told[-1] == "hall"
+    assert other.calls[-1] == "hall"
     await control.resume("hall", same=False)
     assert "nothing is known of hall" in caplog.text

@@ -115,8 +115,15 @@ def poster(text: str = "https://example.org/lab") -> np.ndarray[Any, np.dtype[np
 
 def desire(desire_id: str, cls: str, *, kind: str = "operator", name: str = "ada", **more: Any) -> DesireRecord:
     """A desire as the workspace records it."""
-    told = {"intensity": 6.0, "utility": 4.0, "security": False, "params": "{}", "created": BEGIN, "expires": math.inf}
-    return DesireRecord(id=desire_id, cls=cls, source_kind=kind, source_name=name, **{**told, **more})
+    members = {
+        "intensity": 6.0,
+        "utility": 4.0,
+        "security": False,
+        "params": "{}",
+        "created": BEGIN,
+        "expires": math.inf,
+    }
+    return DesireRecord(id=desire_id, cls=cls, source_kind=kind, source_name=name, **{**members, **more})
 
 
 def lab_messages(seconds: float = 4.0, *, images_hz: float = 10.0) -> list[Logged]:

@@ -278,9 +278,9 @@ def test_processes_agree_whatever_their_hash_seed(report: ReplaySummary, tmp_pat
             [sys.executable, "-c", script], capture_output=True, text=True, check=True, env=environment,
             cwd=Path(__file__).parents[3], timeout=PATIENCE_S,
         )  # fmt: skip
-        told = json.loads(done.stdout)
-        del told["cost"]
-        outcomes.append(told)
+        output = json.loads(done.stdout)
+        del output["cost"]
+        outcomes.append(output)
     assert outcomes[0] == outcomes[1]
     assert outcomes[0]["channels"] == json.loads(json.dumps(report.document()))["channels"]
 

@@ -60,7 +60,7 @@ class Drive:
 
     async def __aenter__(self) -> Drive:
         await self.bench.__aenter__()
-        self.told = self.bench.listen("exploitation")
+        self.exploitations = self.bench.listen("exploitation")
         return self
 
     async def __aexit__(self, *error: object) -> None:
@@ -86,7 +86,7 @@ class Drive:
 
     @property
     def limited(self) -> str:
-        return str(drain(self.told)[-1].limited)
+        return str(drain(self.exploitations)[-1].limited)
 
 
 def test_in_the_open_it_drives_as_ever() -> None:
@@ -129,7 +129,7 @@ def test_a_stop_waits_for_no_beat_and_no_command() -> None:
             when, twist = d.bench.link.commands[0]
             assert when == seen_at
             assert twist.linear_mps == 0.0
-            assert drain(d.told)[-1].limited == "stopped: something 0.1 m ahead", "told with it"
+            assert drain(d.exploitations)[-1].limited == "stopped: something 0.1 m ahead", "reported with it"
 
     run_virtual(main())
 

@@ -175,7 +175,7 @@ def test_after_a_restart_numbers_go_on() -> None:
                 return sorted(face.track for face in (await seen.receive()).faces)
 
             assert await look(PILOT, VISITOR) == [1, 2]
-            assert await look() == [], "what was told last does not say how many there were"
+            assert await look() == [], "what was published last does not say how many there were"
             b.feed("images", None)  # cannot be an image: the module fails
             await b.clock.sleep(2.0)
             assert b.supervisor.states["Tested"].restarts == 1

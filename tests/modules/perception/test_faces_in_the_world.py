@@ -172,4 +172,4 @@ def test_a_walker_keeps_his_number_past_a_bystander_over_both_cameras_while_the_
     assert [len(set(seen)) for seen in numbers.values()] == [1, 1]
     assert set(numbers[0]) != set(numbers[1])
     assert min(len(seen) for seen in numbers.values()) > 10
-    assert max(errors) < 0.25, "also in the panorama, once the Kinect has told their heights"
+    assert max(errors) < 0.25, "also in the panorama, once the Kinect has measured their heights"

@@ -294,5 +294,5 @@ async def test_a_world_that_cannot_be_built_fails_the_start_with_its_reason(
         await link.start()
     assert "cannot be simulated" in str(failed.value)
     assert "bad.urdf" in str(failed.value)
-    assert not caplog.records, "who started it is told, and tells it once"
+    assert not caplog.records, "the caller gets the error, and logs it once"
     assert link.process_id is None

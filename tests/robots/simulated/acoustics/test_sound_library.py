@@ -67,8 +67,8 @@ def test_it_reports_when_a_sound_is_active(library: ClipLibrary) -> None:
     assert not clip.active(-0.1)
     assert not clip.active(clip.seconds + 0.1)
     assert clip.active(clip.seconds + 0.3, loop=True) == clip.active(0.3)
-    told = [clip.active(0.01 * index + 0.005) for index in range(clip.activity.size)]
-    np.testing.assert_array_equal(told, clip.activity)
+    activity = [clip.active(0.01 * index + 0.005) for index in range(clip.activity.size)]
+    np.testing.assert_array_equal(activity, clip.activity)
 
 
 def test_files_of_any_rate_become_speech_of_ordinary_loudness(library: ClipLibrary, tmp_path: Path) -> None:

@@ -211,14 +211,14 @@ async def test_the_truth_of_a_running_world_is_the_scenarios(robot: RobotConfig,
     scenario = ScenarioConfig.model_validate({"name": "test", "people": [walker | {"repeat": False}]})
     config = robot.model_copy(update={"streams": blind, "start": START})
     link = SimulatedLink(config, hall, 0.0, scenario)
-    told: asyncio.Queue[SceneTruth] = asyncio.Queue()
-    link.attach("scene_truth", told.put_nowait)
+    scenes: asyncio.Queue[SceneTruth] = asyncio.Queue()
+    link.attach("scene_truth", scenes.put_nowait)
     link.demand("scene_truth", True)
     async with asyncio.timeout(PATIENCE_S):
         await link.start()
         try:
-            first = await told.get()
-            while (last := await told.get()).people[0].x < first.people[0].x + 0.5:
+            first = await scenes.get()
+            while (last := await scenes.get()).people[0].x < first.people[0].x + 0.5:
                 pass
         finally:
             await link.stop()
