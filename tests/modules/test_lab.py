@@ -139,7 +139,7 @@ def test_going_somewhere_pulls_in_slam_and_gets_cheaper_where_the_computer_is_wa
     assert ways == ["plan-and-follow-1", "plan-and-follow-2", "plan-and-pursue-4", "go-toward"]
 
 
-def test_no_way_to_map_is_worse_and_dearer_than_another_and_the_thesiss_rate_is_among_them(
+def test_no_way_to_map_is_worse_and_costs_more_than_another_and_the_thesiss_rate_is_among_them(
     table: StrategyTable,
 ) -> None:
     strategies = of_class(table, "SLAM")

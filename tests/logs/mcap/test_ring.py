@@ -188,7 +188,7 @@ def test_an_empty_ring_has_nothing_to_save(tmp_path: Path) -> None:
     turning.close(discard=True)
 
 
-def test_a_ring_that_turns_is_nobodys_leftover_and_a_stopped_one_is(tmp_path: Path) -> None:
+def test_a_ring_in_use_is_no_leftover_and_a_stopped_one_is(tmp_path: Path) -> None:
     turning = ring(tmp_path)
     turn(turning, 0, 33)
     assert leftovers(tmp_path / ".ring") == []

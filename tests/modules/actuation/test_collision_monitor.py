@@ -138,7 +138,7 @@ def test_a_single_ray_is_noise_and_two_are_a_thing() -> None:
     assert judged(one, 0.4).linear < 0.1
 
 
-def test_noise_has_nobody_jerk_before_a_wall() -> None:
+def test_noise_makes_no_command_jerk_before_a_wall() -> None:
     just = next(gap for gap in np.arange(0.05, 0.3, 0.002) if judged(wall(0.0, 0.28 + gap), 0.4).linear > 0)
     assert judged(wall(0.0, 0.28 + just), 0.4).linear >= STANDING_MPS
     assert judged(wall(0.0, 0.28 + just), 0.4, stands=True).linear == 0.0

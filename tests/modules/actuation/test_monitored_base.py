@@ -100,7 +100,7 @@ def test_in_the_open_it_drives_as_ever() -> None:
 
 
 @pytest.mark.parametrize("port", ["teleop", "path"])
-def test_whoever_drives_is_slowed_and_stopped_before_a_wall(port: str) -> None:
+def test_every_driver_is_slowed_and_stopped_before_a_wall(port: str) -> None:
     async def main() -> None:
         async with Drive() as d:
             await d.go(1.5, 0.4, port=port)

@@ -238,7 +238,7 @@ def test_nothing_of_it_is_left_when_the_goal_or_the_module_is_gone(ended: str) -
     run_virtual(main())
 
 
-def test_an_inhibited_class_is_nobodys_errand() -> None:
+def test_an_inhibited_class_is_no_errand() -> None:
     async def main() -> None:
         life = Life()
         async with life.bench:
@@ -251,7 +251,7 @@ def test_an_inhibited_class_is_nobodys_errand() -> None:
     run_virtual(main())
 
 
-def test_inhibiting_ends_by_itself_should_nobody_take_it_back() -> None:
+def test_inhibiting_ends_by_itself_if_it_is_not_taken_back() -> None:
     async def main() -> None:
         life = Life({"inhibits": ["LocateFaces"]})
         async with life.bench:

@@ -83,7 +83,7 @@ async def test_an_unwanted_stream_is_not_decoded() -> None:
 
 
 @in_virtual_time
-async def test_what_nobody_listened_to_for_long_does_not_come_late() -> None:
+async def test_what_had_no_listener_for_long_does_not_come_late() -> None:
     log = MemoryLog(numbered(100))
     clock = VirtualClock(BEGIN)
     body = made(log, clock)

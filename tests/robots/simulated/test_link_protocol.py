@@ -67,7 +67,7 @@ def test_what_arrived_is_read_and_the_end_is_noticed(pair: tuple[link_protocol.S
     assert link.closed
 
 
-def test_writing_to_nobody_is_noticed_and_no_error(pair: tuple[link_protocol.Socket, socket.socket]) -> None:
+def test_writing_to_a_closed_socket_is_noticed_and_no_error(pair: tuple[link_protocol.Socket, socket.socket]) -> None:
     link, theirs = pair
     theirs.close()
     link.send(link_protocol.Stop())

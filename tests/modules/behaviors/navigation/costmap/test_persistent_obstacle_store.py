@@ -89,7 +89,7 @@ async def test_it_is_kept_loaded_and_forgotten_with_the_map(tmp_path: Path, capl
     assert "low obstacles on the map hall are not known" in caplog.text
 
 
-async def test_after_a_restart_it_is_read_again_whoever_is_there_first(tmp_path: Path) -> None:
+async def test_after_a_restart_it_is_read_again_in_either_order(tmp_path: Path) -> None:
     library = MapLibrary(tmp_path)
     server = FakeMapServer(library)
     await server.save("hall", await layer_of(there(1.0, 2.0), library).files())
@@ -105,7 +105,7 @@ async def test_after_a_restart_it_is_read_again_whoever_is_there_first(tmp_path:
         assert len(anew.points) == 1
 
 
-async def test_it_is_not_lost_by_saving_without_whoever_knows_it_nor_by_a_full_disk(
+async def test_it_is_not_lost_by_saving_without_its_layer_nor_by_a_full_disk(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     library, control = MapLibrary(tmp_path), MapService()

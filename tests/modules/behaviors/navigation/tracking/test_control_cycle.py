@@ -157,7 +157,7 @@ def seeing_no_depth() -> ControlCycle:
     return here
 
 
-def test_whoever_plans_is_reported_what_is_kept_with_another_map_though_it_changed_as_often() -> None:
+def test_the_planner_gets_what_is_kept_with_another_map_though_it_changed_as_often() -> None:
     here = seeing_no_depth()
     assert here.persistent_obstacles is not None
     for x in (1.0, 2.0):
