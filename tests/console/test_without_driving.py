@@ -97,4 +97,4 @@ async def test_a_page_that_would_drive_gets_one_notice_and_no_wheel(system: Syst
     driving.handle(drive_lease.TakeControl("page"))
     assert driving.lease.driver is None
     assert notices == ["This program drives nothing: no module takes teleop_command."]
-    driving.handle(drive_lease.Gone("page"))
+    driving.handle(drive_lease.Disconnected("page"))

@@ -31,15 +31,15 @@ class Connected:
 
 
 @dataclass(frozen=True, slots=True)
-class Gone:
+class Disconnected:
     """The connection ended, however it did."""
 
     session: str
 
 
 @dataclass(frozen=True, slots=True)
-class Heard:
-    """A sign of life (a ping)."""
+class KeepAlive:
+    """A ping."""
 
     session: str
 
@@ -95,7 +95,9 @@ class Tick:
     """Time has passed."""
 
 
-Event: TypeAlias = Connected | Gone | Heard | Drive | Garbled | TakeControl | ReleaseControl | EmergencyStop | Tick
+Event: TypeAlias = (
+    Connected | Disconnected | KeepAlive | Drive | Garbled | TakeControl | ReleaseControl | EmergencyStop | Tick
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,9 +156,9 @@ def step(lease: Lease, now: float, event: Event) -> Step:
     match event:
         case Connected(session, operator):
             return replace(lease, operators=MappingProxyType({**lease.operators, session: operator})), ()
-        case Gone(session):
+        case Disconnected(session):
             return _gone(lease, session)
-        case Heard(session):
+        case KeepAlive(session):
             return (replace(lease, last_heard=now) if session == lease.driver else lease), ()
         case Garbled(session):
             stopped, actions = _stopped(lease) if session == lease.driver else (lease, ())

@@ -182,7 +182,7 @@ class Hub:
 
     def leave(self, viewer: Viewer) -> None:
         """A connection ended: if it drove, the robot stops at once; if it spoke, its talk ends."""
-        self.driving.handle(drive_lease.Gone(viewer.session))
+        self.driving.handle(drive_lease.Disconnected(viewer.session))
         self.speech.gone(viewer.session)
         self._viewers.pop(viewer.session, None)
         self._feeds.update()

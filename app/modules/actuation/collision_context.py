@@ -62,12 +62,12 @@ class CollisionContext:
             return self._towards(
                 before, target, self._monitor.crawl(target.linear_mps, target.angular_radps), longest_s
             )
-        stands = before.linear_mps == 0.0 and before.angular_radps == 0.0
-        allowed = self._judge(now, target, stands)
+        standing = before.linear_mps == 0.0 and before.angular_radps == 0.0
+        allowed = self._judge(now, target, standing)
         twist, reason = self._towards(before, target, allowed, longest_s)
         if not _is_part(twist, allowed):
             # While the body accelerates or brakes, its arc differs from the arc of the target.
-            now_allowed = self._judge(now, twist, stands=False)
+            now_allowed = self._judge(now, twist, standing=False)
             if now_allowed.reason:
                 return Twist(now, now_allowed.linear, now_allowed.angular), now_allowed.reason
         return twist, reason
@@ -83,7 +83,7 @@ class CollisionContext:
             )
         return twist, allowed.reason
 
-    def _judge(self, now: float, twist: Twist, stands: bool) -> Verdict:
+    def _judge(self, now: float, twist: Twist, standing: bool) -> Verdict:
         scan, monitor = self._scan, self._monitor
         if twist.linear_mps == 0.0 and twist.angular_radps == 0.0:
             return Verdict(0.0, 0.0)
@@ -93,7 +93,7 @@ class CollisionContext:
         if self._seen is None:
             self._seen = monitor.see(scan)
         moved = self._motion(self._seen.stamp, now)
-        return monitor.judge(self._seen, moved, twist.linear_mps, twist.angular_radps, stands=stands)
+        return monitor.judge(self._seen, moved, twist.linear_mps, twist.angular_radps, standing=standing)
 
     def _motion(self, then: float, now: float) -> Pose2:
         """``X_SB``: motion of the base since ``then`` by odometry; None without odometry."""
