@@ -1,4 +1,4 @@
-"""What recording costs, at the full rates of the lab: Kinect 15 Hz, panoramic camera 10 Hz, laser 40 Hz, and the rest.
+"""The cost of recording, at the full rates of the lab: Kinect 15 Hz, panoramic camera 10 Hz, laser 40 Hz, and the rest.
 
 ``lab``: the running program, simulated body and all, recording and not recording in turn: the Recorder's CPU time as
 the program itself counts it (loop and writer's thread), that of the whole process, and how late the event loop comes.
