@@ -123,7 +123,7 @@ def configuration() -> Finding:
 
 
 def packages() -> Finding:
-    """What packages of others bring by entry points, and that all of it can be imported."""
+    """The entry points of packages of others, and whether all of them can be imported."""
     from app.base.errors import ConfigError
     from app.base.extensions import DISTRIBUTION, GROUPS, announced_configurations, extensions
 

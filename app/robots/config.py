@@ -72,7 +72,7 @@ def circle(radius_m: float, corners: int = 16) -> tuple[tuple[float, float], ...
 
 
 class BodyConfig(_Model):
-    """What the file of every body says; each kind of body adds its own. Paths are relative to the file."""
+    """Members of every body's file; each kind of body adds its own. Paths are relative to the file."""
 
     kind: str
     name: str

@@ -145,6 +145,6 @@ def _check_model(robot: RobotConfig) -> None:
 
 
 SIMULATED_KIND = "simulated"
-#: What pyproject.toml names, as a package's does its own.
+#: The objects that pyproject.toml names, as a package's names its own.
 SIMULATED = BodyKind(load_robot_config, _simulated)
 DEVICES = BodyKind(load_devices_config, _devices)

@@ -1,4 +1,4 @@
-"""Who may talk to the console, and from which page.
+"""Authorization: who may use the console, and from which page.
 
 On loopback without a token anyone on this computer may, but a web page elsewhere may not: the ``Host`` must be a name
 of this computer (DNS rebinding), and where a browser states an ``Origin``, it must be ours. Beyond loopback a token is
@@ -29,7 +29,7 @@ from app.console.access.sessions import LoginSession, Sessions
 from app.console.problems import MEDIA_TYPE, Problem, problem_body, problem_response
 
 COOKIE = "hbba_session"
-#: What may be reached without having logged in, besides the page itself: the login and the sign of life.
+#: Paths that may be reached without a login, besides the page itself: the login and the sign of life.
 OPEN_PATHS = frozenset({"/api/v1/health", "/api/v1/session"})
 GUARDED = ("/api", "/viser", "/panels")
 

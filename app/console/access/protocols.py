@@ -26,7 +26,7 @@ BODY_WITHIN_S = 20.0
 #: An answer of which nothing more is taken for so long is given up; sooner, while there is no room for others.
 STALLED_AFTER_S = 60.0
 WAITS_AFTER_S = 5.0
-#: What is closed has this long to take what was said last.
+#: A connection being closed has this long (s) to take the last message.
 LINGER_S = 5.0
 
 _BUSY = Problem(
@@ -209,7 +209,7 @@ class BoundedWebSocket(WebSocketsSansIOProtocol):
         super().connection_lost(exc)
 
     async def send(self, message: Any) -> None:
-        """What the application says."""
+        """The application's next message."""
         await super().send(message)
         if message["type"] == "websocket.http.response.body" and not message.get("more_body", False):
             # uvicorn takes a refusal in words for a handshake that was left out, and logs an error.

@@ -144,7 +144,7 @@ class Lease:
 
     @property
     def driver_name(self) -> str | None:
-        """What people call the driver."""
+        """The name of the driver."""
         return None if self.driver is None else self.operators[self.driver]
 
 
@@ -152,7 +152,7 @@ Step: TypeAlias = tuple[Lease, tuple[Action, ...]]
 
 
 def step(lease: Lease, now: float, event: Event) -> Step:
-    """What follows from ``event`` at ``now`` (seconds)."""
+    """The lease and the actions that follow from ``event`` at ``now`` (seconds)."""
     match event:
         case Connected(session, operator):
             return replace(lease, operators=MappingProxyType({**lease.operators, session: operator})), ()

@@ -39,7 +39,7 @@ OPERATOR_PARAMETER = {
     ]
 }
 
-#: What can be done next with a desire that was created, for the OpenAPI description.
+#: The operations on a desire that was created, for the OpenAPI description.
 DESIRE_LINKS = {
     operation: {"operationId": operation, "parameters": {"desire_id": "$response.body#/id"}}
     for operation in ("get_desire", "change_desire", "remove_desire")
@@ -139,7 +139,7 @@ def desires_router(system: System) -> APIRouter:
         responses=problems(400, 404, 422),
     )
     async def change_desire(desire_id: DesireId, change: DesireChange) -> Response:
-        """What is left out stays. `params` replaces all parameters; `ttl` counts from now, null makes it stay."""
+        """Members left out stay. `params` replaces all parameters; `ttl` counts from now, null makes it stay."""
         given = change.model_fields_set
         for field in ("intensity", "utility", "security", "params"):
             if field in given and getattr(change, field) is None:

@@ -26,7 +26,7 @@ from app.console.view.budget import SILENT_AFTER_S
 from app.console.view.view import View, ViewerSession
 
 PULSE_PERIOD_S = 0.25
-#: What a viewer may say to viser.
+#: Messages that a viewer may send to viser.
 FORWARDED = frozenset({"ViewerCameraMessage"})
 _PROTOCOL = "viser-v"
 
@@ -36,7 +36,7 @@ _INJECTED = (Path(__file__).parent / "inject.html").read_text(encoding="utf-8")
 
 
 class Layers(msgspec.Struct, tag_field="type", tag="layers"):
-    """What a viewer wants to see besides what all see; None: what the pages show."""
+    """Layers that a viewer wants besides those of all; None: what the pages show."""
 
     costmap: bool | None = None
 
@@ -198,7 +198,7 @@ async def _up(websocket: WebSocket, viser: ClientConnection) -> None:
 
 
 async def _received(websocket: WebSocket) -> str | bytes | None:
-    """What the page says next; None when it has gone."""
+    """The page's next message; None when it has closed."""
     message = await websocket.receive()
     if message["type"] == "websocket.disconnect":
         return None

@@ -31,7 +31,7 @@ _SCAN_SIZE_M = 0.045
 
 
 def set_stage(server: viser.ViserServer) -> None:
-    """What all viewers have in common."""
+    """The part common to all viewers."""
     server.scene.set_up_direction("+z")
     server.scene.configure_default_lights(enabled=True, cast_shadow=False)
     # Lighting by a picture of a place costs a page without a GPU its first ten seconds; a plain sky does as well.

@@ -33,7 +33,7 @@ _STORY = 40
 
 @dataclass(frozen=True, slots=True)
 class GoalRun:
-    """What to run: ``goals`` with their numbers, in the world, one after another from ``start``.
+    """A plan: ``goals`` with their numbers, in the world, one after another from ``start``.
 
     ``maps``: the folder of maps, where one called ``MAP`` begins at ``origin`` in the world. ``tolerance_m`` and
     ``tolerance_rad``: those of the desire; ``slack_m``: allowed in addition, for the map's error. ``patience_s``: time

@@ -71,10 +71,10 @@ def run_headless(
     watch = watch or ReplayWatch()
     watch.built(replay.system)
     journal = _Journal(replay.system, watch, digests)
-    return run_virtual(_relive(replay, journal, speed), patience_s=PATIENCE_S)
+    return run_virtual(_run(replay, journal, speed), patience_s=PATIENCE_S)
 
 
-async def _relive(replay: Replay, journal: _Journal, speed: float | None) -> ReplaySummary:
+async def _run(replay: Replay, journal: _Journal, speed: float | None) -> ReplaySummary:
     system, body = replay.system, replay.body
     body.on_piece = journal.watch.progress
     with journal:

@@ -30,7 +30,7 @@ from app.base.polyline import thinned_path
 from app.messages import GivenUpGoal, Localization, NavigationReport, NavigationStatus, PlannedPath, read_only
 from app.runtime.module import Module, ModuleContext
 
-#: What is over is looked for so often (s).
+#: Period (s) of removing what is over.
 PERIOD_S = 0.1
 GO_TO = "GoTo"
 #: An arrival is reported for so long (s), unless another goal is given.

@@ -55,7 +55,7 @@ class Sighting:
 
 @dataclass(frozen=True, slots=True)
 class Subject:
-    """What is remembered of one subject: its newest ``sighting``, made by ``source``, and the one at its last event.
+    """The state of one subject: its newest ``sighting``, made by ``source``, and the one at its last event.
 
     ``first`` is the stamp of its first sighting and ``reported`` that of its last event; ``seen_s`` and ``missed_s``
     are s of looking with it and without it.
@@ -97,7 +97,7 @@ class Change:
 def look(
     before: PresenceState, rule: Hysteresis, source: str, stamp: float, sightings: Iterable[Sighting]
 ) -> tuple[PresenceState, tuple[Change, ...]]:
-    """What is there after ``source`` looked at ``stamp`` (s) and saw exactly ``sightings``, and what changed by it.
+    """The presence after ``source`` looked at ``stamp`` (s) and saw exactly ``sightings``, and what changed by it.
 
     Of several sightings of one subject the one nearest to its last place counts, else the first.
     """

@@ -68,7 +68,7 @@ class SimulatedLink:
 
     @property
     def description(self) -> RobotDescription:
-        """What this body is; known before :meth:`start`."""
+        """The description of this body; known before :meth:`start`."""
         return self._description
 
     @property

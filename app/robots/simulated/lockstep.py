@@ -70,7 +70,7 @@ class LockstepLink:
 
     @property
     def description(self) -> RobotDescription:
-        """What this body is; known before :meth:`start`."""
+        """The description of this body; known before :meth:`start`."""
         return self._description
 
     @property

@@ -218,7 +218,7 @@ def test_two_replays_are_equal_also_on_a_busy_computer(options: ReplayOptions, m
     assert any(channel.messages for channel in first.channels.values())
 
 
-def test_a_recording_on_disk_is_relived_the_same_on_a_busy_computer(
+def test_a_recording_on_disk_is_replayed_the_same_on_a_busy_computer(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, report: ReplaySummary
 ) -> None:
     """Read by the real reader, pictures and all; and what is lossless on disk gives what it gave in memory."""
