@@ -61,9 +61,9 @@ class RobotLink(Protocol):
     """A body. All methods are called on the event loop and return at once unless they are ``async``.
 
     Streams every body has: ``odometry`` (Odometry), ``joints`` (JointState), ``status`` (LinkStatus). Sensor
-    streams depend on the body: ``kinect`` (Image with depth), ``imv`` (Image, fisheye), ``camera`` (Image), ``hokuyo``
-    (LaserScan), ``microphones`` (Audio). ``ground_truth`` (GroundTruth) and ``scene_truth`` (SceneTruth) exist only in
-    a simulated world whose configuration turns them on.
+    streams depend on the body: ``kinect`` (Image with depth), ``panorama`` (Image, fisheye), ``camera`` (Image),
+    ``hokuyo`` (LaserScan), ``microphones`` (Audio). ``ground_truth`` (GroundTruth) and ``scene_truth`` (SceneTruth)
+    exist only in a simulated world whose configuration turns them on.
     """
 
     @property

@@ -21,7 +21,7 @@ from app.robots.simulated.acoustics.diffraction import BaffledMicrophones
 from app.robots.simulated.acoustics.dry_sound import SampledSound
 from app.robots.simulated.acoustics.offline_rendering import OfflineSource, render_scene
 from app.robots.simulated.acoustics.room import Shoebox
-from app.robots.simulated.acoustics.sounds import ClipLibrary
+from app.robots.simulated.acoustics.sound_library import ClipLibrary
 from benchmarks.report import Row, benchmark_main, row
 
 RATE, BLOCK = 48000, 512

@@ -24,7 +24,7 @@ from app.modules.perception.faces.face_position import FaceLocator
 from app.modules.perception.faces.yunet import THRESHOLD, YuNetDetector
 from app.modules.perception.opencv import use_calling_thread
 from benchmarks.report import Row, benchmark_main, row
-from tests.scenery.face_scenes import NAMES, facing, imv_image, kinect_image
+from tests.scenery.face_scenes import NAMES, facing, kinect_image, panorama_image
 from tests.scenery.photographs import Box, boxed_photographs, read_rgb, score_against
 
 BENCHMARK = "faces"
@@ -117,13 +117,13 @@ class Look:
 
 
 KINECT_AZIMUTHS = (-0.35, -0.12, 0.12, 0.35)
-IMV_AZIMUTHS = (-1.4, -0.7, 0.1, 1.4)
+PANORAMA_AZIMUTHS = (-1.4, -0.7, 0.1, 1.4)
 LOOKS = (
     Look("Kinect, fine", kinect_image, 640, 326, KINECT_AZIMUTHS),
     Look("Kinect, coarse", kinect_image, 320, 326, KINECT_AZIMUTHS),
-    Look("panorama unrolled, 400 px/rad", imv_image, 640, 400, IMV_AZIMUTHS),
-    Look("panorama unrolled, 326 px/rad", imv_image, 640, 326, IMV_AZIMUTHS),
-    Look("panorama unrolled, 244 px/rad", imv_image, 640, 244, IMV_AZIMUTHS),
+    Look("panorama unrolled, 400 px/rad", panorama_image, 640, 400, PANORAMA_AZIMUTHS),
+    Look("panorama unrolled, 326 px/rad", panorama_image, 640, 326, PANORAMA_AZIMUTHS),
+    Look("panorama unrolled, 244 px/rad", panorama_image, 640, 244, PANORAMA_AZIMUTHS),
 )
 
 

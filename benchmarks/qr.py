@@ -51,7 +51,7 @@ def ours_on_panoramas() -> Reader:
     patches = FisheyePatches(PANORAMA)
 
     def read(color: NDArray[np.uint8]) -> list[str]:
-        image = Image(0.0, "imv", color, None, PANORAMA, Pose3.identity())
+        image = Image(0.0, "panorama", color, None, PANORAMA, Pose3.identity())
         return [code.text for code in detect_panorama(image, patches, 4)]
 
     return read

@@ -1,4 +1,4 @@
-"""What recording costs, at the full rates of the lab: Kinect 15 Hz, panoramic camera 10 Hz, laser 40 Hz, and the rest.
+"""The cost of recording, at the full rates of the lab: Kinect 15 Hz, panoramic camera 10 Hz, laser 40 Hz, and the rest.
 
 ``lab``: the running program, simulated body and all, recording and not recording in turn: the Recorder's CPU time as
 the program itself counts it (loop and writer's thread), that of the whole process, and how late the event loop comes.
@@ -151,7 +151,7 @@ def _tap(system: System, stream: list[Arrived]) -> list[Callable[[], None]]:
     def take(channel: str) -> Callable[[Any], None]:
         return lambda message: stream.append((system.clock.now(), channel, message))
 
-    channels = {"kinect": "kinect", "imv": "imv", "microphones": "microphones", "hokuyo": "scan",
+    channels = {"kinect": "kinect", "panorama": "panorama", "microphones": "microphones", "hokuyo": "scan",
                 "odometry": "odometry", "joints": "joints"}  # fmt: skip
     return [system.link.attach(name, take(channel)) for name, channel in channels.items()]
 
@@ -172,7 +172,7 @@ def at_full_rates(stream: list[Arrived], seconds: int) -> list[Arrived]:
 
 def thinned(stream: list[Arrived], divisor: int) -> list[Arrived]:
     """Every so-manieth picture and scan, and all the rest; sound only where that is every second one at least."""
-    seen = {"kinect": 0, "imv": 0, "scan": 0}
+    seen = {"kinect": 0, "panorama": 0, "scan": 0}
     kept = []
     for arrived in stream:
         if arrived[1] == "microphones" and divisor > _SOUND_UP_TO:

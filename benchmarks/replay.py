@@ -1,4 +1,4 @@
-"""What living a recording again costs: reading it, and running the whole program on it.
+"""The cost of replaying a recording: reading it, and running the whole program on it.
 
 The recording is the reference of the simulated lab (a minute of driving past posters). *read*: every message decoded,
 pictures and depth included, beside rosbags' AnyReader that deserializes the same topics and OpenCV that decodes the

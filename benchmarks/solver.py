@@ -28,7 +28,7 @@ from app.attention.cpsat import solve_cpsat
 from app.attention.desires import Desire, Source
 from app.attention.explaining import EXPLAIN_S
 from app.attention.integer_program import build_integer_program
-from app.attention.problem import Problem
+from app.attention.problem import SelectionProblem
 from app.attention.reasons import explain
 from app.attention.solver import solve
 from app.attention.strategies import Strategy
@@ -87,7 +87,7 @@ def run(rounds_share: float = 1.0) -> list[Row]:
     return rows
 
 
-def compare(case: str, problems: Sequence[Problem], rounds: int, peer_rounds: int) -> list[Row]:
+def compare(case: str, problems: Sequence[SelectionProblem], rounds: int, peer_rounds: int) -> list[Row]:
     """Cold and cached times over ``problems`` in turn, the peer on the first ``peer_rounds`` of the same."""
     solve(problems[0])
     solve_cpsat(build_integer_program(problems[0]), time.perf_counter() + 30)
@@ -109,7 +109,7 @@ def compare(case: str, problems: Sequence[Problem], rounds: int, peer_rounds: in
                 raise AssertionError(f"{case}: Ω is {selection.omega} here and {omega} there")
         memory = CachedSolver()
         memory.solve(problem)
-        again = Problem(dict(problem.desires), problem.strategies, dict(problem.capacities))
+        again = SelectionProblem(dict(problem.desires), problem.strategies, dict(problem.capacities))
         began = time.perf_counter()
         memory.solve(again)
         cached.append((time.perf_counter() - began) * 1e3)
@@ -124,7 +124,7 @@ def compare(case: str, problems: Sequence[Problem], rounds: int, peer_rounds: in
     ]
 
 
-def limited(problem: Problem) -> list[Row]:
+def limited(problem: SelectionProblem) -> list[Row]:
     """1000 strategies: the best within the limit and its bound, and the time to the proof."""
     case = f"{len(problem.strategies)} strategies, {len(problem.desires)} classes"
     within, gaps, whole = [], [], []
@@ -145,7 +145,7 @@ def limited(problem: Problem) -> list[Row]:
     ]
 
 
-def graded(problems: Sequence[Problem], resources: int) -> list[Row]:
+def graded(problems: Sequence[SelectionProblem], resources: int) -> list[Row]:
     """Time to the proof where all contend for half of each of several resources."""
     case = f"{len(problems[0].strategies)} strategies, {resources} graded resources"
     took, proven = [], True
@@ -156,7 +156,7 @@ def graded(problems: Sequence[Problem], resources: int) -> list[Row]:
     return [row(BENCHMARK, case, "cold, proven" if proven else "cold, NOT PROVEN in 20 s", "ms", took)]
 
 
-def explained(case: str, problem: Problem, to_the_end: bool) -> list[Row]:
+def explained(case: str, problem: SelectionProblem, to_the_end: bool) -> list[Row]:
     """How long reasons take within the limit that a program gives them, and to the end."""
     problem = problem.with_table()
     selection = solve(problem, time_limit_s=20)
@@ -172,7 +172,7 @@ def explained(case: str, problem: Problem, to_the_end: bool) -> list[Row]:
     return rows
 
 
-def tableau_4_4() -> Problem:
+def tableau_4_4() -> SelectionProblem:
     """The thesis's strategies, all seven classes desired (i 8, u 1)."""
     rows: list[tuple[str, int, float, float]] = [
         *(("FindQRCodes", phi, v, cpu) for phi, v, cpu in ((1, 8, 80), (2, 4, 40), (4, 2, 20), (8, 1, 10))),
@@ -195,10 +195,10 @@ def tableau_4_4() -> Problem:
         for cls, phi, v, cpu in rows
     )
     desires = {s.cls: _desire(s.cls, 8, security=s.cls == "Teleoperation") for s in table}
-    return Problem(desires, table, {"cpu": 100.0})
+    return SelectionProblem(desires, table, {"cpu": 100.0})
 
 
-def contention(classes: int, seed: int) -> Problem:
+def contention(classes: int, seed: int) -> SelectionProblem:
     """``classes`` classes of four strategies contending for half the CPU they want, and for actuators."""
     chance = random.Random(seed)
     slots = max(1, classes // 12)
@@ -214,10 +214,10 @@ def contention(classes: int, seed: int) -> Problem:
             table.append(Strategy(f"{cls}-{phi}", cls, 8 / phi, filters={f"{cls}.input": phi}, costs=costs))
     capacities = {"cpu": full / 2, **{f"actuator{slot}": 1.0 for slot in range(slots)}}
     desires = {f"K{number}": _desire(f"K{number}", chance.randint(1, 8)) for number in range(classes)}
-    return Problem(desires, tuple(table), capacities)
+    return SelectionProblem(desires, tuple(table), capacities)
 
 
-def several(classes: int, resources: int, seed: int) -> Problem:
+def several(classes: int, resources: int, seed: int) -> SelectionProblem:
     """``classes`` classes of four strategies contending for half of what they want of each of ``resources``."""
     chance = random.Random(seed)
     full = dict.fromkeys((f"r{number}" for number in range(resources)), 0.0)
@@ -231,10 +231,10 @@ def several(classes: int, resources: int, seed: int) -> Problem:
             cls = f"K{number}"
             table.append(Strategy(f"{cls}-{phi}", cls, 8 / phi, filters={f"{cls}.input": phi}, costs=costs))
     desires = {f"K{number}": _desire(f"K{number}", chance.randint(1, 8)) for number in range(classes)}
-    return Problem(desires, tuple(table), {name: round(amount / 2, 3) for name, amount in full.items()})
+    return SelectionProblem(desires, tuple(table), {name: round(amount / 2, 3) for name, amount in full.items()})
 
 
-def direct(problem: Problem) -> float | None:
+def direct(problem: SelectionProblem) -> float | None:
     """Ω by CP-SAT with its defaults on the equations as printed; None if it has no proof in the limit."""
     from ortools.sat.python import cp_model
 
@@ -302,7 +302,7 @@ def _desire(cls: str, intensity: float, *, utility: float = 1.0, security: bool 
     return Desire(f"d-{cls}", cls, intensity, utility, security, {}, Source("operator", "benchmark"), 0.0)
 
 
-def _published(instance: Mapping[str, Any]) -> Problem:
+def _published(instance: Mapping[str, Any]) -> SelectionProblem:
     table = tuple(
         Strategy(
             f"{entry['cls']}-{number}",
@@ -317,7 +317,7 @@ def _published(instance: Mapping[str, Any]) -> Problem:
     desires = {
         d["cls"]: _desire(d["cls"], d["intensity"], utility=d["utility"], security=d["security"]) for d in active
     }
-    return Problem(desires, table, instance["capacity"])
+    return SelectionProblem(desires, table, instance["capacity"])
 
 
 def measure(quick: bool) -> list[Row]:

@@ -29,7 +29,7 @@ from app.base import paths
 from app.base.geometry import Pose2
 from app.experiments.world_run import able
 from app.logs.library import RecordingLibrary
-from app.messages import Odometry, OperatorDrive
+from app.messages import Odometry, TeleopCommand
 from app.program.config import Configuration, load_configuration
 from app.program.system import System
 from app.robots.config import RobotConfig
@@ -47,7 +47,7 @@ BEGIN = 1_795_000_000.0
 WIDTH, HEIGHT, KINECT_HZ = 424, 318, 0.85
 RAYS, HOKUYO_HZ, ODOMETRY_HZ = 181, 5, 50
 #: Modules that perceive or map: replays run them; they are off while the log is recorded.
-WITHOUT = ("Imv", "FaceDetector", "SLAM2D")
+WITHOUT = ("PanoramicCamera", "FaceDetector", "SLAM2D")
 
 #: In odom (m; the robot begins at its origin, looking along x): places to go to, and points to look at for so long (s).
 #: Up the corridor to the Robotics lab's poster, then west by the Office's to the Workshop's.
@@ -158,7 +158,7 @@ def make_small(config: Path) -> None:
             "filters": {
                 "Recorder.kinect": 1,
                 "Recorder.scan": 1,
-                "Recorder.imv": "off",
+                "Recorder.panorama": "off",
                 "Recorder.microphones": "off",
             },
         }
@@ -208,13 +208,13 @@ async def desire(system: System, begin: float) -> None:
 
 async def drive(system: System) -> None:
     """Steer along the route as an operator would: sticks, twenty times a second, the dead-man held."""
-    channel = system.graph.channel("operator_drive")
+    channel = system.graph.channel("teleop_command")
     sequence = 0
 
     def say(linear: float, angular: float, held: bool = True) -> None:
         nonlocal sequence
         sequence += 1
-        channel.publish(OperatorDrive(system.clock.now(), "ada", sequence, held, linear, angular))
+        channel.publish(TeleopCommand(system.clock.now(), "ada", sequence, held, linear, angular))
 
     for kind, x, y, stay_s in ROUTE:
         arrived: float | None = None

@@ -38,7 +38,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 def pytest_runtest_setup(item: pytest.Item) -> None:
     """asyncio's debug mode for every loop made from here on, virtual ones included; but not in slow tests.
 
-    It notes where each callback comes from, which takes a third of the time of those that relive a log or a world.
+    It notes where each callback comes from, which takes a third of the time of those that replay a log or run a world.
     """
     os.environ["PYTHONASYNCIODEBUG"] = "1" if item.get_closest_marker("slow") is None else ""
 

@@ -38,7 +38,9 @@ def test_each_command_explains_itself(command: str, capsys: pytest.CaptureFixtur
     assert f"usage: hbba {command}" in capsys.readouterr().out
 
 
-def test_linear_algebra_computes_in_the_calling_thread_unless_told_otherwise(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_linear_algebra_computes_in_the_calling_thread_unless_configured(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setenv("OPENBLAS_NUM_THREADS", "3")
     monkeypatch.setenv("MKL_NUM_THREADS", "")  # so that it is put back
     monkeypatch.delenv("MKL_NUM_THREADS")
@@ -114,7 +116,7 @@ def test_a_wrong_command_line_is_one_sentence(
         (["log", "info", "a.mcap", "b.mcap"], "hbba log info", "unrecognized arguments: b.mcap\n"),
     ],
 )
-def test_what_a_command_does_not_know_is_told_with_its_own_usage(
+def test_an_unknown_argument_is_reported_with_the_commands_own_usage(
     arguments: list[str], usage: str, sentence: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with pytest.raises(SystemExit) as left:

@@ -6,7 +6,7 @@ from collections import OrderedDict
 from collections.abc import Collection
 from dataclasses import dataclass, replace
 
-from app.attention.problem import Problem, Selection
+from app.attention.problem import Selection, SelectionProblem
 from app.attention.reasons import explain
 from app.attention.solver import foresees_cpsat, load_cpsat, solve
 
@@ -37,7 +37,7 @@ class CachedSolver:
         self._hits = 0
         self._misses = 0
 
-    def recall(self, problem: Problem) -> Selection | None:
+    def recall(self, problem: SelectionProblem) -> Selection | None:
         """The answer to an equal problem, with the solve time it took when it was found; None if it is not
         remembered."""
         if problem.strategies is not self._table:
@@ -50,7 +50,7 @@ class CachedSolver:
             self._answers.move_to_end(key)
         return known
 
-    def solve(self, problem: Problem) -> Selection:
+    def solve(self, problem: SelectionProblem) -> Selection:
         """As :func:`solve`, from the cache if the answer is there."""
         known = self.recall(problem)
         if known is not None:
@@ -63,18 +63,18 @@ class CachedSolver:
                 self._answers.popitem(last=False)
         return selection
 
-    def among(self, problem: Problem, names: Collection[str]) -> Selection:
+    def among(self, problem: SelectionProblem, names: Collection[str]) -> Selection:
         """As :func:`solve` with the strategies ``names`` alone; the answer is neither cached nor taken from the
         cache."""
         only = frozenset(names)
         smaller = replace(problem, strategies=tuple(s for s in problem.strategies if s.name in only))
         return self._explained(problem, solve(smaller, time_limit_s=self.time_limit_s))
 
-    def _explained(self, problem: Problem, selection: Selection) -> Selection:
+    def _explained(self, problem: SelectionProblem, selection: Selection) -> Selection:
         reasons = explain(problem, selection, time_limit_s=0.0)
         return replace(selection, reasons=reasons, solve_time_s=selection.solve_time_s if self._timed else 0.0)
 
-    def prepare(self, problem: Problem) -> None:
+    def prepare(self, problem: SelectionProblem) -> None:
         """Load the libraries that problems over this table may need, so that the first problem does not wait for them.
         Blocks."""
         if foresees_cpsat(problem.table):
@@ -84,7 +84,7 @@ class CachedSolver:
         return CacheStatistics(len(self._answers), self._hits, self._misses)
 
 
-def _key(problem: Problem) -> object:
+def _key(problem: SelectionProblem) -> object:
     return (
         tuple((d.cls, d.intensity, d.utility, d.security) for d in problem.desires.values()),
         tuple(problem.capacities.items()),

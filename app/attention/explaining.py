@@ -6,7 +6,7 @@ import logging
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Any, Final
 
-from app.attention.problem import Problem, Selection
+from app.attention.problem import Selection, SelectionProblem
 from app.attention.reasons import explain
 from app.attention.strategies import Resource
 from app.messages import Reason
@@ -28,7 +28,7 @@ class Explainer:
         self._offload = offload
 
     async def reasons(
-        self, problem: Problem, selection: Selection, give_up: Callable[[], bool]
+        self, problem: SelectionProblem, selection: Selection, give_up: Callable[[], bool]
     ) -> dict[str, Reason] | None:
         """The reasons; None, and an entry in the log, if they cannot be found. ``give_up`` is true when they are no
         longer needed."""
@@ -41,5 +41,7 @@ class Explainer:
             return None
         return found
 
-    def _explain(self, problem: Problem, selection: Selection, give_up: Callable[[], bool]) -> dict[str, Reason]:
+    def _explain(
+        self, problem: SelectionProblem, selection: Selection, give_up: Callable[[], bool]
+    ) -> dict[str, Reason]:
         return explain(problem, selection, time_limit_s=self._limit_s, resources=self._resources, give_up=give_up)

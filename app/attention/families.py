@@ -116,7 +116,7 @@ class StrategyFamily(_Model):
 
 
 def _divisor(entry: str | int, phi: int) -> str | int:
-    """What a filter is set to at ``phi``."""
+    """The divisor of a filter at ``phi``."""
     if entry == PHI:
         return phi
     multiple = re.match(_MULTIPLE, entry) if isinstance(entry, str) else None

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import dataclass
 
-from app.attention.problem import Problem, Selection, produced
+from app.attention.problem import Selection, SelectionProblem, produced
 
 
 @dataclass(frozen=True, slots=True)
-class Hysteresis:
+class SelectionHysteresis:
     """When a selection that takes something from a desire may replace one that still holds.
 
     It must gain more than ``gain`` in Ω, or have been the better one for ``dwell_s`` seconds. A limit of 0 is not used;
@@ -21,9 +21,9 @@ class Hysteresis:
 
 
 class HysteresisState:
-    """Decides by a :class:`Hysteresis`, and remembers since when a switch is held back."""
+    """Decides by a :class:`SelectionHysteresis`, and remembers since when a switch is held back."""
 
-    def __init__(self, limits: Hysteresis) -> None:
+    def __init__(self, limits: SelectionHysteresis) -> None:
         self.limits = limits
         #: When the switch held back now may be made; None while none is, or only its gain counts.
         self.until: float | None = None
@@ -36,7 +36,9 @@ class HysteresisState:
         """Whether there is anything to decide: ``best`` is another selection than ``before``, and limits are set."""
         return bool(self.limits.gain or self.limits.dwell_s) and set(best.strategies) != set(before)
 
-    def holds(self, problem: Problem, best: Selection, stay: Selection, before: Collection[str], now: float) -> bool:
+    def holds(
+        self, problem: SelectionProblem, best: Selection, stay: Selection, before: Collection[str], now: float
+    ) -> bool:
         """Whether ``stay``, the best among the strategies ``before`` that are on, is kept instead of ``best``."""
         # The best among what is on is all of it only if it still holds and nothing of it is useless.
         loses = any(produced(problem, best.strategies, cls) < produced(problem, before, cls) for cls in stay.fulfilled)

@@ -23,7 +23,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from app.attention.prepared import InvalidProblem, PreparedTable, all_exclude, thousandths
-from app.attention.problem import Problem, thrift_resource
+from app.attention.problem import SelectionProblem, thrift_resource
 
 
 class Infeasible(Exception):
@@ -63,7 +63,7 @@ class IntegerProgram:
     ``impossible``: a security class has no strategy at all.
     """
 
-    problem: Problem
+    problem: SelectionProblem
     classes: tuple[str, ...]
     table: tuple[int, ...]
     cls: tuple[int, ...]
@@ -105,7 +105,7 @@ class IntegerProgram:
         return round((millionths + self.omega_offset) / 1e6, 6)
 
 
-def build_integer_program(problem: Problem, *, relaxed: frozenset[str] = frozenset()) -> IntegerProgram:
+def build_integer_program(problem: SelectionProblem, *, relaxed: frozenset[str] = frozenset()) -> IntegerProgram:
     """The whole-number form of ``problem``; γ4 is dropped for the classes in ``relaxed``. Raises InvalidProblem."""
     desires = problem.desires
     table = problem.table
@@ -203,13 +203,13 @@ def _exclusion(
     return tuple(cliques), tuple(exclusive)
 
 
-def _weight(problem: Problem, of: Literal["intensity", "utility", "spare"]) -> int:
+def _weight(problem: SelectionProblem, of: Literal["intensity", "utility", "spare"]) -> int:
     title = "spare capacity" if of == "spare" else of
     return thousandths(getattr(problem.weights, of), f"the weight of {title}")
 
 
 def _criteria(
-    problem: Problem,
+    problem: SelectionProblem,
     intensity: dict[int, int],
     cls: tuple[int, ...],
     utility: tuple[int, ...],
@@ -255,7 +255,7 @@ def _combined(
     return fulfil, serve, pay, top, shift
 
 
-def _useful(problem: Problem, table: PreparedTable, inhibited: set[str], limits: dict[str, int]) -> list[int]:
+def _useful(problem: SelectionProblem, table: PreparedTable, inhibited: set[str], limits: dict[str, int]) -> list[int]:
     """Indices of the strategies that may serve: of desired classes, and of what those require, over any distance.
 
     Raises InvalidProblem for one that costs what there is nothing of.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from typing import Any, Protocol
 
-from app.attention.problem import Problem, Selection
+from app.attention.problem import Selection, SelectionProblem
 
 
 class FilterTarget(Protocol):
@@ -31,18 +31,18 @@ class ParameterSink(Protocol):
 class Solver(Protocol):
     """Solves selection problems. All methods but ``recall`` are called beside the event loop, one at a time."""
 
-    def prepare(self, problem: Problem) -> None:
+    def prepare(self, problem: SelectionProblem) -> None:
         """Load the libraries that such problems may need, before the first is solved."""
         ...
 
-    def recall(self, problem: Problem) -> Selection | None:
+    def recall(self, problem: SelectionProblem) -> Selection | None:
         """An answer known already, at once."""
         ...
 
-    def solve(self, problem: Problem) -> Selection | None:
+    def solve(self, problem: SelectionProblem) -> Selection | None:
         """The answer, with its reasons. Raises SolverFailed where there was no time to find one."""
         ...
 
-    def among(self, problem: Problem, names: Collection[str]) -> Selection:
+    def among(self, problem: SelectionProblem, names: Collection[str]) -> Selection:
         """The answer were there no strategies but ``names``. Raises SolverFailed as :meth:`solve`."""
         ...

@@ -69,8 +69,8 @@ class LaneSampler:
         #: Filters by class, over all its strategies, and by strategy.
         self._filters: dict[str, tuple[str, ...]] = dict.fromkeys(self._classes, ())
         self._of_strategy: dict[str, tuple[str, ...]] = {}
-        #: What a strategy closes on purpose: another behavior's output, a stream it does without. The first filter that
-        #: it does not close is its main input.
+        #: Filters that a strategy closes on purpose: another behavior's output, a stream it does without. The first
+        #: filter that it does not close is its main input.
         self._closes: dict[str, frozenset[str]] = {}
         self._class_of: dict[str, str] = {}
         for strategy in strategies:
@@ -137,7 +137,7 @@ class LaneSampler:
     ) -> tuple[tuple[str, ...], float, float | None, dict[str, float]]:
         """The filters that ``cls`` is shown by, the largest φ of them, what they let through, and φ of every filter of
         its ``strategies`` at work."""
-        # What a strategy closes on purpose holds nothing up.
+        # A filter closed on purpose holds nothing up.
         served = [[name for name in self._of_strategy[s] if name not in self._closes[s]] for s in strategies]
         names = tuple(dict.fromkeys(names[0] for names in served if names)) or self._filters[cls]
         divisor = max((divisors[name] for name in names), default=1.0)

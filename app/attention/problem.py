@@ -37,7 +37,7 @@ class Weights:
 
 
 @dataclass(frozen=True, slots=True)
-class Problem:
+class SelectionProblem:
     """One selection problem.
 
     ``desires`` holds the strongest desire of each class; ``strategies`` the table in order; ``capacities`` the m_j;
@@ -59,15 +59,15 @@ class Problem:
         known = self.prepared
         return known if known is not None and known.strategies is self.strategies else prepare(self.strategies)
 
-    def with_table(self) -> Problem:
+    def with_table(self) -> SelectionProblem:
         """The same problem with its table computed, so that variants of it need not. Raises InvalidProblem."""
         return replace(self, prepared=self.table)
 
-    def without(self, cls: str) -> Problem:
+    def without(self, cls: str) -> SelectionProblem:
         """The same problem without the desire of ``cls``."""
         return replace(self, desires={name: desire for name, desire in self.desires.items() if name != cls})
 
-    def with_capacity(self, resource: str, capacity: float) -> Problem:
+    def with_capacity(self, resource: str, capacity: float) -> SelectionProblem:
         """The same problem had ``resource`` another capacity."""
         return replace(self, capacities={**self.capacities, resource: capacity})
 
@@ -93,13 +93,13 @@ class Selection:
     reasons: Mapping[str, Reason] = field(default_factory=dict)
 
 
-def produced(problem: Problem, selected: Collection[str], cls: str) -> float:
+def produced(problem: SelectionProblem, selected: Collection[str], cls: str) -> float:
     """Σ_s a_s v_sk: the utility that the selected strategies produce for ``cls``."""
     names = frozenset(selected)
     return sum(s.utility for s in problem.strategies if s.cls == cls and s.name in names)
 
 
-def used(problem: Problem, selected: Collection[str]) -> dict[str, float]:
+def used(problem: SelectionProblem, selected: Collection[str]) -> dict[str, float]:
     """Σ_s a_s c_sj of each resource, to a thousandth."""
     use = dict.fromkeys(problem.capacities, 0.0)
     names = frozenset(selected)
@@ -110,7 +110,7 @@ def used(problem: Problem, selected: Collection[str]) -> dict[str, float]:
     return {resource: round(amount, 3) for resource, amount in use.items()}
 
 
-def assess(problem: Problem, selected: Collection[str], *, relaxed: Collection[str] = ()) -> Selection | None:
+def assess(problem: SelectionProblem, selected: Collection[str], *, relaxed: Collection[str] = ()) -> Selection | None:
     """The strategies ``selected`` as a Selection (not proven), or None if they break γ1–γ5 or 4.9.
 
     γ4 does not apply to the classes in ``relaxed``.
@@ -169,6 +169,6 @@ def assess(problem: Problem, selected: Collection[str], *, relaxed: Collection[s
     )
 
 
-def thrift_resource(problem: Problem) -> str | None:
+def thrift_resource(problem: SelectionProblem) -> str | None:
     """The resource that ties are decided by: ``problem.thrift`` if it exists, else the first, else None."""
     return problem.thrift if problem.thrift in problem.capacities else next(iter(problem.capacities), None)

@@ -13,7 +13,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field
 
 from app.attention.desires import GRAIN, SCALE, Desire, Source, strongest_first
-from app.attention.problem import Problem
+from app.attention.problem import SelectionProblem
 from app.attention.strategies import StrategyFile, StrategyTable, build_table
 from app.base.yaml_source import Document, load_yaml, suggestion
 
@@ -50,7 +50,7 @@ class ProblemFile(StrategyFile):
 class StatedProblem:
     """A problem as a person stated it, and the table it came with."""
 
-    problem: Problem
+    problem: SelectionProblem
     table: StrategyTable
 
 
@@ -93,7 +93,9 @@ def read_problem(document: Document, folder: Path) -> StatedProblem:
     for desire in sorted(desires, key=strongest_first):
         strongest.setdefault(desire.cls, desire)
     ordered = {desire.cls: strongest[desire.cls] for desire in desires}
-    return StatedProblem(Problem(ordered, table.strategies, table.capacities(), frozenset(file.selected)), table)
+    return StatedProblem(
+        SelectionProblem(ordered, table.strategies, table.capacities(), frozenset(file.selected)), table
+    )
 
 
 def problem_schema() -> dict[str, Any]:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from app.attention.desires import GRAIN, Desire
-from app.attention.problem import Problem, Selection
+from app.attention.problem import Selection, SelectionProblem
 from app.attention.strategies import Resource
 from app.attention.utility_bound import best_utility
 from app.attention.variants import Variants
@@ -19,7 +19,7 @@ from app.messages import Alternative, Reason
 
 
 def explain(
-    problem: Problem,
+    problem: SelectionProblem,
     selection: Selection,
     *,
     time_limit_s: float = 0.1,
@@ -47,7 +47,7 @@ class _Facts:
     """Facts for the reasons: by class ``got``, the utility produced for it, and ``by``, the strategies that produce
     it."""
 
-    problem: Problem
+    problem: SelectionProblem
     selection: Selection
     fulfilled: frozenset[str]
     inhibited: frozenset[str]
@@ -55,7 +55,7 @@ class _Facts:
     by: Mapping[str, list[str]]
 
     @classmethod
-    def of(cls, problem: Problem, selection: Selection) -> _Facts:
+    def of(cls, problem: SelectionProblem, selection: Selection) -> _Facts:
         names = frozenset(selection.strategies)
         got: dict[str, int] = {}
         by: dict[str, list[str]] = {}

@@ -17,16 +17,16 @@ from typing import Final
 
 from app.attention.integer_program import Infeasible, IntegerProgram, ProgramSolution, build_integer_program
 from app.attention.prepared import InvalidProblem, PreparedTable
-from app.attention.problem import Problem, Selection, Weights, assess
+from app.attention.problem import Selection, SelectionProblem, Weights, assess
 from app.attention.search import solve_search
 from app.messages import Alternative, Reason
 
 __all__ = [
     "Alternative",
     "InvalidProblem",
-    "Problem",
     "Reason",
     "Selection",
+    "SelectionProblem",
     "SolverFailed",
     "Weights",
     "assess",
@@ -42,7 +42,7 @@ class SolverFailed(Exception):
     """No selection was found in the time given (there always is one: that which selects nothing breaks no budget)."""
 
 
-def solve(problem: Problem, *, time_limit_s: float = 1.0, firm: bool = False) -> Selection:
+def solve(problem: SelectionProblem, *, time_limit_s: float = 1.0, firm: bool = False) -> Selection:
     """The selection of greatest Ω, ties decided in the order of :mod:`app.attention.integer_program`.
 
     Security desires that cannot all be met are relaxed, the least intense first, and named in ``relaxed``. When the
@@ -128,7 +128,7 @@ def _import_cpsat() -> None:
         importlib.import_module(_CPSAT)
 
 
-def _relaxation(problem: Problem, deadline: float, firm: bool) -> list[str]:
+def _relaxation(problem: SelectionProblem, deadline: float, firm: bool) -> list[str]:
     """The security desires that cannot be kept: each, the most intense first, is kept if it can be beside those kept.
 
     Raises SolverFailed if the time is over before that is known of each.

@@ -17,11 +17,11 @@ from typing import Any, Final
 from app.attention.cached_solver import CachedSolver
 from app.attention.desires import GRAIN
 from app.attention.explaining import EXPLAIN_S, Explainer
-from app.attention.hysteresis import Hysteresis, HysteresisState
+from app.attention.hysteresis import HysteresisState, SelectionHysteresis
 from app.attention.intention import Intention, divisors_of, parameters_of
 from app.attention.interfaces import FilterTarget, ParameterSink, Solver
 from app.attention.prepared import prepare
-from app.attention.problem import Problem, Selection, Weights, assess
+from app.attention.problem import Selection, SelectionProblem, Weights, assess
 from app.attention.retry import Retry
 from app.attention.solver import SolverFailed
 from app.attention.strategies import MOST, StrategyTable
@@ -71,7 +71,7 @@ class IntentionTranslator:
         time_limit_s: float = 0.5,
         explain_limit_s: float = EXPLAIN_S,
         weights: Weights | None = None,
-        hysteresis: Hysteresis | None = None,
+        hysteresis: SelectionHysteresis | None = None,
         offload: Callable[..., Awaitable[Any]] = asyncio.to_thread,
     ) -> None:
         self.table = table
@@ -91,7 +91,7 @@ class IntentionTranslator:
         self._solver: Solver = solver or CachedSolver(time_limit_s=time_limit_s)
         self._explainer = Explainer(table.resources, explain_limit_s, offload)
         self._weights = weights or Weights()
-        self._hold = HysteresisState(hysteresis or Hysteresis())
+        self._hold = HysteresisState(hysteresis or SelectionHysteresis())
         self._retry = Retry(timeline)
         self._offload = offload
         self._prepared = prepare(table.strategies)
@@ -126,11 +126,11 @@ class IntentionTranslator:
         that ends this."""
         return self._observers.add(callback)
 
-    def problem(self) -> Problem:
+    def problem(self) -> SelectionProblem:
         """The current selection problem."""
         previous = frozenset(self._current.selection.strategies) if self._current else frozenset()
         desires = self._workspace.strongest()
-        return Problem(
+        return SelectionProblem(
             desires,
             self.table.strategies,
             dict(self._capacities),
@@ -217,7 +217,7 @@ class IntentionTranslator:
             # Most problems need none of it; one that does fails for itself, and that is reported then.
             _log.warning("part of the solver cannot be loaded: %s", failure)
 
-    async def _answered_by_solver(self, problem: Problem, version: int) -> Selection | None:
+    async def _answered_by_solver(self, problem: SelectionProblem, version: int) -> Selection | None:
         """The new selection; None after a failure: the last intention stays in force, and the solver is called again
         after a while."""
         self._counts["solved"] += 1
@@ -235,7 +235,7 @@ class IntentionTranslator:
         self._retry.succeeded()
         return selection
 
-    async def _solved(self, problem: Problem) -> Selection | None:
+    async def _solved(self, problem: SelectionProblem) -> Selection | None:
         known = self._solver.recall(problem)
         if known is not None:
             self._counts["recalled"] += 1
@@ -258,7 +258,7 @@ class IntentionTranslator:
             return False
         return assess(self.problem(), selection.strategies, relaxed=selection.relaxed) is not None
 
-    async def _held(self, problem: Problem, best: Selection) -> Selection:
+    async def _held(self, problem: SelectionProblem, best: Selection) -> Selection:
         """``best``, or the selection in force where hysteresis holds it back."""
         before = self._current.selection.strategies if self._current is not None else ()
         if not self._hold.concerns(best, before):
@@ -277,7 +277,7 @@ class IntentionTranslator:
         self._timer.set()
         return replace(stay, proven=False, bound=best.bound)
 
-    def _apply(self, problem: Problem, selection: Selection) -> None:
+    def _apply(self, problem: SelectionProblem, selection: Selection) -> None:
         """Put an intention in force: one step of the loop, nothing in between can run."""
         before = self._current
         names = frozenset(selection.strategies)
@@ -316,7 +316,7 @@ class IntentionTranslator:
                 _log.error("%s", text)
                 self._timeline.add("module", module, text, {"parameters": dict(parameters)})
 
-    async def _explain(self, problem: Problem, selection: Selection, version: int) -> None:
+    async def _explain(self, problem: SelectionProblem, selection: Selection, version: int) -> None:
         """Complete the reasons beside the loop; newer desires make them pointless."""
         reasons = await self._explainer.reasons(problem, selection, lambda: version != self._version)
         if version != self._version or self._current is None:

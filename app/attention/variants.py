@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from app.attention.desires import GRAIN
-from app.attention.problem import Problem, Selection
+from app.attention.problem import Selection, SelectionProblem
 from app.attention.solver import SolverFailed, solve
 from app.attention.strategies import Resource
 from app.messages import Alternative
@@ -41,7 +41,7 @@ class Variants:
 
     def __init__(
         self,
-        problem: Problem,
+        problem: SelectionProblem,
         selection: Selection,
         resources: Mapping[str, Resource],
         deadline: float,
@@ -131,7 +131,7 @@ class Variants:
             self._without[other] = known
         return known
 
-    def _solved(self, variant: Callable[[], Problem]) -> _Optimum | None:
+    def _solved(self, variant: Callable[[], SelectionProblem]) -> _Optimum | None:
         if self._no_time():
             self.missing = True
             return None

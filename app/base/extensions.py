@@ -1,4 +1,4 @@
-"""What packages of others add to the program: objects named ``package.module:Name``, files named ``package:NAME/PATH``,
+"""Extensions by packages of others: objects named ``package.module:Name``, files named ``package:NAME/PATH``,
 and entry points of the groups ``hbba.*``."""
 
 from __future__ import annotations
@@ -191,7 +191,7 @@ def package_folder(package: str) -> Path:
 
 
 def _sentence(failure: Exception) -> str:
-    """What went wrong and where, for people."""
+    """The error and its place, for people."""
     if isinstance(failure, SyntaxError):
         return f"{failure.filename}:{failure.lineno}: {failure.msg}"
     frames = [frame for frame in traceback.extract_tb(failure.__traceback__) if not frame.filename.startswith("<")]

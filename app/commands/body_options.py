@@ -94,7 +94,7 @@ def _try_file(device: CameraConfig | SoundInputConfig, where: str) -> None:
     """A device is waited for, a file that cannot be read will not mend. Raises ConfigError."""
     from app.base.errors import ConfigError
     from app.robots.devices.config import CameraConfig
-    from app.robots.devices.pictures import InputUnavailable, open_pictures
+    from app.robots.devices.image_inputs import InputUnavailable, open_pictures
     from app.robots.devices.sound import SOUNDS, open_sound
 
     path = Path(device.source) if isinstance(device.source, str) else None

@@ -281,7 +281,7 @@ def _write(calibration: CostCalibration, output: Path) -> None:
 
     from app.logs.replay.calibration_plot import plot
 
-    head = "# What modules cost on this computer, as `hbba calibrate` measured it; `calibrated_or` costs rest on it.\n"
+    head = "# CPU time of modules here, as `hbba calibrate` measured it; `calibrated_or` costs rest on it.\n"
     content = yaml.safe_dump(calibration.model_dump(mode="json"), sort_keys=False, allow_unicode=True)
     beside = output.with_name(f"{output.name}.new")
     beside.write_text(head + content, encoding="utf-8")

@@ -121,7 +121,7 @@ def configuration() -> Finding:
 
 
 def packages() -> Finding:
-    """What packages of others bring by entry points, and that all of it can be imported."""
+    """The entry points of packages of others, and whether all of them can be imported."""
     from app.base.errors import ConfigError
     from app.base.extensions import DISTRIBUTION, GROUPS, announced_configurations, extensions
 
@@ -272,7 +272,7 @@ def cameras() -> Finding:
 
 def audio() -> Finding:
     """Sound cards, for a body of devices, and whether they can be reached."""
-    from app.robots.devices.pictures import InputUnavailable
+    from app.robots.devices.image_inputs import InputUnavailable
     from app.robots.devices.sound import sounddevice
 
     only = "only for --robot webcam; there, --microphones FILE takes a sound file instead"

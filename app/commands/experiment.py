@@ -36,7 +36,7 @@ def run(args: argparse.Namespace) -> int:
     from app.experiments.pool import TrialLost
     from app.experiments.script import ScriptBlocked
     from app.link import LinkFailed
-    from app.maps.control import MapUnavailable
+    from app.maps.map_service import MapUnavailable
 
     cv2.setNumThreads(1)
     try:

@@ -36,7 +36,7 @@ def run(args: argparse.Namespace) -> int:
     from app.commands.progress import shown
     from app.experiments.observation import document
     from app.experiments.simulated import simulated_program
-    from app.experiments.trial import run as run_trial
+    from app.experiments.tour_guide_trial import run as run_trial
 
     program = simulated_program(program_named(args.config), experiment_scenario(args.scenario))
     logging_setup.configure("warning", as_json=False)

@@ -22,7 +22,7 @@ KINDS = {
 }
 _SUFFIX = ".template"
 _PLACEHOLDER = re.compile(r"\{\{(\w+)\}\}")
-#: What the templates import, or name otherwise, under names that a class of theirs must not have.
+#: Names that the templates import or use otherwise, which a class of theirs must not have.
 _TAKEN = frozenset(
     {"Any", "BaseModel", "ConfigDict", "DesireClass", "Field", "IntentionWorkspace", "Mapping", "Module",
      "ModuleContext", "Settings", "Source", "UnknownDesire"}
@@ -59,7 +59,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def names_of(kind: str, name: str) -> dict[str, str]:
-    """What the templates of ``kind`` call things, for a class ``name``. Raises ConfigError for one that cannot be."""
+    """The names in the templates of ``kind``, for a class ``name``. Raises ConfigError for one that cannot be."""
     from app.base import paths
     from app.commands.packaged import config_names
     from app.program.config import load_configuration

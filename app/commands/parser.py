@@ -24,7 +24,7 @@ class _Version(argparse.Action):
 class Parser(argparse.ArgumentParser):
     """Refuses unknown arguments itself, with its own usage: argparse leaves that to the parser of all commands."""
 
-    #: What declares the rest of its arguments, once they are needed.
+    #: Declares the rest of its arguments, once they are needed.
     filler: Callable[[], None] | None = None
 
     def fill(self) -> None:

@@ -7,10 +7,10 @@ import math
 from rich.console import Console
 from rich.table import Table
 
-from app.logs.replay.report import ReplayReport
+from app.logs.replay.report import ReplaySummary
 
 
-def print_report(report: ReplayReport, console: Console | None = None) -> None:
+def print_report(report: ReplaySummary, console: Console | None = None) -> None:
     """Print notes, channels, modules, intentions and how fast it went."""
     console = console or Console()
     if not console.is_terminal:
@@ -25,7 +25,7 @@ def print_report(report: ReplayReport, console: Console | None = None) -> None:
         console.print(f"recorded as {report.recorded}", highlight=False, markup=False)
 
 
-def _channels(report: ReplayReport) -> Table:
+def _channels(report: ReplaySummary) -> Table:
     table = Table("Channel", title="What the modules said", title_justify="left")
     table.add_column("Messages", justify="right")
     table.add_column("Digest")
@@ -34,7 +34,7 @@ def _channels(report: ReplayReport) -> Table:
     return table
 
 
-def _modules(report: ReplayReport) -> Table:
+def _modules(report: ReplaySummary) -> Table:
     table = Table("Module", title="What the modules cost", title_justify="left")
     table.add_column("CPU s", justify="right")
     table.add_column("Taken", overflow="fold")
@@ -46,7 +46,7 @@ def _modules(report: ReplayReport) -> Table:
     return table
 
 
-def _intentions(report: ReplayReport) -> Table:
+def _intentions(report: ReplaySummary) -> Table:
     table = Table("At s", title="What was intended", title_justify="left")
     table.add_column("Ω", justify="right")
     table.add_column("Strategies", overflow="fold")

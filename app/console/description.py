@@ -106,7 +106,7 @@ def describe(app: FastAPI, prefix: str, *, answers: Sequence[type[Any]] = (), to
     @app.get(f"{prefix}/live.json", include_in_schema=False)
     async def live(request: Request) -> Response:
         def described() -> dict[str, Any]:
-            from app.console.live.description import description  # seldom asked for: not at the program's start
+            from app.console.live.asyncapi import description  # seldom asked for: not at the program's start
 
             cookie = cookie_name(request.scope)
             secure = request.url.scheme == "https"

@@ -22,7 +22,7 @@ from app.base.extensions import Extension, extensions
 from app.console.problems import Problem
 
 GROUP = "hbba.panels"
-#: What a kind begins with that is a channel's messages, and no type of the live stream.
+#: Prefix of a kind that is a channel's messages, and no type of the live stream.
 CHANNEL = "channel/"
 
 log = logging.getLogger("hbba.console")
@@ -72,7 +72,7 @@ def _loaded(extension: Extension) -> Panel:
 
 
 def panels_router(panels: Mapping[str, Panel]) -> APIRouter:
-    """What serves ``panels`` under ``/panels``: ``index.json``, which lists them, and a script each.
+    """The routes that serve ``panels`` under ``/panels``: ``index.json``, which lists them, and a script each.
 
     Addresses in the list are relative to the page's, which may be served below another path.
     """

@@ -23,7 +23,7 @@ _MISTAKE = "The console made a mistake, which its log describes; the request may
 
 
 class FieldProblem(BaseModel):
-    """What is wrong with one field."""
+    """The error in one field."""
 
     field: str = Field(description="Dotted path of the field: `params.rate`, `query.limit`.")
     message: str = Field(description="What is allowed there.")
@@ -154,7 +154,7 @@ def _validation_problem(error: RequestValidationError, model: type[BaseModel] | 
 
 
 def _body_model(request: Request) -> type[BaseModel] | None:
-    """What the body of ``request`` should be, where its route takes one."""
+    """The model of the body of ``request``, where its route takes one."""
     field = getattr(request.scope.get("route"), "body_field", None)
     kinds = [] if field is None else [field.field_info.annotation, *get_args(field.field_info.annotation)]
     return next((kind for kind in kinds if isinstance(kind, type) and issubclass(kind, BaseModel)), None)

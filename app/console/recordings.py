@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from app.attention.desires import Desire, Source
 from app.console.records.recordings import RecorderReport
-from app.logs.control import RECORD
+from app.logs.recorder_service import RECORD
 from app.messages import RecorderState, RecorderStatus
 from app.runtime.channel import Channel
 

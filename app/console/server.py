@@ -29,7 +29,7 @@ KEEP_ALIVE_S = 5
 RETRY_S = 0.1
 #: ... and they are enough again once none were wanting for so long.
 CALM_AFTER_S = 10.0
-#: What Linux says of accepting one connection that failed before it was accepted (accept(2)).
+#: Errors of Linux for one connection that failed before it was accepted (accept(2)).
 _OF_ONE = (
     *(errno.EPERM, errno.EPROTO, errno.ENOPROTOOPT, errno.EHOSTDOWN, errno.EHOSTUNREACH),
     *(errno.ENETDOWN, errno.ENETUNREACH, errno.EOPNOTSUPP, errno.ETIMEDOUT),

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from app.base import paths
 from app.base.errors import ConfigError
 from app.base.geometry import Pose2, wrap_angle
-from app.messages import GroundTruth, LaserScan, Odometry, OperatorDrive
+from app.messages import GroundTruth, LaserScan, Odometry, TeleopCommand
 from app.program.system import System
 from app.robots.simulated.link import SimulatedLink
 from app.robots.simulated.lockstep import LockstepLink
@@ -112,7 +112,7 @@ async def drive_script(
 ) -> None:
     """Drive ``system``'s robot along ``waypoints``; the sticks are released in any case. ``progress(i, leg)`` is called
     at the begin of each leg. Raises ScriptBlocked when an obstacle stays in the way or the robot does not move for
-    ``PATIENCE_S``, KeyError if the program has no channel ``operator_drive``.
+    ``PATIENCE_S``, KeyError if the program has no channel ``teleop_command``.
     """
     async with contextlib.AsyncExitStack() as stack:
         operator = _ScriptOperator(system, stack)
@@ -128,7 +128,7 @@ class _ScriptOperator:
 
     def __init__(self, system: System, stack: contextlib.AsyncExitStack) -> None:
         self._clock = system.clock
-        self._channel = system.graph.channels["operator_drive"]
+        self._channel = system.graph.channels["teleop_command"]
         self._link = system.link
         self._sequence = 0
         self._pose: tuple[float, Pose2] | None = None
@@ -211,7 +211,7 @@ class _ScriptOperator:
         self._sequence += 1
         now = self._clock.now()
         self._channel.publish(
-            OperatorDrive(
+            TeleopCommand(
                 now, _OPERATOR, sequence=self._sequence, held=held, linear=sticks.linear, angular=sticks.angular
             )
         )

@@ -23,8 +23,8 @@ import numpy as np
 
 from app.base.errors import ConfigError
 from app.base.named_library import NamedLibrary, data_folder
-from app.maps.control import MapUnavailable
 from app.maps.map_file import MOST_CELLS, pgm_bytes, read_map, yaml_text
+from app.maps.map_service import MapUnavailable
 from app.maps.picture import shown_png
 from app.maps.zones import read_zones, zones_text
 from app.messages import OccupancyGrid, Zone

@@ -33,7 +33,7 @@ from app.messages.attention import (
     TimelineEvent,
 )
 from app.messages.base import Look, Message, PerceptKind, read_only
-from app.messages.driving import Exploitation, LinkStatus, OperatorDrive, Twist
+from app.messages.driving import Exploitation, LinkStatus, TeleopCommand, Twist
 from app.messages.navigation import (
     GivenUpGoal,
     Localization,
@@ -131,7 +131,6 @@ __all__ = [
     "NavigationStatus",
     "OccupancyGrid",
     "Odometry",
-    "OperatorDrive",
     "PerceptEvent",
     "PerceptKind",
     "PersonTruth",
@@ -161,6 +160,7 @@ __all__ = [
     "SourceKind",
     "StrategyReport",
     "SubscriptionCounters",
+    "TeleopCommand",
     "TimelineEvent",
     "Twist",
     "Zone",

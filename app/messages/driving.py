@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
-class OperatorDrive:
+class TeleopCommand:
     """An operator's command: ``linear`` and ``angular`` in [-1, 1] of the robot's limits (forward, left).
 
     ``held`` is the dead-man: False means stop, whatever the other fields. ``stamp`` is the robot's clock at arrival,

@@ -65,7 +65,7 @@ def _named(configuration: Configuration, path: Path) -> tuple[str, Path]:
 
 
 def _of_body(file: Path, configuration: Configuration) -> str:
-    """What a file that the body's own names is called in a recording: as it lies to that."""
+    """The name in a recording of a file that the body's own names: its path relative to that."""
     named = configuration.program.robot
     if split_package_file(named) is None:
         return _name(file, configuration.folder)

@@ -16,19 +16,19 @@ from types import TracebackType
 
 from app.attention.cached_solver import CachedSolver
 from app.attention.explaining import EXPLAIN_S
-from app.attention.hysteresis import Hysteresis
+from app.attention.hysteresis import SelectionHysteresis
 from app.attention.lanes import LaneMonitor, LaneSampler
 from app.attention.strategies import StrategyTable, load_strategies, trimmed
 from app.attention.timeline import Timeline
 from app.attention.translator import IntentionTranslator
 from app.attention.workspace import IntentionWorkspace, random_id
 from app.link import LinkFailed, RobotLink
-from app.logs.control import RecorderControl
 from app.logs.library import RecordingLibrary, default_folder
 from app.logs.manifest import Manifest
-from app.maps.control import MapControl
+from app.logs.recorder_service import RecorderService
 from app.maps.library import MapLibrary
 from app.maps.library import default_folder as default_maps_folder
+from app.maps.map_service import MapService
 from app.messages import LoadReport, PerceptEvent, PerceptKind
 from app.program.attachments import snapshot
 from app.program.body_restart import BodyRestarter
@@ -97,17 +97,17 @@ class System:
         self.workspace = IntentionWorkspace(self.classes, self.clock.now, new_id=new_id)
         self.timeline = Timeline(program.attention.history, self.clock.now)
         self.recordings = recordings or RecordingLibrary(default_folder())
-        self.recorder = RecorderControl()
+        self.recorder = RecorderService()
         self.maps = maps or MapLibrary(default_maps_folder())
-        self.map = MapControl()
+        self.map = MapService()
         services: dict[type[object], object] = {
             RobotLink: self.link,
             IntentionWorkspace: self.workspace,
             Timeline: self.timeline,
             RecordingLibrary: self.recordings,
-            RecorderControl: self.recorder,
+            RecorderService: self.recorder,
             MapLibrary: self.maps,
-            MapControl: self.map,
+            MapService: self.map,
             ChannelTable: ChannelTable(configuration.channels),
         }
         self.graph = Graph(
@@ -283,7 +283,7 @@ class System:
                 safe=safe,
                 solver=CachedSolver(time_limit_s=limit_s, timed=not self._reproducible),
                 explain_limit_s=PATIENT_S if self._reproducible else EXPLAIN_S,
-                hysteresis=Hysteresis(settings.hysteresis_gain, settings.hysteresis_dwell_s),
+                hysteresis=SelectionHysteresis(settings.hysteresis_gain, settings.hysteresis_dwell_s),
             )
         except ValueError as failure:
             raise self.config.program_document.error(str(failure), ("attention", "safe_strategies")) from None

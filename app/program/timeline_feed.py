@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping
 from app.attention.timeline import Timeline
 from app.messages import Exploitation, LinkStatus, PerceptEvent, PerceptKind
 from app.runtime.freshness import Freshness
-from app.runtime.load import Load
+from app.runtime.load import CpuLoad
 from app.runtime.supervisor import ModuleState
 
 #: Load windows (1 s each) in a row over budget before it is called overload: start-up bursts are none.
@@ -135,7 +135,7 @@ class TimelineFeed:
             }
             self._timeline.add("stale", name, _freshness_words(name, now), data)
 
-    def load(self, load: Load) -> None:
+    def load(self, load: CpuLoad) -> None:
         """A load window closed; noted when a module goes over its budget for good, and when it is back."""
         for name, budget in self._budgets.items():
             used = load.modules.get(name, 0.0)

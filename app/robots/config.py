@@ -72,7 +72,7 @@ def circle(radius_m: float, corners: int = 16) -> tuple[tuple[float, float], ...
 
 
 class BodyConfig(_Model):
-    """What the file of every body says; each kind of body adds its own. Paths are relative to the file."""
+    """Members of every body's file; each kind of body adds its own. Paths are relative to the file."""
 
     kind: str
     name: str
@@ -166,15 +166,15 @@ class KinectConfig(_Model):
     color_noise: NotNegative = Field(default=2.0, description="1-sigma, grey levels")
 
 
-class ImvConfig(_Model):
-    """Stream ``imv``: colour of the full hemisphere in front, through an equidistant fisheye (thesis 4.2).
+class PanoramicCameraConfig(_Model):
+    """Stream ``panorama``: colour of the full hemisphere in front, through an equidistant fisheye (thesis 4.2).
 
     The lens stretches the circle to fill the sensor, as panomorph lenses do: ``fov_deg`` are the full horizontal and
     vertical fields of view along the image's middle lines.
     """
 
     rate_hz: Positive = 10.0
-    link: str = "imv_optical_frame"
+    link: str = "panorama_optical_frame"
     width: Annotated[int, Field(ge=16, le=4096)] = 1024
     height: Annotated[int, Field(ge=16, le=4096)] = 768
     fov_deg: tuple[Annotated[float, Field(gt=0, le=180)], Annotated[float, Field(gt=0, le=180)]] = (180.0, 180.0)
@@ -226,7 +226,7 @@ class StreamsConfig(_Model):
     status: StatusConfig = StatusConfig()
     kinect: KinectConfig | None = KinectConfig()
     hokuyo: HokuyoConfig | None = HokuyoConfig()
-    imv: ImvConfig | None = None
+    panorama: PanoramicCameraConfig | None = None
     microphones: MicrophonesConfig | None = None
 
 

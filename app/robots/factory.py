@@ -134,7 +134,7 @@ def _check_model(robot: RobotConfig) -> None:
     """Raise ConfigError unless the model has the joints and links that the configuration names."""
     model = load_model(robot.model)
     streams = robot.streams
-    parts = (streams.kinect, streams.hokuyo, streams.imv, streams.microphones, robot.loudspeaker)
+    parts = (streams.kinect, streams.hokuyo, streams.panorama, streams.microphones, robot.loudspeaker)
     sensors = [part.link for part in parts if part is not None]
     for joint in (robot.base.left_wheel_joint, robot.base.right_wheel_joint):
         if joint not in model.joint_names:
@@ -145,6 +145,6 @@ def _check_model(robot: RobotConfig) -> None:
 
 
 SIMULATED_KIND = "simulated"
-#: What pyproject.toml names, as a package's does its own.
+#: The objects that pyproject.toml names, as a package's names its own.
 SIMULATED = BodyKind(load_robot_config, _simulated)
 DEVICES = BodyKind(load_devices_config, _devices)

@@ -80,7 +80,7 @@ class MeteredCoroutine(Coroutine[Any, Any, T]):
 
 
 @dataclass(frozen=True, slots=True)
-class Load:
+class CpuLoad:
     """CPU use over the last window: per cent of one core, by module and of the whole process."""
 
     stamp: float
@@ -90,7 +90,7 @@ class Load:
 
 
 class LoadMeter:
-    """Turns the modules' meters into :class:`Load` figures; call :meth:`sample` once per window."""
+    """Turns the modules' meters into :class:`CpuLoad` figures; call :meth:`sample` once per window."""
 
     def __init__(self, meters: dict[str, CpuMeter], now: Callable[[], float]) -> None:
         self._meters = meters
@@ -98,15 +98,15 @@ class LoadMeter:
         self._before = {name: meter.cpu_ns for name, meter in meters.items()}
         self._process_before = time.process_time_ns()
         self._wall_before = time.monotonic_ns()
-        self.latest = Load(now(), 0.0, dict.fromkeys(meters, 0.0), 0.0)
+        self.latest = CpuLoad(now(), 0.0, dict.fromkeys(meters, 0.0), 0.0)
 
-    def sample(self) -> Load:
+    def sample(self) -> CpuLoad:
         """Close the window: the load since the last call, also kept in :attr:`latest`."""
         wall = time.monotonic_ns()
         elapsed = max(1, wall - self._wall_before)
         process = time.process_time_ns()
         counts = {name: meter.cpu_ns for name, meter in self._meters.items()}
-        self.latest = Load(
+        self.latest = CpuLoad(
             stamp=self._now(),
             window_s=elapsed / 1e9,
             modules={n: 100.0 * (c - self._before.get(n, 0)) / elapsed for n, c in counts.items()},

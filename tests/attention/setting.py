@@ -12,7 +12,7 @@ from pydantic import BaseModel
 
 from app.attention.cached_solver import CachedSolver
 from app.attention.desires import DesireClass, DesireClasses, Source
-from app.attention.problem import Problem, Selection
+from app.attention.problem import Selection, SelectionProblem
 from app.attention.strategies import Resource, Strategy, StrategyTable
 from app.attention.timeline import Timeline
 from app.attention.translator import IntentionTranslator
@@ -99,10 +99,10 @@ class HeldSolver(CachedSolver):
 
     def __init__(self) -> None:
         super().__init__()
-        self.waiting: list[tuple[Problem, asyncio.Future[None]]] = []
+        self.waiting: list[tuple[SelectionProblem, asyncio.Future[None]]] = []
         self.asked = asyncio.Event()
 
-    def recall(self, problem: Problem) -> Selection | None:
+    def recall(self, problem: SelectionProblem) -> Selection | None:
         return None
 
     async def offload(self, function: Callable[..., Any], *arguments: Any) -> Any:
@@ -113,7 +113,7 @@ class HeldSolver(CachedSolver):
             await future
         return function(*arguments)
 
-    async def next(self) -> tuple[Problem, asyncio.Future[None]]:
+    async def next(self) -> tuple[SelectionProblem, asyncio.Future[None]]:
         while not self.waiting:
             self.asked.clear()
             await self.asked.wait()

@@ -6,7 +6,7 @@ import pytest
 
 from app.attention.cached_solver import CachedSolver
 from app.attention.desires import Desire, Source
-from app.attention.problem import Problem, Selection
+from app.attention.problem import Selection, SelectionProblem
 from app.attention.solver import solve
 from tests.attention.test_solver import FACES, GOTO, SLAM
 from tests.attention.thesis import CPU, desire, problem
@@ -46,7 +46,7 @@ def test_answers_come_with_their_reasons() -> None:
 def test_all_that_is_asked_has_the_limit_it_was_given(monkeypatch: pytest.MonkeyPatch) -> None:
     limits: list[float] = []
 
-    def noted(changed: Problem, *, time_limit_s: float) -> Selection:
+    def noted(changed: SelectionProblem, *, time_limit_s: float) -> Selection:
         limits.append(time_limit_s)
         return solve(changed)
 

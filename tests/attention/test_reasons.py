@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 
 from app.attention.prepared import prepare
-from app.attention.problem import Problem, Selection, produced
+from app.attention.problem import Selection, SelectionProblem, produced
 from app.attention.reasons import explain
 from app.attention.solver import solve
 from app.attention.strategies import Resource, Strategy, exclusive
@@ -90,7 +90,7 @@ def test_best_utility() -> None:
 
 @settings(max_examples=60, deadline=None)
 @given(problems())
-def test_every_alternative_is_true(p: Problem) -> None:
+def test_every_alternative_is_true(p: SelectionProblem) -> None:
     selection = solve(p)
     reasons = explain(p, selection, time_limit_s=30)
     assert list(reasons) == list(p.desires)
@@ -116,7 +116,7 @@ def test_every_alternative_is_true(p: Problem) -> None:
 
 @settings(max_examples=60, deadline=None)
 @given(problems())
-def test_whose_absence_would_help_is_found_as_if_each_had_been_tried(p: Problem) -> None:
+def test_whose_absence_would_help_is_found_as_if_each_had_been_tried(p: SelectionProblem) -> None:
     """Sharing what was solved, and leaving out desires that take nothing from others, loses no alternative."""
     selection = solve(p)
     for cls, reason in explain(p, selection, time_limit_s=30).items():
@@ -133,7 +133,7 @@ def test_whose_absence_would_help_is_found_as_if_each_had_been_tried(p: Problem)
 
 @settings(max_examples=100, deadline=None)
 @given(problems(most=10))
-def test_best_utility_is_that_of_the_best_set_without_resources(p: Problem) -> None:
+def test_best_utility_is_that_of_the_best_set_without_resources(p: SelectionProblem) -> None:
     inhibited = frozenset(cls for cls, d in p.desires.items() if d.utility == 0)
     for cls in p.desires:
         able = [s for s in p.strategies if s.cls == cls and inhibited.isdisjoint(s.requires)]
@@ -181,9 +181,9 @@ def test_many_classes_share_what_was_solved(monkeypatch: pytest.MonkeyPatch) -> 
         for phi in (1, 2, 4, 8)
     )
     p = problem([desire(cls, 1 + number % 3) for number, cls in enumerate("ABCDEFGHIJKL")], table, CPU)
-    asked: list[Problem] = []
+    asked: list[SelectionProblem] = []
 
-    def counted(changed: Problem, **options: Any) -> Selection:
+    def counted(changed: SelectionProblem, **options: Any) -> Selection:
         asked.append(changed)
         return solve(changed, **options)
 

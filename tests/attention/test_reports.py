@@ -46,8 +46,8 @@ def test_class_strategy_resource_event() -> None:
     assert not described.served
     assert desire_class_report(DesireClass("GoTo", "Go", "Go there."), TABLE).served
     strategy = Strategy("a", "A", 4, filters={"M.x": math.inf}, costs={"cpu": 2}, location=Location("t.yaml", 7))
-    told = as_json(strategy_report(strategy, selected=True))
-    assert (told["class"], told["filters"], told["declared"], told["selected"]) == (
+    document = as_json(strategy_report(strategy, selected=True))
+    assert (document["class"], document["filters"], document["declared"], document["selected"]) == (
         "A",
         {"M.x": None},
         "t.yaml:7",

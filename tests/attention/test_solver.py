@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from app.attention.cpsat import solve_cpsat
 from app.attention.desires import Desire
 from app.attention.integer_program import Infeasible, build_integer_program
-from app.attention.problem import Problem, assess
+from app.attention.problem import SelectionProblem, assess
 from app.attention.search import solve_search
 from app.attention.solver import solve
 from app.attention.strategies import Strategy
@@ -168,7 +168,7 @@ numbers = st.sampled_from([0.5, 1, 2, 2.5, 4, 8])
 
 
 @st.composite
-def problems(draw: st.DrawFn, *, security: bool = True, most: int = 8) -> Problem:
+def problems(draw: st.DrawFn, *, security: bool = True, most: int = 8) -> SelectionProblem:
     count = draw(st.integers(1, most))
     strategies = []
     for index in range(count):
@@ -195,13 +195,13 @@ def problems(draw: st.DrawFn, *, security: bool = True, most: int = 8) -> Proble
     }
     capacities = {r: draw(st.sampled_from([0, 1, 2, 3.5, 6, 20])) for r in ("cpu", "arm", "sound")}
     previous = frozenset(draw(st.lists(st.sampled_from([s.name for s in strategies]))))
-    return Problem(desires, tuple(strategies), capacities, previous)
+    return SelectionProblem(desires, tuple(strategies), capacities, previous)
 
 
 @pytest.mark.slow
 @settings(max_examples=100, deadline=None)
 @given(problems(security=False, most=12))
-def test_equals_exhaustive_search(p: Problem) -> None:
+def test_equals_exhaustive_search(p: SelectionProblem) -> None:
     """Ω, A and F, every tie included, with dependencies, inhibition and several resources."""
     found = exhaust(p)
     assert found is not None
@@ -215,7 +215,7 @@ def test_equals_exhaustive_search(p: Problem) -> None:
 @pytest.mark.slow
 @settings(max_examples=200, deadline=None)
 @given(problems())
-def test_both_searches_agree(p: Problem) -> None:
+def test_both_searches_agree(p: SelectionProblem) -> None:
     """The label search and CP-SAT find the same selection or both find the security desires cannot be met."""
     instance = build_integer_program(p)
     answers: list[tuple[tuple[int, ...], float] | None] = []
@@ -265,7 +265,7 @@ def test_both_searches_agree_where_many_contend(seed: int) -> None:
 
 @settings(max_examples=100, deadline=None)
 @given(problems(most=7))
-def test_security(p: Problem) -> None:
+def test_security(p: SelectionProblem) -> None:
     """γ4 holds where it can; where not, exactly those are relaxed that no longer fit beside the more intense ones."""
     found = exhaust(p)
     selection = solve(p)
@@ -277,7 +277,7 @@ def test_security(p: Problem) -> None:
     asked = sorted((d for d in p.desires.values() if d.security and d.utility > 0), key=lambda d: (-d.intensity, d.cls))
     kept: set[str] = set()
     for d in asked:
-        with_it = Problem(
+        with_it = SelectionProblem(
             {c: x if c in kept | {d.cls} else desire(c, x.intensity, x.utility) for c, x in p.desires.items()},
             p.strategies,
             p.capacities,
@@ -291,7 +291,7 @@ def test_security(p: Problem) -> None:
 
 @settings(max_examples=150, deadline=None)
 @given(problems())
-def test_nothing_selected_serves_nothing(p: Problem) -> None:
+def test_nothing_selected_serves_nothing(p: SelectionProblem) -> None:
     """No set of selected strategies can be left out without losing a fulfilled class or its utility."""
     selection = solve(p)
     relaxed = selection.relaxed

@@ -14,14 +14,14 @@ import pytest
 from app.attention.cpsat import solve_cpsat
 from app.attention.integer_program import Infeasible, IntegerProgram, build_integer_program
 from app.attention.prepared import prepare
-from app.attention.problem import Problem
+from app.attention.problem import SelectionProblem
 from app.attention.search import solve_search
 from app.attention.solver import SolverFailed, foresees_cpsat, load_cpsat, solve
 from app.attention.strategies import Strategy
 from tests.attention.thesis import CPU, TABLE_4_4, desire, problem
 
 
-def many_resources(classes: int, resources: int, seed: int) -> Problem:
+def many_resources(classes: int, resources: int, seed: int) -> SelectionProblem:
     """Classes of four strategies that contend for half of each of several graded resources."""
     chance = random.Random(seed)
     full = {f"r{j}": 0.0 for j in range(resources)}

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from app.attention.hysteresis import Hysteresis
+from app.attention.hysteresis import SelectionHysteresis
 from app.attention.intention import Intention, divisors_of
 from app.attention.reasons import explain
 from app.attention.solver import solve
@@ -249,18 +249,18 @@ async def test_equal_problems_are_recalled() -> None:
 @in_virtual_time
 async def test_reasons_come_with_the_intention_and_are_completed_after_it() -> None:
     s = Setting(explain_limit_s=5.0)
-    told: list[Intention] = []
-    s.translator.observe(told.append)
+    intentions: list[Intention] = []
+    s.translator.observe(intentions.append)
     async with s.running():
         with s.workspace.transaction():
             s.add("FindQRCodes", 1, 8)
             s.add("LocateFaces", 1)
         await s.translator.explained()
-        assert [i.reasons["LocateFaces"].state for i in told] == ["degraded", "degraded"]
-        assert told[0].reasons["LocateFaces"].alternatives == ()
-        offers = told[1].reasons["LocateFaces"].alternatives
+        assert [i.reasons["LocateFaces"].state for i in intentions] == ["degraded", "degraded"]
+        assert intentions[0].reasons["LocateFaces"].alternatives == ()
+        offers = intentions[1].reasons["LocateFaces"].alternatives
         assert [(a.kind, a.amount, a.without) for a in offers] == [("capacity", 40, ""), ("without", 0, "FindQRCodes")]
-        assert s.translator.current is told[1]
+        assert s.translator.current is intentions[1]
 
 
 @in_virtual_time
@@ -273,7 +273,7 @@ async def test_nothing_is_explained_on_the_event_loop(monkeypatch: pytest.Monkey
 
     for module in ("cached_solver", "explaining"):
         monkeypatch.setattr(f"app.attention.{module}.explain", noted)
-    s = Setting(safe=["12"], explain_limit_s=5.0, hysteresis=Hysteresis(dwell_s=1))
+    s = Setting(safe=["12"], explain_limit_s=5.0, hysteresis=SelectionHysteresis(dwell_s=1))
     async with s.running():
         for cls in ("DetectNoises", "LocateFaces", "GoTo"):
             s.add(cls)
@@ -294,10 +294,10 @@ async def test_refresh_sets_every_controlled_filter_again() -> None:
         assert "Kinect.images" not in s.bank.calls[-1], "no strategy sets it: it is none of attention's"
 
 
-# --- Hysteresis -----------------------------------------------------------------------------------------------------
+# --- Hysteresis ----------------------------------------------------------------------------------------------
 
 
-async def rivalry(hysteresis: Hysteresis | None, swings: int = 20, each_s: float = 1.0) -> tuple[int, Setting]:
+async def rivalry(hysteresis: SelectionHysteresis | None, swings: int = 20, each_s: float = 1.0) -> tuple[int, Setting]:
     """A rival's intensity goes 1 above and 1 below; how often the strategies switch after the first choice."""
     s = Setting(RIVALS, hysteresis=hysteresis)
     async with s.running():
@@ -315,26 +315,26 @@ async def rivalry(hysteresis: Hysteresis | None, swings: int = 20, each_s: float
 @in_virtual_time
 async def test_hysteresis_by_gain() -> None:
     assert (await rivalry(None))[0] == 20
-    switches, s = await rivalry(Hysteresis(gain=1.5))
+    switches, s = await rivalry(SelectionHysteresis(gain=1.5))
     assert switches == 0
     assert s.selected == ("goto",)
     assert s.translator.statistics().held == 10
-    assert (await rivalry(Hysteresis(gain=0.5)))[0] == 20
+    assert (await rivalry(SelectionHysteresis(gain=0.5)))[0] == 20
 
 
 @in_virtual_time
 async def test_hysteresis_by_time() -> None:
-    assert (await rivalry(Hysteresis(dwell_s=3)))[0] == 0
-    switches, s = await rivalry(Hysteresis(dwell_s=3), swings=1, each_s=2.9)
+    assert (await rivalry(SelectionHysteresis(dwell_s=3)))[0] == 0
+    switches, s = await rivalry(SelectionHysteresis(dwell_s=3), swings=1, each_s=2.9)
     assert switches == 0
-    switches, s = await rivalry(Hysteresis(dwell_s=3), swings=1, each_s=3.5)
+    switches, s = await rivalry(SelectionHysteresis(dwell_s=3), swings=1, each_s=3.5)
     assert switches == 1
     assert s.selected == ("teleop",), "the better one for long enough"
 
 
 @in_virtual_time
 async def test_hysteresis_holds_back_no_desire_that_takes_from_no_other() -> None:
-    s = Setting(hysteresis=Hysteresis(gain=8, dwell_s=100))
+    s = Setting(hysteresis=SelectionHysteresis(gain=8, dwell_s=100))
     async with s.running():
         noises = s.add("DetectNoises", 1)
         await s.translator.settled()

@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 
 from app.attention.cached_solver import CachedSolver
-from app.attention.hysteresis import Hysteresis
+from app.attention.hysteresis import SelectionHysteresis
 from app.attention.intention import Intention
-from app.attention.problem import Problem, Selection
+from app.attention.problem import Selection, SelectionProblem
 from app.attention.solver import SolverFailed
 from app.attention.timeline import Timeline
 from app.attention.translator import IntentionTranslator
@@ -26,10 +26,10 @@ class FailingSolver(CachedSolver):
         self.failure: Exception | None = None
         self.silent = False
 
-    def recall(self, problem: Problem) -> Selection | None:
+    def recall(self, problem: SelectionProblem) -> Selection | None:
         return None
 
-    def solve(self, problem: Problem) -> Selection:
+    def solve(self, problem: SelectionProblem) -> Selection:
         if self.silent:
             return None  # type: ignore[return-value]
         if self.failure is not None:
@@ -97,7 +97,7 @@ async def test_a_switch_is_not_held_back_where_that_cannot_be_judged_in_time() -
             raise SolverFailed("no time")
         return function(*arguments)
 
-    s = Setting(offload=judged_too_late, hysteresis=Hysteresis(dwell_s=5.0))
+    s = Setting(offload=judged_too_late, hysteresis=SelectionHysteresis(dwell_s=5.0))
     async with s.running():
         s.add("DetectNoises")
         await s.translator.settled()
@@ -113,7 +113,7 @@ async def test_whatever_else_fails_where_a_switch_is_judged_leaves_the_last_inte
             raise ZeroDivisionError
         return function(*arguments)
 
-    s = Setting(offload=broken, hysteresis=Hysteresis(dwell_s=5.0))
+    s = Setting(offload=broken, hysteresis=SelectionHysteresis(dwell_s=5.0))
     async with s.running():
         await s.translator.settled()
         s.add("DetectNoises")
@@ -129,7 +129,7 @@ async def test_a_part_of_the_solver_that_cannot_be_loaded_does_not_stop_attentio
 ) -> None:
     solver = FailingSolver()
 
-    def missing(problem: Problem) -> None:
+    def missing(problem: SelectionProblem) -> None:
         raise ImportError("No module named 'ortools'")
 
     solver.prepare = missing
@@ -144,7 +144,7 @@ async def test_a_part_of_the_solver_that_cannot_be_loaded_does_not_stop_attentio
 @in_virtual_time
 async def test_a_switch_whose_moment_comes_while_the_solver_fails_is_not_asked_for_at_every_turn() -> None:
     solver = FailingSolver()
-    s = Setting(RIVALS, solver=solver, hysteresis=Hysteresis(dwell_s=2.0))
+    s = Setting(RIVALS, solver=solver, hysteresis=SelectionHysteresis(dwell_s=2.0))
     async with s.running():
         s.add("GoTo", 4)
         await s.translator.settled()
@@ -220,7 +220,7 @@ async def test_a_solver_that_cannot_even_remember_does_not_stop_attention() -> N
         s.add("DetectNoises")
         await s.translator.settled()
 
-        def forget(problem: Problem) -> Selection | None:
+        def forget(problem: SelectionProblem) -> Selection | None:
             raise ZeroDivisionError
 
         solver.recall = forget

@@ -8,7 +8,7 @@ from fractions import Fraction
 from itertools import combinations
 
 from app.attention.desires import Desire, Source
-from app.attention.problem import Problem
+from app.attention.problem import SelectionProblem
 from app.attention.strategies import Strategy
 
 SOURCE = Source("motivation", "ScenarioCoordinator")
@@ -23,8 +23,8 @@ def problem(
     strategies: tuple[Strategy, ...],
     capacities: Mapping[str, float],
     previous: Iterable[str] = (),
-) -> Problem:
-    return Problem({d.cls: d for d in desires}, strategies, dict(capacities), frozenset(previous))
+) -> SelectionProblem:
+    return SelectionProblem({d.cls: d for d in desires}, strategies, dict(capacities), frozenset(previous))
 
 
 # Tableau 4.4; names are the thesis's numbers.
@@ -67,7 +67,7 @@ class Found:
         return self.rank[0]
 
 
-def fits(p: Problem, chosen: tuple[Strategy, ...], fulfilled: frozenset[str]) -> bool:
+def fits(p: SelectionProblem, chosen: tuple[Strategy, ...], fulfilled: frozenset[str]) -> bool:
     """Equations 4.4 to 4.7 and 4.10, as printed, and the implied exclusion of strategies sharing a filter."""
     exact = Fraction
     classes = {s.cls for s in p.strategies} | set(p.desires) | {c for s in p.strategies for c in s.requires}
@@ -92,14 +92,14 @@ def fits(p: Problem, chosen: tuple[Strategy, ...], fulfilled: frozenset[str]) ->
     )
 
 
-def omega(p: Problem, chosen: tuple[Strategy, ...], fulfilled: frozenset[str]) -> Fraction:
+def omega(p: SelectionProblem, chosen: tuple[Strategy, ...], fulfilled: frozenset[str]) -> Fraction:
     """Equation 4.9."""
     return sum((Fraction(str(p.desires[c].intensity)) for c in fulfilled if c in p.desires), Fraction(0)) + sum(
         (Fraction(str(s.utility)) for s in chosen if s.cls in fulfilled), Fraction(0)
     )
 
 
-def every_solution(p: Problem) -> Iterator[tuple[tuple[Strategy, ...], frozenset[str]]]:
+def every_solution(p: SelectionProblem) -> Iterator[tuple[tuple[Strategy, ...], frozenset[str]]]:
     """All (A, F) that satisfy the constraints: all subsets of strategies, all subsets of the desired classes."""
     classes = [c for c, d in p.desires.items() if d.utility > 0]
     for size in range(len(p.strategies) + 1):
@@ -112,7 +112,7 @@ def every_solution(p: Problem) -> Iterator[tuple[tuple[Strategy, ...], frozenset
                         yield chosen, frozenset(group)
 
 
-def exhaust(p: Problem) -> Found | None:
+def exhaust(p: SelectionProblem) -> Found | None:
     """The optimum in the documented order of ties, by trying everything; None if the constraints allow nothing."""
     best: Found | None = None
     for chosen, fulfilled in every_solution(p):

@@ -49,16 +49,16 @@ def test_what_changed_is_compiled_again_and_nothing_else(tmp_path: Path, monkeyp
     monkeypatch.setattr(compiled, "_stamp_file", lambda: tmp_path / "made" / "kernels.sha256")
     names = ["app.modules.perception.slam.correlative_matching", "app.modules.perception.slam.scan_matching"]
     monkeypatch.setattr(compiled, "kernel_modules", lambda: names)
-    told: list[str] = []
+    lines: list[str] = []
     assert not compiled.is_ready()
-    compiled.compile_all(told.append)
+    compiled.compile_all(lines.append)
     assert compiled.is_ready()
-    assert sorted(text.split()[1] for text in told) == sorted(names)
+    assert sorted(text.split()[1] for text in lines) == sorted(names)
     digest = compiled._digest
     monkeypatch.setattr(compiled, "_digest", lambda name: "other" if name == names[1] else digest(name))
     assert not compiled.is_ready()
-    compiled.compile_all(told.append)
-    assert told[2:] == [f"compiled {names[1]} (1 of 1)"]
+    compiled.compile_all(lines.append)
+    assert lines[2:] == [f"compiled {names[1]} (1 of 1)"]
 
 
 def test_a_file_that_cannot_be_compiled_keeps_no_other_from_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -66,10 +66,10 @@ def test_a_file_that_cannot_be_compiled_keeps_no_other_from_it(tmp_path: Path, m
     names = ["app.no_such_file", "app.modules.perception.slam.correlative_matching"]
     monkeypatch.setattr(compiled, "kernel_modules", lambda: names)
     monkeypatch.setattr(compiled, "_digest", lambda name: "now")
-    told: list[str] = []
+    lines: list[str] = []
     with pytest.raises(ModuleNotFoundError, match="no_such_file"):
-        compiled.compile_all(told.append)
-    assert [text.split()[1] for text in told] == names[1:]
+        compiled.compile_all(lines.append)
+    assert [text.split()[1] for text in lines] == names[1:]
     assert compiled._missing() == names[:1]
 
 

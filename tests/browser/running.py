@@ -39,7 +39,7 @@ CHROMIUM_ARGUMENTS = [
 ]
 #: The suite debugs its own loops. A program runs as people run it: debugged, it would be too slow to keep its pace.
 LOOPS_DEBUG = "PYTHONASYNCIODEBUG"
-CALM_IMV_HZ = 2
+CALM_PANORAMA_HZ = 2
 
 
 @dataclass(frozen=True)
@@ -144,7 +144,7 @@ def _program(folder: Path, guard_log: Path, scenario: Path | None, *, calm: bool
     if calm:
         # Before the longest free way there is: test after test drives on, and before a wall the robot is held up.
         body["start"] = {"x": 3.5, "y": 7.9, "heading_deg": 0}
-        body["streams"]["imv"]["rate_hz"] = channels["imv"]["rate_hz"] = CALM_IMV_HZ
+        body["streams"]["panorama"]["rate_hz"] = channels["panorama"]["rate_hz"] = CALM_PANORAMA_HZ
         desires = [{"class": "FindQRCodes"}, {"class": "Teleoperation", "security": True}]
         program["modules"]["ScenarioCoordinator"]["settings"] = {"desires": desires}
     (folder / "robot.yaml").write_text(yaml.safe_dump(body))

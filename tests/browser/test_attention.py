@@ -8,7 +8,7 @@ from typing import Any
 
 from playwright.sync_api import Page, WebSocket
 
-from tests.browser.hands import hold_until
+from tests.browser.held_keys import hold_until
 from tests.browser.running import Robot
 from tests.console.view.viser_frames import viser_messages
 

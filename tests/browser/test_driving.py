@@ -12,7 +12,7 @@ import pytest
 from playwright.sync_api import Browser, Page, TimeoutError, expect
 
 from app.robots.simulated.guard_log import GuardRow
-from tests.browser.hands import hold, hold_until
+from tests.browser.held_keys import hold, hold_until
 from tests.browser.running import Robot, running_robot
 from tests.console.slow_link import slow_link_aside
 from tests.patience import PATIENCE_S

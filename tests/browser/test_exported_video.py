@@ -25,7 +25,7 @@ SHOW = """async ([data, moments]) => {
   const context = canvas.getContext('2d');
   const reds = [];
   for (const moment of moments) {
-    // On a busy computer a seek ends before its picture is there to be drawn; a picture that stays may not be told.
+    // On a busy computer a seek ends before its picture is there to be drawn; one that stays may not be recognized.
     const shown = new Promise(done => video.requestVideoFrameCallback(done));
     await new Promise(done => { video.onseeked = done; video.currentTime = moment; });
     await Promise.race([shown, new Promise(done => setTimeout(done, 1000))]);

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from playwright.sync_api import Locator, Page, TimeoutError, expect
 
-from tests.browser.hands import hold, hold_until
+from tests.browser.held_keys import hold, hold_until
 from tests.browser.running import Robot
 
 CALM = True

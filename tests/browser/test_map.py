@@ -26,7 +26,7 @@ from app.experiments.world_run import WorldRun, run_in_world
 from app.maps.library import MapLibrary
 from app.program.config import load_configuration
 from app.robots.config import load_robot_config
-from tests.browser.hands import hold, hold_until
+from tests.browser.held_keys import hold, hold_until
 from tests.browser.running import LOOPS_DEBUG, Robot, running_program
 from tests.browser.witness import true_pose
 
@@ -55,7 +55,7 @@ def maps(tmp_path_factory: pytest.TempPathFactory) -> Path:
         for kind in ("SLAM", "Teleoperation"):
             run.system.workspace.add(kind, intensity=8, utility=1, source=HANDS)
         await drive_script(run.system, DRIVE)
-        await run.system.map.keeper.save(MAP)
+        await run.system.map.server.save(MAP)
 
     # Playwright holds this thread's event loop.
     with pytest.MonkeyPatch.context() as patch, ThreadPoolExecutor(1) as aside:
@@ -85,7 +85,7 @@ def write_program(folder: Path, start: Pose2, scans_hz: float = 40) -> Path:
         "ground_truth": True,
         "start": {"x": start.x, "y": start.y, "heading_deg": math.degrees(start.theta)},
     }
-    body["streams"] |= {"kinect": None, "imv": None, "microphones": None}
+    body["streams"] |= {"kinect": None, "panorama": None, "microphones": None}
     body["streams"]["hokuyo"]["rate_hz"] = scans_hz
     body["loudspeaker"] = None
     (folder / "robot.yaml").write_text(yaml.safe_dump(body))
@@ -168,7 +168,7 @@ def test_a_kept_map_is_loaded_the_robot_finds_itself_and_goes_to_another_room(
     drag_on_map(page, X_MW @ SENT_TO)
     way = page.get_by_test_id("map-way")
     expect(way).to_have_attribute("data-state", "following")
-    # Hands take over for as long as they hold, and the page says what comes then; Space ends the trip.
+    # Held keys take over for as long as they are held, and the page says what comes then; Space ends the trip.
     hold_until(page, "KeyA", page.get_by_test_id("drive-hint").filter(has_text="continue to the goal"), 5_000)
     expect(driver).not_to_have_text(re.compile("You|Nobody"))
     page.keyboard.press("Space")

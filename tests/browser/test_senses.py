@@ -79,7 +79,7 @@ def robot(tmp_path: Path, scenario: Path) -> Iterator[Robot]:
 
 def seen_from_the_panorama(robot: Robot, p_W: tuple[float, float, float]) -> Direction:
     """The direction of a point of the world for the robot where it starts and stays."""
-    X_BC = load_model(config_dir() / "robots" / "irl1_tr.urdf").pose("imv_optical_frame")
+    X_BC = load_model(config_dir() / "robots" / "irl1_tr.urdf").pose("panorama_optical_frame")
     p_B: FloatArray = robot.start.to_pose3().inverse().transform(np.array(p_W)) - X_BC.translation
     x, y, z = (float(value) for value in p_B)
     return Direction(math.atan2(y, x), math.atan2(z, math.hypot(x, y)), math.hypot(x, y, z))

@@ -55,16 +55,16 @@ def test_headless_prints_tables_and_writes_json(
 
 
 def test_two_runs_write_the_same(recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    told = []
+    reports = []
     for run in range(2):
         file = tmp_path / f"{run}.json"
         options = ["--phi", "QRCodeDetector.images=3", "--offset", "2", "--from", "0.5", "--to", "0:02.5"]
         assert main(["replay", str(recording), "--headless", "--out", str(file), *options]) == 0
         values = json.loads(file.read_text())
         del values["cost"]
-        told.append(values)
-    assert told[0] == told[1]
-    assert told[0]["end"] - told[0]["begin"] == pytest.approx(2.0)
+        reports.append(values)
+    assert reports[0] == reports[1]
+    assert reports[0]["end"] - reports[0]["begin"] == pytest.approx(2.0)
 
 
 def test_behind_damage_it_goes_on_and_says_what_is_missing(
@@ -73,21 +73,21 @@ def test_behind_damage_it_goes_on_and_says_what_is_missing(
     path = tmp_path / "hurt.mcap"
     path.write_bytes(recording.read_bytes())
     begin, end = damage(path, BEGIN + 1.5)
-    told = []
+    reports = []
     for run in range(2):
         file = tmp_path / f"{run}.json"
         assert main(["replay", str(path), "--headless", "--out", str(file)]) == 0
         values = json.loads(file.read_text())
         del values["cost"]
-        told.append(values)
+        reports.append(values)
     words = f"the log is damaged: {end - begin:.1f} s from {place(begin - BEGIN)} cannot be read"
     assert words in capsys.readouterr().out
-    assert told[0] == told[1]
-    assert told[0]["notes"][-1] == words
-    assert all(": the log has no " in note for note in told[0]["notes"][:-1])
+    assert reports[0] == reports[1]
+    assert reports[0]["notes"][-1] == words
+    assert all(": the log has no " in note for note in reports[0]["notes"][:-1])
     # What arrived at the very moment that the chunk begins may stand in the one before.
     lost = sum(begin < m.at <= end for m in lab_messages(3.0) if m.channel == "odometry")
-    assert 0 <= 150 - lost - told[0]["channels"]["odometry"]["messages"] <= 1
+    assert 0 <= 150 - lost - reports[0]["channels"]["odometry"]["messages"] <= 1
     assert lost > 10
 
 

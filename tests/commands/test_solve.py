@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from app.attention.problem import Problem
+from app.attention.problem import SelectionProblem
 from app.attention.variants import Variants
 from app.base import paths
 from app.base.errors import ConfigError
@@ -191,7 +191,7 @@ def test_what_could_not_be_explained_in_time_is_named(
     assert answer(capsys, str(EXAMPLES / "thesis-4.3.3.yaml"))["unexplained"] == []
 
 
-def cut_off(variants: Variants, variant: Callable[[], Problem]) -> None:
+def cut_off(variants: Variants, variant: Callable[[], SelectionProblem]) -> None:
     variants.missing = True
 
 

@@ -9,14 +9,14 @@ import numpy as np
 from app.base.geometry import Pose3
 from app.messages import EncodedImage, Face, Faces, QRCode, QRCodes, SoundSource, SoundSources
 
-IMV = "imv_optical_frame"
+PANORAMA = "panorama_optical_frame"
 #: The panoramic camera looks ahead from 1.2 m over the ground.
 X_BC = Pose3(np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]]), np.array([0.1, 0.0, 1.2]))
 P_BA = (0.0, 0.0, 0.5)
 
 
 def faces(
-    stamp: float, *places: tuple[float, float, float], frame: str = IMV, first: int = 1, X_BC: Pose3 = X_BC
+    stamp: float, *places: tuple[float, float, float], frame: str = PANORAMA, first: int = 1, X_BC: Pose3 = X_BC
 ) -> Faces:
     """Faces at ``places`` (m in B; one 2 m ahead unless said), with tracks from ``first`` on."""
     return Faces(
@@ -45,7 +45,7 @@ def sound_sources(stamp: float, *sources: SoundSource) -> SoundSources:
     return SoundSources(stamp, P_BA, sources or (sound_source(),))
 
 
-def codes(stamp: float, *texts: str, frame: str = IMV) -> QRCodes:
+def codes(stamp: float, *texts: str, frame: str = PANORAMA) -> QRCodes:
     """Codes read in one image ("stop 1" unless said), all in the same place of it."""
     corners = np.array([[1, 2], [11, 2], [11, 12], [1, 12]], np.float32)
     return QRCodes(stamp, frame, 1024, 768, X_BC, tuple(QRCode(text, corners, None) for text in texts or ("stop 1",)))
@@ -53,9 +53,9 @@ def codes(stamp: float, *texts: str, frame: str = IMV) -> QRCodes:
 
 def no_codes(stamp: float) -> QRCodes:
     """An image without any."""
-    return QRCodes(stamp, IMV, 1024, 768, X_BC, ())
+    return QRCodes(stamp, PANORAMA, 1024, 768, X_BC, ())
 
 
 def panorama(stamp: float, jpeg: bytes = b"\xff\xd8 a panorama", X_BC: Pose3 = X_BC) -> EncodedImage:
     """What people see of the panoramic camera."""
-    return EncodedImage(stamp, IMV, jpeg, 640, 320, X_BC)
+    return EncodedImage(stamp, PANORAMA, jpeg, 640, 320, X_BC)

@@ -1,4 +1,4 @@
-"""A place, a map and a way, as modules would publish them; and a keeper of maps that does as the test says."""
+"""A place, a map and a way, as modules would publish them; and a map server that does as the test says."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ import asyncio
 import numpy as np
 
 from app.base.geometry import Pose2
-from app.maps.control import Files, MapUnavailable
 from app.maps.library import MapLibrary
+from app.maps.map_service import Files, MapUnavailable
 from app.messages import (
     Localization,
     NavigationStatus,
@@ -58,8 +58,8 @@ def path(stamp: float, points: int = 3, *, frame: str = "map") -> PlannedPath:
     return PlannedPath(stamp, frame, read_only(poses))
 
 
-class Keeper:
-    """A MapKeeper that keeps an empty room in ``library`` and remembers what it was asked."""
+class FakeMapServer:
+    """A MapServer that keeps an empty room in ``library`` and remembers what it was asked."""
 
     def __init__(self, library: MapLibrary) -> None:
         self._library = library

@@ -56,7 +56,7 @@ modules:
     outputs: {pictures: camera_jpeg}
   PanoramaStream:
     class: app.modules.perception.panorama_stream:PanoramaStream
-    inputs: {images: imv}
+    inputs: {images: panorama}
     outputs: {pictures: panorama_jpeg}
   PointCloudBuilder:
     class: app.modules.perception.point_cloud_builder:PointCloudBuilder
@@ -64,7 +64,7 @@ modules:
     outputs: {clouds: point_cloud}
   Teleop:
     class: tests.console.versatile_teleop:VersatileTeleop
-    inputs: {operator: operator_drive}
+    inputs: {operator: teleop_command}
     outputs: {twist: teleop_twist}
   Microphones:
     class: app.modules.sensors.microphones:Microphones
@@ -108,7 +108,7 @@ kinect: {type: Image, rate_hz: 15}
 scan: {type: LaserScan, rate_hz: 40}
 odometry: {type: Odometry, rate_hz: 100, decimable: false}
 joints: {type: JointState, rate_hz: 30, decimable: false}
-operator_drive: {type: OperatorDrive, decimable: false, external: true}
+teleop_command: {type: TeleopCommand, decimable: false, external: true}
 teleop_twist: {type: Twist, decimable: false}
 camera_jpeg: {type: EncodedImage}
 point_cloud: {type: PointCloud}
@@ -122,7 +122,7 @@ qr_codes: {type: QRCodes, external: true}
 sound_sources: {type: SoundSources, external: true}
 loud_noises: {type: LoudNoise, decimable: false, external: true}
 percept_events: {type: PerceptEvent, decimable: false, external: true}
-imv: {type: Image, rate_hz: 10, external: true}
+panorama: {type: Image, rate_hz: 10, external: true}
 panorama_jpeg: {type: EncodedImage, log: never}
 localization: {type: Localization, frame: map, decimable: false, external: true, page: {every_hz: 10}}
 map: {type: OccupancyGrid, latched: true, frame: map, decimable: false, external: true}

@@ -9,10 +9,10 @@ from typing import Any, Literal
 
 from mcap.writer import Writer
 
-from app.logs.control import RecorderControl, RecorderUnavailable
 from app.logs.layout import FACTS
 from app.logs.library import RecordingLibrary
 from app.logs.log import LogError
+from app.logs.recorder_service import RecorderService, RecorderUnavailable
 from app.logs.stamps import to_ns
 from app.messages import Image, RecorderStatus
 from app.program.system import System
@@ -45,7 +45,7 @@ class ScriptedRecorder(Module):
         self.input("kinect", Image, capacity=4)
         self.status = self.output("status", RecorderStatus)
         self.library = self.service(RecordingLibrary)
-        self.control = self.service(RecorderControl)
+        self.control = self.service(RecorderService)
         self.disk_full = False
         self._detach: Callable[[], object] = lambda: None
         self._changing: asyncio.Task[None] | None = None

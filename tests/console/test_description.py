@@ -79,7 +79,7 @@ def test_every_refusal_is_described_as_a_problem_document(app: FastAPI) -> None:
         assert "401" in responses or path == "/api/v1/health" or (path, method) == ("/api/v1/session", "delete")
 
 
-def test_what_is_done_in_somebodys_name_says_so(app: FastAPI) -> None:
+def test_operations_on_behalf_of_an_operator_say_so(app: FastAPI) -> None:
     named = {
         operation["operationId"]
         for _, _, operation in operations(app.openapi())

@@ -167,7 +167,7 @@ async def test_dragging_is_answered_once_it_is_there(replay_url: str, rest: http
 
 
 async def test_a_recording_is_never_driven_or_stopped(replay_url: str, rest: httpx.AsyncClient, play: Played) -> None:
-    commands = play.replay.system.graph.channels["operator_drive"]
+    commands = play.replay.system.graph.channels["teleop_command"]
     before = commands.published
     async with page(replay_url) as ann:
         for kind, content in (

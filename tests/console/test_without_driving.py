@@ -1,4 +1,4 @@
-"""A program that only looks: no base, and no module that takes operator_drive. It runs, and the console serves it."""
+"""A program that only looks: no base, and no module that takes teleop_command. It runs, and the console serves it."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ modules:
     # As in the table that programs share: a channel is there, used or not.
     "channels.yaml": """\
 kinect: {type: Image, rate_hz: 15}
-operator_drive: {type: OperatorDrive, decimable: false, external: true}
+teleop_command: {type: TeleopCommand, decimable: false, external: true}
 """,
     "robot.yaml": "{}\n",
     "strategies.yaml": """\
@@ -96,5 +96,5 @@ async def test_a_page_that_would_drive_gets_one_notice_and_no_wheel(system: Syst
         driving.handle(drive_lease.Drive("page", sequence, True, 1.0, 0.0))
     driving.handle(drive_lease.TakeControl("page"))
     assert driving.lease.driver is None
-    assert notices == ["This program drives nothing: no module takes operator_drive."]
-    driving.handle(drive_lease.Gone("page"))
+    assert notices == ["This program drives nothing: no module takes teleop_command."]
+    driving.handle(drive_lease.Disconnected("page"))

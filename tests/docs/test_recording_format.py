@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from app.logs.ros import typestore
-from app.logs.ros.camera import FisheyeImageInfo
+from app.logs.ros.camera_converter import FisheyeImageInfo
 from app.logs.ros.converters import CONVERTERS, Options, converter
 from app.logs.ros.generated import generated
 from app.logs.ros.record import MAIN, Converter

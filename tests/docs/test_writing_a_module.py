@@ -167,9 +167,7 @@ def test_the_pages_program_is_in_order_and_its_strategies_can_be_attended(
 
 
 @pytest.mark.slow
-def test_the_pages_robot_stands_until_somebody_desires_and_the_monitor_stops_it(
-    checkout: Path, blocks: dict[str, str]
-) -> None:
+def test_the_pages_robot_waits_for_a_desire_and_the_monitor_stops_it(checkout: Path, blocks: dict[str, str]) -> None:
     # A careless module: it would drive into the wall by itself.
     configuration, body = driving(merged(checkout, blocks[PROGRAM].replace("stop_m: 0.8", "stop_m: 0.0")))
 

@@ -26,7 +26,7 @@ from app.experiments.script import (
     load_script,
     steer,
 )
-from app.messages import GroundTruth, LaserScan, OperatorDrive
+from app.messages import GroundTruth, LaserScan, TeleopCommand
 from app.program.system import System
 from app.runtime.clock import VirtualClock, run_virtual
 
@@ -47,13 +47,13 @@ class World:
         self.clock = clock
         self.pose = start
         self.wall_x = wall_x
-        self.sent: list[OperatorDrive] = []
+        self.sent: list[TeleopCommand] = []
         self.follows = True
         self.problem = ""
         self._receivers: dict[str, Callable[[Any], None]] = {}
         self.description = SimpleNamespace(streams=("ground_truth", "hokuyo"))
         self.system = cast(
-            System, SimpleNamespace(clock=clock, link=self, graph=SimpleNamespace(channels={"operator_drive": self}))
+            System, SimpleNamespace(clock=clock, link=self, graph=SimpleNamespace(channels={"teleop_command": self}))
         )
 
     def attach(self, stream: str, receive: Callable[[Any], None]) -> Callable[[], None]:
@@ -62,7 +62,7 @@ class World:
 
     def demand(self, stream: str, wanted: bool) -> None: ...
 
-    def publish(self, command: OperatorDrive) -> None:
+    def publish(self, command: TeleopCommand) -> None:
         self.sent.append(command)
 
     async def run(self) -> None:

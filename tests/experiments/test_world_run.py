@@ -11,7 +11,7 @@ from app.base import paths
 from app.base.errors import ConfigError
 from app.experiments.world_run import WorldRun, able, run_in_world, with_settings
 from app.link import LinkFailed
-from app.messages import LaserScan, OperatorDrive
+from app.messages import LaserScan, TeleopCommand
 from app.program.config import Configuration, load_configuration
 from app.robots.config import RobotConfig
 from app.robots.factory import create_lockstep, load_body
@@ -47,9 +47,9 @@ def test_a_program_drives_in_virtual_time_and_two_runs_are_the_same(
         scans: list[LaserScan] = []
         run.system.graph.channels["scan"].observe(scans.append)
         desire = run.system.workspace.add("Teleoperation", intensity=1, utility=1, source=Source("operator", "a test"))
-        operator = run.system.graph.channels["operator_drive"]
+        operator = run.system.graph.channels["teleop_command"]
         for number in range(40):
-            operator.publish(OperatorDrive(run.system.clock.now(), "a test", number, True, 0.5, 0.0))
+            operator.publish(TeleopCommand(run.system.clock.now(), "a test", number, True, 0.5, 0.0))
             await run.system.clock.sleep(0.05)
         return run.link.true_pose().x, len(scans), desire.id
 
@@ -67,7 +67,7 @@ def test_modules_of_streams_that_are_not_there_are_left_out_and_their_channels_s
     assert isinstance(body, RobotConfig)
     blind = able(configuration, create_lockstep(body, VirtualClock()))
     gone = set(configuration.program.modules) - set(blind.program.modules)
-    assert gone == {"Kinect", "Imv", "Microphones", "Recorder"}
+    assert gone == {"Kinect", "PanoramicCamera", "Microphones", "Recorder"}
     assert blind.channels["kinect"].external
     assert blind.channels["kinect"].rate_hz is None
     assert not blind.channels["scan"].external

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from app.attention.desires import DesireClass, Source
-from app.attention.problem import Problem
+from app.attention.problem import SelectionProblem
 from app.attention.solver import solve
 from app.attention.strategies import Strategy, StrategyTable, load_strategies
 from app.attention.workspace import IntentionWorkspace
@@ -113,7 +113,7 @@ def test_while_voices_are_located_faces_are_looked_for_half_as_often(table: Stra
     workspace = IntentionWorkspace(CLASSES, lambda: 0.0)
 
     def chosen() -> set[str]:
-        selection = solve(Problem(workspace.strongest(), table.strategies, table.capacities()))
+        selection = solve(SelectionProblem(workspace.strongest(), table.strategies, table.capacities()))
         return {name for name in selection.strategies if name != "drive-by-hand"}
 
     for cls in ("FindQRCodes", "LocateFaces", "DetectNoises", "Teleoperation", "Telepresence"):
@@ -131,7 +131,7 @@ def test_going_somewhere_pulls_in_slam_and_gets_cheaper_where_the_computer_is_wa
     workspace = IntentionWorkspace(CLASSES, lambda: 0.0)
 
     def chosen(capacity: float) -> set[str]:
-        return set(solve(Problem(workspace.strongest(), table.strategies, {"cpu": capacity})).strategies)
+        return set(solve(SelectionProblem(workspace.strongest(), table.strategies, {"cpu": capacity})).strategies)
 
     workspace.add("GoTo", intensity=8, utility=1, params={"x": 1, "y": 2}, source=Source("operator", "ada"))
     assert chosen(40) == {"plan-and-follow-1", "slam-40"}, "nobody desires SLAM, but a pose is needed"
@@ -139,7 +139,7 @@ def test_going_somewhere_pulls_in_slam_and_gets_cheaper_where_the_computer_is_wa
     assert ways == ["plan-and-follow-1", "plan-and-follow-2", "plan-and-pursue-4", "go-toward"]
 
 
-def test_no_way_to_map_is_worse_and_dearer_than_another_and_the_thesiss_rate_is_among_them(
+def test_no_way_to_map_is_worse_and_costs_more_than_another_and_the_thesiss_rate_is_among_them(
     table: StrategyTable,
 ) -> None:
     strategies = of_class(table, "SLAM")
@@ -162,7 +162,7 @@ def test_what_is_desired_at_the_start_is_all_served(table: StrategyTable) -> Non
             desire.cls, intensity=desire.intensity, utility=desire.utility, security=desire.security,
             source=Source("motivation", "start"),
         )  # fmt: skip
-    chosen = solve(Problem(workspace.strongest(), table.strategies, table.capacities())).strategies
+    chosen = solve(SelectionProblem(workspace.strongest(), table.strategies, table.capacities())).strategies
     assert {table[name].cls for name in chosen} == {desire.cls for desire in USUAL}
     assert "slam-1" in chosen
 

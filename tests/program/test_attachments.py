@@ -63,7 +63,7 @@ def test_each_stream_of_the_body_is_traced_to_its_channel(lab: System) -> None:
     facts = snapshot(lab.config, lab.graph, "").facts
     assert {key: value for key, value in facts.items() if key.startswith("stream.")} == {
         "stream.kinect": "kinect",
-        "stream.imv": "imv",
+        "stream.panorama": "panorama",
         "stream.microphones": "microphones",
         "stream.hokuyo": "scan",
         "stream.odometry": "odometry",

@@ -53,9 +53,9 @@ async def test_a_desire_is_published_with_the_intention_and_the_divisors_that_fo
     )
     async with system:
         system.workspace.add("Telepresence", intensity=4, utility=1, params={"max_points": 2000}, source=OPERATOR)
-        told = await until(desires, lambda m: m.desires)
-        assert isinstance(told, Desires)
-        (desire,) = told.desires
+        record = await until(desires, lambda m: m.desires)
+        assert isinstance(record, Desires)
+        (desire,) = record.desires
         assert (desire.cls, desire.source, desire.expires) == ("Telepresence", OPERATOR, None)
         assert desire.params["max_points"] == 2000
         intention = await until(intentions, lambda m: "picture-fast" in [s.name for s in m.strategies])

@@ -14,7 +14,7 @@ from app.messages import Image
 from app.program.config import load_configuration
 from app.program.system import System
 from app.robots.simulated.gl import check_gl
-from app.runtime.load import Load
+from app.runtime.load import CpuLoad
 from app.runtime.supervisor import ModuleState
 from tests.console.program import build
 from tests.patience import PATIENCE_S
@@ -22,7 +22,7 @@ from tests.patience import PATIENCE_S
 ME = Source("operator", "test")
 RUN_S = 6.0
 #: Of the rate by the world's own time: a busy computer loses pictures and sound first.
-LEAST_SHARE = {"kinect": 0.1, "imv": 0.1, "microphones": 0.1}
+LEAST_SHARE = {"kinect": 0.1, "panorama": 0.1, "microphones": 0.1}
 
 needs_gl = pytest.mark.skipif(check_gl() is not None, reason=check_gl() or "")
 
@@ -47,7 +47,7 @@ async def test_the_lab_keeps_its_rates_and_its_budgets(lab: System) -> None:
         await first(system, "point_cloud")
         before = {name: channel.statistics().published for name, channel in system.graph.channels.items()}
         began = system.clock.now()
-        loads: list[Load] = []
+        loads: list[CpuLoad] = []
         while len(loads) < RUN_S:
             await system.clock.sleep(1.0)
             loads.append(system.load.latest)

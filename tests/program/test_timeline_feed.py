@@ -13,7 +13,7 @@ from app.attention.timeline import Timeline
 from app.messages import Exploitation, LinkStatus, PerceptEvent, PerceptKind, Twist
 from app.program.timeline_feed import OVERLOAD_WINDOWS, SLOW_AFTER_S, STALE_LOOKS, WELL_AFTER_S, TimelineFeed
 from app.runtime.freshness import Freshness, FreshnessState
-from app.runtime.load import Load
+from app.runtime.load import CpuLoad
 from app.runtime.supervisor import ModuleState
 
 STILL = Twist(0.0, 0.0, 0.0)
@@ -31,7 +31,7 @@ def feed(timeline: Timeline) -> TimelineFeed:
     return TimelineFeed(timeline, {"Eye": 10.0}, [PerceptKind("smoke", "smoke before {subject}")])
 
 
-def told(timeline: Timeline) -> list[tuple[str, str]]:
+def entries(timeline: Timeline) -> list[tuple[str, str]]:
     """Kind and subject of everything noted."""
     return [(event.kind, event.subject) for event in timeline.query()]
 
@@ -40,7 +40,7 @@ def test_the_guard_is_noted_when_its_state_changes(feed: TimelineFeed, timeline:
     stopped = replace(STATUS, guard="e_stopped", reason="pressed by an operator", e_stopped=True)
     for status in (STATUS, STATUS, stopped, stopped, STATUS):
         feed.guard(status)
-    assert told(timeline) == [("guard", "idle"), ("guard", "e_stopped"), ("guard", "idle")]
+    assert entries(timeline) == [("guard", "idle"), ("guard", "e_stopped"), ("guard", "idle")]
     assert timeline.query()[1].text == "Emergency stop: pressed by an operator"
     assert timeline.query()[1].data["e_stopped"] is True
 
@@ -83,7 +83,7 @@ def test_a_module_is_noted_when_it_fails_and_when_it_is_back(feed: TimelineFeed,
     failed = ModuleState("Eye", "failed", 1.0, 0, "ValueError: no light")
     for state in (running, failed, replace(running, restarts=1)):
         feed.module(state)
-    assert told(timeline) == [("module", "Eye"), ("restart", "Eye")]
+    assert entries(timeline) == [("module", "Eye"), ("restart", "Eye")]
     assert timeline.query()[0].text == "Eye failed: ValueError: no light"
 
 
@@ -109,14 +109,14 @@ def test_percepts_are_noted_with_their_own_stamp_under_their_name(
 
 def test_overload_is_noted_when_it_lasts_and_when_it_is_over(feed: TimelineFeed, timeline: Timeline) -> None:
     def window(used: float) -> None:
-        feed.load(Load(0.0, 1.0, {"Eye": used}, used))
+        feed.load(CpuLoad(0.0, 1.0, {"Eye": used}, used))
 
     window(50.0)
     window(5.0)
-    assert told(timeline) == []
+    assert entries(timeline) == []
     for _ in range(OVERLOAD_WINDOWS + 2):
         window(20.0)
-    assert told(timeline) == [("overload", "Eye")]
+    assert entries(timeline) == [("overload", "Eye")]
     window(5.0)
     window(5.0)
     assert [event.text for event in timeline.query()] == [
@@ -184,12 +184,12 @@ def test_whatever_comes_after_forgetting_is_news(feed: TimelineFeed, timeline: T
         for _ in range(STALE_LOOKS):
             feed.freshness({"scan": replace(LIVE, state="stale")})
         for _ in range(OVERLOAD_WINDOWS):
-            feed.load(Load(1.0, 1.0, {"Eye": 50.0}, 60.0))
+            feed.load(CpuLoad(1.0, 1.0, {"Eye": 50.0}, 60.0))
 
     tell()
-    once = told(timeline)
+    once = entries(timeline)
     tell()
-    assert told(timeline) == once
+    assert entries(timeline) == once
     feed.reset()
     tell()
-    assert told(timeline) == once * 2
+    assert entries(timeline) == once * 2

@@ -21,7 +21,7 @@ from app.base import paths
 from app.logs.open import open_log
 from app.logs.replay.headless import ReplayWatch, run_headless
 from app.logs.replay.options import ReplayOptions
-from app.logs.replay.report import ReplayReport
+from app.logs.replay.report import ReplaySummary
 from app.messages import EncodedImage, Exploitation, Faces, Landmarks, PointCloud, QRCodes
 
 FOLDER = Path(__file__).parent
@@ -133,7 +133,7 @@ def _alike(now: Any, then: Any, tolerance: float | str) -> bool:
     return bool(abs(now - then) <= allowed + 1e-9)
 
 
-def _counts(report: ReplayReport) -> dict[str, int]:
+def _counts(report: ReplaySummary) -> dict[str, int]:
     """Messages of each channel that had any; a module more in the program, at rest, changes none of them."""
     return {
         name: channel.messages
@@ -142,7 +142,7 @@ def _counts(report: ReplayReport) -> dict[str, int]:
     }
 
 
-def _intentions(report: ReplayReport) -> list[dict[str, Any]]:
+def _intentions(report: ReplaySummary) -> list[dict[str, Any]]:
     """Stamp, selected and fulfilled names, Ω, and φ of every open filter."""
     return [
         {

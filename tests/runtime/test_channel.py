@@ -332,37 +332,37 @@ async def test_a_consumer_that_closes_its_end_leaves_the_channel(make: Make) -> 
 
 def test_wanted_is_reported_only_when_it_changes() -> None:
     numbers = channel()
-    told: list[bool] = []
-    end = numbers.on_wanted(told.append)
+    demands: list[bool] = []
+    end = numbers.on_wanted(demands.append)
     first = numbers.subscribe("first")
     second = numbers.subscribe("second", divisor=CLOSED)
     second.filter.divisor = 4
     first.filter.divisor = CLOSED
-    assert told == [False, True]
+    assert demands == [False, True]
     second.filter.divisor = CLOSED
-    assert told == [False, True, False]
+    assert demands == [False, True, False]
     second.filter.divisor = 9
     numbers.unsubscribe(second)
-    assert told == [False, True, False, True, False]
+    assert demands == [False, True, False, True, False]
     end()
     end()
     first.filter.divisor = 1
     assert numbers.wanted
-    assert len(told) == 5
+    assert len(demands) == 5
 
 
 def test_a_wanted_callback_that_fails_is_logged_and_removed(caplog: pytest.LogCaptureFixture) -> None:
     numbers = channel()
-    told: list[bool] = []
+    demands: list[bool] = []
 
     def broken(wanted: bool) -> None:
         if wanted:
             raise OSError("the device is gone")
 
     numbers.on_wanted(broken)
-    numbers.on_wanted(told.append)
+    numbers.on_wanted(demands.append)
     numbers.subscribe("inbox")
-    assert told == [False, True]
+    assert demands == [False, True]
     assert "channel numbers" in caplog.text
     assert "the device is gone" in caplog.text
 
@@ -476,8 +476,8 @@ async def test_forgetting_makes_room_for_who_waits_to_send(make: Make) -> None:
 
 def test_a_subscription_that_does_not_demand_gets_what_is_published_and_keeps_no_source_awake() -> None:
     channel = Channel("scan", Twist, lambda: 0.0)
-    told: list[bool] = []
-    channel.on_wanted(told.append)
+    demands: list[bool] = []
+    channel.on_wanted(demands.append)
     observing = channel.subscribe("observing", demands=False)
     channel.publish(Twist(1.0, 0.0, 0.0))
     assert observing.receive_nowait().stamp == 1.0
@@ -485,4 +485,4 @@ def test_a_subscription_that_does_not_demand_gets_what_is_published_and_keeps_no
     observing.demand(True)
     observing.demand(True)
     observing.demand(False)
-    assert told == [False, True, False]
+    assert demands == [False, True, False]

@@ -62,15 +62,15 @@ class ChannelMachine(RuleBasedStateMachine):
         self.channel: Channel[Twist] = Channel("numbers", Twist, lambda: self.now)
         self.models: dict[Subscription[Twist], Model] = {}
         self.published = 0
-        self.told: bool | None = None
+        self.reported: bool | None = None
 
     @initialize()
     def listen(self) -> None:
-        self.channel.on_wanted(self.tell)
+        self.channel.on_wanted(self.note_demand)
 
-    def tell(self, wanted: bool) -> None:
-        assert wanted != self.told, "told twice"
-        self.told = wanted
+    def note_demand(self, wanted: bool) -> None:
+        assert wanted != self.reported, "reported twice"
+        self.reported = wanted
 
     @rule(target=subscriptions, capacity=st.integers(1, 3), lossless=st.booleans(), divisor=divisors)
     def subscribe(self, capacity: int, lossless: bool, divisor: float) -> Subscription[Twist]:
@@ -142,7 +142,7 @@ class ChannelMachine(RuleBasedStateMachine):
     def wanted_is_whether_any_is_open(self) -> None:
         wanted = any(model.divisor != CLOSED for model in self.models.values())
         assert self.channel.wanted == wanted
-        assert self.told in (None, wanted)
+        assert self.reported in (None, wanted)
 
 
 TestChannelMachine = ChannelMachine.TestCase

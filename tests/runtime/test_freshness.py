@@ -368,7 +368,7 @@ async def test_another_divisor_gives_a_lost_source_no_second_grace(graph: Graph)
 
 
 @in_virtual_time
-async def test_what_nothing_here_can_come_on_is_nobodys_fault(build: Build, caplog: pytest.LogCaptureFixture) -> None:
+async def test_a_channel_without_a_source_is_no_fault(build: Build, caplog: pytest.LogCaptureFixture) -> None:
     graph = build({"Sensor": (Sensor, {}, {"images": "images"})}, {"images": {"rate_hz": 10}, "drive": {"rate_hz": 20}})
     graph.channels["drive"].observe(lambda _: None)
     assert sources(graph) == {"images"}

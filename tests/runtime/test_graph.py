@@ -355,9 +355,9 @@ def test_an_unknown_filter_is_named_with_those_there_are() -> None:
 
 def test_a_module_that_names_no_inputs_may_choose_its_own(build: Build) -> None:
     source: tuple[type[Module], dict[str, str], dict[str, str]] = (Source, {}, {"numbers": "n"})
-    channels = {"n": {}, "quiet": {"log": "never", "external": True}, "hands": {"external": True}, "unfed": {}}
+    channels = {"n": {}, "quiet": {"log": "never", "external": True}, "late": {"external": True}, "unfed": {}}
     graph = build({"A": source, "C": (Collector, {}, {})}, channels)
-    assert graph.ports()["C"] == {"of_n", "of_hands"}
+    assert graph.ports()["C"] == {"of_n", "of_late"}
     named = build({"A": source, "C": (Collector, {"it": "n"}, {})}, channels)
     assert named.ports()["C"] == {"it"}
     assert "C.it" in named.filters.names()

@@ -304,8 +304,8 @@ async def test_a_last_word_that_fails_is_its_modules_failure_and_stops_no_intent
 def test_an_output_reports_whether_it_is_wanted(build: Build) -> None:
     graph, slot, _ = graph_of(build, Recorder)
     words = slot.module.words
-    told: list[bool] = []
-    end = words.on_wanted(told.append)
+    demands: list[bool] = []
+    end = words.on_wanted(demands.append)
     inbox = graph.channels["w"].subscribe("test")
     assert words.wanted
     words.filter.divisor = CLOSED
@@ -313,18 +313,18 @@ def test_an_output_reports_whether_it_is_wanted(build: Build) -> None:
     inbox.filter.divisor = CLOSED
     words.filter.divisor = 2
     inbox.filter.divisor = 1
-    assert told == [False, True, False, True]
+    assert demands == [False, True, False, True]
     end()
     words.filter.divisor = CLOSED
-    assert told == [False, True, False, True]
+    assert demands == [False, True, False, True]
 
 
 def test_a_new_instance_takes_over_its_outputs_and_the_old_one_falls_silent(build: Build, make: Make) -> None:
     graph, slot, events = graph_of(build, Recorder)
     inbox = graph.channels["w"].subscribe("test", capacity=10)
     old = slot.module
-    told_old: list[bool] = []
-    old.words.on_wanted(told_old.append)
+    demands_of_old: list[bool] = []
+    old.words.on_wanted(demands_of_old.append)
     old.words.filter.divisor = 2
     old.words.publish(make(1))
     new = slot.renew()
@@ -337,7 +337,7 @@ def test_a_new_instance_takes_over_its_outputs_and_the_old_one_falls_silent(buil
     assert inbox.statistics().depth == 0
     graph.filters.apply({"R.words": CLOSED})
     assert events == ["last word on words"], "asked of the new instance alone"
-    assert told_old == [True]
+    assert demands_of_old == [True]
     assert slot.context.outputs["words"] is new.words
 
 

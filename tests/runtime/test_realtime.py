@@ -34,12 +34,12 @@ def test_live_objects_are_frozen_and_threads_switch_sooner() -> None:
 def _niceness_after(action: Callable[[], None]) -> int:
     """Of a fresh thread that did ``action``."""
 
-    def told() -> int:
+    def niceness() -> int:
         action()
         return os.getpriority(os.PRIO_PROCESS, threading.get_native_id())
 
     with ThreadPoolExecutor(1) as pool:
-        return pool.submit(told).result()
+        return pool.submit(niceness).result()
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="threads have a niceness of their own on Linux alone")

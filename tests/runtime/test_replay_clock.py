@@ -154,10 +154,10 @@ STEPS = st.lists(
 @settings(deadline=None, max_examples=150)
 @pytest.mark.slow
 def test_whatever_is_done_with_it(steps: list[tuple[str, float]]) -> None:
-    run_virtual(relive(steps))
+    run_virtual(pass_through(steps))
 
 
-async def relive(steps: list[tuple[str, float]]) -> None:
+async def pass_through(steps: list[tuple[str, float]]) -> None:
     clock = clock_at(end=BEGIN + 500.0)
     sleepers: list[tuple[float, int, asyncio.Task[None]]] = []
     woken: list[tuple[int, float, int, float]] = []

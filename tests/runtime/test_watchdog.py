@@ -100,7 +100,7 @@ async def test_a_loop_that_comes_round_is_left_alone() -> None:
     assert watchdog.statistics().blockages == 0
 
 
-def test_a_loop_that_waits_for_its_turn_is_nobodys_fault() -> None:
+def test_a_loop_that_waits_for_its_turn_is_no_fault() -> None:
     # The stack of a loop that sleeps in select, as a starved one looks.
     loop = asyncio.new_event_loop()
     seen: list[Blockage | None] = []

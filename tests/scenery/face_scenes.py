@@ -21,10 +21,10 @@ from app.robots.simulated.scenery.faces import EYES_PX, FACES, MIDDLE_PX, MOUTH_
 
 #: Kinect: 57 x 43 degrees at 640 x 480 (f = 589 px).
 KINECT = CameraModel(640, 480, 589.0, 589.0, 319.5, 239.5)
-IMV = FisheyeModel.from_fov(1024, 768, math.pi, math.pi)
+PANORAMA = FisheyeModel.from_fov(1024, 768, math.pi, math.pi)
 _FORWARD = (-math.pi / 2, 0.0, -math.pi / 2)
 X_BKINECT = Pose3.from_translation_rpy((0.1, 0.0, 1.3), _FORWARD)
-X_BIMV = Pose3.from_translation_rpy((0.1, 0.0, 0.89), _FORWARD)
+X_BPANORAMA = Pose3.from_translation_rpy((0.1, 0.0, 0.89), _FORWARD)
 NAMES = tuple(FACES)
 #: From the eyes to the mouth (m) of a person of mean height.
 EYES_TO_MOUTH_M = 0.040 * 1.71
@@ -56,11 +56,11 @@ def kinect_image(stamp: float, X_OB: Pose2, cards: Sequence[FaceCard], seed: int
     return Image(stamp, "kinect", _noisy(color, rng), read_only(millimetres), KINECT, X_BKINECT)
 
 
-def imv_image(stamp: float, X_OB: Pose2, cards: Sequence[FaceCard], seed: int = 0) -> Image:
+def panorama_image(stamp: float, X_OB: Pose2, cards: Sequence[FaceCard], seed: int = 0) -> Image:
     """The hemisphere ahead, without depth."""
-    color = _background(IMV.width, IMV.height)
-    _draw(color, None, IMV, X_OB.to_pose3() @ X_BIMV, cards)
-    return Image(stamp, "imv", _noisy(color, np.random.default_rng(seed)), None, IMV, X_BIMV)
+    color = _background(PANORAMA.width, PANORAMA.height)
+    _draw(color, None, PANORAMA, X_OB.to_pose3() @ X_BPANORAMA, cards)
+    return Image(stamp, "panorama", _noisy(color, np.random.default_rng(seed)), None, PANORAMA, X_BPANORAMA)
 
 
 def _background(width: int, height: int) -> NDArray[np.float32]:

@@ -1,1 +1,1 @@
-"""Who may use the console: login, sessions, limits of requests and connections."""
+"""Access to the console: login, sessions, limits of requests and connections."""

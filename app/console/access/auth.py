@@ -1,4 +1,4 @@
-"""Who may talk to the console, and from which page.
+"""Authorization: who may use the console, and from which page.
 
 On loopback without a token anyone on this computer may, but a web page elsewhere may not: the ``Host`` must be a name
 of this computer (DNS rebinding), and where a browser states an ``Origin``, it must be ours. Beyond loopback a token is
@@ -25,11 +25,11 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from app.console.access.login_attempts import Attempts
 from app.console.access.request_limits import ClientLeft, objection_to_scope, with_body
-from app.console.access.sessions import Session, Sessions
+from app.console.access.sessions import LoginSession, Sessions
 from app.console.problems import MEDIA_TYPE, Problem, problem_body, problem_response
 
 COOKIE = "hbba_session"
-#: What may be reached without having logged in, besides the page itself: the login and the sign of life.
+#: Paths that may be reached without a login, besides the page itself: the login and the sign of life.
 OPEN_PATHS = frozenset({"/api/v1/health", "/api/v1/session"})
 GUARDED = ("/api", "/viser", "/panels")
 
@@ -87,7 +87,7 @@ class Door:
         """End the session that a request belongs to, and its connections."""
         self._sessions.end(_cookie(scope))
 
-    def session(self, scope: Scope) -> Session | None:
+    def session(self, scope: Scope) -> LoginSession | None:
         """The session that a request belongs to; None without one, as where it brings the token itself."""
         return self._sessions.find(_cookie(scope)) if self.asks else None
 
@@ -256,7 +256,7 @@ class Guarded:
             await self._app(scope, receive, send)
 
 
-async def _within(session: Session, app: ASGIApp, scope: Scope, receive: Receive, send: Send) -> None:
+async def _within(session: LoginSession, app: ASGIApp, scope: Scope, receive: Receive, send: Send) -> None:
     """Serve a WebSocket until it or its session ends."""
     closing: asyncio.Task[None] | None = None
 

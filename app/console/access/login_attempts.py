@@ -63,7 +63,7 @@ class Attempts:
 
 
 def origin_of(address: str) -> str:
-    """What counts as one address: of IPv6 the network of 64 bits, which one computer has all of."""
+    """The part of an address that counts as one: of IPv6 the network of 64 bits, which one computer has all of."""
     try:
         parsed = ipaddress.ip_address(address.partition("%")[0])
     except ValueError:

@@ -1,4 +1,4 @@
-"""What people call operators."""
+"""Names of operators."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ LONGEST_NAME = 40
 
 
 def operator_name(given: str | None) -> str:
-    """What people call an operator: ``given``, percent-encoded, as far as it is printable and at most 40 characters;
+    """The name of an operator: ``given``, percent-encoded, as far as it is printable and at most 40 characters;
     ``operator`` where nothing was said."""
     name = "".join(c for c in unquote(given or "") if c.isprintable()).strip()
     return name[:LONGEST_NAME] or "operator"

@@ -26,7 +26,7 @@ BODY_WITHIN_S = 20.0
 #: An answer of which nothing more is taken for so long is given up; sooner, while there is no room for others.
 STALLED_AFTER_S = 60.0
 WAITS_AFTER_S = 5.0
-#: What is closed has this long to take what was said last.
+#: A connection being closed has this long (s) to take the last message.
 LINGER_S = 5.0
 
 _BUSY = Problem(

@@ -1,4 +1,4 @@
-"""What a request may weigh: its header and its body, counted before anything else looks at them.
+"""Limits of a request's size: its header and its body, counted before anything else looks at them.
 
 Every body is read here, up to the limit, before the request goes on: by its size as it arrives, not by what the header
 says of it.

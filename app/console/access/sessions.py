@@ -13,7 +13,7 @@ LASTS_S = 12 * 3600.0
 MOST_SESSIONS = 200
 
 
-class Session:
+class LoginSession:
     """One login. ``used`` is when it was last shown (``now``: the clock of :class:`Sessions`)."""
 
     def __init__(self, now: Callable[[], float]) -> None:
@@ -47,7 +47,7 @@ class Sessions:
 
     def __init__(self, now: Callable[[], float]) -> None:
         self._now = now
-        self._sessions: OrderedDict[bytes, Session] = OrderedDict()
+        self._sessions: OrderedDict[bytes, LoginSession] = OrderedDict()
 
     def __len__(self) -> int:
         return len(self._sessions)
@@ -55,12 +55,12 @@ class Sessions:
     def begin(self) -> str:
         """A new session; returns its name, which only the browser that logged in is given."""
         name = secrets.token_urlsafe(32)
-        self._sessions[_key(name)] = Session(self._now)
+        self._sessions[_key(name)] = LoginSession(self._now)
         while len(self._sessions) > MOST_SESSIONS:
             self._sessions.popitem(last=False)[1].close()
         return name
 
-    def find(self, name: str | None) -> Session | None:
+    def find(self, name: str | None) -> LoginSession | None:
         """The session of this name, which counts as used from now; None where there is none, or not any more."""
         if not name:
             return None

@@ -41,7 +41,7 @@ FUTURE = "The command comes from the future: this page's clock is not understood
 
 @dataclass(frozen=True, slots=True)
 class Times:
-    """What a message says of its time (s): ``sent`` and ``heard_at`` by the page's clock, ``heard`` by the robot's."""
+    """Times (s) in a message: ``sent`` and ``heard_at`` by the page's clock, ``heard`` by the robot's."""
 
     sent: float
     heard: float

@@ -11,12 +11,12 @@ from typing import Literal
 from app.console.drive import drive_lease
 from app.console.drive.command_age import Judgement
 from app.link import RobotLink
-from app.messages import LinkStatus, OperatorDrive
+from app.messages import LinkStatus, TeleopCommand
 from app.runtime.channel import Channel
 from app.runtime.clock import Clock
 from app.runtime.graph import Graph
 
-CHANNEL = "operator_drive"
+CHANNEL = "teleop_command"
 UNDRIVABLE = f"This program drives nothing: no module takes {CHANNEL}."
 LOST = "The body does not answer"
 PRESSED_AGAIN = "The emergency stop was pressed after what you saw: look again, then release it."
@@ -25,7 +25,7 @@ RECORDING = "This is a recording: there is no robot to drive or to stop."
 Notify = Callable[[str, Literal["info", "warning", "error"], str], None]
 
 
-def hands(graph: Graph) -> Channel[OperatorDrive] | None:
+def teleop_channel(graph: Graph) -> Channel[TeleopCommand] | None:
     """Where the driver's commands go; None: this program drives nothing, since no module asks for them by name (a
     recorder takes whatever there is)."""
     taken = any(CHANNEL in slot.spec.inputs.values() for slot in graph.modules.values())
@@ -45,7 +45,7 @@ class Driving:
         self,
         clock: Clock,
         link: RobotLink,
-        channel: Channel[OperatorDrive] | None,
+        channel: Channel[TeleopCommand] | None,
         notify: Notify,
         stopped: Callable[[], None],
         *,
@@ -83,7 +83,7 @@ class Driving:
                 case drive_lease.Command(operator, held, linear, angular, override) if self._channel is not None:
                     self._sequence += 1
                     self._channel.publish(
-                        OperatorDrive(
+                        TeleopCommand(
                             now,
                             operator,
                             sequence=self._sequence,
@@ -93,7 +93,7 @@ class Driving:
                             override=override,
                         )
                     )
-                case drive_lease.Notice(session, level, text):
+                case drive_lease.PageNotice(session, level, text):
                     self._notify(session, level, text)
         self._set_timer(now)
 

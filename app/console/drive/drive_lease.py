@@ -31,15 +31,15 @@ class Connected:
 
 
 @dataclass(frozen=True, slots=True)
-class Gone:
+class Disconnected:
     """The connection ended, however it did."""
 
     session: str
 
 
 @dataclass(frozen=True, slots=True)
-class Heard:
-    """A sign of life (a ping)."""
+class KeepAlive:
+    """A ping."""
 
     session: str
 
@@ -95,7 +95,9 @@ class Tick:
     """Time has passed."""
 
 
-Event: TypeAlias = Connected | Gone | Heard | Drive | Garbled | TakeControl | ReleaseControl | EmergencyStop | Tick
+Event: TypeAlias = (
+    Connected | Disconnected | KeepAlive | Drive | Garbled | TakeControl | ReleaseControl | EmergencyStop | Tick
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,7 +112,7 @@ class Command:
 
 
 @dataclass(frozen=True, slots=True)
-class Notice:
+class PageNotice:
     """Show ``text`` on one page."""
 
     session: str
@@ -118,7 +120,7 @@ class Notice:
     text: str
 
 
-Action: TypeAlias = Command | Notice
+Action: TypeAlias = Command | PageNotice
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,7 +144,7 @@ class Lease:
 
     @property
     def driver_name(self) -> str | None:
-        """What people call the driver."""
+        """The name of the driver."""
         return None if self.driver is None else self.operators[self.driver]
 
 
@@ -150,17 +152,17 @@ Step: TypeAlias = tuple[Lease, tuple[Action, ...]]
 
 
 def step(lease: Lease, now: float, event: Event) -> Step:
-    """What follows from ``event`` at ``now`` (seconds)."""
+    """The lease and the actions that follow from ``event`` at ``now`` (seconds)."""
     match event:
         case Connected(session, operator):
             return replace(lease, operators=MappingProxyType({**lease.operators, session: operator})), ()
-        case Gone(session):
+        case Disconnected(session):
             return _gone(lease, session)
-        case Heard(session):
+        case KeepAlive(session):
             return (replace(lease, last_heard=now) if session == lease.driver else lease), ()
         case Garbled(session):
             stopped, actions = _stopped(lease) if session == lease.driver else (lease, ())
-            return stopped, (*actions, Notice(session, "error", "The robot could not read the last message."))
+            return stopped, (*actions, PageNotice(session, "error", "The robot could not read the last message."))
         case Drive():
             return _drive(lease, now, event)
         case TakeControl(session):
@@ -204,7 +206,7 @@ def _refused(lease: Lease, session: str, level: Literal["info", "warning", "erro
     """Refuse a hold, saying why once."""
     if session in lease.blocked:
         return lease, ()
-    return replace(lease, blocked=lease.blocked | {session}), (Notice(session, level, text),)
+    return replace(lease, blocked=lease.blocked | {session}), (PageNotice(session, level, text),)
 
 
 def _drive(lease: Lease, now: float, drive: Drive) -> Step:
@@ -272,9 +274,9 @@ def _take(lease: Lease, now: float, session: str) -> Step:
         lease, actions = _free(lease)
         # Still holding, perhaps: that hold is over.
         lease = replace(lease, blocked=lease.blocked | {before})
-        actions = (*actions, Notice(before, "warning", f"{taker} has taken control."))
+        actions = (*actions, PageNotice(before, "warning", f"{taker} has taken control."))
     taken = replace(lease, driver=session, sequence=0, last_drive=now, last_heard=now, last_held=now)
-    return taken, (*actions, Notice(session, "info", "You have control."))
+    return taken, (*actions, PageNotice(session, "info", "You have control."))
 
 
 def _e_stop(lease: Lease, latched: bool) -> Step:

@@ -82,7 +82,7 @@ def _take(text: str | bytes, viewer: Viewer, hub: Hub, clock: Clock) -> None:
         case protocol.PingMessage():
             viewer.rtt_ms = message.rtt_ms
             viewer.age.judge(now, protocol.times(message))
-            driving.handle(drive_lease.Heard(session))
+            driving.handle(drive_lease.KeepAlive(session))
             viewer.outbox.put("pong", frame("pong", Pong(message.t, now)))
         case protocol.AckMessage():
             viewer.outbox.picture_drawn(message.kind)

@@ -19,7 +19,7 @@ from app.attention.reports import desire_class_report
 from app.console import reports
 from app.console.drive import drive_lease
 from app.console.drive.command_age import CommandAge
-from app.console.drive.drive_controller import Driving, hands
+from app.console.drive.drive_controller import Driving, teleop_channel
 from app.console.drive.goals import withdraw_all
 from app.console.drive.telepresence_desire import LISTEN, WATCH, Presence, Spectators
 from app.console.live import messages
@@ -69,7 +69,7 @@ class Hub:
         self.driving = Driving(
             system.clock,
             system.link,
-            hands(system.graph),
+            teleop_channel(system.graph),
             self.notify,
             partial(withdraw_all, system.workspace),
             recording=playback is not None,
@@ -182,7 +182,7 @@ class Hub:
 
     def leave(self, viewer: Viewer) -> None:
         """A connection ended: if it drove, the robot stops at once; if it spoke, its talk ends."""
-        self.driving.handle(drive_lease.Gone(viewer.session))
+        self.driving.handle(drive_lease.Disconnected(viewer.session))
         self.speech.gone(viewer.session)
         self._viewers.pop(viewer.session, None)
         self._feeds.update()

@@ -12,7 +12,7 @@ from app.console import reports
 from app.console.problems import Problem
 from app.console.records.attention import EventList, ResourceList, StrategyList
 from app.console.rest.answers import Json, problems
-from app.console.rest.desires import IN_SOMEBODYS_NAME, source_of
+from app.console.rest.desires import OPERATOR_PARAMETER, source_of
 from app.console.rest.models import ResourceChange
 from app.console.rest.routing import router as api_router
 from app.messages import EventKind, IntentionReport, ResourceReport
@@ -64,7 +64,7 @@ def attention_router(system: System) -> APIRouter:
         "/resources/{name}",
         response_model=ResourceReport,
         summary="Change a budget",
-        openapi_extra=IN_SOMEBODYS_NAME,
+        openapi_extra=OPERATOR_PARAMETER,
         responses=problems(400, 404, 422),
     )
     async def change_resource(

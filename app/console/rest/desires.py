@@ -28,7 +28,7 @@ DesireId = Annotated[str, Path(min_length=1, description="Id of the desire.", ex
 MOST_DESIRES = 1000
 OPERATOR_HEADER = "X-HBBA-Operator"
 #: The header of operations on behalf of an operator, for the OpenAPI description.
-IN_SOMEBODYS_NAME = {
+OPERATOR_PARAMETER = {
     "parameters": [
         {
             "name": OPERATOR_HEADER,
@@ -40,7 +40,7 @@ IN_SOMEBODYS_NAME = {
     ]
 }
 
-#: What can be done next with a desire that was created, for the OpenAPI description.
+#: The operations on a desire that was created, for the OpenAPI description.
 DESIRE_LINKS = {
     operation: {"operationId": operation, "parameters": {"desire_id": "$response.body#/id"}}
     for operation in ("get_desire", "change_desire", "remove_desire")
@@ -80,7 +80,7 @@ def desires_router(system: System) -> APIRouter:
         response_model=Desire,
         status_code=201,
         summary="Create a desire",
-        openapi_extra=IN_SOMEBODYS_NAME,
+        openapi_extra=OPERATOR_PARAMETER,
         responses={
             201: {
                 "headers": {
@@ -140,7 +140,7 @@ def desires_router(system: System) -> APIRouter:
         responses=problems(400, 404, 422),
     )
     async def change_desire(desire_id: DesireId, change: DesireChange) -> Response:
-        """What is left out stays. `params` replaces all parameters; `ttl` counts from now, null makes it stay."""
+        """Members left out stay. `params` replaces all parameters; `ttl` counts from now, null makes it stay."""
         given = change.model_fields_set
         for field in ("intensity", "utility", "security", "params"):
             if field in given and getattr(change, field) is None:

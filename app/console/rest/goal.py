@@ -16,7 +16,7 @@ from app.console.live.hub import Hub
 from app.console.problems import Problem
 from app.console.records.navigation import NavigationModel
 from app.console.rest.answers import Json, problems
-from app.console.rest.desires import IN_SOMEBODYS_NAME, refuse_too_many, source_of
+from app.console.rest.desires import OPERATOR_PARAMETER, refuse_too_many, source_of
 from app.console.rest.map_models import GoalRequest
 from app.console.rest.routing import router as api_router
 from app.messages.base import doc
@@ -57,7 +57,7 @@ def goal_router(system: System, hub: Hub) -> APIRouter:
         "/goal",
         response_model=Desire,
         summary="Send the robot somewhere",
-        openapi_extra=IN_SOMEBODYS_NAME,
+        openapi_extra=OPERATOR_PARAMETER,
         responses=problems(400, 409, 422),
     )
     async def set_goal(goal: GoalRequest, request: Request) -> Response:

@@ -1,4 +1,4 @@
-"""What REST is asked about maps and goals, checked as it comes in."""
+"""Requests about maps and goals, checked as it comes in."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from app.base.named_library import NAME
 from app.console.rest.models import Request
 from app.maps.zones import FURTHEST_M
 
-#: What a map may be called, for the OpenAPI description; the library itself refuses others, in its own words.
+#: The names that a map may have, for the OpenAPI description; the library itself refuses others, in its own words.
 NAME_PATTERN = f"^{NAME.pattern}$"
 #: More would not fit into a body.
 MOST_ZONES = 500
@@ -41,7 +41,7 @@ class LoadRequest(Request):
 
 
 class RenameRequest(Request):
-    """What to change of a map."""
+    """A change of a map."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [{"name": "ground-floor"}]})
 

@@ -23,8 +23,8 @@ from app.console.records.maps import CurrentMap, KeptMap, MapList, ZoneList
 from app.console.rest.answers import BYTES, Json, problems
 from app.console.rest.map_models import NAME_PATTERN, LoadRequest, PoseRequest, RenameRequest, ZonesRequest
 from app.console.rest.routing import router as api_router
-from app.maps.control import MapKeeper, MapUnavailable
 from app.maps.library import MapFacts, MapNameTaken, UnknownMap
+from app.maps.map_service import MapServer, MapUnavailable
 from app.maps.zones import ZoneEntry, checked
 from app.messages import Zone, Zones, read_only
 
@@ -67,8 +67,8 @@ def maps_router(system: System) -> APIRouter:
     async def save_map(name: Name) -> Response:
         """Under this name, which it has from then on; an older map of this name is replaced. Needs no body."""
         await _existing(name, none_is_fine=True)
-        async with one, _keeper() as keeper:
-            await keeper.save(name)
+        async with one, _server() as server:
+            await server.save(name)
         return Json(_kept(await _on_disk(library.facts, name), name))
 
     @router.post(
@@ -82,8 +82,8 @@ def maps_router(system: System) -> APIRouter:
         on the map, and the map stays as it is. Every goal is withdrawn: it was a place on the other map."""
         load = load or LoadRequest()
         await _existing(name)
-        async with one, _keeper() as keeper:
-            await keeper.load(name, None if load.pose is None else _pose(load.pose), load.extend)
+        async with one, _server() as server:
+            await server.load(name, None if load.pose is None else _pose(load.pose), load.extend)
         return Json(current())
 
     @router.patch(
@@ -97,8 +97,8 @@ def maps_router(system: System) -> APIRouter:
             if to != name and await _existing(to, field="name", none_is_fine=True):
                 raise _taken(f"there is a map called {to} already; delete it first, or choose another name")
             if to != name and current().name == name:
-                async with _keeper() as keeper:
-                    await keeper.save(to)
+                async with _server() as server:
+                    await server.save(to)
                 await _on_disk(library.delete, name)
             else:
                 await _on_disk(library.rename, name, to)
@@ -136,8 +136,8 @@ def maps_router(system: System) -> APIRouter:
     async def begin_map() -> Response:
         """Without a name, the robot at its origin. The one in use is lost if it was not saved, and a goal on it
         withdrawn. Needs no body."""
-        async with one, _keeper() as keeper:
-            await keeper.begin()
+        async with one, _server() as server:
+            await server.begin()
         return Json(current())
 
     @router.put(
@@ -148,15 +148,15 @@ def maps_router(system: System) -> APIRouter:
     )
     async def place_robot(pose: PoseRequest) -> Response:
         """On the map in use, within 1 m and 0.5 rad; from there its pose is refined by what the laser sees."""
-        async with _keeper() as keeper:
-            await keeper.place(_pose(pose))
+        async with _server() as server:
+            await server.place(_pose(pose))
         return Json(current())
 
     @router.post("/map/search", response_model=CurrentMap, summary="Start global localization", responses=problems(409))
     async def search_robot() -> Response:
         """It is somewhere on the map in use, and finds out where. Needs no body."""
-        async with _keeper() as keeper:
-            await keeper.search()
+        async with _server() as server:
+            await server.search()
         return Json(current())
 
     @router.get("/map/zones", response_model=ZoneList, summary="Zones of the map in use")
@@ -173,8 +173,8 @@ def maps_router(system: System) -> APIRouter:
     async def set_zones(zones: ZonesRequest) -> Response:
         """All of them: what is not named is gone. They are kept with the map at once if it has a name."""
         marked = _zones(zones)
-        async with _keeper() as keeper:
-            await keeper.mark(marked)
+        async with _server() as server:
+            await server.mark(marked)
         return Json(zone_reports(marked))
 
     def current() -> CurrentMap:
@@ -182,13 +182,13 @@ def maps_router(system: System) -> APIRouter:
             return CurrentMap(False, "", None, None)
         localization = reports.latest(system.graph, "localization")
         state, stamp = (None, None) if localization is None else (localization.state, localization.stamp)
-        return CurrentMap(True, system.map.keeper.name, state, stamp)
+        return CurrentMap(True, system.map.server.name, state, stamp)
 
     @asynccontextmanager
-    async def _keeper() -> AsyncIterator[MapKeeper]:
+    async def _server() -> AsyncIterator[MapServer]:
         """The module that keeps the map; its refusals, and the disk's, become problems."""
         try:
-            yield system.map.keeper
+            yield system.map.server
         except (UnknownMap, MapNameTaken, MapUnavailable, ConfigError, OSError) as refusal:
             raise _problem(refusal) from None
 

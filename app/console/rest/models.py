@@ -1,4 +1,4 @@
-"""What REST is asked about desires and budgets, checked as it comes in. Answers are of :mod:`app.console.records`."""
+"""Requests about desires and budgets, checked as it comes in. Answers are of :mod:`app.console.records`."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class NewDesire(Request):
 
 
 class DesireChange(Request):
-    """What to change of a desire; what is left out stays."""
+    """A change of a desire; members left out stay."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [{"intensity": 5, "ttl": 60}]})
 

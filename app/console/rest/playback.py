@@ -40,7 +40,7 @@ def playback_router(playback: Playback | None) -> APIRouter:
         responses=problems(400, 404, 409, 422),
     )
     async def change_playback(change: PlaybackChange) -> Response:
-        """What is not named stays. Answers once it is so: after a seek, when the scene there is shown. Of several seeks
+        """Members left out stay. Answers once it is so: after a seek, when the scene there is shown. Of several seeks
         at once only the newest is gone to, and all are answered then. A position beyond an end is that end; to play
         from the end is to begin again."""
         player = played()

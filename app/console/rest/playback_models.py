@@ -1,4 +1,4 @@
-"""What REST is asked about the playback of a recording, checked as it comes in."""
+"""Requests about the playback of a recording, checked as it comes in."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _SPEED = "Seconds of the recording in a real second; null: as fast as possible, 
 
 
 class PlaybackChange(Request):
-    """What to change; the rest stays."""
+    """A change of the playback; members left out stay."""
 
     playing: bool | None = None
     speed: float | None = Field(None, ge=SLOWEST, le=FASTEST, description=_SPEED)

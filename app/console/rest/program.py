@@ -19,7 +19,7 @@ from app.console.recordings import RecorderWatch
 from app.console.records.program import ChannelList, ChannelReport, Health, ModuleList
 from app.console.records.robot import EStop, RobotReport
 from app.console.rest.answers import Json, problems
-from app.console.rest.desires import IN_SOMEBODYS_NAME, source_of
+from app.console.rest.desires import OPERATOR_PARAMETER, source_of
 from app.console.rest.routing import router as api_router
 from app.messages import ModuleReport
 from app.program.module_meter import ModuleMeter, subscription_counters
@@ -66,7 +66,7 @@ def robot_router(system: System, hub: Hub) -> APIRouter:
         "/robot/e-stop",
         response_model=EStop,
         summary="Latch the emergency stop",
-        openapi_extra=IN_SOMEBODYS_NAME,
+        openapi_extra=OPERATOR_PARAMETER,
         responses=problems(409, 504),
     )
     async def latch_e_stop(request: Request) -> Response:

@@ -1,4 +1,4 @@
-"""What REST is asked about recordings, checked as it comes in."""
+"""Requests about recordings, checked as it comes in."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ LONGEST_RING_MINUTES = 120
 
 
 class NewRecording(Request):
-    """What to record."""
+    """A recording to make."""
 
     name: Name = Field("", description="Empty: the date and time at which it begins.")
     keep_minutes: float = Field(
@@ -27,7 +27,7 @@ class NewRecording(Request):
 
 
 class SaveRequest(Request):
-    """What of the ring to keep."""
+    """The part of the ring to keep."""
 
     minutes: float | None = Field(
         None, gt=0, le=LONGEST_RING_MINUTES, description="The last so many; null: all there are."

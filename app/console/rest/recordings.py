@@ -17,14 +17,14 @@ from app.console.recordings import RecorderWatch, record, withdraw
 from app.console.records.recordings import RecordingList, RecordingReport, ReplayReport, Saved, Withdrawn
 from app.console.replays import ReplayFailed, ReplayReplaced, Replays, reached_by
 from app.console.rest.answers import BYTES, Json, problems
-from app.console.rest.desires import DESIRE_LINKS, IN_SOMEBODYS_NAME, refuse_too_many, source_of
+from app.console.rest.desires import DESIRE_LINKS, OPERATOR_PARAMETER, refuse_too_many, source_of
 from app.console.rest.download import MCAP, Download
 from app.console.rest.idempotency import KEY_LIMITS, IdempotencyStore
 from app.console.rest.recording_models import NewRecording, SaveRequest
 from app.console.rest.routing import router as api_router
 from app.logs.catalog import Catalog, Recording
-from app.logs.control import RecorderUnavailable
 from app.logs.log import LogError
+from app.logs.recorder_service import RecorderUnavailable
 
 if TYPE_CHECKING:
     from app.program.system import System
@@ -63,7 +63,7 @@ def recordings_router(system: System, replays: Replays, played: FilePath | None 
         response_model=Desire,
         status_code=201,
         summary="Start recording",
-        openapi_extra=IN_SOMEBODYS_NAME,
+        openapi_extra=OPERATOR_PARAMETER,
         responses={
             201: {
                 "headers": {"Location": {"schema": {"type": "string"}, "description": "Where the desire is."}},

@@ -43,7 +43,7 @@ class _Route(APIRoute):
 
     def __init__(self, path: str, endpoint: Callable[..., Any], *, response_model: Any = None, **options: Any) -> None:
         """``response_model`` is the record; the route describes its answer by it, and leaves encoding to the answer."""
-        #: What it answers with; None: nothing, or no record.
+        #: The record it answers with; None: nothing, or no record.
         self.record: type[Any] | None = response_model if isinstance(response_model, type) else None
         if self.record is not None:
             content = {"application/json": {"schema": {"$ref": schema.REFERENCE.format(name=self.record.__name__)}}}

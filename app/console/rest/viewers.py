@@ -38,13 +38,13 @@ def viewers_router(hub: Hub, view: View) -> APIRouter:
             )
         views = tuple(
             ViewReport(
-                viewer=look.viewer,
-                lag_ms=None if look.budget.lag_s is None else round(1e3 * look.budget.lag_s, 1),
-                points=int(look.budget.points),
-                period_ms=round(1e3 * look.budget.period_s, 1),
-                sent_bytes=look.sent_bytes,
+                viewer=session.viewer,
+                lag_ms=None if session.budget.lag_s is None else round(1e3 * session.budget.lag_s, 1),
+                points=int(session.budget.points),
+                period_ms=round(1e3 * session.budget.period_s, 1),
+                sent_bytes=session.sent_bytes,
             )
-            for look in view.looks
+            for session in view.sessions
         )
         return Json(ViewerList(tuple(pages), views))
 

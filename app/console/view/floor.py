@@ -57,7 +57,7 @@ COST_COLORS = _palette([(0, (60, 120, 200, 0)), (99, (250, 150, 50, 255)), (100,
 
 
 def floor_layer(grid: OccupancyGrid | None, zones: Iterable[Zone] = ()) -> Layer | None:
-    """What is known of ``grid`` (a map), with ``zones`` tinted over it; None where there is neither.
+    """The known part of ``grid`` (a map), with ``zones`` tinted over it; None where there is neither.
 
     All in one picture, since of two that lie over each other a viewer may draw the lower one last, or not at all. Zones
     count as far as :data:`MARGIN_M` around the map.

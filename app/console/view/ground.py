@@ -42,7 +42,7 @@ def layer_period_s(shortest_s: float, period_s: float) -> float:
     return max(shortest_s, _PERIODS * period_s)
 
 
-#: What a picture of the floor is made of.
+#: The messages that a picture of the floor is made of.
 Floor = tuple[OccupancyGrid | None, Zones | None]
 
 

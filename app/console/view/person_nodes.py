@@ -80,7 +80,7 @@ class _Marks(Generic[MarkT, NodesT]):
         self._move: Callable[[NodesT, MarkT | None, MarkT], None] = move
         self._hide = hide
         self._nodes: dict[int, NodesT] = {}
-        #: What each place shows; None while it is hidden.
+        #: The percept at each place; None while it is hidden.
         self._shown: dict[int, MarkT | None] = {}
         self._assigned: dict[int, int] = {}
 
@@ -107,7 +107,7 @@ class _Marks(Generic[MarkT, NodesT]):
 
 
 class People:
-    """What is perceived of people, drawn on ``client`` below the node ``world``; the flash is around the robot."""
+    """People as perceived, drawn on ``client`` below the node ``world``; the flash is around the robot."""
 
     def __init__(self, client: viser.ClientHandle, world: str) -> None:
         self._scene = client.scene

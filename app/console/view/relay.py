@@ -23,10 +23,10 @@ from starlette.websockets import WebSocketDisconnect
 from websockets.asyncio.client import ClientConnection
 
 from app.console.view.budget import SILENT_AFTER_S
-from app.console.view.view import Look, View
+from app.console.view.view import View, ViewerSession
 
 PULSE_PERIOD_S = 0.25
-#: What a viewer may say to viser.
+#: Messages that a viewer may send to viser.
 FORWARDED = frozenset({"ViewerCameraMessage"})
 _PROTOCOL = "viser-v"
 
@@ -36,7 +36,7 @@ _INJECTED = (Path(__file__).parent / "inject.html").read_text(encoding="utf-8")
 
 
 class Layers(msgspec.Struct, tag_field="type", tag="layers"):
-    """What a viewer wants to see besides what all see; None: what the pages show."""
+    """Layers that a viewer wants besides those of all; None: what the pages show."""
 
     costmap: bool | None = None
 
@@ -96,26 +96,26 @@ def view_router(view: View) -> APIRouter:
             await websocket.close(1002)
             return
         await websocket.accept(subprotocol=protocol)
-        look = view.enter(_viewer(websocket))
+        session = view.enter(_viewer(websocket))
         try:
-            await _relay(websocket, view, look, protocol)
+            await _relay(websocket, view, session, protocol)
         finally:
-            view.leave(look)
+            view.leave(session)
 
     @router.websocket("/viser/pulse")
     async def pulse(websocket: WebSocket) -> None:
         await websocket.accept()
-        look = view.enter(_viewer(websocket))
+        session = view.enter(_viewer(websocket))
         try:
             await _pulse(
                 websocket,
-                lambda round_trip_s, frames_s: view.answered(look, round_trip_s, frames_s),
-                lambda layers: view.set_layers(look, layers.costmap),
+                lambda round_trip_s, frames_s: view.answered(session, round_trip_s, frames_s),
+                lambda layers: view.set_layers(session, layers.costmap),
             )
         except WebSocketDisconnect:
             return
         finally:
-            view.leave(look)
+            view.leave(session)
 
     return router
 
@@ -126,7 +126,7 @@ def _viewer(websocket: WebSocket) -> str:
     return given[:32] if given.isalnum() else "unnamed"
 
 
-async def _relay(websocket: WebSocket, view: View, look: Look, protocol: str) -> None:
+async def _relay(websocket: WebSocket, view: View, session: ViewerSession, protocol: str) -> None:
     """Carry frames both ways until either end closes."""
     viser_port = await view.port()
     if viser_port is None:
@@ -137,7 +137,7 @@ async def _relay(websocket: WebSocket, view: View, look: Look, protocol: str) ->
     # Bound before it connects: the view admits connections by their local port.
     sock.bind(("127.0.0.1", 0))
     port = sock.getsockname()[1]
-    view.admit(port, look.viewer)
+    view.admit(port, session.viewer)
     try:
         await asyncio.get_running_loop().sock_connect(sock, ("127.0.0.1", viser_port))
         async with websockets.connect(
@@ -152,7 +152,7 @@ async def _relay(websocket: WebSocket, view: View, look: Look, protocol: str) ->
             close_timeout=0.2,
             proxy=None,
         ) as viser:
-            tasks = [asyncio.create_task(_down(viser, websocket, look)), asyncio.create_task(_up(websocket, viser))]
+            tasks = [asyncio.create_task(_down(viser, websocket, session)), asyncio.create_task(_up(websocket, viser))]
             try:
                 await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
             finally:
@@ -167,19 +167,19 @@ async def _relay(websocket: WebSocket, view: View, look: Look, protocol: str) ->
         sock.close()
 
 
-async def _down(viser: ClientConnection, websocket: WebSocket, look: Look) -> None:
+async def _down(viser: ClientConnection, websocket: WebSocket, session: ViewerSession) -> None:
     try:
         async for frame in viser:
             began = time.monotonic()
             if isinstance(frame, bytes):
                 await websocket.send_bytes(frame)
-                look.sent_bytes += len(frame)
+                session.sent_bytes += len(frame)
             # How long it waited for room: what is sent now will arrive that much late.
-            look.drain_s = max(time.monotonic() - began, 0.8 * look.drain_s)
+            session.drain_s = max(time.monotonic() - began, 0.8 * session.drain_s)
         await websocket.close(1012)
     except websockets.ConnectionClosedError as closed:
         said = closed.rcvd or websockets.frames.Close(1012, "")
-        log.warning("viser ended the 3D view of %s: %s", look.viewer, closed)
+        log.warning("viser ended the 3D view of %s: %s", session.viewer, closed)
         with contextlib.suppress(WebSocketDisconnect):
             await websocket.close(said.code, said.reason)
     except WebSocketDisconnect:
@@ -196,7 +196,7 @@ async def _up(websocket: WebSocket, viser: ClientConnection) -> None:
 
 
 async def _received(websocket: WebSocket) -> str | bytes | None:
-    """What the page says next; None when it has gone."""
+    """The page's next message; None when it has closed."""
     message = await websocket.receive()
     if message["type"] == "websocket.disconnect":
         return None

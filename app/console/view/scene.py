@@ -17,7 +17,7 @@ import viser
 from numpy.typing import NDArray
 
 from app.base.geometry import Pose2
-from app.console.view.body import Body
+from app.console.view.body_nodes import Body
 from app.console.view.drawing import colors_along_x, moved, point_size, pose_arrays, scan_points, thinned
 from app.console.view.ground import FloorLayers, Ground
 from app.console.view.person_nodes import People
@@ -31,7 +31,7 @@ _SCAN_SIZE_M = 0.045
 
 
 def set_stage(server: viser.ViserServer) -> None:
-    """What all viewers have in common."""
+    """The part common to all viewers."""
     server.scene.set_up_direction("+z")
     server.scene.configure_default_lights(enabled=True, cast_shadow=False)
     # Lighting by a picture of a place costs a page without a GPU its first ten seconds; a plain sky does as well.

@@ -1,4 +1,4 @@
-"""What is known of the world at one moment, as far as it is drawn."""
+"""The world as known at one moment, as far as it is drawn."""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ class Painter:
         self._pace = pace
         self._ready = ready
         self._world: World | None = None
-        #: Who came (viewer, client) or left (viewer, None), in order.
+        #: Viewers that came (viewer, client) or left (viewer, None), in order.
         self._visits: queue.SimpleQueue[tuple[str, Any]] = queue.SimpleQueue()
         #: One waiting ring is enough; False ends it.
         self._bell: queue.SimpleQueue[bool] = queue.SimpleQueue()
@@ -84,7 +84,7 @@ class Painter:
 
     def _run(self) -> None:
         # Imports take seconds: only a program with a viewer spends them, and never on its event loop.
-        from app.console.view.body import Body
+        from app.console.view.body_nodes import Body
         from app.console.view.host import ViewHost
         from app.console.view.scene import Scene
 

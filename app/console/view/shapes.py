@@ -1,4 +1,4 @@
-"""What a robot's model file (URDF) says it looks like: boxes, cylinders, spheres, meshes, in their links' frames."""
+"""Shapes of a robot's model file (URDF): boxes, cylinders, spheres, meshes, in their links' frames."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The 3D view as the console sees it: who looks, what they are fed, and how many points each bears."""
+"""The 3D view as the console sees it: its viewers, what they are sent, and how many points each can draw."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ GOAL_STATES = ("planning", "following", "recovering", "waiting", "unreachable")
 
 
 @dataclass(slots=True, eq=False)
-class Look:
+class ViewerSession:
     """One open view. ``drain_s`` is how long its last frame waited for room towards it. ``costmap``: whether it shows
     the local costmap; None: if any page does."""
 
@@ -65,7 +65,7 @@ class Look:
 
 
 class View:
-    """``open`` with the program, ``close`` at its end. viser starts with the first look, or at once if ``early``."""
+    """``open`` with the program, ``close`` at its end. viser starts with the first viewer, or at once if ``early``."""
 
     def __init__(
         self,
@@ -80,7 +80,7 @@ class View:
         self._costmap_asked = costmap_asked
         self._playback = playback
         self._early = early
-        self._looks: dict[str, Look] = {}
+        self._sessions: dict[str, ViewerSession] = {}
         #: Local ports of our relay's connections to viser, with whose they are. Read in viser's thread.
         self._ports: dict[int, str] = {}
         self._painter: Painter | None = None
@@ -149,36 +149,36 @@ class View:
             self._painter = self._port = None
             forget_half_imports()
 
-    # --- Who looks ---------------------------------------------------------------------------------------------------
+    # --- Viewers -----------------------------------------------------------------------------------------------------
 
     @property
-    def looks(self) -> tuple[Look, ...]:
-        return tuple(self._looks.values())
+    def sessions(self) -> tuple[ViewerSession, ...]:
+        return tuple(self._sessions.values())
 
     def pace(self) -> dict[str, Pace]:
         """Pace and layers by viewer. Safe in any thread."""
         return {
-            look.viewer: Pace(
-                int(look.budget.points),
-                look.budget.period_s,
-                self._pages_show_costmap if look.costmap is None else look.costmap,
+            session.viewer: Pace(
+                int(session.budget.points),
+                session.budget.period_s,
+                self._pages_show_costmap if session.costmap is None else session.costmap,
             )
-            for look in self.looks
+            for session in self.sessions
         }
 
-    def enter(self, viewer: str) -> Look:
+    def enter(self, viewer: str) -> ViewerSession:
         """A connection of ``viewer`` opens; there may be several (scene and pulse)."""
-        if not self._looks:
+        if not self._sessions:
             self._start_feeding()
-        look = self._looks.setdefault(viewer, Look(viewer))
-        look.connections += 1
-        return look
+        session = self._sessions.setdefault(viewer, ViewerSession(viewer))
+        session.connections += 1
+        return session
 
-    def leave(self, look: Look) -> None:
-        look.connections -= 1
-        if look.connections == 0:
-            del self._looks[look.viewer]
-            if not self._looks:
+    def leave(self, session: ViewerSession) -> None:
+        session.connections -= 1
+        if session.connections == 0:
+            del self._sessions[session.viewer]
+            if not self._sessions:
                 self._stop_feeding()
 
     def admit(self, port: int, viewer: str) -> None:
@@ -188,16 +188,16 @@ class View:
     def dismiss(self, port: int) -> None:
         self._ports.pop(port, None)
 
-    def set_layers(self, look: Look, costmap: bool | None) -> None:
+    def set_layers(self, session: ViewerSession, costmap: bool | None) -> None:
         """Show the viewer the local costmap, or not; None: as the pages do."""
-        look.costmap = costmap
+        session.costmap = costmap
 
-    def answered(self, look: Look, round_trip_s: float | None, frames_s: float = 0.0) -> None:
+    def answered(self, session: ViewerSession, round_trip_s: float | None, frames_s: float = 0.0) -> None:
         """The viewer answered a pulse two frames on, which took it ``frames_s``, or not in time (None)."""
         if round_trip_s is None:
-            look.budget = silent(look.budget)
+            session.budget = silent(session.budget)
         else:
-            look.budget = measured(look.budget, round_trip_s + look.drain_s, frames_s)
+            session.budget = measured(session.budget, round_trip_s + session.drain_s, frames_s)
 
     # --- Subscriptions, only while there are viewers -----------------------------------------------------------------
 

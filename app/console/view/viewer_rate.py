@@ -1,4 +1,4 @@
-"""What one viewer of the scene is given."""
+"""The rate at which one viewer of the scene is served."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ OnResult = Callable[[WorldResult, int, int], None]
 
 @dataclass(frozen=True, slots=True)
 class BarnPlan:
-    """What to run: the ``chosen`` worlds of a file with the program of ``config``, ``jobs`` at a time.
+    """A plan: the ``chosen`` worlds of a file with the program of ``config``, ``jobs`` at a time.
 
     ``digest``: identifies the program.
     """

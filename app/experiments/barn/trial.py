@@ -31,7 +31,7 @@ _EXPERIMENT = Source("operator", "the experiment")
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """What to run: the program of ``config`` in ``world``; ``max_mps``: speed used for T*.
+    """A plan: the program of ``config`` in ``world``; ``max_mps``: speed used for T*.
 
     ``overrides``: settings of modules, by module, in place of the configured ones.
     """

@@ -34,7 +34,7 @@ OnResult = Callable[[GoalResult, int, int], None]
 
 @dataclass(frozen=True, slots=True)
 class GoalsPlan:
-    """What to run: ``count`` goals, drawn from ``seed``, for the program of ``config`` among people (``scenario``)."""
+    """A plan: ``count`` goals, drawn from ``seed``, for the program of ``config`` among people (``scenario``)."""
 
     config: Path
     scenario: Path

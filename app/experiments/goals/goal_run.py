@@ -14,8 +14,8 @@ from app.base.geometry import Pose2, wrap_angle
 from app.experiments.goals.result import GoalResult, Outcome, clearance
 from app.experiments.simulated import simulated_body
 from app.experiments.world_run import WorldRun, run_in_world
-from app.maps.control import MapUnavailable
 from app.maps.library import MapLibrary
+from app.maps.map_service import MapUnavailable
 from app.messages import NavigationStatus
 from app.program.config import load_configuration
 from app.robots.config import RobotConfig
@@ -32,7 +32,7 @@ _STORY = 40
 
 @dataclass(frozen=True, slots=True)
 class GoalRun:
-    """What to run: ``goals`` with their numbers, in the world, one after another from ``start``.
+    """A plan: ``goals`` with their numbers, in the world, one after another from ``start``.
 
     ``maps``: the folder of maps, where one called ``MAP`` begins at ``origin`` in the world. ``tolerance_m`` and
     ``tolerance_rad``: those of the desire; ``slack_m``: allowed in addition, for the map's error. ``patience_s``: time
@@ -60,7 +60,7 @@ def body_in(config: Path, scenario: Path | None) -> RobotConfig:
 
 def seeing(body: RobotConfig) -> RobotConfig:
     """``body`` with only the camera that navigation uses, to save rendering."""
-    return body.model_copy(update={"streams": body.streams.model_copy(update={"imv": None})})
+    return body.model_copy(update={"streams": body.streams.model_copy(update={"panorama": None})})
 
 
 def work(run_spec: GoalRun, give: Callable[[GoalResult], None]) -> None:
@@ -105,7 +105,7 @@ async def _take_map(run: WorldRun, X_MB: Pose2) -> None:
         if run.system.map.available:
             break
         await clock.sleep(0.1)
-    await run.system.map.keeper.load(MAP, X_MB)
+    await run.system.map.server.load(MAP, X_MB)
     channel = run.system.graph.channels["localization"]
     tracking = asyncio.Event()
     end = channel.observe(lambda message: tracking.set() if message.state == "tracking" else None)

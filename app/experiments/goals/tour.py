@@ -80,5 +80,5 @@ async def _run_goals(run: WorldRun, script: tuple[Waypoint, ...], began: Callabl
         run.system, script, lambda number, _: began(f"mapping on a tour, leg {number + 1} of {len(script)}")
     )
     await run.system.clock.sleep(SETTLE_S)  # loops are closed and the map is drawn
-    await run.system.map.keeper.save(MAP)
+    await run.system.map.server.save(MAP)
     return origin

@@ -32,7 +32,7 @@ OnProgress = Callable[[str, float], None]
 
 @dataclass(frozen=True, slots=True)
 class OverloadPlan:
-    """What to run: the program in its world, the script, the duration, the share of a core."""
+    """A plan: the program in its world, the script, the duration, the share of a core."""
 
     program: SimulatedProgram
     script: tuple[Waypoint, ...]

@@ -19,8 +19,8 @@ from app.logs.manifest import Manifest
 from app.logs.mcap.chunks import complete
 from app.logs.ros.encoder import Encoder
 from app.logs.ros.record import Record
-from app.logs.ros.robot import METADATA as ROBOT_METADATA
-from app.logs.ros.robot import robot_description
+from app.logs.ros.robot_description import METADATA as ROBOT_METADATA
+from app.logs.ros.robot_description import robot_description
 from app.logs.stamps import to_ns
 
 

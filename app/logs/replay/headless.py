@@ -16,7 +16,7 @@ from app.logs.replay.message_hash import MessageHash
 from app.logs.replay.options import ReplayOptions
 from app.logs.replay.replay import Replay
 from app.logs.replay.replay_config import OWN_RECORDS
-from app.logs.replay.report import ChannelReport, InputReport, IntentionLine, ReplayedModule, ReplayReport
+from app.logs.replay.report import InputReport, IntentionLine, ReplayedChannel, ReplayedModule, ReplaySummary
 from app.messages import LoadReport, LogLine, RecorderStatus
 from app.modules.recording.recorder import Recorder
 from app.program.system import System
@@ -59,7 +59,7 @@ def run_headless(
     recordings: RecordingLibrary | None = None,
     watch: ReplayWatch | None = None,
     digests: bool = True,
-) -> ReplayReport:
+) -> ReplaySummary:
     """Replay ``log`` and say what came of it; not to be called on an event loop.
 
     ``speed``: seconds of the log in a real second; None: as fast as possible. Without ``digests`` messages are only
@@ -71,10 +71,10 @@ def run_headless(
     watch = watch or ReplayWatch()
     watch.built(replay.system)
     journal = _Journal(replay.system, watch, digests)
-    return run_virtual(_relive(replay, journal, speed), patience_s=PATIENCE_S)
+    return run_virtual(_run(replay, journal, speed), patience_s=PATIENCE_S)
 
 
-async def _relive(replay: Replay, journal: _Journal, speed: float | None) -> ReplayReport:
+async def _run(replay: Replay, journal: _Journal, speed: float | None) -> ReplaySummary:
     system, body = replay.system, replay.body
     body.on_piece = journal.watch.progress
     with journal:
@@ -99,7 +99,7 @@ async def _relive(replay: Replay, journal: _Journal, speed: float | None) -> Rep
                     if task is not None:
                         task.cancel()
             journal.watch.progress(body.end)
-            return ReplayReport(
+            return ReplaySummary(
                 file=replay.log.info.path,
                 format=replay.log.info.format,
                 begin=body.begin,
@@ -187,10 +187,10 @@ class _Journal:
     def __exit__(self, *_: object) -> None:
         self._stack.close()
 
-    def channels(self) -> dict[str, ChannelReport]:
+    def channels(self) -> dict[str, ReplayedChannel]:
         """The report of each channel so far."""
         return {
-            name: ChannelReport(digest.count, digest.hex() if self._with_digests else "")
+            name: ReplayedChannel(digest.count, digest.hex() if self._with_digests else "")
             for name, digest in self._digests.items()
         }
 

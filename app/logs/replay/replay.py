@@ -10,10 +10,10 @@ from types import TracebackType
 
 from app.attention.desires import InvalidDesire, Source
 from app.base.errors import ConfigError
-from app.logs.control import RECORD
 from app.logs.library import RecordingLibrary
 from app.logs.log import Log
 from app.logs.mcap.damage import missing
+from app.logs.recorder_service import RECORD
 from app.logs.replay.options import ReplayOptions
 from app.logs.replay.recorded_desires import CountedIds, RecordedDesires
 from app.logs.replay.replay_config import NOT_ASKED, ReplayProgram, idle_modules, prepare

@@ -10,7 +10,7 @@ from typing import Any
 
 
 @dataclass(frozen=True, slots=True)
-class ChannelReport:
+class ReplayedChannel:
     """``messages`` published on a channel, and their ``MessageHash`` in hexadecimal ("" without one)."""
 
     messages: int
@@ -53,7 +53,7 @@ class IntentionLine:
 
 
 @dataclass(frozen=True, slots=True)
-class ReplayReport:
+class ReplaySummary:
     """A replay from ``begin`` to ``end`` (robot's clock, s).
 
     ``delivered``: messages of the log that had a receiver. ``channels``: every output of a module, and attention's own
@@ -65,7 +65,7 @@ class ReplayReport:
     begin: float
     end: float
     delivered: int
-    channels: Mapping[str, ChannelReport]
+    channels: Mapping[str, ReplayedChannel]
     modules: Mapping[str, ReplayedModule]
     intentions: tuple[IntentionLine, ...]
     notes: tuple[str, ...]

@@ -18,9 +18,9 @@ from app.messages import (
     LaserScan,
     LogLine,
     LoudNoise,
-    OperatorDrive,
     PerceptEvent,
     SeparatedSound,
+    TeleopCommand,
     TimelineEvent,
     Twist,
 )
@@ -32,7 +32,7 @@ T = TypeVar("T")
 
 #: Messages of a moment: commands, events and sounds are not published again at a jump. A frame of sound alone is a
 #: click, which a detector of noises would report.
-OF_THE_MOMENT = (OperatorDrive, Twist, TimelineEvent, LogLine, Audio, SeparatedSound, LoudNoise, PerceptEvent)
+OF_THE_MOMENT = (TeleopCommand, Twist, TimelineEvent, LogLine, Audio, SeparatedSound, LoudNoise, PerceptEvent)
 #: The time (s) before a jump of which recorded lanes are read, and the period (s) between two.
 LANES_S = 60.0
 LANES_PERIOD_S = 0.5

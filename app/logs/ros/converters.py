@@ -6,10 +6,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from app.logs.ros.camera import EncodedImageConverter, ImageConverter
-from app.logs.ros.cloud import PointCloudConverter
-from app.logs.ros.landmarks import LandmarksConverter
-from app.logs.ros.laser import LaserScanConverter
+from app.logs.ros.camera_converter import EncodedImageConverter, ImageConverter
+from app.logs.ros.cloud_converter import PointCloudConverter
+from app.logs.ros.landmarks_converter import LandmarksConverter
+from app.logs.ros.laser_converter import LaserScanConverter
 from app.logs.ros.native_types import (
     GeneratedConverter,
     JointStateConverter,
@@ -17,7 +17,7 @@ from app.logs.ros.native_types import (
     OdometryConverter,
     TwistConverter,
 )
-from app.logs.ros.navigation import OccupancyGridConverter, PlannedPathConverter
+from app.logs.ros.navigation_converters import OccupancyGridConverter, PlannedPathConverter
 from app.logs.ros.record import Converter
 from app.messages import (
     EncodedImage,

@@ -207,7 +207,7 @@ def _change(topic: StoredTopic, cls: type[Any]) -> str:
 
 
 def _generated_packages(cls: type[Any]) -> tuple[str, str]:
-    """What the names of generated types begin with: the program's own, and those of the package of ``cls``."""
+    """The prefixes of generated types' names: the program's own, and those of the package of ``cls``."""
     return f"{PACKAGE}/", f"{package_of(cls)}/"
 
 

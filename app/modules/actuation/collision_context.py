@@ -10,7 +10,7 @@ import math
 from app.base.geometry import Pose2
 from app.base.pose_buffer import PoseBuffer
 from app.link import BaseLimits
-from app.messages import LaserScan, Odometry, OperatorDrive, Twist
+from app.messages import LaserScan, Odometry, TeleopCommand, Twist
 from app.modules.actuation.arbitration import approach
 from app.modules.actuation.collision_monitor import CollisionMonitor, SeenPoints, Verdict
 
@@ -30,7 +30,7 @@ class CollisionContext:
         self._seen: SeenPoints | None = None
         self._odometry: Odometry | None = None
         self._poses = PoseBuffer(span_s=2.0)
-        self._operator: OperatorDrive | None = None
+        self._operator: TeleopCommand | None = None
 
     def scanned(self, scan: LaserScan) -> None:
         self._scan, self._seen = scan, None
@@ -39,7 +39,7 @@ class CollisionContext:
         self._odometry = odometry
         self._poses.add(odometry.stamp, odometry.X_OB)
 
-    def commanded(self, drive: OperatorDrive) -> None:
+    def commanded(self, drive: TeleopCommand) -> None:
         """Take the operator's newest command."""
         self._operator = drive
 
@@ -60,12 +60,12 @@ class CollisionContext:
             return self._towards(
                 before, target, self._monitor.crawl(target.linear_mps, target.angular_radps), longest_s
             )
-        stands = before.linear_mps == 0.0 and before.angular_radps == 0.0
-        allowed = self._judge(now, target, stands)
+        standing = before.linear_mps == 0.0 and before.angular_radps == 0.0
+        allowed = self._judge(now, target, standing)
         twist, reason = self._towards(before, target, allowed, longest_s)
         if not _is_part(twist, allowed):
             # While the body accelerates or brakes, its arc differs from the arc of the target.
-            now_allowed = self._judge(now, twist, stands=False)
+            now_allowed = self._judge(now, twist, standing=False)
             if now_allowed.reason:
                 return Twist(now, now_allowed.linear, now_allowed.angular), now_allowed.reason
         return twist, reason
@@ -81,7 +81,7 @@ class CollisionContext:
             )
         return twist, allowed.reason
 
-    def _judge(self, now: float, twist: Twist, stands: bool) -> Verdict:
+    def _judge(self, now: float, twist: Twist, standing: bool) -> Verdict:
         scan, monitor = self._scan, self._monitor
         if twist.linear_mps == 0.0 and twist.angular_radps == 0.0:
             return Verdict(0.0, 0.0)
@@ -91,7 +91,7 @@ class CollisionContext:
         if self._seen is None:
             self._seen = monitor.see(scan)
         moved = self._motion(self._seen.stamp, now)
-        return monitor.judge(self._seen, moved, twist.linear_mps, twist.angular_radps, stands=stands)
+        return monitor.judge(self._seen, moved, twist.linear_mps, twist.angular_radps, standing=standing)
 
     def _motion(self, then: float, now: float) -> Pose2:
         """``X_SB``: motion of the base since ``then`` by odometry; None without odometry."""

@@ -108,23 +108,23 @@ class CollisionMonitor:
         ahead, behind = _looks(first, last, -yaw), _looks(first, last, math.pi - yaw)
         return SeenPoints(middle, points, ahead, behind, not measured.any())
 
-    def judge(self, seen: SeenPoints, X_SB: Pose2, linear: float, angular: float, *, stands: bool = False) -> Verdict:
-        """The allowed part of (``linear``, ``angular``). ``X_SB``: motion of the base since ``seen``; ``stands``:
-        whether the base stands now."""
+    def judge(self, seen: SeenPoints, X_SB: Pose2, linear: float, angular: float, *, standing: bool = False) -> Verdict:
+        """The allowed part of (``linear``, ``angular``). ``X_SB``: motion of the base since ``seen``; ``standing``:
+        whether it does not move now."""
         if linear == 0.0 and angular == 0.0:
             return Verdict(0.0, 0.0)
         if seen.dead:
             return Verdict(0.0, 0.0, "stopped: no ray of the laser measures anything: is it covered?")
         turned = complex(math.cos(X_SB.theta), -math.sin(X_SB.theta))
         points = (seen.points - complex(X_SB.x, X_SB.y)) * turned
-        scale, where = self._scale(points, linear, angular, stands)
+        scale, where = self._scale(points, linear, angular, standing)
         reason = "" if where is None else self._explanation(complex(points[where]), scale)
         crawl = self._crawl(linear, angular)
         hidden = (linear > 0 and not seen.ahead) or (linear < 0 and not seen.behind)
         if hidden and crawl < scale:
             scale, reason = crawl, f"slowed: the laser does not see {'ahead' if linear > 0 else 'behind'}"
         if scale == 0.0 and linear != 0.0 and angular != 0.0:
-            turn, _ = self._scale(points, 0.0, angular, stands)
+            turn, _ = self._scale(points, 0.0, angular, standing)
             if turn > 0.0:
                 return Verdict(0.0, turn * angular, f"{reason}; it turns")
         return Verdict(scale * linear, scale * angular, reason)
@@ -151,7 +151,7 @@ class CollisionMonitor:
             self.rules.crawl_radps / abs(angular) if angular else 1.0,
         )
 
-    def _scale(self, points: Points, linear: float, angular: float, stands: bool) -> tuple[float, int | None]:
+    def _scale(self, points: Points, linear: float, angular: float, standing: bool) -> tuple[float, int | None]:
         """The allowed share of the command, in [0, 1], and the point that limits it."""
         rules, horizon = self.rules, self._horizon_s
         near = may_decide(
@@ -185,7 +185,7 @@ class CollisionMonitor:
         scale = float(shares[worst])
         if scale >= 1.0:
             return 1.0, None
-        least = 2.0 if stands else 1.0
+        least = 2.0 if standing else 1.0
         if scale * abs(linear) < least * STANDING_MPS and scale * abs(angular) < least * STANDING_RADPS:
             scale = 0.0
         return scale, int(near[worst])

@@ -4,7 +4,7 @@
     │ MobileBaseControl  in   one per behavior  Twist (m/s, rad/s in base_link); never filtered│
     │                    in   scans             LaserScan, each one; never filtered            │
     │                    in   odometry          Odometry; never filtered                       │
-    │                    in   operator          OperatorDrive: the override; never filtered    │
+    │                    in   operator          TeleopCommand: the override; never filtered    │
     │                    out  exploitation      Exploitation, 10 Hz and when the driver changes│
     │                    out  status            LinkStatus, 20 Hz, as the guard reports        │
     └─────────────────────────────────────────────────────────────────────────────────────────┘
@@ -31,7 +31,7 @@ from typing import Literal, Self, TypeVar
 from pydantic import Field, model_validator
 
 from app.link import BaseLimits, RobotDescription, RobotLink
-from app.messages import Exploitation, LaserScan, LinkStatus, Message, Odometry, OperatorDrive, Twist
+from app.messages import Exploitation, LaserScan, LinkStatus, Message, Odometry, TeleopCommand, Twist
 from app.modules.actuation.arbitration import Contender, approach, arbitrate, clamped
 from app.modules.actuation.collision_context import CollisionContext
 from app.modules.actuation.collision_monitor import CollisionMonitor, MonitorRules
@@ -85,7 +85,7 @@ class MobileBaseControl(Module):
         self.on(self._scans, self._take_scan)
         # Read when a command is limited, not on arrival.
         self._odometry = self.input("odometry", Odometry, capacity=128, always_open=True)
-        self._operator = self.input("operator", OperatorDrive, capacity=8, always_open=True)
+        self._operator = self.input("operator", TeleopCommand, capacity=8, always_open=True)
         self.every(self.settings.period_s, self._beat)
         self._collision_context: CollisionContext | None = None
         self._limited = ""

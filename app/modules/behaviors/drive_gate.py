@@ -11,7 +11,7 @@ import math
 from dataclasses import dataclass
 
 from app.link import BaseLimits
-from app.messages import OperatorDrive, Twist
+from app.messages import TeleopCommand, Twist
 
 #: Full stick is 1; conversions may add a rounding error.
 _FULL = 1.0 + 1e-6
@@ -35,7 +35,7 @@ class DriveGate:
         self._sequence = -1
         self._held_since: float | None = None
 
-    def take(self, command: OperatorDrive, speed: float = 1.0) -> Decision:
+    def take(self, command: TeleopCommand, speed: float = 1.0) -> Decision:
         """Decide on a command; full stick gives ``speed`` (in ]0, 1]) of the robot's limits."""
         if command.operator != self._operator:
             self._operator, self._sequence = command.operator, -1

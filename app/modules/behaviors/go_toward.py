@@ -11,7 +11,7 @@
 
 No map, plan, memory or depth: every ``period_s`` the Dynamic Window Approach follows the straight line to the goal in a
 distance field of the newest scan alone. It costs little CPU and passes single obstacles. It does not leave a dead end
-and does not see obstacles lower than the laser. Without progress it stands and publishes the reason.
+and does not see obstacles lower than the laser. Without progress it stops and publishes the reason.
 """
 
 from __future__ import annotations
@@ -30,14 +30,14 @@ from app.modules.behaviors.go_to import GO_TO
 from app.modules.behaviors.navigation.controller import BodyModel, MotionState
 from app.modules.behaviors.navigation.costmap.scan_costmap import points_of, scan_field
 from app.modules.behaviors.navigation.costmap.zone_layer import speed_share
-from app.modules.behaviors.navigation.kernels import load_kernels
+from app.modules.behaviors.navigation.kernel_loading import load_kernels
 from app.modules.behaviors.navigation.planning.goal_planning import GlobalPlan
 from app.modules.behaviors.navigation.planning.reference_path import SpeedAt
 from app.modules.behaviors.navigation.recovery.recovery_behaviors import RecoverySettings
 from app.modules.behaviors.navigation.tracking.desired_goal import goal_of
 from app.modules.behaviors.navigation.tracking.dynamic_window import DynamicWindow, DynamicWindowSettings
 from app.modules.behaviors.navigation.tracking.localization_monitor import LocalizationMonitor
-from app.modules.behaviors.navigation.tracking.path_tracker import Goal, PathTracker, TrackingStep
+from app.modules.behaviors.navigation.tracking.path_tracker import NavigationGoal, PathTracker, TrackingStep
 from app.modules.behaviors.navigation.tracking.sensor_health import unfit
 from app.modules.behaviors.navigation.tracking.status_publisher import StatusPublisher
 from app.modules.stream_module import robot_link
@@ -81,7 +81,7 @@ class GoToward(Module):
         self._scan: LaserScan | None = None
         self._seen: tuple[float, FloatArray] | None = None
         self._zones = Zones(0.0, ())
-        self._goal: Goal | None = None
+        self._goal: NavigationGoal | None = None
         self._aimed_at = -math.inf
 
     async def start(self) -> None:
@@ -93,7 +93,7 @@ class GoToward(Module):
             body = BodyModel.of(description.footprint, description.limits)
         except ValueError as error:
             raise ModuleFailed(f"{self.name} cannot drive {description.name}: {error}") from None
-        # No recovery actions: the robot stands and publishes the reason.
+        # No recovery actions: the robot stops and publishes the reason.
         self._path_tracker = PathTracker(body, DynamicWindow(_CHEAP), recovery=RecoverySettings(stuck_s=math.inf))
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
@@ -147,7 +147,7 @@ class GoToward(Module):
         )
 
     def _decide(
-        self, now: float, goal: Goal, motion: MotionState, X_MO: Pose2, seen: FloatArray, zones: Zones
+        self, now: float, goal: NavigationGoal, motion: MotionState, X_MO: Pose2, seen: FloatArray, zones: Zones
     ) -> TrackingStep:
         """One cycle, in the module's thread; all poses on the map."""
         path_tracker = self._path_tracker
@@ -164,7 +164,7 @@ class GoToward(Module):
             return replace(step, state="waiting", reason="something is in the way, and it knows no way around")
         return step
 
-    def _speeds(self, goal: Goal, zones: Zones) -> SpeedAt | None:
+    def _speeds(self, goal: NavigationGoal, zones: Zones) -> SpeedAt | None:
         if not zones.zones:
             return None
         speed_mps = goal.speed * robot_link(self).description.limits.linear_mps

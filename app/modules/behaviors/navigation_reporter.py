@@ -38,7 +38,7 @@ from app.messages import (
 )
 from app.runtime.module import Module, ModuleContext
 
-#: What is over is looked for so often (s).
+#: Period (s) of removing what is over.
 PERIOD_S = 0.1
 GO_TO = "GoTo"
 #: An arrival is reported for so long (s), unless another goal is given.

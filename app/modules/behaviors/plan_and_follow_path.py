@@ -37,8 +37,8 @@ import numpy as np
 from pydantic import Field
 
 from app.base.geometry import Pose2
-from app.maps.control import MapControl
 from app.maps.library import MapLibrary
+from app.maps.map_service import MapService
 from app.messages import (
     Exploitation,
     Image,
@@ -57,7 +57,7 @@ from app.modules.behaviors.navigation.costmap.inflation import CostSettings
 from app.modules.behaviors.navigation.costmap.local_costmap import CostmapSettings
 from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import PersistentObstacleLayer
 from app.modules.behaviors.navigation.costmap.persistent_obstacle_store import PersistentObstacleStore
-from app.modules.behaviors.navigation.kernels import load_kernels
+from app.modules.behaviors.navigation.kernel_loading import load_kernels
 from app.modules.behaviors.navigation.planning.global_planner import GlobalPlanner, PlanRequest, PlanResult
 from app.modules.behaviors.navigation.planning.goal_planning import GlobalPlan
 from app.modules.behaviors.navigation.recovery.recovery_behaviors import RecoverySettings
@@ -71,7 +71,7 @@ from app.modules.behaviors.navigation.tracking.control_cycle import (
 )
 from app.modules.behaviors.navigation.tracking.desired_goal import goal_of
 from app.modules.behaviors.navigation.tracking.localization_monitor import LocalizationMonitor
-from app.modules.behaviors.navigation.tracking.path_tracker import Goal, PathTrackerSettings
+from app.modules.behaviors.navigation.tracking.path_tracker import NavigationGoal, PathTrackerSettings
 from app.modules.behaviors.navigation.tracking.status_publisher import StatusPublisher
 from app.modules.stream_module import robot_link
 from app.runtime.errors import ModuleFailed
@@ -150,13 +150,13 @@ class PlanAndFollowPath(Module):
         self._grid: OccupancyGrid | None = None
         self._zones = Zones(0.0, ())
         self._given_mps: float | None = None
-        self._goal: Goal | None = None
+        self._goal: NavigationGoal | None = None
         self._controller = self.settings.controller
         self._controller_in_use = self._controller
         self._planning: asyncio.Task[PlanResult] | None = None
         self._planned_at = -math.inf
         self._planned_from: Localization | None = None
-        self._planned_for: Goal | None = None
+        self._planned_for: NavigationGoal | None = None
         self._answer: PlanResult | None = None
         self._plan: GlobalPlan | None = None
         self._wanted_plan = ""
@@ -200,7 +200,7 @@ class PlanAndFollowPath(Module):
 
     async def _keep_with_map(self, things: PersistentObstacleLayer) -> None:
         try:
-            control, library = self.service(MapControl), self.service(MapLibrary)
+            control, library = self.service(MapService), self.service(MapLibrary)
         except ModuleFailed:
             return  # without a map library, obstacles last as long as the module
         layer = PersistentObstacleStore(things, library, self.compute, self.compute_background, self.log)
@@ -242,7 +242,7 @@ class PlanAndFollowPath(Module):
     # --- a cycle ---
 
     @property
-    def _given(self) -> Goal | None:
+    def _given(self) -> NavigationGoal | None:
         """The goal while the output is open; None where attention closed it because another behavior drives."""
         return self._goal if self.twist.filter.is_open else None
 
@@ -322,7 +322,7 @@ class PlanAndFollowPath(Module):
         self._image = None
         return image, X_OB
 
-    def _publish(self, now: float, output: CycleOutput, goal: Goal | None, answer: PlanResult | None) -> None:
+    def _publish(self, now: float, output: CycleOutput, goal: NavigationGoal | None, answer: PlanResult | None) -> None:
         if goal is None:
             self.twist.publish(Twist(now, 0.0, 0.0))
         else:
@@ -353,7 +353,7 @@ class PlanAndFollowPath(Module):
             self._costmap_version += 1
             self.costmap.publish(output.around.to_message(self._costmap_version))
 
-    def _publish_stop(self, now: float, goal: Goal | None, problem: str) -> None:
+    def _publish_stop(self, now: float, goal: NavigationGoal | None, problem: str) -> None:
         self.twist.publish(Twist(now, 0.0, 0.0))
         if goal is not None:
             self._periods.commanded(self.clock.now())
@@ -374,7 +374,7 @@ class PlanAndFollowPath(Module):
 
     # --- planning, in the second thread ---
 
-    def _plan_if_wanted(self, now: float, goal: Goal, output: CycleOutput) -> None:
+    def _plan_if_wanted(self, now: float, goal: NavigationGoal, output: CycleOutput) -> None:
         if self._planning is not None:
             return
         if self._planned_for is not goal:
@@ -404,7 +404,7 @@ class PlanAndFollowPath(Module):
         self._planning = asyncio.create_task(finding, name=f"{self.name} plans")
         self._planning.add_done_callback(self._planned)
 
-    def _why_plan(self, now: float, goal: Goal, output: CycleOutput) -> str | None:
+    def _why_plan(self, now: float, goal: NavigationGoal, output: CycleOutput) -> str | None:
         """Reason for planning now: "" for a possibly better path only; None for no planning."""
         since = now - self._planned_at
         if self._planned_for is not goal:

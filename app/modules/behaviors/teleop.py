@@ -1,7 +1,7 @@
 """Teleop: manual driving by an operator (thesis 4.2).
 
     ┌─────────────────────────────────────────────────────────────────────────────────────────┐
-    │ Teleop    in   operator  OperatorDrive, 20 Hz while held, sticks -1..1; never filtered   │
+    │ Teleop    in   operator  TeleopCommand, 20 Hz while held, sticks -1..1; never filtered   │
     │           out  twist     Twist, with each command (m/s, rad/s in base_link)              │
     └─────────────────────────────────────────────────────────────────────────────────────────┘
 
@@ -20,7 +20,7 @@ from typing import Any
 from pydantic import BaseModel, Field
 
 from app.attention.desires import DesireClass
-from app.messages import OperatorDrive, Twist
+from app.messages import TeleopCommand, Twist
 from app.modules.behaviors.drive_gate import Decision, DriveGate
 from app.modules.stream_module import robot_link
 from app.runtime.module import Module, ModuleContext, Settings
@@ -62,7 +62,7 @@ class Teleop(Module):
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
         # Capacity for a burst: a release must neither displace other commands nor be displaced.
-        self.operator = self.input("operator", OperatorDrive, capacity=8, always_open=True)
+        self.operator = self.input("operator", TeleopCommand, capacity=8, always_open=True)
         self.twist = self.output("twist", Twist)
         self._speed = 1.0
         self._refusing = False
@@ -79,7 +79,7 @@ class Teleop(Module):
     def last_word(self, port: str) -> Twist | None:
         return Twist(self.clock.now(), 0.0, 0.0)
 
-    async def _take(self, command: OperatorDrive) -> None:
+    async def _take(self, command: TeleopCommand) -> None:
         decision = self._gate.take(command, self._speed)
         if decision.problem and not self._refusing:
             self.log.warning("%s", decision.problem)

@@ -27,7 +27,7 @@ from pydantic import BaseModel, Field
 from app.attention.desires import DesireClass
 from app.messages import Face, Faces, Image, Odometry, read_only
 from app.modules.perception.faces.face_position import FaceLocator, FaceSighting
-from app.modules.perception.faces.face_tracks import FaceTracks, PlacedFace, TrackModel, prepare
+from app.modules.perception.faces.face_tracks import FaceTracks, TrackedFace, TrackModel, prepare
 from app.modules.perception.faces.yunet import THRESHOLD
 from app.modules.perception.height_prior import HeightPrior
 from app.modules.perception.opencv import use_calling_thread
@@ -119,7 +119,7 @@ class FaceDetector(Module):
         return self._looker.look(image, longest, settings.fine_px_per_rad if fine else settings.coarse_px_per_rad)
 
 
-def _face(sighting: FaceSighting, placed: PlacedFace) -> Face:
+def _face(sighting: FaceSighting, placed: TrackedFace) -> Face:
     x, y, z = placed.p_BF.tolist()
     towards = placed.p_BF - sighting.origin
     range_m = float(np.linalg.norm(towards))

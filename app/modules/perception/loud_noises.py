@@ -106,16 +106,16 @@ class BandEnergy:
         self._filter = np.concatenate([passed, state]).astype(np.float32)
         self._inputs: NDArray[np.float32] = np.zeros(self._count + 2, np.float32)
         self._scale = 1.0 / (self._count * (self._step * _FULL_SCALE) ** 2)
-        self._begun = False
+        self._started = False
 
     def frame(self, samples: NDArray[np.int16]) -> float:
         """Mean square, full scale 1, of one frame ``samples`` (512,) int16, which may be a column of many channels."""
         inputs, count = self._inputs, self._count
         np.add.reduce(samples.reshape(count, self._step), axis=1, dtype=np.float32, out=inputs[:count])
-        if not self._begun:
+        if not self._started:
             # Initialized to a constant first sample: no step at the beginning.
             inputs[count:] = self._rest * inputs[0]
-            self._begun = True
+            self._started = True
         outputs = self._filter @ inputs
         inputs[count:] = outputs[count:]
         passed = outputs[:count]

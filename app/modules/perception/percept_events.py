@@ -40,7 +40,7 @@ from app.messages import (
     SoundSources,
 )
 from app.modules.perception.pose_at import PoseAt
-from app.modules.perception.presence import Change, Hysteresis, Presence, Sighting, look
+from app.modules.perception.presence import Change, Hysteresis, PresenceState, Sighting, look
 from app.runtime.errors import ModuleFailed
 from app.runtime.filter import CLOSED
 from app.runtime.module import Module, ModuleContext, Settings
@@ -104,7 +104,7 @@ class PerceptEvents(Module):
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
-        self._presence: dict[str, Presence] = {}
+        self._presence: dict[str, PresenceState] = {}
         self._poses = PoseAt(self.clock)
         self._listening = True
         self._kinds: set[str] = set()
@@ -171,14 +171,14 @@ class PerceptEvents(Module):
 
     async def _listen(self) -> None:
         """A look at no noise: it is quiet now, while the detector listens."""
-        if self._listening and self._presence.get("noise", Presence()).subjects:
+        if self._listening and self._presence.get("noise", PresenceState()).subjects:
             self._look("noise", "loud_noises", self.clock.now(), [])
 
     async def _pose(self, stamp: float, seen: Sequence[object]) -> Pose2 | None:
         return await self._poses.at(stamp) if seen and self.odometry.connected else None
 
     def _look(self, kind: str, source: str, stamp: float, sightings: Sequence[Sighting]) -> None:
-        before, rule = self._presence.get(kind, Presence()), self.settings.rule(kind)
+        before, rule = self._presence.get(kind, PresenceState()), self.settings.rule(kind)
         self._presence[kind], changes = look(before, rule, source, stamp, sightings)
         self.persistent[_PRESENCE] = self._presence
         for change in changes:

@@ -45,7 +45,7 @@ from app.runtime.module import Module, ModuleContext
 Point = tuple[float, float, float]
 Direction = tuple[float, float]
 
-#: What is over is looked for so often (s).
+#: Period (s) of removing percepts that are over.
 PERIOD_S = 0.1
 #: A face or a code is there until it was not seen for this long (s), or for so many images of its camera, and never
 #: longer than the last.
@@ -72,7 +72,7 @@ class _Heard:
 
 
 class Percepts:
-    """What was perceived of late; :meth:`at` places it. Messages come in the order in which they were published."""
+    """Recent percepts; :meth:`at` places them. Messages come in the order in which they were published."""
 
     def __init__(self) -> None:
         #: Pose of the panorama's camera (X_BC) in the newest panorama.
@@ -132,7 +132,7 @@ class Percepts:
     # --- Now ---------------------------------------------------------------------------------------------------------
 
     def at(self, now: float) -> PlacedPercepts:
-        """What is perceived at ``now`` (the robot's clock)."""
+        """The percepts at ``now`` (the robot's clock)."""
         self._fade(now)
         self.unplaced = False
         # Without a message of them, no sound sounds any more.
@@ -259,7 +259,7 @@ class PerceptPlacer(Module):
 
 
 def _content(percepts: PlacedPercepts) -> tuple[object, ...]:
-    """What makes two of them differ."""
+    """The members in which two of them differ."""
     codes = tuple((code.text, code.camera, code.stamp) for code in percepts.codes)
     return percepts.faces, percepts.sounds, percepts.noises, codes
 

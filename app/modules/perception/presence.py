@@ -53,7 +53,7 @@ class Sighting:
 
 @dataclass(frozen=True, slots=True)
 class Subject:
-    """What is remembered of one subject: its newest ``sighting``, made by ``source``, and the one at its last event.
+    """The state of one subject: its newest ``sighting``, made by ``source``, and the one at its last event.
 
     ``first`` is the stamp of its first sighting and ``reported`` that of its last event; ``seen_s`` and ``missed_s``
     are s of looking with it and without it.
@@ -72,7 +72,7 @@ class Subject:
 
 
 @dataclass(frozen=True, slots=True)
-class Presence:
+class PresenceState:
     """The subjects of one kind, appeared or not yet, and when each source looked last."""
 
     subjects: Mapping[str, Subject] = field(default_factory=dict)
@@ -93,9 +93,9 @@ class Change:
 
 
 def look(
-    before: Presence, rule: Hysteresis, source: str, stamp: float, sightings: Iterable[Sighting]
-) -> tuple[Presence, tuple[Change, ...]]:
-    """What is there after ``source`` looked at ``stamp`` (s) and saw exactly ``sightings``, and what changed by it.
+    before: PresenceState, rule: Hysteresis, source: str, stamp: float, sightings: Iterable[Sighting]
+) -> tuple[PresenceState, tuple[Change, ...]]:
+    """The presence after ``source`` looked at ``stamp`` (s) and saw exactly ``sightings``, and what changed by it.
 
     Of several sightings of one subject the one nearest to its last place counts, else the first.
     """
@@ -121,10 +121,10 @@ def look(
             if subject.there:
                 changes.append(Change("leaves", missed))
     newest = max(stamp, before.looked.get(source, stamp))
-    return Presence(subjects, {**before.looked, source: newest}), tuple(changes)
+    return PresenceState(subjects, {**before.looked, source: newest}), tuple(changes)
 
 
-def _chosen(before: Presence, rule: Hysteresis, sightings: Iterable[Sighting]) -> dict[str, Sighting]:
+def _chosen(before: PresenceState, rule: Hysteresis, sightings: Iterable[Sighting]) -> dict[str, Sighting]:
     """Each subject's sighting that counts; those of too little confidence do not."""
     chosen: dict[str, Sighting] = {}
     for sighting in sightings:

@@ -6,7 +6,7 @@
     │           out  localization  Localization, one for each scan taken: X_MO, X_MB           │
     │           out  map           OccupancyGrid in map, when it changed, every 1 s at most    │
     │           out  zones         Zones in map, when they change                              │
-    │           is the MapKeeper: save, load, begin, place, search, mark                       │
+    │           is the MapServer: save, load, begin, place, search, mark                       │
     └─────────────────────────────────────────────────────────────────────────────────────────┘
 
 Each scan is matched in the module's thread (slam/mapper.py), with odometry since the last one as prior: at any φ, and
@@ -34,21 +34,21 @@ from pydantic import Field
 from app.attention.desires import DesireClass
 from app.base import compiled
 from app.base.geometry import Pose2
-from app.maps.control import MapControl
 from app.maps.library import MapLibrary
+from app.maps.map_service import MapService
 from app.messages import LaserScan, Localization, Message, OccupancyGrid, Odometry, Zone, Zones, read_only
 from app.modules.perception.pose_at import PoseAt
 from app.modules.perception.slam.initial_map import LastPublished, RestartState, choose_initial_map
 from app.modules.perception.slam.localization_quality import FITS_NOT, FitMonitor, empty_grid, spread_of
-from app.modules.perception.slam.map_server import MapServer
+from app.modules.perception.slam.map_server import SlamMapServer
 from app.modules.perception.slam.optimizer import OptimizerProcess
 from app.runtime.module import Module, ModuleContext, Settings
 from app.runtime.ports import Output
 
 if TYPE_CHECKING:  # kernels are compiled or loaded on import, in the module's thread
     from app.modules.perception.slam.map_rendering import ExtraView
+    from app.modules.perception.slam.map_session import MapSession, ScanResult, StoredMap
     from app.modules.perception.slam.relocalization import PoseHypothesis, PoseSearch
-    from app.modules.perception.slam.session import MapSession, ScanResult, StoredMap
     from app.modules.perception.slam.types import Match
 
 M = TypeVar("M", bound=Message)
@@ -129,8 +129,8 @@ class SLAM2D(Module):
     async def start(self) -> None:
         """Load the kernels, and the initial map: the one in use before a restart, or as configured."""
         await self.compute(self._load_kernels)
-        map_server = MapServer(self, self.service(MapLibrary))
-        control = self.service(MapControl)
+        map_server = SlamMapServer(self, self.service(MapLibrary))
+        control = self.service(MapService)
         same = await self._take_first()
         await control.resume(self.map_name, same=same)
         self._working = asyncio.create_task(self._metered(self._work()), name=f"{self.name}, behind")
@@ -327,7 +327,7 @@ class SLAM2D(Module):
 
     def new_session(self, kept: StoredMap | None, X_MO: Pose2 | None, grows: bool) -> MapSession:
         """*Behind.* A session on a saved map, or an empty one."""
-        from app.modules.perception.slam.session import MapSession
+        from app.modules.perception.slam.map_session import MapSession
 
         settings = self.settings
         grid, state = (None, None) if kept is None else (kept.grid, kept.state)
@@ -381,7 +381,7 @@ class SLAM2D(Module):
         if not compiled.is_ready():
             self.log.info("compiles what it computes with, once on this computer: that takes a minute or two")
             compiled.make_ready()
-        import app.modules.perception.slam.session  # noqa: F401
+        import app.modules.perception.slam.map_session  # noqa: F401
 
     async def _take_first(self) -> bool:
         """Take the initial map into use; returns whether the earlier instance used the same."""
@@ -405,6 +405,6 @@ def _last(output: Output[M]) -> M | None:
 
 
 def _looked(search: PoseSearch, scan: LaserScan, X_OB: Pose2) -> tuple[Pose2 | None, tuple[PoseHypothesis, ...]]:
-    from app.modules.perception.slam.session import look
+    from app.modules.perception.slam.map_session import look
 
     return look(search, scan, X_OB)

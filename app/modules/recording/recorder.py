@@ -23,7 +23,6 @@ from pydantic import AfterValidator, BaseModel, Field
 
 from app.attention.desires import DesireClass
 from app.base.named_library import LONGEST_NAME
-from app.logs.control import RecorderControl, RecorderUnavailable
 from app.logs.library import NAME_PATTERN, RecordingLibrary, default_name, name_or_nothing
 from app.logs.log import LogError
 from app.logs.manifest import Manifest
@@ -32,6 +31,7 @@ from app.logs.mcap.file_sink import FileSink
 from app.logs.mcap.open_file import OpenFile, create
 from app.logs.mcap.ring import SEGMENT_S, Ring
 from app.logs.mcap.writer import MEGABYTE, Limits, RecordingWriter, Sink, check_room
+from app.logs.recorder_service import RecorderService, RecorderUnavailable
 from app.logs.ros.encoder import Encoder
 from app.messages import (
     EventKind,
@@ -157,7 +157,7 @@ class Recorder(Module):
         self._table = self.service(ChannelTable)
         least_free = int(self.settings.least_free_mb * MEGABYTE)
         self._saver = RingSaver(self._library, least_free, self.log, self._meter.call)
-        self._detach = self.service(RecorderControl).attach(self.save_ring)
+        self._detach = self.service(RecorderService).attach(self.save_ring)
         self._keep(self._saver.rescue(), "rescue")
 
     async def stop(self) -> None:
@@ -193,7 +193,7 @@ class Recorder(Module):
         self.log.warning("%s", loss)
 
     async def save_ring(self, minutes: float | None, name: str | None) -> str:
-        """See ``RecorderControl.save_ring``; also raises ValueError for an invalid name."""
+        """See ``RecorderService.save_ring``; also raises ValueError for an invalid name."""
         writer = self._ring_writer()
         if writer is None or writer.reason:
             raise RecorderUnavailable(NO_RING)

@@ -9,12 +9,12 @@ from concurrent.futures import Future
 from pathlib import Path
 from typing import Any
 
-from app.logs.control import RecorderUnavailable
 from app.logs.library import RecordingLibrary, default_name
 from app.logs.log import LogError
 from app.logs.mcap.ring import HeldSegments, Ring
 from app.logs.mcap.ring_folder import begin_of, leftovers, rescue, size_of
 from app.logs.mcap.writer import MEGABYTE, RecordingWriter, Sink, in_words
+from app.logs.recorder_service import RecorderUnavailable
 
 NO_RING = "no ring turns that could be saved: ask for a recording that keeps only the last minutes first"
 

@@ -13,7 +13,7 @@ from app.link import LinkFailed, RobotDescription, StreamDescription
 from app.messages import Audio, Image, JointState, LinkStatus, Odometry, Twist
 from app.robots.devices.config import JOINTS_HZ, ODOMETRY_HZ, STATUS_HZ, DevicesConfig
 from app.robots.devices.player import Player
-from app.robots.devices.reader import InputReader
+from app.robots.devices.reader_thread import InputReader
 from app.robots.devices.sound import no_sound_card
 from app.robots.devices.streams import AudioFrames, ImageFrames
 from app.robots.model import KinematicModel

@@ -8,9 +8,9 @@ from collections import deque
 
 from app.messages import Audio
 from app.robots.devices.config import SpeakerConfig
-from app.robots.devices.pictures import InputUnavailable
-from app.robots.devices.reader import RETRY_S
-from app.robots.devices.sound import Speaker
+from app.robots.devices.image_inputs import InputUnavailable
+from app.robots.devices.reader_thread import RETRY_S
+from app.robots.devices.sound import LoudspeakerStream
 
 #: Greatest waiting time (s) of frames; beyond it the oldest is dropped.
 QUEUED_S = 0.5
@@ -46,24 +46,24 @@ class Player:
             self._condition.notify()
 
     def _run(self) -> None:
-        speaker: Speaker | None = None
-        told = ""
+        speaker: LoudspeakerStream | None = None
+        reported = ""
         while (audio := self._next()) is not None:
             try:
                 if speaker is not None and speaker.rate != audio.rate:
                     speaker.close()
                     speaker = None
                 if speaker is None:
-                    speaker = Speaker(self._config, audio.rate)
+                    speaker = LoudspeakerStream(self._config, audio.rate)
                 speaker.write(audio.samples[:, 0])
-                told = ""
+                reported = ""
             except InputUnavailable as failure:
                 if speaker is not None:
                     speaker.close()
                     speaker = None
-                if str(failure) != told:
-                    told = str(failure)
-                    log.warning("%s", told)
+                if str(failure) != reported:
+                    reported = str(failure)
+                    log.warning("%s", reported)
                 self._be_silent(RETRY_S)
         if speaker is not None:
             speaker.close()

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from app.base.plain_file import check_plain
 from app.robots.devices.config import SoundInputConfig, SpeakerConfig
-from app.robots.devices.pictures import InputUnavailable
+from app.robots.devices.image_inputs import InputUnavailable
 
 Samples = NDArray[np.int16]
 #: Supported files, in words.
@@ -148,7 +148,7 @@ class _Microphones:
 SoundInput: TypeAlias = _SoundFile | _Microphones
 
 
-class Speaker:
+class LoudspeakerStream:
     """A loudspeaker for one channel at ``rate``; :meth:`write` blocks until the device takes the samples."""
 
     def __init__(self, config: SpeakerConfig, rate: int) -> None:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from app.base.geometry import CameraModel, Pose3
 from app.messages import Audio, Image, read_only
 from app.robots.devices.config import CameraConfig, SoundInputConfig
-from app.robots.devices.pictures import ImageInput, InputUnavailable, Picture, PlaybackTimer, open_pictures
+from app.robots.devices.image_inputs import ImageInput, InputUnavailable, Picture, PlaybackTimer, open_pictures
 from app.robots.devices.sound import Samples, SoundInput, open_sound
 
 InputT = TypeVar("InputT", ImageInput, SoundInput)

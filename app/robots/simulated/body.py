@@ -166,7 +166,7 @@ def _tune(body: mujoco.MjSpec, robot: RobotConfig, base: TrueBase) -> None:
 def _add_cameras(body: mujoco.MjSpec, robot: RobotConfig) -> None:
     # MuJoCo's cameras look along -z with y up: half a turn about x from the optical frame
     turned = [0.0, 1.0, 0.0, 0.0]
-    kinect, imv = robot.streams.kinect, robot.streams.imv
+    kinect, panorama = robot.streams.kinect, robot.streams.panorama
     if kinect is not None:
         lens = camera_model(kinect)
         body.body(kinect.link).add_camera(
@@ -176,8 +176,8 @@ def _add_cameras(body: mujoco.MjSpec, robot: RobotConfig) -> None:
             sensor_size=[lens.width / lens.fx, lens.height / lens.fy],
             focal_length=[1.0, 1.0],
         )
-    if imv is not None:  # a fisheye is more than MuJoCo's camera can be: only its place
-        body.body(imv.link).add_camera(name="imv", quat=turned)
+    if panorama is not None:  # a fisheye is more than MuJoCo's camera can be: only its place
+        body.body(panorama.link).add_camera(name="panorama", quat=turned)
 
 
 def _limit_drives(model: mujoco.MjModel, wheels: tuple[str, str], robot: RobotConfig, base: TrueBase) -> None:

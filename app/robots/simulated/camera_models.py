@@ -5,24 +5,24 @@ from __future__ import annotations
 import math
 
 from app.base.geometry import CameraModel, FisheyeModel
-from app.robots.config import ImvConfig, RobotConfig
+from app.robots.config import PanoramicCameraConfig, RobotConfig
 from app.robots.simulated.image_ring import PictureFormat
 from app.robots.simulated.kinect_noise import camera_model
 
 
-def fisheye_model(config: ImvConfig) -> FisheyeModel:
+def fisheye_model(config: PanoramicCameraConfig) -> FisheyeModel:
     horizontal, vertical = (math.radians(angle) for angle in config.fov_deg)
     return FisheyeModel.from_fov(config.width, config.height, horizontal, vertical)
 
 
 def lenses(robot: RobotConfig) -> dict[str, tuple[str, CameraModel | FisheyeModel]]:
     """Optical frame and lens of each camera."""
-    kinect, imv = robot.streams.kinect, robot.streams.imv
+    kinect, panorama = robot.streams.kinect, robot.streams.panorama
     found: dict[str, tuple[str, CameraModel | FisheyeModel]] = {}
     if kinect is not None:
         found["kinect"] = (kinect.link, camera_model(kinect))
-    if imv is not None:
-        found["imv"] = (imv.link, fisheye_model(imv))
+    if panorama is not None:
+        found["panorama"] = (panorama.link, fisheye_model(panorama))
     return found
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from app.robots.config import ImvConfig, KinectConfig, StreamsConfig
+from app.robots.config import KinectConfig, PanoramicCameraConfig, StreamsConfig
 from app.robots.simulated.body import PREFIX
 from app.robots.simulated.camera_models import fisheye_model
 from app.robots.simulated.color_noise import ColorNoise
@@ -97,10 +97,10 @@ class FisheyeRenderer:
     """
 
     def __init__(
-        self, renderer: Renderer, model: mujoco.MjModel, config: ImvConfig, rng: Generator, base: int = 0
+        self, renderer: Renderer, model: mujoco.MjModel, config: PanoramicCameraConfig, rng: Generator, base: int = 0
     ) -> None:
         self._renderer = renderer
-        self._camera = model.camera(PREFIX + "imv").id
+        self._camera = model.camera(PREFIX + "panorama").id
         self._config = config
         self._rng = rng
         self._base = base
@@ -144,12 +144,12 @@ def open_renderers(
 ) -> dict[str, CameraRenderer]:
     """The cameras of ``streams``, by stream, each with its own random numbers; OpenGL is ready when it returns."""
     renderers: dict[str, CameraRenderer] = {}
-    kinect, imv = streams.kinect, streams.imv
+    kinect, panorama = streams.kinect, streams.panorama
     if kinect is not None:
         kinect_renderer = renderers["kinect"] = KinectRenderer(renderer, model, kinect, rngs["kinect"])
         for _ in kinect_renderer.draw(WorldSnapshot.initial(model)):  # OpenGL makes itself ready with the first picture
             pass
-    if imv is not None:
+    if panorama is not None:
         base = kinect.height if kinect is not None else 0
-        renderers["imv"] = FisheyeRenderer(renderer, model, imv, rngs["imv"], base)
+        renderers["panorama"] = FisheyeRenderer(renderer, model, panorama, rngs["panorama"], base)
     return renderers

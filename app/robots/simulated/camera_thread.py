@@ -24,8 +24,8 @@ from numpy.random import Generator
 from app.robots.config import StreamsConfig
 from app.robots.simulated.camera_rendering import CameraRenderer, open_renderers
 from app.robots.simulated.image_ring import SLOTS, ImageRing
+from app.robots.simulated.link_protocol import ImageNotice
 from app.robots.simulated.renderer import Renderer, WorldSnapshot
-from app.robots.simulated.wire import ImageNotice
 
 
 @dataclass(slots=True, eq=False)
@@ -55,7 +55,7 @@ class CameraThread:
         self._wake = wake
         self._periods = {
             name: 1.0 / config.rate_hz
-            for name, config in (("kinect", streams.kinect), ("imv", streams.imv))
+            for name, config in (("kinect", streams.kinect), ("panorama", streams.panorama))
             if config is not None
         }
         self._condition = threading.Condition()

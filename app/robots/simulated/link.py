@@ -30,7 +30,7 @@ from app.messages import (
 )
 from app.robots.config import RobotConfig
 from app.robots.receivers import Receivers
-from app.robots.simulated import wire
+from app.robots.simulated import link_protocol
 from app.robots.simulated.camera_models import lenses, picture_formats
 from app.robots.simulated.gl import check_gl, gl_environment
 from app.robots.simulated.image_ring import ImageRings, create_memory, memory_bytes
@@ -73,16 +73,16 @@ class SimulatedBody:
 
     def demand(self, stream: str, wanted: bool) -> None:
         if self._receivers.demand(stream, wanted):
-            self._send(wire.Demand(stream, wanted))
+            self._send(link_protocol.Demand(stream, wanted))
 
     def e_stop(self, reason: str) -> None:
         if self._e_stop is None:
             self._e_stop = reason
-        self._send(wire.EStop(reason))
+        self._send(link_protocol.EStopRequest(reason))
 
     def clear_e_stop(self) -> None:
         self._e_stop = None
-        self._send(wire.ClearEStop())
+        self._send(link_protocol.ClearEStop())
 
     def _receive(self, stream: str, message: object) -> None:
         for name in _ARRAYS.get(type(message), ()):
@@ -124,7 +124,7 @@ class SimulatedLink(SimulatedBody):
         self._session = session
         wanted = frozenset(self._receivers.wanted)
         session.send(
-            wire.Start(
+            link_protocol.Start(
                 self._robot,
                 self._world,
                 clock_offset=self._clock_offset,
@@ -147,7 +147,7 @@ class SimulatedLink(SimulatedBody):
         """Stop the wheels, end the process, release everything; idempotent, under 1 s."""
         if self._session is not None:
             self._session.expect_end()
-            self._session.send(wire.Stop())
+            self._session.send(link_protocol.Stop())
             await self._release()
 
     async def wait_failed(self) -> LinkFailed:
@@ -160,11 +160,11 @@ class SimulatedLink(SimulatedBody):
         if self._session is None or self._session.unsent_bytes > _UNSENT_BYTES:
             self.commands_dropped += 1
             return
-        self._session.send(wire.DriveRequest(twist.stamp, twist.linear_mps, twist.angular_radps))
+        self._session.send(link_protocol.DriveRequest(twist.stamp, twist.linear_mps, twist.angular_radps))
 
     def play(self, audio: Audio) -> None:
         if self._session is not None and self._session.unsent_bytes <= _UNSENT_BYTES:
-            self._session.send(wire.Play(audio))
+            self._session.send(link_protocol.Play(audio))
 
     def _send(self, frame: object) -> None:
         if self._session is not None:
@@ -177,12 +177,12 @@ class SimulatedLink(SimulatedBody):
 
     def _take(self, frame: Any) -> None:
         match frame:
-            case wire.Sample(stream, message):
+            case link_protocol.Sample(stream, message):
                 self._receive(stream, message)
-            case wire.ImageNotice():
+            case link_protocol.ImageNotice():
                 self._deliver_image(frame)
 
-    def _deliver_image(self, notice: wire.ImageNotice) -> None:
+    def _deliver_image(self, notice: link_protocol.ImageNotice) -> None:
         if not self._receivers.listened(notice.stream) or self._session is None:
             return
         pictures = self._session.rings.read(notice.stream, notice.slot, notice.sequence)
@@ -205,7 +205,11 @@ def describe(robot: RobotConfig) -> RobotDescription:
         ("joints", JointState, streams.joints.rate_hz),
         ("status", LinkStatus, streams.status.rate_hz),
     ]
-    sensors = (("kinect", Image, streams.kinect), ("imv", Image, streams.imv), ("hokuyo", LaserScan, streams.hokuyo))
+    sensors = (
+        ("kinect", Image, streams.kinect),
+        ("panorama", Image, streams.panorama),
+        ("hokuyo", LaserScan, streams.hokuyo),
+    )
     table += [(name, kind, sensor.rate_hz) for name, kind, sensor in sensors if sensor is not None]
     if streams.microphones is not None:
         rate_hz = streams.microphones.rate / streams.microphones.frame_samples
@@ -233,7 +237,7 @@ class _Session(asyncio.Protocol):
     def __init__(self, rings: ImageRings, receive: Callable[[Any], None]) -> None:
         self.rings = rings
         self._receive = receive
-        self._reader = wire.FrameReader()
+        self._reader = link_protocol.FrameReader()
         self._running = asyncio.Event()
         self._transport: asyncio.Transport | None = None
         self._ended = asyncio.get_running_loop().create_future()
@@ -278,7 +282,7 @@ class _Session(asyncio.Protocol):
 
     def send(self, frame: Any) -> None:
         if self._transport is not None and not self._transport.is_closing():
-            self._transport.write(wire.encode(frame))
+            self._transport.write(link_protocol.encode(frame))
 
     def expect_end(self) -> None:
         self._expected = True
@@ -320,7 +324,7 @@ class _Session(asyncio.Protocol):
 
     def data_received(self, data: bytes) -> None:
         for frame in self._reader.feed(data):
-            if isinstance(frame, wire.Sample) and not self._running.is_set():
+            if isinstance(frame, link_protocol.Sample) and not self._running.is_set():
                 self._running.set()
                 self._notify_held()
             self._receive(frame)

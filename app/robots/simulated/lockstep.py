@@ -14,8 +14,8 @@ a guard in the program's own process protects from little.
 
     pose = run_in_world(configuration, body, script)                  # app.experiments.world_run
 
-``kinect`` and ``imv`` exist only with ``cameras``, and ``microphones`` only with ``microphones``: images and sound are
-then rendered while time is stopped, and arrive with their step. There is no loudspeaker.
+``kinect`` and ``panorama`` exist only with ``cameras``, and ``microphones`` only with ``microphones``: images and sound
+are then rendered while time is stopped, and arrive with their step. There is no loudspeaker.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from app.base.geometry import Pose2
 from app.link import LinkFailed
 from app.messages import Audio, PersonTruth, Twist
 from app.robots.config import RobotConfig
-from app.robots.simulated import wire
+from app.robots.simulated import link_protocol
 from app.robots.simulated.camera_models import picture_formats
 from app.robots.simulated.contacts import Contact
 from app.robots.simulated.gl import GlUnavailable, check_gl, gl_environment
@@ -94,7 +94,7 @@ class LockstepLink(SimulatedBody):
             raise LinkFailed(str(failure)) from None
         simulation.wanted |= self._receivers.wanted
         if self._e_stop is not None:
-            simulation.accept(wire.EStop(self._e_stop))
+            simulation.accept(link_protocol.EStopRequest(self._e_stop))
         self._simulation = simulation
         self._turning = asyncio.create_task(self._turn(self._simulation), name="world in lockstep")
 
@@ -118,7 +118,7 @@ class LockstepLink(SimulatedBody):
         return failure
 
     def command(self, twist: Twist) -> None:
-        self._send(wire.DriveRequest(twist.stamp, twist.linear_mps, twist.angular_radps))
+        self._send(link_protocol.DriveRequest(twist.stamp, twist.linear_mps, twist.angular_radps))
 
     def play(self, audio: Audio) -> None:
         """No effect: this body has no loudspeaker."""
@@ -146,6 +146,6 @@ def without_threads(robot: RobotConfig, *, cameras: bool, microphones: bool = Fa
     if not microphones:
         removed |= {"microphones": None}
     if not cameras:
-        removed |= {"kinect": None, "imv": None}
+        removed |= {"kinect": None, "panorama": None}
     streams = robot.streams.model_copy(update=removed)
     return robot.model_copy(update={"streams": streams, "loudspeaker": None, "guard_log": None})

@@ -13,7 +13,7 @@ import threading
 import time
 from collections.abc import Iterator
 
-from app.robots.simulated import wire
+from app.robots.simulated import link_protocol
 from app.robots.simulated.acoustics.client import AcousticsClient
 from app.robots.simulated.acoustics.soundscape import SCENES_HZ
 from app.robots.simulated.body import TIMESTEP_S
@@ -31,7 +31,7 @@ _NICENESS = -5
 class RealtimeLoop:
     """Builds the world of a ``Start`` and runs it until the end."""
 
-    def __init__(self, start: wire.Start, sock: wire.Socket, memory: int) -> None:
+    def __init__(self, start: link_protocol.Start, sock: link_protocol.Socket, memory: int) -> None:
         robot, streams = start.robot, start.robot.streams
         self._socket = sock
         self._offset = start.clock_offset
@@ -129,16 +129,16 @@ class RealtimeLoop:
     def _receive(self) -> None:
         for frame in self._socket.receive():
             match frame:
-                case wire.Play(audio):
+                case link_protocol.Play(audio):
                     if self._acoustics is not None:
                         self._acoustics.play(audio)
-                case wire.Stop():
+                case link_protocol.Stop():
                     self._ending = True
                 case _:
                     self._simulation.accept(frame)
 
     def _send(self, stream: str, message: object) -> None:
-        self._socket.send(wire.Sample(stream, message))
+        self._socket.send(link_protocol.Sample(stream, message))
 
     def _wake(self) -> None:
         with contextlib.suppress(BlockingIOError):  # full: the loop is already being woken

@@ -11,7 +11,7 @@ import time
 from app.base.errors import ConfigError
 from app.robots.simulated.camera_models import picture_formats
 from app.robots.simulated.gl import GlUnavailable, check_gl
-from app.robots.simulated.wire import Ready, Socket, Start
+from app.robots.simulated.link_protocol import Ready, Socket, Start
 from app.runtime.realtime import tune_for_latency
 
 

@@ -15,7 +15,7 @@ from app.messages import GroundTruth, JointState, LinkStatus, Odometry, SceneTru
 from app.robots import guard
 from app.robots.config import RobotConfig
 from app.robots.model import load_model
-from app.robots.simulated import wire
+from app.robots.simulated import link_protocol
 from app.robots.simulated.acoustics.soundscape import Soundscape
 from app.robots.simulated.body import TIMESTEP_S, build_simulation
 from app.robots.simulated.camera_models import lenses
@@ -70,9 +70,9 @@ class WorldSimulation:
         streams = robot.streams
         seeds = np.random.SeedSequence(robot.seed).spawn(8)
         rngs = [np.random.default_rng(s) for s in seeds]  # one each, in a fixed order: append new ones at the end
-        base_rng, odometry_rng, laser_rng, kinect_rng, self._joint_rng, imv_rng = rngs[:6]
+        base_rng, odometry_rng, laser_rng, kinect_rng, self._joint_rng, panorama_rng = rngs[:6]
         self.robot = robot
-        self.camera_rngs = {"kinect": kinect_rng, "imv": imv_rng}
+        self.camera_rngs = {"kinect": kinect_rng, "panorama": panorama_rng}
         self.scenario_state = ScenarioState(scenario or ScenarioConfig(name="empty"))
         self._inhabited = scenario is not None
         self.wanted = set(wanted)
@@ -110,7 +110,7 @@ class WorldSimulation:
             X_BL = self.kinematics.pose(streams.hokuyo.link)
             self._laser = Laser(self.physics, streams.hokuyo, X_BL, laser_rng)
             rates["hokuyo"] = streams.hokuyo.rate_hz
-        for stream, camera in (("kinect", streams.kinect), ("imv", streams.imv)):
+        for stream, camera in (("kinect", streams.kinect), ("panorama", streams.panorama)):
             if camera is not None:
                 rates[stream] = camera.rate_hz
         self._camera_frames = {stream: frame for stream, (frame, _) in lenses(robot).items()}
@@ -123,15 +123,15 @@ class WorldSimulation:
         return tuple(self._camera_frames)
 
     def accept(self, frame: object) -> None:
-        """Take one of ``wire``'s commands to the guard or demands of streams; others are ignored."""
+        """Take one of ``link_protocol``'s commands to the guard or demands of streams; others are ignored."""
         match frame:
-            case wire.DriveRequest(stamp, linear, angular):
+            case link_protocol.DriveRequest(stamp, linear, angular):
                 self.state = guard.accept(self.state, guard.VelocityCommand(stamp, guard.BaseVelocity(linear, angular)))
-            case wire.EStop(reason):
+            case link_protocol.EStopRequest(reason):
                 self.state = guard.e_stop(self.state, reason)
-            case wire.ClearEStop():
+            case link_protocol.ClearEStop():
                 self.state = guard.clear_e_stop(self.state)
-            case wire.Demand(stream, wanted):
+            case link_protocol.Demand(stream, wanted):
                 (self.wanted.add if wanted else self.wanted.discard)(stream)
                 self._last_seen.pop(stream, None)
 

@@ -48,8 +48,8 @@ def test_what_cannot_be_read_is_said_and_the_rest_is_done(tmp_path: Path, capsys
     (tmp_path / "a.png").write_text("no image")
     good = write(tmp_path / "b.png", picture(KINECT, {TEXT: facing_camera(1.0)}))
     assert main(["detect", "qr", str(tmp_path / "a.png"), good]) == 2
-    told = capsys.readouterr()
-    assert TEXT in told.out
-    assert "a.png: is no image that can be read here" in told.err
+    output = capsys.readouterr()
+    assert TEXT in output.out
+    assert "a.png: is no image that can be read here" in output.err
     assert main(["detect", "qr", str(tmp_path / "missing.png")]) == 2
     assert "there is no file or folder" in capsys.readouterr().err

@@ -202,7 +202,7 @@ def test_a_hitch_stops_and_goes_on_but_what_lasts_must_be_pressed_again() -> Non
     ):
         lease, actions = drive(lease, judged, 0.05 * seq, seq)
         assert [a for a in actions if isinstance(a, drive_lease.Command)] == expected
-        notices += [a for a in actions if isinstance(a, drive_lease.Notice)]
+        notices += [a for a in actions if isinstance(a, drive_lease.PageNotice)]
     assert [notice.text for notice in notices] == ["Commands arrive up to 3.0 s late: driving waits."]
     lease, _ = drive(lease, late, 1.0, 10, held=False)
     assert drive(lease, fresh, 1.1, 11)[1] == (go,)

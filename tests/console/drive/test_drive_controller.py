@@ -11,7 +11,7 @@ import pytest
 from app.console.drive import drive_lease
 from app.console.drive.command_age import Judgement
 from app.console.drive.drive_controller import LOST, PRESSED_AGAIN, Driving
-from app.messages import OperatorDrive
+from app.messages import TeleopCommand
 from app.program.system import System
 from app.runtime.clock import VirtualClock, in_virtual_time
 from tests.console.program import Body, build
@@ -26,9 +26,9 @@ class Wheel:
     def __init__(self, system: System, body: Body) -> None:
         self.clock, self.link = system.clock, body
         self.notices: list[tuple[str, str]] = []
-        self.commands: list[OperatorDrive] = []
+        self.commands: list[TeleopCommand] = []
         self.withdrawn = 0
-        channel = system.graph.channel("operator_drive")
+        channel = system.graph.channel("teleop_command")
         channel.observe(self.commands.append)
         self.driving = Driving(system.clock, body, channel, self._notify, self._withdraw)
         for session, name in (("a", "Ann"), ("b", "Bob")):

@@ -15,14 +15,14 @@ from app.console.drive.drive_lease import (
     Action,
     Command,
     Connected,
+    Disconnected,
     Drive,
     EmergencyStop,
     Event,
     Garbled,
-    Gone,
-    Heard,
+    KeepAlive,
     Lease,
-    Notice,
+    PageNotice,
     ReleaseControl,
     TakeControl,
     Tick,
@@ -62,7 +62,7 @@ def commands(actions: tuple[Action, ...] | list[Action]) -> list[Command]:
 
 
 def notified(actions: tuple[Action, ...] | list[Action]) -> list[str]:
-    return [action.session for action in actions if isinstance(action, Notice)]
+    return [action.session for action in actions if isinstance(action, PageNotice)]
 
 
 def test_the_first_held_drive_takes_the_wheel() -> None:
@@ -112,7 +112,7 @@ def test_taking_control_stops_first_then_notifies() -> None:
 def test_the_end_of_the_connection_stops_at_once() -> None:
     story = Story()
     story.hold()
-    assert story.do(Gone("a")) == (STOP_ANN,)
+    assert story.do(Disconnected("a")) == (STOP_ANN,)
     assert story.lease.driver is None
     assert "a" not in story.lease.operators
 
@@ -120,7 +120,7 @@ def test_the_end_of_the_connection_stops_at_once() -> None:
 def test_a_spectator_who_leaves_stops_no_driver() -> None:
     story = Story()
     story.hold()
-    assert story.do(Gone("b")) == ()
+    assert story.do(Disconnected("b")) == ()
     assert story.lease.driver == "a"
 
 
@@ -139,7 +139,7 @@ def test_a_driver_who_says_nothing_at_all_is_lost() -> None:
     story.hold()
     story.release()
     assert deadline(story.lease) == pytest.approx(story.now + LOST_AFTER_S)
-    story.do(Heard("a"), 0.9)
+    story.do(KeepAlive("a"), 0.9)
     story.do(Tick(), 0.9)
     assert story.lease.driver == "a"
     story.do(Tick(), 0.1)
@@ -152,10 +152,10 @@ def test_a_driver_who_holds_nothing_for_long_gives_up_the_wheel() -> None:
     story.release()
     held = story.lease.last_held
     while story.now + 0.5 < held + IDLE_AFTER_S:
-        story.do(Heard("a"), 0.5)
+        story.do(KeepAlive("a"), 0.5)
         story.do(Tick())
         assert story.lease.driver == "a"
-    story.do(Heard("a"), 0.5)
+    story.do(KeepAlive("a"), 0.5)
     story.do(Tick(), 0.2)
     assert story.lease.driver is None
     assert deadline(story.lease) == math.inf
@@ -209,8 +209,8 @@ sessions = st.sampled_from(["a", "b", "c"])
 axis = st.one_of(st.floats(-1, 1), st.sampled_from([math.nan, 1.5, -math.inf]))
 events = st.one_of(
     st.builds(Connected, sessions, st.just("Cleo")),
-    st.builds(Gone, sessions),
-    st.builds(Heard, sessions),
+    st.builds(Disconnected, sessions),
+    st.builds(KeepAlive, sessions),
     st.builds(Drive, sessions, st.integers(0, 50), st.booleans(), axis, axis),
     st.builds(Garbled, sessions),
     st.builds(TakeControl, sessions),

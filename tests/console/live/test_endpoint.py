@@ -13,7 +13,7 @@ from app.attention.desires import Source
 from app.base.geometry import Pose2
 from app.console.live.hub import Hub
 from app.console.live.outbox import MOST_ITEMS
-from app.messages import Exploitation, Landmark, Landmarks, Odometry, OperatorDrive, Twist
+from app.messages import Exploitation, Landmark, Landmarks, Odometry, TeleopCommand, Twist
 from app.program.system import System
 from tests.console.live_client import page
 from tests.console.program import Body, image
@@ -229,11 +229,11 @@ class Wheel:
     """The drive commands that the console publishes, with the time."""
 
     def __init__(self, system: System) -> None:
-        self._subscription = system.graph.channel("operator_drive").subscribe("test", capacity=100)
+        self._subscription = system.graph.channel("teleop_command").subscribe("test", capacity=100)
 
-    async def next(self) -> OperatorDrive:
+    async def next(self) -> TeleopCommand:
         async with asyncio.timeout(PATIENCE_S):
-            message: OperatorDrive = await self._subscription.receive()
+            message: TeleopCommand = await self._subscription.receive()
         return message
 
 

@@ -17,7 +17,7 @@ from app.attention.desires import Source
 from app.console import grids
 from app.console.live import grid_feed
 from app.console.live.hub import Hub
-from app.messages import Exploitation, NavigationStatus, OccupancyGrid, OperatorDrive, Twist
+from app.messages import Exploitation, NavigationStatus, OccupancyGrid, TeleopCommand, Twist
 from app.modules.behaviors.navigation_reporter import ARRIVED_S
 from app.program.system import System
 from tests.console.live_client import Page, page
@@ -221,8 +221,8 @@ async def test_why_the_monitor_slowed_the_driver_is_sent(url: str, system: Syste
 
 
 async def test_the_override_is_held_with_the_drive(url: str, system: System) -> None:
-    commands: list[OperatorDrive] = []
-    system.graph.channel("operator_drive").observe(commands.append)
+    commands: list[TeleopCommand] = []
+    system.graph.channel("teleop_command").observe(commands.append)
     async with page(url) as ann:
         await ann.greeted()
         for seq, override in enumerate((False, True)):

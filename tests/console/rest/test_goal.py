@@ -14,10 +14,10 @@ import pytest
 from app.attention.desires import Desire, Source
 from app.console.live.hub import Hub
 from app.console.records.navigation import GivenUpModel, NavigationModel, PlaceModel
-from app.maps.control import Files, MapUnavailable
+from app.maps.map_service import Files, MapUnavailable
 from app.program.system import System
 from tests.console.answers import answered
-from tests.console.places import Keeper, path, status
+from tests.console.places import FakeMapServer, path, status
 from tests.console.program import Body
 from tests.console.rest.test_routes import is_problem
 from tests.patience import PATIENCE_S
@@ -164,8 +164,8 @@ async def test_no_goal_is_taken_while_the_emergency_stop_is_latched(client: http
 
 
 async def test_a_goal_on_one_map_is_none_on_another(client: httpx.AsyncClient, system: System) -> None:
-    keeper = Keeper(system.maps)
-    system.map.attach(keeper)
+    server = FakeMapServer(system.maps)
+    system.map.attach(server)
     await client.put("/maps/lab")
     for change in ("/maps/lab/load", "/map/begin"):
         await client.put("/goal", json={"x": 1, "y": 1})
@@ -194,7 +194,7 @@ async def test_goals_end_before_anything_that_is_kept_with_another_map_is_read(
         async def clear(self) -> None:
             pass
 
-    system.map.attach(Keeper(system.maps))
+    system.map.attach(FakeMapServer(system.maps))
     await client.put("/maps/lab")
     layer = Unreadable()
     await system.map.add(layer)

@@ -12,25 +12,25 @@ import pytest
 
 from app.base.geometry import Pose2
 from app.console.records.maps import KeptMap, MapList
-from app.maps.control import Files
 from app.maps.library import MapLibrary
+from app.maps.map_service import Files
 from app.program.system import System
 from tests.console.answers import answered
-from tests.console.places import Keeper, localization, zone, zones
+from tests.console.places import FakeMapServer, localization, zone, zones
 from tests.console.rest.test_routes import is_problem
 
 ZONE: dict[str, Any] = {"name": "a", "kind": "slow", "polygon": [[0, 0], [2, 0], [2, 1]], "speed": 0.5}
 
 
 @pytest.fixture
-def keeper(system: System) -> Keeper:
+def server(system: System) -> FakeMapServer:
     """The module that keeps the map."""
-    keeper = Keeper(system.maps)
-    system.map.attach(keeper)
-    return keeper
+    server = FakeMapServer(system.maps)
+    system.map.attach(server)
+    return server
 
 
-async def test_a_map_from_keeping_to_deletion(client: httpx.AsyncClient, system: System, keeper: Keeper) -> None:
+async def test_a_map_from_keeping_to_deletion(client: httpx.AsyncClient, system: System, server: FakeMapServer) -> None:
     system.graph.channel("localization").publish(localization(system.clock.now()))
     saved = await client.put("/maps/lab")
     assert saved.status_code == 200, saved.text
@@ -50,7 +50,7 @@ async def test_a_map_from_keeping_to_deletion(client: httpx.AsyncClient, system:
     loaded = await client.post("/maps/ground-floor/load")
     assert loaded.json()["name"] == "ground-floor"
     await client.post("/maps/ground-floor/load", json={"pose": {"x": 1, "y": 2.5, "theta": -1}, "extend": True})
-    assert keeper.asked[-2:] == [
+    assert server.asked[-2:] == [
         ("load", "ground-floor", None, False),
         ("load", "ground-floor", Pose2(1, 2.5, -1), True),
     ]
@@ -63,12 +63,12 @@ async def test_a_map_from_keeping_to_deletion(client: httpx.AsyncClient, system:
     assert (await client.get("/maps")).json()["maps"] == []
 
 
-async def test_saving_twice_is_as_saving_once(client: httpx.AsyncClient, keeper: Keeper) -> None:
+async def test_saving_twice_is_as_saving_once(client: httpx.AsyncClient, server: FakeMapServer) -> None:
     first, second = await client.put("/maps/lab"), await client.put("/maps/lab")
     assert first.json() | {"saved": 0} == second.json() | {"saved": 0}
 
 
-class BusyKeeper(Keeper):
+class BusyMapServer(FakeMapServer):
     """One thing at a time, in the order asked; loading takes until ``loaded``."""
 
     def __init__(self, library: MapLibrary) -> None:
@@ -91,29 +91,29 @@ class BusyKeeper(Keeper):
 async def test_what_comes_while_another_map_is_being_loaded_is_of_the_map_in_use_then(
     what: str, client: httpx.AsyncClient, system: System
 ) -> None:
-    keeper = BusyKeeper(system.maps)
-    system.map.attach(keeper)
+    server = BusyMapServer(system.maps)
+    system.map.attach(server)
     for name in ("other", "lab"):
         await client.put(f"/maps/{name}")
     load = asyncio.create_task(client.post("/maps/other/load"))
-    await keeper.loads.wait()
+    await server.loads.wait()
     change = asyncio.create_task(
         client.patch("/maps/lab", json={"name": "office"}) if what == "rename" else client.delete("/maps/other")
     )
     # As long as looking for names on the disk takes, it is let go on.
     for _ in range(3):
         await client.get("/maps/other/picture")
-    keeper.loaded.set()
+    server.loaded.set()
     await load
     if what == "rename":
         assert (await change).json()["name"] == "office"
         assert (await client.get("/map")).json()["name"] == "other"
-        assert ("save", "office") not in keeper.asked, "the other map would be kept under that name"
+        assert ("save", "office") not in server.asked, "the other map would be kept under that name"
     else:
         is_problem(await change, 409, "map-in-use")
 
 
-async def test_a_map_is_shown_as_people_draw_maps(client: httpx.AsyncClient, keeper: Keeper) -> None:
+async def test_a_map_is_shown_as_people_draw_maps(client: httpx.AsyncClient, server: FakeMapServer) -> None:
     await client.put("/maps/lab")
     picture = await client.get("/maps/lab/picture")
     assert picture.headers["content-type"] == "image/png"
@@ -123,19 +123,19 @@ async def test_a_map_is_shown_as_people_draw_maps(client: httpx.AsyncClient, kee
     assert (pixels[39 - 10, 5], pixels[39 - 11, 6], pixels[0, 0]) == (0, 254, 205)
 
 
-async def test_the_robot_is_placed_and_sought(client: httpx.AsyncClient, keeper: Keeper) -> None:
+async def test_the_robot_is_placed_and_sought(client: httpx.AsyncClient, server: FakeMapServer) -> None:
     assert (await client.put("/map/pose", json={"x": 1, "y": -2, "theta": 0.5})).status_code == 200
     assert (await client.post("/map/search")).status_code == 200
     assert (await client.get("/map")).json()["available"]
-    assert keeper.asked == [("place", Pose2(1, -2, 0.5)), ("search",)]
+    assert server.asked == [("place", Pose2(1, -2, 0.5)), ("search",)]
 
 
-async def test_zones_are_drawn_as_a_whole(client: httpx.AsyncClient, system: System, keeper: Keeper) -> None:
+async def test_zones_are_drawn_as_a_whole(client: httpx.AsyncClient, system: System, server: FakeMapServer) -> None:
     assert (await client.get("/map/zones")).json() == {"zones": []}
     answer = await client.put("/map/zones", json={"zones": [ZONE, ZONE | {"name": "b", "kind": "keep_out"}]})
     assert answer.status_code == 200, answer.text
     assert answer.json()["zones"][0] == ZONE
-    assert keeper.asked == [("mark", "a", "b")]
+    assert server.asked == [("mark", "a", "b")]
     system.graph.channel("zones").publish(zones(system.clock.now(), zone("ramp", "slow", 0.25)))
     listed = (await client.get("/map/zones")).json()
     assert listed["zones"] == [
@@ -162,18 +162,18 @@ BAD_ZONES: list[tuple[dict[str, Any], str]] = [
 ]
 
 
-async def test_a_zone_that_cannot_be_is_refused_by_name(client: httpx.AsyncClient, keeper: Keeper) -> None:
+async def test_a_zone_that_cannot_be_is_refused_by_name(client: httpx.AsyncClient, server: FakeMapServer) -> None:
     for change, field in BAD_ZONES:
         refused = await client.put("/map/zones", json={"zones": [ZONE, ZONE | {"name": "b"} | change]})
         document = is_problem(refused, 422, "invalid-request")
         assert "Value error" not in refused.text, "a library's words"
         assert document["errors"][0]["field"] == field
         assert document["errors"][0]["message"]
-    assert keeper.asked == []
+    assert server.asked == []
 
 
 async def test_a_map_that_is_not_there_is_refused_with_those_that_are(
-    client: httpx.AsyncClient, keeper: Keeper
+    client: httpx.AsyncClient, server: FakeMapServer
 ) -> None:
     await client.put("/maps/lab")
     for method, path, body in (
@@ -186,7 +186,7 @@ async def test_a_map_that_is_not_there_is_refused_with_those_that_are(
         assert "lab" in document["detail"]
 
 
-async def test_a_name_that_is_taken_or_cannot_be_is_refused(client: httpx.AsyncClient, keeper: Keeper) -> None:
+async def test_a_name_that_is_taken_or_cannot_be_is_refused(client: httpx.AsyncClient, server: FakeMapServer) -> None:
     await client.put("/maps/one")
     await client.put("/maps/two")
     for name in ("one", "two"):
@@ -213,22 +213,22 @@ async def test_who_keeps_no_maps_says_so(client: httpx.AsyncClient) -> None:
         assert "makes no maps" in document["detail"]
 
 
-async def test_the_keepers_refusal_keeps_its_words(client: httpx.AsyncClient, keeper: Keeper) -> None:
+async def test_the_map_servers_refusal_keeps_its_words(client: httpx.AsyncClient, server: FakeMapServer) -> None:
     await client.put("/maps/lab")
-    keeper.refusal = "there is nothing on the map yet: drive a little"
+    server.refusal = "there is nothing on the map yet: drive a little"
     for method, path in (("PUT", "/maps/lab"), ("POST", "/maps/lab/load"), ("POST", "/map/search")):
         document = is_problem(await client.request(method, path), 409, "map-unavailable")
-        assert document["detail"] == f"{keeper.refusal}."
+        assert document["detail"] == f"{server.refusal}."
 
 
-async def test_a_pose_that_cannot_be_is_refused(client: httpx.AsyncClient, keeper: Keeper) -> None:
+async def test_a_pose_that_cannot_be_is_refused(client: httpx.AsyncClient, server: FakeMapServer) -> None:
     for pose in ({"x": 0, "y": 0}, {"x": "0", "y": 0, "theta": 0}, {"x": 2e3, "y": 0, "theta": 0}):
         is_problem(await client.put("/map/pose", json=pose), 422, "invalid-request")
-    assert keeper.asked == []
+    assert server.asked == []
 
 
 async def test_a_damaged_map_says_what_its_problem_is(
-    client: httpx.AsyncClient, system: System, keeper: Keeper
+    client: httpx.AsyncClient, system: System, server: FakeMapServer
 ) -> None:
     await client.put("/maps/lab")
     await asyncio.to_thread((system.maps.path("lab") / "map.yaml").write_text, "image: [")

@@ -353,7 +353,7 @@ async def test_the_health_names_a_module_that_fails(client: httpx.AsyncClient, s
     assert (await client.get("/health")).json()["status"] == "ok"
     failed = asyncio.Event()
     system.supervisor.observe(lambda state: failed.set() if state.status == "failed" else None)
-    system.graph.channel("operator_drive").publish("no message at all")
+    system.graph.channel("teleop_command").publish("no message at all")
     await failed.wait()
     health = (await client.get("/health")).json()
     assert health["status"] == "degraded"

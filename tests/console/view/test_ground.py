@@ -92,7 +92,7 @@ async def test_a_costmap_is_taken_while_a_viewer_wants_to_see_it(
         async with websockets.connect(pulse_address, proxy=None, close_timeout=1) as pulse:
             await pulse.send(json.dumps({"type": "layers", "costmap": False}))
             await shown(viewer, "/odom/costmap", False)
-            assert [look.costmap for look in view.looks] == [False]
+            assert [session.costmap for session in view.sessions] == [False]
             await ann.send("view", costmap=False)
             await rests.wait()
             await pulse.send(json.dumps({"type": "layers", "costmap": True}))

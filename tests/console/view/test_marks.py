@@ -53,7 +53,7 @@ def heard(track: int = 1, v_O: tuple[float, float, float] = (1.0, 0.0, 0.0)) -> 
     )
 
 
-def seen(track: int = 1, *, camera: str = "imv", range_m: float = 2.0, sigma_m: float = 0.2) -> PlacedFace:
+def seen(track: int = 1, *, camera: str = "panorama", range_m: float = 2.0, sigma_m: float = 0.2) -> PlacedFace:
     """A face to the left of the origin, with the robot towards -y of it."""
     return PlacedFace(
         track=track,
@@ -129,7 +129,7 @@ def test_only_the_strongest_sounds_are_drawn() -> None:
 
 
 def test_a_face_is_drawn_once_and_looks_at_the_robot() -> None:
-    faces = (seen(1, camera="imv", range_m=2.2, sigma_m=0.4), seen(1, camera="kinect", range_m=2.0, sigma_m=0.02))
+    faces = (seen(1, camera="panorama", range_m=2.2, sigma_m=0.4), seen(1, camera="kinect", range_m=2.0, sigma_m=0.02))
     (mark,) = face_marks(PlacedPercepts(NOW, faces=faces)).values()
     assert mark.text == "Person 1 · 2.0 m"
     assert mark.position == (0.0, 2.0, 1.6)

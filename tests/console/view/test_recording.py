@@ -48,7 +48,7 @@ async def gone(viewer: Viewer, metres: float) -> None:
 async def test_the_scene_follows_a_recording_forth_and_back(replay_url: str, play: Played) -> None:
     await play.playback.seek(BEGIN + 1.5)
     async with looking(replay_url) as viewer:
-        # Time stands still: all of this is shown because of the viewer.
+        # Time is paused: all of this is shown because of the viewer.
         await viewer.until(
             ("SetPositionMessage", "/odom"),
             ("SceneNodeUpdateMessage", "/odom/scan"),

@@ -148,15 +148,15 @@ async def feed(system: System, body: Body) -> None:
 async def test_a_cloud_is_thinned_to_what_its_viewer_bears(url: str, system: System, body: Body, view: View) -> None:
     async with looking(url) as viewer:
         await viewer.until(("PointCloudMessage", "/odom/cloud"))
-        look = view.looks[0]
+        session = view.sessions[0]
         for _ in range(20):
-            view.answered(look, None)
+            view.answered(session, None)
         points = np.zeros((50_000, 3), np.float32)
         cloud = PointCloud(system.clock.now(), points, points.astype(np.uint8), Pose2(3.0, 0.0, 0.0))
-        before = look.sent_bytes
+        before = session.sent_bytes
         system.graph.channel("point_cloud").publish(cloud)
         await viewer.until(("SetPositionMessage", "/odom/cloud"))
-        assert look.sent_bytes - before < 9 * view.pace()["abc"].points + 4_000
+        assert session.sent_bytes - before < 9 * view.pace()["abc"].points + 4_000
 
 
 async def test_the_laser_is_listened_to_only_while_a_viewer_looks(url: str, system: System, view: View) -> None:
@@ -165,12 +165,12 @@ async def test_the_laser_is_listened_to_only_while_a_viewer_looks(url: str, syst
     async with looking(url) as viewer:
         await viewer.until(("MeshMessage", None))
         assert channel.wanted
-        assert [look.viewer for look in view.looks] == ["abc"]
+        assert [session.viewer for session in view.sessions] == ["abc"]
         rested = asyncio.Event()
         channel.on_wanted(lambda wanted: None if wanted else rested.set())
     async with asyncio.timeout(PATIENCE_S):
         await rested.wait()
-    assert view.looks == ()
+    assert view.sessions == ()
 
 
 async def test_the_pulse_measures_the_lag(url: str, view: View) -> None:
@@ -179,12 +179,12 @@ async def test_the_pulse_measures_the_lag(url: str, view: View) -> None:
         for _ in range(3):
             await pulse.send(f"{await pulse.recv(decode=True)} 33.4")
         await pulse.recv()
-        (look,) = view.looks
-        assert look.budget.lag_s is not None
-        assert 0 < look.budget.lag_s < 0.2
+        (session,) = view.sessions
+        assert session.budget.lag_s is not None
+        assert 0 < session.budget.lag_s < 0.2
         async with httpx.AsyncClient(base_url=url) as client:
             views = (await client.get("/api/v1/viewers")).json()["views"]
-        assert views[0]["lag_ms"] == pytest.approx(1e3 * look.budget.lag_s, abs=0.1)
+        assert views[0]["lag_ms"] == pytest.approx(1e3 * session.budget.lag_s, abs=0.1)
 
 
 def test_only_camera_messages_go_on_to_viser() -> None:

@@ -28,16 +28,16 @@ def test_reading_goes_on_behind_the_damaged_chunk(recording: Path, tmp_path: Pat
     path = tmp_path / "damaged.mcap"
     path.write_bytes(recording.read_bytes())
     begin, end = damage(path, BEGIN + 2.0)
-    log, told = McapLog(path), list[LogDamaged]()
+    log, damages = McapLog(path), list[LogDamaged]()
     for since in (None, BEGIN + 1.0, (begin + end) / 2):
-        told.clear()
-        came = [logged.at for logged in skipping(log, since, ("odometry",), told.append)]
+        damages.clear()
+        came = [logged.at for logged in skipping(log, since, ("odometry",), damages.append)]
         expected = [m.at for m in lab_messages(4.0) if m.channel == "odometry" and m.at >= (since or 0.0)]
         assert came == pytest.approx([at for at in expected if not begin <= at <= end])
-        assert [(d.begin, d.end) for d in told] == [pytest.approx((begin, end))]
+        assert [(d.begin, d.end) for d in damages] == [pytest.approx((begin, end))]
     words = f"{end - begin:.1f} s from {place(begin - BEGIN)} cannot be read"
-    assert missing(told[0], log.info) == words
-    assert f"damaged.mcap is damaged: {words}. `hbba log repair" in str(told[0])
+    assert missing(damages[0], log.info) == words
+    assert f"damaged.mcap is damaged: {words}. `hbba log repair" in str(damages[0])
     log.close()
 
 
@@ -45,7 +45,7 @@ def test_damage_at_the_end_leaves_nothing(recording: Path, tmp_path: Path) -> No
     path = tmp_path / "damaged.mcap"
     path.write_bytes(recording.read_bytes())
     begin, _ = damage(path, BEGIN + 3.98)
-    log, told = McapLog(path), list[LogDamaged]()
-    assert max(logged.at for logged in skipping(log, None, None, told.append)) <= begin
-    assert missing(told[0], log.info) == f"nothing from {place(begin - BEGIN)} on can be read"
+    log, damages = McapLog(path), list[LogDamaged]()
+    assert max(logged.at for logged in skipping(log, None, None, damages.append)) <= begin
+    assert missing(damages[0], log.info) == f"nothing from {place(begin - BEGIN)} on can be read"
     log.close()

@@ -21,7 +21,7 @@ from app.logs.log import Log, LogError, Logged
 from app.logs.manifest import YAML, AttachedFile, Manifest
 from app.logs.mcap.reader import McapLog
 from app.logs.stamps import to_ns
-from app.messages import Image, OperatorDrive
+from app.messages import Image, TeleopCommand
 from tests.logs.mcap.mcap_files import BEGIN, CHANNELS, drive, spec, write_log
 from tests.logs.ros.messages import same
 
@@ -59,18 +59,18 @@ def test_a_fisheyes_images_come_back_beside_a_pinholes(tmp_path: Path) -> None:
     lens = FisheyeModel.from_fov(64, 48, math.pi, math.pi)
     written = [logged for logged in drive(0.5) if logged.channel == "kinect"]
     for logged in tuple(written):
-        seen = replace(logged.message, frame="imv_optical_frame", depth=None, camera=lens)
-        written.append(Logged(logged.at, "imv", seen))
-    path = write_log(tmp_path / "both.mcap", written, CHANNELS | {"imv": spec("Image", 10)})
+        seen = replace(logged.message, frame="panorama_optical_frame", depth=None, camera=lens)
+        written.append(Logged(logged.at, "panorama", seen))
+    path = write_log(tmp_path / "both.mcap", written, CHANNELS | {"panorama": spec("Image", 10)})
     log = McapLog(path)
     assert log.info.ignored == {}
-    assert log.info.channels["imv"].count == len(written) / 2
-    assert_same(list(log.messages(channels=["imv"])), [w for w in written if w.channel == "imv"])
+    assert log.info.channels["panorama"].count == len(written) / 2
+    assert_same(list(log.messages(channels=["panorama"])), [w for w in written if w.channel == "panorama"])
     assert_same(list(log.messages(channels=["kinect"])), [w for w in written if w.channel == "kinect"])
-    export(log, Wish("png", tmp_path / "out", channels=["imv"]))
-    assert len(list((tmp_path / "out" / "imv").iterdir())) == len(written) / 2
-    export(log, Wish("mp4", tmp_path / "out", channels=["imv"]))
-    assert (tmp_path / "out" / "imv.mp4").stat().st_size > 1000
+    export(log, Wish("png", tmp_path / "out", channels=["panorama"]))
+    assert len(list((tmp_path / "out" / "panorama").iterdir())) == len(written) / 2
+    export(log, Wish("mp4", tmp_path / "out", channels=["panorama"]))
+    assert (tmp_path / "out" / "panorama.mp4").stat().st_size > 1000
     log.close()
 
 
@@ -240,15 +240,15 @@ def test_what_this_program_cannot_read_is_ignored_and_said(
 
 
 def _older(writer: Writer, fields: str, values: tuple[Any, ...]) -> None:
-    """An OperatorDrive as a program wrote it whose class had these fields after its stamp."""
-    kind, text = "hbba_msgs/msg/OperatorDrive", f"builtin_interfaces/Time stamp\n{fields}"
+    """An TeleopCommand as a program wrote it whose class had these fields after its stamp."""
+    kind, text = "hbba_msgs/msg/TeleopCommand", f"builtin_interfaces/Time stamp\n{fields}"
     store = get_typestore(Stores.ROS2_HUMBLE)
     store.register(get_types_from_msg(text, kind))
     stamp = store.types["builtin_interfaces/msg/Time"](int(BEGIN), 0)
     data = bytes(store.serialize_cdr(store.types[kind](stamp, *values), kind))
     schema = writer.register_schema(kind, "ros2msg", store.generate_msgdef(kind, ros_version=2)[0].encode())
-    metadata = {mcap_layout.CHANNEL: "hands", mcap_layout.MESSAGE: "OperatorDrive"}
-    channel = writer.register_channel("/hands", "cdr", schema, metadata)
+    metadata = {mcap_layout.CHANNEL: "teleop_command", mcap_layout.MESSAGE: "TeleopCommand"}
+    channel = writer.register_channel("/teleop_command", "cdr", schema, metadata)
     writer.add_message(channel, to_ns(int(BEGIN)), data, 0)
 
 
@@ -257,7 +257,7 @@ def test_fields_that_came_later_have_their_defaults(tmp_path: Path) -> None:
     path = write_log(tmp_path / "log.mcap", [], extra=lambda w: _older(w, fields, ("ada", 7, True, 0.5, -0.25)))
     log = McapLog(path)
     (drive,) = log.messages()
-    assert drive.message == OperatorDrive(float(int(BEGIN)), "ada", 7, True, 0.5, -0.25, override=False)
+    assert drive.message == TeleopCommand(float(int(BEGIN)), "ada", 7, True, 0.5, -0.25, override=False)
     assert log.info.ignored == {}
     log.close()
 
@@ -274,7 +274,7 @@ def test_fields_that_are_missing_otherwise_are_not_made_up(
 ) -> None:
     log = McapLog(write_log(tmp_path / "log.mcap", [], extra=lambda writer: _older(writer, fields, values)))
     assert list(log.messages()) == []
-    assert "OperatorDrive has changed since" in log.info.ignored["/hands"]
+    assert "TeleopCommand has changed since" in log.info.ignored["/teleop_command"]
     log.close()
 
 

@@ -127,9 +127,9 @@ def test_a_saved_ring_is_a_whole_file_with_the_manifest(tmp_path: Path) -> None:
     turning.write(BEGIN + 25, "kinect", image(BEGIN + 25))  # a channel that comes late
     turn(turning, 25, 55)
     turning.write(BEGIN + 55, "kinect", image(BEGIN + 55))
-    told: list[tuple[int, int]] = []
+    progress: list[tuple[int, int]] = []
     with turning.hold(BEGIN + 55, None) as hold:
-        path = hold.save(names(tmp_path), lambda done, total: told.append((done, total)))
+        path = hold.save(names(tmp_path), lambda done, total: progress.append((done, total)))
     with open(path, "rb") as file:
         reader = make_reader(file, validate_crcs=True)
         summary = reader.get_summary()
@@ -144,8 +144,8 @@ def test_a_saved_ring_is_a_whole_file_with_the_manifest(tmp_path: Path) -> None:
         assert found["/kinect/depth"] == 2
         assert [a.name for a in reader.iter_attachments()] == ["lab.yaml"]
         assert [m.metadata["robot"] for m in reader.iter_metadata()] == ["a test body"]
-    assert told[-1][0] == told[-1][1] > 0
-    assert told == sorted(told)
+    assert progress[-1][0] == progress[-1][1] > 0
+    assert progress == sorted(progress)
     turning.close(discard=True)
 
 
@@ -188,7 +188,7 @@ def test_an_empty_ring_has_nothing_to_save(tmp_path: Path) -> None:
     turning.close(discard=True)
 
 
-def test_a_ring_that_turns_is_nobodys_leftover_and_a_stopped_one_is(tmp_path: Path) -> None:
+def test_a_ring_in_use_is_no_leftover_and_a_stopped_one_is(tmp_path: Path) -> None:
     turning = ring(tmp_path)
     turn(turning, 0, 33)
     assert leftovers(tmp_path / ".ring") == []

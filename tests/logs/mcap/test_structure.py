@@ -76,10 +76,10 @@ def test_what_begins_and_ends_as_it_should(tmp_path: Path) -> None:
     cut_off.write_bytes(whole.read_bytes()[:-1])
     empty = tmp_path / "c.mcap"
     empty.write_bytes(whole.read_bytes()[:8])
-    told = []
+    answers = []
     for path in (whole, cut_off, empty):
         with path.open("rb") as file:
-            told.append((is_mcap(path), is_closed(file)))
-    assert told == [(True, True), (True, False), (True, False)]
+            answers.append((is_mcap(path), is_closed(file)))
+    assert answers == [(True, True), (True, False), (True, False)]
     assert not is_mcap(tmp_path)
     assert not is_mcap(tmp_path / "nowhere.mcap")

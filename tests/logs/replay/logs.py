@@ -27,9 +27,9 @@ from app.messages import (
     LinkStatus,
     Message,
     Odometry,
-    OperatorDrive,
     Source,
     SourceKind,
+    TeleopCommand,
     Twist,
     read_only,
 )
@@ -151,7 +151,7 @@ def lab_messages(seconds: float = 4.0, *, images_hz: float = 10.0) -> list[Logge
         image = Image(BEGIN + t, "kinect_optical_frame", read_only(color), read_only(depth), CAMERA, X_BC)
         messages.append((t + 0.02, "kinect", image))
     for number, t in enumerate(t for t in each(20) if 0.5 <= t < 2.0):
-        messages.append((t, "operator_drive", OperatorDrive(BEGIN + t, "ada", number, True, 0.5, 0.1)))
+        messages.append((t, "teleop_command", TeleopCommand(BEGIN + t, "ada", number, True, 0.5, 0.1)))
     coordinator = [
         desire("d-1", "FindQRCodes", kind="motivation", name="ScenarioCoordinator", intensity=8.0, utility=1.0),
         desire("d-2", "Teleoperation", kind="motivation", name="ScenarioCoordinator", intensity=8.0, utility=1.0),

@@ -25,7 +25,7 @@ from app.logs.mcap.reader import McapLog
 from app.logs.open import open_log
 from app.logs.replay.headless import ReplayWatch, run_headless
 from app.logs.replay.options import ReplayOptions
-from app.logs.replay.report import ReplayReport
+from app.logs.replay.report import ReplaySummary
 from app.messages import Exploitation, QRCodes, Twist
 from app.robots.replayed.log_source import LogSource
 from app.runtime.load import CpuMeter
@@ -39,11 +39,11 @@ pytestmark = [pytest.mark.slow, pytest.mark.blocking(reason="the virtual loop wa
 
 
 @pytest.fixture(scope="module")
-def report() -> ReplayReport:
+def report() -> ReplaySummary:
     return run_headless(lab_log())
 
 
-def test_every_module_runs_on_the_log(report: ReplayReport) -> None:
+def test_every_module_runs_on_the_log(report: ReplaySummary) -> None:
     assert (report.begin, report.log_s) == (BEGIN, pytest.approx(4.0, abs=0.1))
     channels = report.channels
     assert channels["odometry"].messages == 200
@@ -76,7 +76,7 @@ def test_the_operators_commands_drive_again() -> None:
     assert {twist.linear_mps for twist in twists} == {0.0, 0.2}
 
 
-def test_desires_of_others_come_at_their_times(report: ReplayReport) -> None:
+def test_desires_of_others_come_at_their_times(report: ReplaySummary) -> None:
     """Own motivations from the start; the operator's at 1 s and the script's at 2 s; the operator's gone at 3 s."""
     lines = [(round(line.stamp - BEGIN, 3), line.strategies) for line in report.intentions]
     assert lines[0] == (0.0, ("drive-by-hand",))
@@ -102,7 +102,7 @@ def test_beginning_later_has_what_was_desired_then() -> None:
     assert "d-4" in standing(report, ReplayOptions(begin=BEGIN + 2.5, end=BEGIN + 3.5))
 
 
-def standing(report: ReplayReport, options: ReplayOptions) -> set[str]:
+def standing(report: ReplaySummary, options: ReplayOptions) -> set[str]:
     """Ids of all desires that ever stood in a replay."""
     seen: set[str] = set()
 
@@ -218,13 +218,13 @@ def test_two_replays_are_equal_also_on_a_busy_computer(options: ReplayOptions, m
     assert any(channel.messages for channel in first.channels.values())
 
 
-def test_a_recording_on_disk_is_relived_the_same_on_a_busy_computer(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, report: ReplayReport
+def test_a_recording_on_disk_is_replayed_the_same_on_a_busy_computer(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, report: ReplaySummary
 ) -> None:
     """Read by the real reader, pictures and all; and what is lossless on disk gives what it gave in memory."""
     path = write_log(tmp_path / "lab.mcap", lab_messages(4.0), lab_manifest())
 
-    def once() -> ReplayReport:
+    def once() -> ReplaySummary:
         log = McapLog(path)
         try:
             return run_headless(log)
@@ -265,7 +265,7 @@ def test_a_public_laser_log_runs_through_our_modules(file: str, tmp_path: Path) 
     assert all(module.restarts == 0 for module in report.modules.values())
 
 
-def test_processes_agree_whatever_their_hash_seed(report: ReplayReport, tmp_path: Path) -> None:
+def test_processes_agree_whatever_their_hash_seed(report: ReplaySummary, tmp_path: Path) -> None:
     script = (
         "import json, sys; from tests.logs.replay.logs import lab_log; "
         "from app.logs.replay.headless import run_headless; "
@@ -278,9 +278,9 @@ def test_processes_agree_whatever_their_hash_seed(report: ReplayReport, tmp_path
             [sys.executable, "-c", script], capture_output=True, text=True, check=True, env=environment,
             cwd=Path(__file__).parents[3], timeout=PATIENCE_S,
         )  # fmt: skip
-        told = json.loads(done.stdout)
-        del told["cost"]
-        outcomes.append(told)
+        output = json.loads(done.stdout)
+        del output["cost"]
+        outcomes.append(output)
     assert outcomes[0] == outcomes[1]
     assert outcomes[0]["channels"] == json.loads(json.dumps(report.document()))["channels"]
 

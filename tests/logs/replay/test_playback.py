@@ -302,11 +302,11 @@ async def test_time_waits_for_a_file_that_is_slow(slow: Prepared) -> None:
         stuck, waits = asyncio.Event(), asyncio.Event()
         loop, on_waiting = asyncio.get_running_loop(), play.replay.body.on_waiting
 
-        def told(now: bool) -> None:
+        def noted(now: bool) -> None:
             on_waiting(now)
             (waits.set if now else waits.clear)()
 
-        play.replay.body.on_waiting = told
+        play.replay.body.on_waiting = noted
         slow[0].stuck = lambda: loop.call_soon_threadsafe(stuck.set)
         await asyncio.wait_for(stuck.wait(), PATIENCE_S)
         await asyncio.wait_for(waits.wait(), PATIENCE_S)

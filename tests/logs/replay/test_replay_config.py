@@ -38,10 +38,12 @@ def test_a_recording_brings_its_own_program(tmp_path: Path) -> None:
     assert program.description.limits.linear_mps == 0.4
     assert not program.description.simulated
     assert program.left_out == {
-        "Recorder": "not asked for", "Imv": "the log has no imv", "Microphones": "the log has no microphones",
-    }  # fmt: skip
-    assert program.fed == ("operator_drive",)
-    assert set(program.silent.values()) == {"imv", "microphones"}
+        "Recorder": "not asked for",
+        "PanoramicCamera": "the log has no panorama",
+        "Microphones": "the log has no microphones",
+    }
+    assert program.fed == ("teleop_command",)
+    assert set(program.silent.values()) == {"panorama", "microphones"}
 
 
 def test_what_the_log_has_nothing_for_stays_out(tmp_path: Path) -> None:
@@ -58,7 +60,7 @@ def test_what_the_log_has_nothing_for_stays_out(tmp_path: Path) -> None:
 def test_only_some_modules_get_the_rest_from_the_log(tmp_path: Path) -> None:
     program = prepare(lab_log(), ReplayOptions(only=("QRCodeDetector",)), tmp_path)
     assert list(program.configuration.program.modules) == ["QRCodeDetector"]
-    assert set(program.fed) == {"kinect", "scan", "odometry", "joints", "link_status", "operator_drive"}
+    assert set(program.fed) == {"kinect", "scan", "odometry", "joints", "link_status", "teleop_command"}
 
 
 def test_a_module_that_is_not_there_is_named(tmp_path: Path) -> None:
@@ -78,10 +80,10 @@ def test_another_program_on_the_same_log(tmp_path: Path) -> None:
 
 
 def test_a_channel_that_carries_something_else_is_not_fed(tmp_path: Path) -> None:
-    messages = [Logged(logged.at, "operator_drive", logged.message) for logged in numbered(5)] + numbered(5)
+    messages = [Logged(logged.at, "teleop_command", logged.message) for logged in numbered(5)] + numbered(5)
     log = MemoryLog(sorted(messages, key=lambda logged: logged.at))
     program = prepare(log, ReplayOptions(only=("Teleop",)), tmp_path)
-    assert "operator_drive" not in program.fed
+    assert "teleop_command" not in program.fed
 
 
 @contextmanager
@@ -109,10 +111,10 @@ def test_modules_that_would_hear_nothing_stay_out_with_their_strategies() -> Non
         running = set(replay.system.graph.modules)
         name = replay.system.link.description.name
     for module, channels in (
-        ("QRCodeDetector", "imv and no kinect"),
-        ("FaceDetector", "imv and no kinect"),
+        ("QRCodeDetector", "kinect and no panorama"),
+        ("FaceDetector", "kinect and no panorama"),
         ("CameraStream", "kinect"),
-        ("PanoramaStream", "imv"),
+        ("PanoramaStream", "panorama"),
         ("PointCloudBuilder", "kinect"),
     ):
         assert f"{module} does not run: the log has no {channels}" in notes
@@ -133,7 +135,7 @@ def test_modules_that_would_hear_nothing_stay_out_with_their_strategies() -> Non
 
 
 def test_a_module_alone_that_would_hear_nothing_is_refused() -> None:
-    with pytest.raises(ConfigError, match="QRCodeDetector: the log has no imv and no kinect"):
+    with pytest.raises(ConfigError, match="QRCodeDetector: the log has no kinect and no panorama"):
         Replay(scans_alone(), VirtualClock(BEGIN), ReplayOptions(only=("QRCodeDetector",))).close()
 
 

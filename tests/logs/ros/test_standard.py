@@ -195,13 +195,13 @@ def test_small_messages_are_what_ros_calls_them() -> None:
 def test_landmarks_are_drawn_again_when_one_is_new_or_elsewhere_but_not_at_every_sighting() -> None:
     codec = converter("channel", Landmarks)
     lamp = Landmark("lamp", (1.0, 2.0, 0.5), 0.01, 3, STAMP, STAMP)
-    told = [
+    lists = [
         (lamp,),
         (replace(lamp, p_OQ=(1.002, 2.0, 0.5), sightings=4),),
         (replace(lamp, p_OQ=(1.2, 2.0, 0.5)),),
         (replace(lamp, p_OQ=(1.2, 2.0, 0.5)), replace(lamp, text="door \udcff")),
     ]
-    written = [codec.encode(Landmarks(STAMP, landmarks), to_ns(STAMP)) for landmarks in told]
+    written = [codec.encode(Landmarks(STAMP, landmarks), to_ns(STAMP)) for landmarks in lists]
     assert [[record.topic for record in records] for records in written] == [
         ["/channel/markers", "/channel"], ["/channel"], ["/channel/markers", "/channel"],
         ["/channel/markers", "/channel"],

@@ -27,10 +27,10 @@ STILL = Pose2()
 
 def judged(
     seen: LaserScan, linear: float, angular: float = 0.0, *, corners: tuple[tuple[float, float], ...] = ROUND,
-    moved: Pose2 = STILL, rules: MonitorRules = RULES, stands: bool = False,
+    moved: Pose2 = STILL, rules: MonitorRules = RULES, standing: bool = False,
 ) -> Verdict:  # fmt: skip
     monitor = CollisionMonitor(corners, LIMITS, rules)
-    return monitor.judge(monitor.see(seen), moved, linear, angular, stands=stands)
+    return monitor.judge(monitor.see(seen), moved, linear, angular, standing=standing)
 
 
 def test_in_the_open_everything_is_allowed() -> None:
@@ -138,11 +138,11 @@ def test_a_single_ray_is_noise_and_two_are_a_thing() -> None:
     assert judged(one, 0.4).linear < 0.1
 
 
-def test_noise_has_nobody_jerk_before_a_wall() -> None:
+def test_noise_makes_no_command_jerk_before_a_wall() -> None:
     just = next(gap for gap in np.arange(0.05, 0.3, 0.002) if judged(wall(0.0, 0.28 + gap), 0.4).linear > 0)
     assert judged(wall(0.0, 0.28 + just), 0.4).linear >= STANDING_MPS
-    assert judged(wall(0.0, 0.28 + just), 0.4, stands=True).linear == 0.0
-    assert judged(wall(0.0, 0.28 + just + 0.1), 0.4, stands=True).linear > 0.0
+    assert judged(wall(0.0, 0.28 + just), 0.4, standing=True).linear == 0.0
+    assert judged(wall(0.0, 0.28 + just + 0.1), 0.4, standing=True).linear > 0.0
 
 
 def test_without_a_scan_it_stops_and_says_so_once() -> None:

@@ -50,7 +50,7 @@ class Ride:
 
     def __init__(self, link: LockstepLink, clock: VirtualClock, graph: Graph) -> None:
         self.link, self.clock, self.graph = link, clock, graph
-        self.told = graph.channel("exploitation").subscribe("test", capacity=10_000)
+        self.exploitations = graph.channel("exploitation").subscribe("test", capacity=10_000)
 
     async def drive(self, linear: float, angular: float, seconds: float) -> None:
         for _ in range(round(seconds / 0.05)):
@@ -60,8 +60,8 @@ class Ride:
     def limits(self) -> list[str]:
         """What was said about limits since this was asked last."""
         found: list[str] = []
-        while self.told.waiting:
-            message: Exploitation = self.told.receive_nowait()
+        while self.exploitations.waiting:
+            message: Exploitation = self.exploitations.receive_nowait()
             if message.limited and (not found or found[-1] != message.limited):
                 found.append(message.limited)
         return found

@@ -93,24 +93,24 @@ def test_exploitation_reports_who_drives_at_10_hz_and_on_change() -> None:
             settings=BOTH,
             link=FakeLink(without=("hokuyo",)),
         ) as b:
-            told = b.listen("exploitation")
+            exploitations = b.listen("exploitation")
             await b.clock.sleep(1.0)
-            assert [e.behavior for e in drain(told)] == [None] * 10
+            assert [e.behavior for e in drain(exploitations)] == [None] * 10
             changed = b.clock.now()
             await say(b, "follow", 0.2, times=4)
-            follow = drain(told)
+            follow = drain(exploitations)
             assert follow[0].stamp == changed
             assert {e.behavior for e in follow} == {"PlanAndFollowPath"}
             for _ in range(4):
                 b.feed("teleop", Twist(b.clock.now(), -0.1, 0.0))
                 await say(b, "follow", 0.2)
-            both = drain(told)
+            both = drain(exploitations)
             assert {e.behavior for e in both} == {"Teleop"}
             assert both[-1].twist.linear_mps == b.link.commands[-1][1].linear_mps
             await say(b, "follow", 0.2, times=8)
-            assert drain(told)[-1].behavior == "PlanAndFollowPath"
+            assert drain(exploitations)[-1].behavior == "PlanAndFollowPath"
             await b.clock.sleep(0.5)
-            assert drain(told)[-1].behavior is None
+            assert drain(exploitations)[-1].behavior is None
 
     run_virtual(main())
 

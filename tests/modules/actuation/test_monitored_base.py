@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from app.base.geometry import Pose2
-from app.messages import Exploitation, LaserScan, LinkStatus, Odometry, OperatorDrive, Twist
+from app.messages import Exploitation, LaserScan, LinkStatus, Odometry, TeleopCommand, Twist
 from app.robots.config import circle
 from app.runtime.clock import run_virtual
 from app.runtime.graph import WiringError
@@ -24,7 +24,7 @@ INPUTS = {
     "path": Twist,
     "scans": LaserScan,
     "odometry": Odometry,
-    "operator": OperatorDrive,
+    "operator": TeleopCommand,
 }
 OUTPUTS = {"exploitation": Exploitation, "status": LinkStatus}
 SETTINGS = {
@@ -60,7 +60,7 @@ class Drive:
 
     async def __aenter__(self) -> Drive:
         await self.bench.__aenter__()
-        self.told = self.bench.listen("exploitation")
+        self.exploitations = self.bench.listen("exploitation")
         return self
 
     async def __aexit__(self, *error: object) -> None:
@@ -75,7 +75,7 @@ class Drive:
             if step % 2 == 0:
                 self.sequence += 1
                 if port == "teleop":
-                    drive = OperatorDrive(clock.now(), "ada", self.sequence, True, 1.0, 0.0, self.override)
+                    drive = TeleopCommand(clock.now(), "ada", self.sequence, True, 1.0, 0.0, self.override)
                     self.bench.feed("operator", drive)
                 self.bench.feed(port, Twist(clock.now(), linear, angular))
             await clock.sleep(0.025)
@@ -86,7 +86,7 @@ class Drive:
 
     @property
     def limited(self) -> str:
-        return str(drain(self.told)[-1].limited)
+        return str(drain(self.exploitations)[-1].limited)
 
 
 def test_in_the_open_it_drives_as_ever() -> None:
@@ -100,7 +100,7 @@ def test_in_the_open_it_drives_as_ever() -> None:
 
 
 @pytest.mark.parametrize("port", ["teleop", "path"])
-def test_whoever_drives_is_slowed_and_stopped_before_a_wall(port: str) -> None:
+def test_every_driver_is_slowed_and_stopped_before_a_wall(port: str) -> None:
     async def main() -> None:
         async with Drive() as d:
             await d.go(1.5, 0.4, port=port)
@@ -129,7 +129,7 @@ def test_a_stop_waits_for_no_beat_and_no_command() -> None:
             when, twist = d.bench.link.commands[0]
             assert when == seen_at
             assert twist.linear_mps == 0.0
-            assert drain(d.told)[-1].limited == "stopped: something 0.1 m ahead", "told with it"
+            assert drain(d.exploitations)[-1].limited == "stopped: something 0.1 m ahead", "reported with it"
 
     run_virtual(main())
 
@@ -216,10 +216,10 @@ def test_the_override_crawls_only_while_it_is_held_and_only_by_hand() -> None:
             await d.go(0.05, 0.4)
             assert d.sent.linear_mps == 0.0
             # The operator holds the override, but another behavior drives: its twists, the operator's hold.
-            d.bench.feed("operator", OperatorDrive(d.bench.clock.now(), "ada", d.sequence + 1, True, 1.0, 0.0, True))
+            d.bench.feed("operator", TeleopCommand(d.bench.clock.now(), "ada", d.sequence + 1, True, 1.0, 0.0, True))
             await d.bench.clock.sleep(0.3)
             for _ in range(10):
-                d.bench.feed("operator", OperatorDrive(d.bench.clock.now(), "ada", d.sequence + 1, True, 1, 0, True))
+                d.bench.feed("operator", TeleopCommand(d.bench.clock.now(), "ada", d.sequence + 1, True, 1, 0, True))
                 await d.go(0.05, 0.4, port="path")
             assert d.sent.linear_mps == 0.0
             assert d.limited.startswith("stopped")
@@ -243,7 +243,7 @@ def test_what_is_no_hold_overrides_nothing(hold: dict[str, Any]) -> None:
                 now = d.bench.clock.now()
                 d.bench.feed("scans", wall(now, 0.34))
                 stamp = now - hold.get("age_s", 0.0)
-                d.bench.feed("operator", OperatorDrive(stamp, "ada", number, hold["held"], 1, 0, hold["override"]))
+                d.bench.feed("operator", TeleopCommand(stamp, "ada", number, hold["held"], 1, 0, hold["override"]))
                 d.bench.feed("teleop", Twist(now, 0.4, 0.0))
                 await d.bench.clock.sleep(0.025)
                 assert d.sent.linear_mps == 0.0

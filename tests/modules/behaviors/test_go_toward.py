@@ -35,7 +35,7 @@ class Drive:
 
     async def __aenter__(self) -> Drive:
         await self.bench.__aenter__()
-        self._told = self.bench.listen("status")
+        self._status_inbox = self.bench.listen("status")
         self.bench.graph.filters.apply({"Tested.twist": 1})
         self.bench.graph.configure("Tested", self._parameters)
         if self._zones:
@@ -46,12 +46,12 @@ class Drive:
         await self.bench.__aexit__(*error)
 
     async def until(self, state: str, limit_s: float) -> bool:
-        def told() -> bool:
-            self.statuses.extend(drain(self._told))
+        def reached() -> bool:
+            self.statuses.extend(drain(self._status_inbox))
             return bool(self.statuses) and self.statuses[-1].state == state
 
         async with Living(self.world, self.bench):
-            return await until(self.bench, told, limit_s)
+            return await until(self.bench, reached, limit_s)
 
 
 @in_virtual_time
@@ -109,9 +109,9 @@ async def test_without_scans_or_a_pose_it_does_not_move_and_says_why() -> None:
     world = DrivenWorld(ROOM, Pose2(1.0, 2.5, 0.0))
     for missing, said in (("scans", "laser"), ("localize", "where it is")):
         async with Drive(world, x=6.0, y=2.5) as drive, Living(world, drive.bench, **{missing: False}):
-            told = drive.bench.listen("status")
+            statuses = drive.bench.listen("status")
             await drive.bench.clock.sleep(1.0)
-            status = drain(told)[-1]
+            status = drain(statuses)[-1]
         assert status.state == "waiting"
         assert said in status.reason
         assert world.driven_m == 0.0

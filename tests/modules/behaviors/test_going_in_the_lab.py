@@ -35,7 +35,7 @@ def test_through_a_door_and_around_a_box_that_the_laser_looks_over() -> None:
     assert body.streams.kinect is not None
     # Small pictures, and few: drawing them is what this test spends its time on.
     kinect = body.streams.kinect.model_copy(update={"width": 320, "height": 240, "rate_hz": 6})
-    streams = body.streams.model_copy(update={"imv": None, "kinect": kinect})
+    streams = body.streams.model_copy(update={"panorama": None, "kinect": kinect})
     body = body.model_copy(update={"start": start, "scenario": None, "streams": streams})
     world = parse(paths.config_dir() / "worlds" / "lab.yaml", WorldConfig)
     # The suitcase beside the corridor's mouth is too near to the start to be seen by the camera before it is passed.

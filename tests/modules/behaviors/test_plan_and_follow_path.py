@@ -73,7 +73,7 @@ class Drive:
 
     async def __aenter__(self) -> Drive:
         await self.bench.__aenter__()
-        self._told, self._ways = self.bench.listen("status"), self.bench.listen("path")
+        self._status_inbox, self._ways = self.bench.listen("status"), self.bench.listen("path")
         self.twists = self.bench.listen("twist", 10_000)
         self.bench.feed("map", mapped(self.known, SIZE))
         if self._zones:
@@ -90,7 +90,7 @@ class Drive:
 
     @property
     def status(self) -> NavigationStatus:
-        self.statuses.extend(drain(self._told))
+        self.statuses.extend(drain(self._status_inbox))
         self.paths.extend(drain(self._ways))
         return self.statuses[-1] if self.statuses else NavigationStatus(0.0, "", "nothing said", "")
 

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.link import BaseLimits
-from app.messages import OperatorDrive, Twist
+from app.messages import TeleopCommand, Twist
 from app.modules.behaviors.drive_gate import DriveGate
 from app.runtime.clock import run_virtual
 from tests.modules.fakes import LIMITS, Bench, drain
@@ -17,8 +17,8 @@ STICK = st.floats(-1, 1)
 
 def drive(
     stamp: float, sequence: int, linear: float = 0.0, angular: float = 0.0, held: bool = True, operator: str = "anne"
-) -> OperatorDrive:
-    return OperatorDrive(stamp, operator, sequence, held, linear, angular)
+) -> TeleopCommand:
+    return TeleopCommand(stamp, operator, sequence, held, linear, angular)
 
 
 @given(STICK, STICK, st.floats(0.01, 1))
@@ -93,7 +93,7 @@ TELEOP = "app.modules.behaviors.teleop:Teleop"
 
 
 def bench(**options: object) -> Bench:
-    return Bench(TELEOP, inputs={"operator": OperatorDrive}, outputs={"twist": Twist}, **options)  # type: ignore[arg-type]
+    return Bench(TELEOP, inputs={"operator": TeleopCommand}, outputs={"twist": Twist}, **options)  # type: ignore[arg-type]
 
 
 def test_the_module_drives_while_held_and_stops_within_300_ms_of_silence() -> None:

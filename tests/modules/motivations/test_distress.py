@@ -177,7 +177,7 @@ def test_people_who_drive_are_no_distress(state: str) -> None:
     assert list(story.said()) == [(320, "INSISTING")]
 
 
-def test_what_nobody_serves_is_left_to_attention() -> None:
+def test_a_class_that_nothing_serves_is_left_to_attention() -> None:
     story = Story()
     story.until(500, lambda now: None)
     assert story.acts == []
@@ -185,7 +185,7 @@ def test_what_nobody_serves_is_left_to_attention() -> None:
     assert story.acts == []
 
 
-def test_insisting_that_leaves_nobody_to_go_is_taken_back_and_not_tried_again() -> None:
+def test_insisting_that_leaves_no_driver_is_taken_back_and_not_tried_again() -> None:
     story = Story()
     story.until(22)
     story.until(26, lambda now: None)
@@ -204,7 +204,7 @@ def test_the_status_of_a_goal_is_the_newest_about_it_since_it_was_given() -> Non
     assert status_of(GOAL, GIVEN, [second, first, old, other, idle]) is second
 
 
-def test_goals_are_the_same_with_the_same_heading_or_nobodys() -> None:
+def test_goals_are_the_same_with_the_same_heading_or_none() -> None:
     assert same_goal(GOAL, Pose2(3.0, 4.0, math.nan))
     assert same_goal(Pose2(3, 4, math.pi), Pose2(3, 4, -math.pi))
     assert not same_goal(GOAL, Pose2(3, 4, 0.0))

@@ -82,7 +82,7 @@ class Life:
             self.workspace.expire()
 
     @property
-    def told(self) -> list[str]:
+    def sentences(self) -> list[str]:
         return [event.text for event in self.timeline.query(kinds=["goal"])]
 
 
@@ -98,7 +98,7 @@ def test_a_goal_that_is_reached_is_no_longer_desired(heading: float | None, port
             life.say("arrived", mine, port=port)
             await life.bench.settle()
             assert life.workspace.desires() == (other,), "whoever wanted the same has the same"
-            assert life.told == ["Arrived at (3.00, 4.00): ada's desire is fulfilled"]
+            assert life.sentences == ["Arrived at (3.00, 4.00): ada's desire is fulfilled"]
             assert same.id != mine.id
 
     run_virtual(main())
@@ -144,7 +144,7 @@ def test_distress_insists_inhibits_and_is_over_when_it_gets_on() -> None:
             assert life.workspace.get(goal.id) == goal
             assert life.workspace.strongest()["LocateFaces"] == faces
             assert len(life.workspace.desires()) == 3
-            assert life.told == [
+            assert life.sentences == [
                 "Distress: (3.00, 4.00) has come no nearer for 5 s; insists on it",
                 "Distress: (3.00, 4.00) has come no nearer for 10 s; insists on it and inhibits LocateFaces",
                 "Distress is over, it gets on again: desires are as they were before",
@@ -162,7 +162,7 @@ def test_what_comes_no_nearer_is_given_up_and_people_are_asked(caplog: pytest.Lo
             await life.pass_time(21, "waiting", goal, reason="asks for help", limited="stopped: something 0.1 m ahead")
             assert life.workspace.desires() == (faces,)
             why = "no progress for 20 s (asks for help; stopped: something 0.1 m ahead)"
-            assert life.told[-2:] == [
+            assert life.sentences[-2:] == [
                 "Distress is over, it is given up: desires are as they were before",
                 f"Gave up going to (3.00, 4.00): {why}. Please help, or send it elsewhere",
             ]
@@ -184,7 +184,9 @@ def test_an_unreachable_goal_is_given_up_with_its_reason() -> None:
             assert life.workspace.desires() == (goal,)
             await life.pass_time(1.5, "unreachable", goal, reason="walls all around")
             assert life.workspace.desires() == ()
-            assert life.told == ["Gave up going to (3.00, 4.00): walls all around. Please help, or send it elsewhere"]
+            assert life.sentences == [
+                "Gave up going to (3.00, 4.00): walls all around. Please help, or send it elsewhere"
+            ]
 
     run_virtual(main())
 
@@ -236,7 +238,7 @@ def test_nothing_of_it_is_left_when_the_goal_or_the_module_is_gone(ended: str) -
     run_virtual(main())
 
 
-def test_an_inhibited_class_is_nobodys_errand() -> None:
+def test_an_inhibited_class_is_no_errand() -> None:
     async def main() -> None:
         life = Life()
         async with life.bench:
@@ -244,12 +246,12 @@ def test_an_inhibited_class_is_nobodys_errand() -> None:
             life.go(intensity=8.0, utility=0.0)
             await life.pass_time(30, "following", goal)
             assert len(life.workspace.desires()) == 2
-            assert life.told == []
+            assert life.sentences == []
 
     run_virtual(main())
 
 
-def test_inhibiting_ends_by_itself_should_nobody_take_it_back() -> None:
+def test_inhibiting_ends_by_itself_if_it_is_not_taken_back() -> None:
     async def main() -> None:
         life = Life({"inhibits": ["LocateFaces"]})
         async with life.bench:

@@ -95,7 +95,7 @@ def test_restarts_do_not_double_desires() -> None:
     run_virtual(main())
 
 
-def test_a_desire_somebody_removed_meanwhile_does_not_matter() -> None:
+def test_a_desire_removed_meanwhile_does_not_matter() -> None:
     async def main() -> None:
         b, workspace, _ = bench()
         async with b:

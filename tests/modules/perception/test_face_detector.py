@@ -9,7 +9,7 @@ from app.base.geometry import Pose2
 from app.messages import Face, Faces, Image, Odometry
 from app.runtime.clock import run_virtual
 from tests.modules.fakes import Bench, drain
-from tests.scenery.face_scenes import FaceCard, facing, imv_image, kinect_image
+from tests.scenery.face_scenes import FaceCard, facing, kinect_image, panorama_image
 
 PILOT, VISITOR = facing("pilot", (2.0, 0.4, 1.6)), facing("visitor", (1.8, -0.5, 1.5))
 CAMERAS = ("images", "panorama")
@@ -58,7 +58,7 @@ def test_faces_are_placed_by_depth_and_by_height_and_keep_their_numbers_over_bot
                 at, X_OB = start + 0.1 * shot, Pose2(0.0, 0.0, -0.3 + 0.08 * shot)
                 be_at(b, at, X_OB)
                 camera = "images" if shot % 2 else "panorama"
-                image = (kinect_image if shot % 2 else imv_image)(at, X_OB, [PILOT, VISITOR], seed=shot)
+                image = (kinect_image if shot % 2 else panorama_image)(at, X_OB, [PILOT, VISITOR], seed=shot)
                 b.feed(camera, image)
                 faces = await seen.receive()
                 assert (faces.stamp, faces.frame) == (at, image.frame)
@@ -84,7 +84,7 @@ def test_faces_are_placed_by_depth_and_by_height_and_keep_their_numbers_over_bot
 
 @pytest.mark.parametrize("camera", CAMERAS)
 def test_either_camera_may_be_missing(camera: str) -> None:
-    make = {"images": kinect_image, "panorama": imv_image}[camera]
+    make = {"images": kinect_image, "panorama": panorama_image}[camera]
 
     async def main() -> None:
         async with bench((camera,)) as b:
@@ -113,7 +113,7 @@ def test_a_closed_camera_is_not_looked_at() -> None:
             b.graph.filters.apply({"Tested.images": 1})
             at = b.clock.now()
             be_at(b, at, Pose2())
-            b.feed("panorama", imv_image(at, Pose2(), [PILOT]))
+            b.feed("panorama", panorama_image(at, Pose2(), [PILOT]))
             b.feed("images", kinect_image(at, Pose2(), [PILOT]))
             await b.clock.sleep(0.5)
             assert [faces.frame for faces in drain(seen)] == ["kinect"]
@@ -175,7 +175,7 @@ def test_after_a_restart_numbers_go_on() -> None:
                 return sorted(face.track for face in (await seen.receive()).faces)
 
             assert await look(PILOT, VISITOR) == [1, 2]
-            assert await look() == [], "what was told last does not say how many there were"
+            assert await look() == [], "what was published last does not say how many there were"
             b.feed("images", None)  # cannot be an image: the module fails
             await b.clock.sleep(2.0)
             assert b.supervisor.states["Tested"].restarts == 1

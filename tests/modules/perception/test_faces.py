@@ -17,7 +17,7 @@ from app.modules.perception.faces.panorama import Strip, StripView
 from app.modules.perception.faces.yunet import MODEL, Detection, YuNetDetector, merged, overlap
 from app.modules.perception.height_prior import SHARES, STANDING
 from app.robots.simulated.scenery import gait, scenario_state
-from tests.scenery.face_scenes import IMV, NAMES, X_BIMV, X_BKINECT, facing, imv_image, kinect_image
+from tests.scenery.face_scenes import NAMES, PANORAMA, X_BKINECT, X_BPANORAMA, facing, kinect_image, panorama_image
 from tests.scenery.photographs import boxed_photographs, read_rgb, score_against
 
 VIEW = StripView(326)
@@ -90,8 +90,8 @@ def test_of_overlapping_boxes_the_higher_scored_stays() -> None:
 def test_a_strip_stands_upright_however_the_camera_is_held(
     azimuth: float, elevation: float, tilt: float, roll: float
 ) -> None:
-    X_BC = Pose3.from_translation_rpy((0, 0, 0), (roll, tilt, 0)) @ X_BIMV
-    strip = Strip(IMV, X_BC.rotation[2], StripView(60))
+    X_BC = Pose3.from_translation_rpy((0, 0, 0), (roll, tilt, 0)) @ X_BPANORAMA
+    strip = Strip(PANORAMA, X_BC.rotation[2], StripView(60))
     column = (strip.view.azimuth - azimuth) * 60 - 0.5
     row = (strip.view.highest - elevation) * 60 - 0.5
     x, y, z = X_BC.rotation @ strip.rays(np.array((column, row)))
@@ -101,13 +101,13 @@ def test_a_strip_stands_upright_however_the_camera_is_held(
 
 
 def test_a_strip_shows_what_the_fisheye_sees_there() -> None:
-    color = np.zeros((IMV.height, IMV.width, 3), np.uint8)
+    color = np.zeros((PANORAMA.height, PANORAMA.width, 3), np.uint8)
     ray_B = np.array((math.cos(1.2) * math.cos(0.3), math.sin(1.2) * math.cos(0.3), math.sin(0.3)))
-    u, v = np.round(IMV.project(X_BIMV.rotation.T @ ray_B)).astype(int)
+    u, v = np.round(PANORAMA.project(X_BPANORAMA.rotation.T @ ray_B)).astype(int)
     color[v - 1 : v + 2, u - 1 : u + 2] = 255
-    strip = Strip(IMV, X_BIMV.rotation[2], VIEW)
+    strip = Strip(PANORAMA, X_BPANORAMA.rotation[2], VIEW)
     rows, columns = np.nonzero(strip.unroll(color)[..., 0] > 128)
-    seen = X_BIMV.rotation @ strip.rays(np.array((columns.mean(), rows.mean())))
+    seen = X_BPANORAMA.rotation @ strip.rays(np.array((columns.mean(), rows.mean())))
     assert math.degrees(math.acos(min(1.0, float(seen @ ray_B)))) < 0.2
 
 
@@ -118,14 +118,14 @@ def test_a_strip_of_people_holds_their_faces(camera: float, face: float, distanc
 
 
 def test_a_strip_is_made_again_when_the_camera_tilts_and_not_when_it_trembles() -> None:
-    strip = Strip(IMV, X_BIMV.rotation[2], StripView(60))
+    strip = Strip(PANORAMA, X_BPANORAMA.rotation[2], StripView(60))
     for degrees, fits in ((0.3, True), (3.0, False)):
-        tilted = Pose3.from_translation_rpy((0, 0, 0), (0, math.radians(degrees), 0)) @ X_BIMV
-        assert strip.fits(IMV, tilted.rotation[2]) == fits
+        tilted = Pose3.from_translation_rpy((0, 0, 0), (0, math.radians(degrees), 0)) @ X_BPANORAMA
+        assert strip.fits(PANORAMA, tilted.rotation[2]) == fits
 
 
 def test_a_box_at_the_rim_is_reported_in_pixels_of_the_image() -> None:
-    strip = Strip(IMV, X_BIMV.rotation[2], VIEW)
+    strip = Strip(PANORAMA, X_BPANORAMA.rotation[2], VIEW)
     face = Detection(0.9, (60.0, 60.0, 50.0, 60.0), np.full((5, 2), 85, np.float32))
     seen = in_image(face, strip)
     assert seen is not None
@@ -163,8 +163,8 @@ def test_faces_all_around_have_their_direction_and_a_distance_with_its_deviation
 ) -> None:
     a = math.radians(azimuth)
     card = facing("lecturer", (0.1 + distance * math.cos(a), distance * math.sin(a), 1.5))
-    (sighting,) = looker.look(imv_image(0, Pose2(), [card]), None, 326)
-    truth = np.array(card.place) - X_BIMV.translation
+    (sighting,) = looker.look(panorama_image(0, Pose2(), [card]), None, 326)
+    truth = np.array(card.place) - X_BPANORAMA.translation
     true_range = float(np.linalg.norm(truth))
     assert math.degrees(math.acos(min(1.0, float(sighting.ray @ truth) / true_range))) < 1.0
     assert abs(sighting.range_m - true_range) < 2 * sighting.range_sigma_m

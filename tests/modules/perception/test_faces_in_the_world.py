@@ -43,26 +43,26 @@ class World:
         self._simulation = build_simulation(robot, make_hall(), TrueBase(0.1, 0.1, 0.44), self.scenario_state.actors)
         self._people = PersonBodies(self._simulation.model, self.scenario_state.actors)
         self.renderer = Renderer(self._simulation.model)
-        kinect, imv = robot.streams.kinect, robot.streams.imv
+        kinect, panorama = robot.streams.kinect, robot.streams.panorama
         assert kinect is not None
-        assert imv is not None
+        assert panorama is not None
         model, links = self._simulation.model, load_model(robot.model)
         self._kinect = KinectRenderer(self.renderer, model, kinect, np.random.default_rng(1))
-        self._imv = FisheyeRenderer(self.renderer, model, imv, np.random.default_rng(2), kinect.height)
+        self._panorama = FisheyeRenderer(self.renderer, model, panorama, np.random.default_rng(2), kinect.height)
         self._lenses: dict[str, CameraModel | FisheyeModel] = {}
-        self._lenses = {"kinect": camera_model(kinect), "imv": fisheye_model(imv)}
-        self._X_BC = {"kinect": links.pose(kinect.link), "imv": links.pose(imv.link)}
+        self._lenses = {"kinect": camera_model(kinect), "panorama": fisheye_model(panorama)}
+        self._X_BC = {"kinect": links.pose(kinect.link), "panorama": links.pose(panorama.link)}
         self._initial = WorldSnapshot.initial(model)
 
     def look(self, camera: str, X_WB: Pose2) -> Image:
-        """What ``kinect`` or ``imv`` sees now, with the robot at ``X_WB``."""
+        """What ``kinect`` or ``panorama`` sees now, with the robot at ``X_WB``."""
         self._people.pose(self._simulation.data)
         qpos, base = self._initial.qpos.copy(), self._simulation.base_address
         qpos[base : base + 7] = [X_WB.x, X_WB.y, 0, math.cos(X_WB.theta / 2), 0, 0, math.sin(X_WB.theta / 2)]
         lens, X_BC = self._lenses[camera], self._X_BC[camera]
         color = np.zeros((lens.height, lens.width, 3), np.uint8)
         depth = np.zeros((lens.height, lens.width), np.uint16) if camera == "kinect" else None
-        eye: CameraRenderer = self._kinect if camera == "kinect" else self._imv
+        eye: CameraRenderer = self._kinect if camera == "kinect" else self._panorama
         for _ in eye.draw(WorldSnapshot(0.0, qpos, mocap_poses(self._simulation.data), X_BC)):
             pass
         eye.measure(color, depth)
@@ -130,7 +130,7 @@ def test_the_panorama_finds_everybody_around_and_knows_how_far_within_its_deviat
 ) -> None:
     crowd = [("pilot", -1.4, 2.5), ("lecturer", -0.6, 1.2), ("programmer", 0.3, 3.0), ("visitor", 1.35, 2.0)]
     world = make(*(standing(*person) for person in crowd))
-    pairs = paired(looker.look(world.look("imv", HERE), None, 400), world.faces(HERE))
+    pairs = paired(looker.look(world.look("panorama", HERE), None, 400), world.faces(HERE))
     assert len(pairs) == 4
     for sighting, truth in pairs:
         assert math.degrees(beside(sighting, truth)) < 1.0
@@ -141,7 +141,7 @@ def test_the_panorama_finds_everybody_around_and_knows_how_far_within_its_deviat
 def test_people_taller_and_smaller_than_supposed_are_as_far_off_as_said(make: Make, looker: FaceLocator) -> None:
     """1.50 m and 1.95 m are 2.1 and 2.4 deviations from the mean."""
     world = make(standing("pilot", -0.5, 2.0, height_m=1.50), standing("visitor", 0.5, 2.0, height_m=1.95))
-    for sighting, truth in paired(looker.look(world.look("imv", HERE), None, 400), world.faces(HERE)):
+    for sighting, truth in paired(looker.look(world.look("panorama", HERE), None, 400), world.faces(HERE)):
         error = sighting.range_m - float(np.linalg.norm(truth - sighting.origin))
         assert 1.2 < abs(error) / sighting.range_sigma_m < 4
 
@@ -159,7 +159,7 @@ def test_a_walker_keeps_his_number_past_a_bystander_over_both_cameras_while_the_
         time_s = 2.0 + 0.1 * shot
         world.scenario_state.advance(time_s, HERE)
         X_WB = Pose2(HERE.x, HERE.y, 0.3 - 0.04 * shot)
-        camera = ("imv", "kinect", "kinect")[shot % 3]
+        camera = ("panorama", "kinect", "kinect")[shot % 3]
         image = world.look(camera, X_WB)
         sightings = looker.look(image, 640, 400)
         truths = world.faces(X_WB)
@@ -172,4 +172,4 @@ def test_a_walker_keeps_his_number_past_a_bystander_over_both_cameras_while_the_
     assert [len(set(seen)) for seen in numbers.values()] == [1, 1]
     assert set(numbers[0]) != set(numbers[1])
     assert min(len(seen) for seen in numbers.values()) > 10
-    assert max(errors) < 0.25, "also in the panorama, once the Kinect has told their heights"
+    assert max(errors) < 0.25, "also in the panorama, once the Kinect has measured their heights"

@@ -10,7 +10,7 @@ import pytest
 
 from app.base.geometry import Pose2, Pose3
 from app.modules.perception.faces.face_position import FaceSighting
-from app.modules.perception.faces.face_tracks import FaceTracks, PlacedFace, TrackModel
+from app.modules.perception.faces.face_tracks import FaceTracks, TrackedFace, TrackModel
 from app.modules.perception.faces.yunet import Detection
 from app.modules.perception.height_prior import range_from_height
 
@@ -40,7 +40,7 @@ def sight(
     return FaceSighting(face, ORIGIN, ray, sigma, range_m, range_sigma_m, depth)
 
 
-def numbers(placed: Iterable[PlacedFace]) -> list[int]:
+def numbers(placed: Iterable[TrackedFace]) -> list[int]:
     return [p.track for p in placed]
 
 
@@ -75,22 +75,22 @@ def test_of_two_who_could_be_either_each_is_who_is_more_likely() -> None:
 def test_a_number_outlives_missed_images_for_about_a_second_and_no_longer(depth: bool) -> None:
     tracks = FaceTracks()
     for shot in range(10):
-        tracks.see(shot / 10, "imv", [sight((2.0, 0.1 * shot, 1.6), depth=depth)], HERE)
+        tracks.see(shot / 10, "panorama", [sight((2.0, 0.1 * shot, 1.6), depth=depth)], HERE)
     for shot in range(10, 19):
-        tracks.see(shot / 10, "imv", [], HERE)
-    assert numbers(tracks.see(1.9, "imv", [sight((2.0, 1.9, 1.6), depth=depth)], HERE)) == [1]
+        tracks.see(shot / 10, "panorama", [], HERE)
+    assert numbers(tracks.see(1.9, "panorama", [sight((2.0, 1.9, 1.6), depth=depth)], HERE)) == [1]
     assert tracks.numbers == (1,)
-    tracks.see(3.2, "imv", [], HERE)
+    tracks.see(3.2, "panorama", [], HERE)
     assert tracks.numbers == ()
-    assert numbers(tracks.see(3.3, "imv", [sight((2.0, 2.0, 1.6), depth=depth)], HERE)) == [2]
+    assert numbers(tracks.see(3.3, "panorama", [sight((2.0, 2.0, 1.6), depth=depth)], HERE)) == [2]
 
 
 def test_a_stream_thinned_to_little_more_than_one_image_a_second_keeps_numbers_too() -> None:
     tracks = FaceTracks()
-    seen = [tracks.see(0.8 * shot, "imv", [sight((2.0, 0.3 * shot, 1.6), depth=False)], HERE) for shot in range(6)]
+    seen = [tracks.see(0.8 * shot, "panorama", [sight((2.0, 0.3 * shot, 1.6), depth=False)], HERE) for shot in range(6)]
     assert [numbers(placed) for placed in seen] == [[1]] * 6
-    tracks.see(4.8, "imv", [], HERE)
-    assert numbers(tracks.see(5.6, "imv", [sight((2.0, 2.1, 1.6), depth=False)], HERE)) == [1], "one was missed"
+    tracks.see(4.8, "panorama", [], HERE)
+    assert numbers(tracks.see(5.6, "panorama", [sight((2.0, 2.1, 1.6), depth=False)], HERE)) == [1], "one was missed"
 
 
 def test_a_robot_that_turns_sees_the_same_faces() -> None:
@@ -107,18 +107,18 @@ def test_both_cameras_give_one_number_and_depth_teaches_the_height_that_the_othe
     rng = np.random.default_rng(9)
     tracks = FaceTracks()
     tall = (2.5, 0.3, 1.85)
-    (alone,) = FaceTracks().see(0.0, "imv", [sight(tall, depth=False)], HERE)
+    (alone,) = FaceTracks().see(0.0, "panorama", [sight(tall, depth=False)], HERE)
     assert np.linalg.norm(alone.p_BF - tall) > 0.6, "taken for a person of mean height, he is supposed too near"
     for shot in range(10):
         t = 0.1 * shot
         tracks.see(t, "kinect", [sight(tall, rng=rng)], HERE)
-        (placed,) = tracks.see(t + 0.03, "imv", [sight(tall, depth=False, rng=rng)], HERE)
+        (placed,) = tracks.see(t + 0.03, "panorama", [sight(tall, depth=False, rng=rng)], HERE)
         assert placed.track == 1
         assert np.linalg.norm(placed.p_BF - tall) < 0.1
     # He walks on, where only the panorama sees him.
     for shot in range(10, 25):
         place = (2.5, 0.3 + 0.1 * (shot - 9), 1.85)
-        (placed,) = tracks.see(0.1 * shot, "imv", [sight(place, depth=False, rng=rng)], HERE)
+        (placed,) = tracks.see(0.1 * shot, "panorama", [sight(place, depth=False, rng=rng)], HERE)
         assert placed.track == 1
         deviation = placed.p_BF - place
         assert np.linalg.norm(deviation) < 0.3
@@ -132,7 +132,7 @@ def test_a_guess_repeated_is_not_taken_for_knowledge(height: float) -> None:
     tracks = FaceTracks()
     place = (2.0, 0.5, height)
     for shot in range(60):
-        (placed,) = tracks.see(0.1 * shot, "imv", [sight(place, depth=False, rng=rng)], HERE)
+        (placed,) = tracks.see(0.1 * shot, "panorama", [sight(place, depth=False, rng=rng)], HERE)
         assert placed.track == 1
         deviation = placed.p_BF - place
         assert deviation @ np.linalg.solve(placed.covariance, deviation) < 25
@@ -143,7 +143,7 @@ def test_a_person_who_comes_nearer_is_known_to_be_nearer() -> None:
     tracks = FaceTracks()
     for shot in range(40):
         place = (4.0 - 0.07 * shot, 0.2, 1.6)
-        (placed,) = tracks.see(0.1 * shot, "imv", [sight(place, depth=False)], HERE)
+        (placed,) = tracks.see(0.1 * shot, "panorama", [sight(place, depth=False)], HERE)
     assert placed.track == 1
     assert placed.p_BF[0] == pytest.approx(place[0], abs=0.25)
 
@@ -162,7 +162,7 @@ def test_without_a_pose_boxes_that_overlap_are_the_same_face() -> None:
 def test_an_image_that_comes_late_changes_nothing_of_the_numbers() -> None:
     tracks = FaceTracks()
     tracks.see(1.00, "kinect", [sight((2.0, 0.0, 1.6))], HERE)
-    assert numbers(tracks.see(0.90, "imv", [sight((2.0, 0.05, 1.6), depth=False)], HERE)) == [1]
+    assert numbers(tracks.see(0.90, "panorama", [sight((2.0, 0.05, 1.6), depth=False)], HERE)) == [1]
     assert numbers(tracks.see(1.07, "kinect", [sight((2.0, 0.0, 1.6))], HERE)) == [1]
 
 

@@ -60,9 +60,9 @@ def test_each_clap_is_reported_once_with_the_frame_it_came_in() -> None:
         async with bench() as b:
             noises = b.listen("noises")
             begin = await play(b, room(5.0, claps))
-            told = drain(noises)
-            assert len(told) == len(claps)
-            for noise, at in zip(told, claps, strict=True):
+            found = drain(noises)
+            assert len(found) == len(claps)
+            for noise, at in zip(found, claps, strict=True):
                 assert -512 / RATE <= noise.stamp - begin - at <= 512 / RATE
                 assert noise.ratio > 100
                 assert -25 < noise.level_db < -8
@@ -78,20 +78,20 @@ def test_frames_of_another_size_make_no_difference(size: int) -> None:
         async with bench() as b:
             noises = b.listen("noises")
             begin = await play(b, room(3.5, claps), size=size, channels=1)
-            told = [noise.stamp - begin for noise in drain(noises)]
-            assert len(told) == 2
-            assert all(-0.0107 <= stamp - at <= 0.0107 for stamp, at in zip(told, claps, strict=True))
+            found = [noise.stamp - begin for noise in drain(noises)]
+            assert len(found) == 2
+            assert all(-0.0107 <= stamp - at <= 0.0107 for stamp, at in zip(found, claps, strict=True))
 
     run_virtual(main())
 
 
-def test_it_listens_to_the_microphone_it_was_reported_to() -> None:
+def test_it_listens_to_the_configured_microphone() -> None:
     async def main() -> None:
-        for channel, told in ((1, 1), (2, 0)):
+        for channel, found in ((1, 1), (2, 0)):
             async with bench(microphone=1) as b:
                 noises = b.listen("noises")
                 await play(b, room(2.0, [1.5]), channel=channel)
-                assert len(drain(noises)) == told
+                assert len(drain(noises)) == found
 
     run_virtual(main())
 

@@ -43,9 +43,9 @@ def with_clap(energies: NDArray[np.float64], at: int, peak: float) -> NDArray[np
 
 def test_a_clap_is_one_noise_at_the_frame_it_begins_with_its_ratio() -> None:
     detector = OnsetDetector()
-    told = {n: r for n, e in enumerate(with_clap(hum(600), 400, 1e-2)) if (r := detector.update(float(e))) is not None}
-    assert list(told) == [400]
-    assert told[400] == pytest.approx(1e-2 / FAN, rel=0.05)
+    found = {n: r for n, e in enumerate(with_clap(hum(600), 400, 1e-2)) if (r := detector.update(float(e))) is not None}
+    assert list(found) == [400]
+    assert found[400] == pytest.approx(1e-2 / FAN, rel=0.05)
 
 
 def test_claps_that_follow_each_other_are_each_reported_and_louder_or_softer_ones_too() -> None:
@@ -121,9 +121,9 @@ def test_people_who_talk_are_no_news_but_one_who_calls_is() -> None:
     for begin in range(500, 3900, 250):
         for syllable in range(begin, begin + 180, 15):
             energies[syllable : syllable + 8] += 10 ** (-3.6 + rng.uniform(-0.2, 0.2))
-    told = begins(energies, LoudnessRule(floor_db=-60))
-    assert told
-    assert max(told) < 2000, "once ten seconds of it were heard, it is usual"
+    found = begins(energies, LoudnessRule(floor_db=-60))
+    assert found
+    assert max(found) < 2000, "once ten seconds of it were heard, it is usual"
     assert max(begins(with_clap(energies, 3700, 10**-2.3), LoudnessRule(floor_db=-60))) == 3700
 
 

@@ -86,9 +86,9 @@ def test_the_module_makes_a_jpeg_of_each_image_with_the_desires_quality() -> Non
             sizes = []
             for quality in (30, 80, 95):
                 b.slot.configure({"jpeg_quality": quality, "max_points": 1000})
-                b.feed("images", Image(4.0, "imv_optical_frame", noise, None, LENS, AHEAD))
+                b.feed("images", Image(4.0, "panorama_optical_frame", noise, None, LENS, AHEAD))
                 picture = await pictures.receive()
-                assert (picture.stamp, picture.frame) == (4.0, "imv_optical_frame")
+                assert (picture.stamp, picture.frame) == (4.0, "panorama_optical_frame")
                 assert (picture.width, picture.height) == (640, 384)
                 shape = np.asarray(cv2.imdecode(np.frombuffer(picture.jpeg, np.uint8), cv2.IMREAD_COLOR)).shape
                 assert shape == (384, 640, 3)

@@ -86,7 +86,7 @@ def test_angles_are_seen_from_the_camera(perception: Perception) -> None:
     perception.say("panorama_jpeg", panorama(9.9))
     (face,) = perception.at(10.0)["faces"]
     assert face["panorama"] == [face["azimuth"], face["elevation"]]
-    assert (face["camera"], face["image"], face["box"]) == ("imv_optical_frame", [1024, 768], [400, 300, 40, 50])
+    assert (face["camera"], face["image"], face["box"]) == ("panorama_optical_frame", [1024, 768], [400, 300, 40, 50])
 
 
 def test_a_face_is_seen_from_where_its_camera_was_when_it_was_seen(perception: Perception) -> None:
@@ -102,7 +102,7 @@ def test_a_face_is_seen_from_where_its_camera_was_when_it_was_seen(perception: P
     assert old["panorama"] == new["panorama"] == pytest.approx([0.0, -math.pi / 4], abs=1e-4)
 
 
-def test_a_face_is_told_until_it_was_not_seen_for_a_second(perception: Perception) -> None:
+def test_a_face_is_published_until_it_was_not_seen_for_a_second(perception: Perception) -> None:
     perception.say("faces", faces(10.0))
     perception.say("faces", faces(10.1, (3.0, 0.0, 1.2), first=2))
     assert [face["track"] for face in perception.at(11.0)["faces"]] == [1, 2]
@@ -125,7 +125,7 @@ def test_one_face_in_two_cameras_is_two_entries_of_one_track(perception: Percept
     perception.say("faces", faces(10.0))
     perception.say("faces", faces(10.0, frame="kinect_optical_frame"))
     entries = [(face["track"], face["camera"]) for face in perception.at(10.0)["faces"]]
-    assert entries == [(1, "imv_optical_frame"), (1, "kinect_optical_frame")]
+    assert entries == [(1, "kinect_optical_frame"), (1, "panorama_optical_frame")]
 
 
 def test_a_sound_falls_silent_and_goes(perception: Perception) -> None:
@@ -138,7 +138,7 @@ def test_a_sound_falls_silent_and_goes(perception: Perception) -> None:
     assert not perception.at(12.1)["sounds"]
 
 
-def test_a_sound_whose_track_died_or_of_which_nobody_speaks_is_silent(perception: Perception) -> None:
+def test_a_sound_whose_track_ended_or_is_not_reported_is_silent(perception: Perception) -> None:
     perception.say("sound_sources", sound_sources(10.0, sound_source(1), sound_source(2, 1.0)))
     perception.say("sound_sources", sound_sources(10.1, sound_source(2, 1.0)))
     assert [(sound["track"], sound["active"]) for sound in perception.at(10.1)["sounds"]] == [(1, False), (2, True)]
@@ -164,7 +164,7 @@ def test_what_is_not_known_of_a_sound_is_null(perception: Perception) -> None:
     assert [sound[name] for name in ("speech", "range_m", "x", "y", "z", "panorama")] == [None] * 6
 
 
-def test_noises_are_told_for_two_seconds(perception: Perception) -> None:
+def test_noises_are_published_for_two_seconds(perception: Perception) -> None:
     for number in range(5):
         perception.say("loud_noises", LoudNoise(10.0 + number, 25.123456, -20.0))
     assert [noise["stamp"] for noise in perception.at(14.5)["noises"]] == [13.0, 14.0]
@@ -180,7 +180,7 @@ said = st.one_of(
 
 
 @given(st.lists(st.tuples(st.floats(0.0, 0.5), said), max_size=60))
-def test_all_that_is_told_is_young_and_told_once(story: list[tuple[float, tuple[str, int]]]) -> None:
+def test_percepts_are_young_and_published_once(story: list[tuple[float, tuple[str, int]]]) -> None:
     perception, now = Perception(), 100.0
     for pause, (what, track) in story:
         now += pause
@@ -199,12 +199,12 @@ def test_all_that_is_told_is_young_and_told_once(story: list[tuple[float, tuple[
         assert len({sound.track for sound in perceived.sounds}) == len(perceived.sounds)
 
 
-def test_a_code_is_told_as_it_was_read_until_it_is_gone(perception: Perception) -> None:
+def test_a_code_is_published_as_it_was_read_until_it_is_gone(perception: Perception) -> None:
     perception.say("qr_codes", codes(10.0))
     (code,) = perception.at(10.5)["codes"]
     assert code == {
         "text": "stop 1",
-        "camera": "imv_optical_frame",
+        "camera": "panorama_optical_frame",
         "stamp": 10.0,
         "corners": [[1, 2], [11, 2], [11, 12], [1, 12]],
         "image": [1024, 768],
@@ -213,7 +213,7 @@ def test_a_code_is_told_as_it_was_read_until_it_is_gone(perception: Perception) 
     assert perception.at(11.05)["codes"] == []
 
 
-def test_what_is_over_is_forgotten_though_nobody_asks(perception: Perception) -> None:
+def test_what_is_over_is_forgotten_without_a_request(perception: Perception) -> None:
     """A robot that runs for days meets many people while no page is open."""
     seen = faces(10.0)
     heard = sound_sources(10.0)

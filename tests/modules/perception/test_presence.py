@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.modules.perception.presence import Hysteresis, Presence, Sighting, look
+from app.modules.perception.presence import Hysteresis, PresenceState, Sighting, look
 
 PLAIN = Hysteresis(sightings=2, off_looks=2, off_s=0.5, moved_m=0.5, turned_rad=0.5, change_s=1.0)
 
@@ -19,7 +19,7 @@ class Eyes:
 
     def __init__(self, rule: Hysteresis = PLAIN) -> None:
         self.rule = rule
-        self.presence = Presence()
+        self.presence = PresenceState()
         self.said: list[tuple[float, str, str]] = []
 
     def look(self, stamp: float, *sightings: Sighting, source: str = "kinect") -> None:
@@ -154,7 +154,7 @@ RULES = st.builds(
 def test_events_alternate_are_debounced_and_only_looks_make_them(
     rule: Hysteresis, looks: list[tuple[float, str, list[Sighting]]]
 ) -> None:
-    presence, stamp = Presence(), 100.0
+    presence, stamp = PresenceState(), 100.0
     there: dict[str, str] = {}
     last_event: dict[str, float] = {}
     last_seen: dict[str, tuple[float, str]] = {}

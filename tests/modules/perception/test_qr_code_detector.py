@@ -151,7 +151,7 @@ X_BL = Pose3.from_translation_rpy((0.2, 0.0, 0.4))
 
 def panorama_image(stamp: float, X_OB: Pose2, seed: int = 0) -> Image:
     X_CQ = (X_OB.to_pose3() @ X_BC).inverse() @ DOOR
-    return Image(stamp, "imv_optical_frame", picture(PANORAMA, {"door": X_CQ}, seed=seed), None, PANORAMA, X_BC)
+    return Image(stamp, "panorama_optical_frame", picture(PANORAMA, {"door": X_CQ}, seed=seed), None, PANORAMA, X_BC)
 
 
 def wall_scan(stamp: float, X_OB: Pose2, wall_y: float = 0.9) -> LaserScan:
@@ -203,7 +203,7 @@ def test_a_panoramas_code_hangs_where_its_ray_meets_the_wall_that_the_laser_sees
             seen = [m for m in drain(codes) if m.codes]
             assert len(seen) >= 3
             for message in seen:
-                assert message.frame == "imv_optical_frame"
+                assert message.frame == "panorama_optical_frame"
                 (code,) = message.codes
                 assert code.p_BQ is not None
                 expected = pose(message.stamp - start).inverse().to_pose3().transform(DOOR.translation)

@@ -171,7 +171,7 @@ def test_real_photographs(name: str, least: int) -> None:
 
 
 def panorama(posters: dict[str, Pose3], **kind: Any) -> Image:
-    return Image(0.0, "imv_optical_frame", picture(PANORAMA, posters, **kind), None, PANORAMA, X_BC)
+    return Image(0.0, "panorama_optical_frame", picture(PANORAMA, posters, **kind), None, PANORAMA, X_BC)
 
 
 @pytest.mark.parametrize("azimuth_deg", [-80, -45, 0, 30, 75])

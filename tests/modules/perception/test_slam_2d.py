@@ -13,10 +13,10 @@ import pytest
 
 from app.base import compiled
 from app.base.geometry import Pose2, Pose3
-from app.maps.control import MapControl, MapUnavailable
 from app.maps.library import GRAPH, MapLibrary
+from app.maps.map_service import MapService, MapUnavailable
 from app.messages import LaserScan, Localization, OccupancyGrid, Odometry, Zone, Zones, read_only
-from app.modules.perception.slam.session import stored_map
+from app.modules.perception.slam.map_session import stored_map
 from app.modules.perception.slam_2d import SLAM2D
 from app.runtime.clock import run_virtual
 from app.runtime.filter import CLOSED
@@ -34,14 +34,14 @@ class Body:
     """A body that is wherever the test puts it, its odometry, and the module."""
 
     def __init__(self, library: MapLibrary, walls: Sequence[Segment] = HALL, **settings: Any) -> None:
-        self.control = MapControl()
+        self.control = MapService()
         self.library = library
         self.walls = walls
         self.bench = Bench(
             "app.modules.perception.slam_2d:SLAM2D",
             inputs={"scans": LaserScan, "odometry": Odometry},
             outputs={"localization": Localization, "map": OccupancyGrid, "zones": Zones},
-            services={MapLibrary: library, MapControl: self.control},
+            services={MapLibrary: library, MapService: self.control},
             settings=settings,
         )
         self.X_WB = ROUND[0]
@@ -116,8 +116,8 @@ def kept(tmp_path_factory: pytest.TempPathFactory) -> MapLibrary:
 
     async def script(body: Body) -> None:
         await body.go(ROUND)
-        await body.control.keeper.mark((STAIRS,))
-        await body.control.keeper.save("hall")
+        await body.control.server.mark((STAIRS,))
+        await body.control.server.save("hall")
 
     live(script, library)
     return library
@@ -245,7 +245,7 @@ def test_a_robot_that_was_carried_off_adds_nothing_to_the_map(library: MapLibrar
         assert keyframes(body) == known
         assert body.maps[-1] is drawn_then
         body.walls, body.X_WB = HALL, at
-        await body.control.keeper.place(ROUND[0].inverse() @ at)
+        await body.control.server.place(ROUND[0].inverse() @ at)
         await body.go(ROUND[60:100])
         assert body.state == "mapping"
         assert keyframes(body) > known
@@ -258,12 +258,12 @@ def test_a_robot_that_is_placed_where_it_is_not_adds_nothing_to_the_map(library:
         await body.go(ROUND[:60])
         await body.stand(2.0)
         drawn = body.maps[-1]
-        await body.control.keeper.place(Pose2(100.0, 100.0))
+        await body.control.server.place(Pose2(100.0, 100.0))
         await body.go(ROUND[60:80])
         await body.stand(2.0)
         assert body.states()[-1] == "lost"
         assert body.maps[-1] is drawn
-        await body.control.keeper.place(ROUND[0].inverse() @ body.X_WB)
+        await body.control.server.place(ROUND[0].inverse() @ body.X_WB)
         await body.go(ROUND[80:120])
         assert body.state == "mapping"
 
@@ -325,12 +325,12 @@ def test_a_kept_map_is_loaded_where_the_robot_is_said_to_be(kept: MapLibrary) ->
         body.X_WB = Pose2(7.0, 3.0, 0.3)
         await body.stand(0.5)
         about = ROUND[0].inverse() @ Pose2(7.4, 2.6, 0.0)
-        await body.control.keeper.load("hall", about)
+        await body.control.server.load("hall", about)
         assert [zone.name for zone in drain(body.zones)[-1].zones] == ["stairs"]
         explained_each = len(body.explained_each)
         await body.go([*[body.X_WB] * 3, *way((7.0, 3.0), (10.0, 3.0))])
         assert body.states(explained_each) == ["tracking"]
-        assert body.explained_each[-1].map == body.control.keeper.name == "hall"
+        assert body.explained_each[-1].map == body.control.server.name == "hall"
 
     body = live(script, kept)
     assert body.is_within(0.05, 0.02)
@@ -341,7 +341,7 @@ def test_without_a_word_it_looks_for_itself_and_is_reported_to_be_searching_till
     async def script(body: Body) -> None:
         body.X_WB = Pose2(9.0, 6.5, math.pi)
         await body.stand(0.5)
-        await body.control.keeper.load("hall")
+        await body.control.server.load("hall")
         explained_each = len(body.explained_each)
         assert body.state == "searching"
         await body.stand(3.0)
@@ -357,7 +357,7 @@ def test_without_a_word_it_looks_for_itself_and_is_reported_to_be_searching_till
 def test_a_robot_that_was_carried_away_notices_and_finds_itself(kept: MapLibrary) -> None:
     async def script(body: Body) -> None:
         await body.stand(0.2)
-        await body.control.keeper.load("hall", Pose2())
+        await body.control.server.load("hall", Pose2())
         await body.go(ROUND[:30])
         assert body.state == "tracking"
         explained_each = len(body.explained_each)
@@ -374,7 +374,7 @@ def test_a_robot_that_was_carried_away_notices_and_finds_itself(kept: MapLibrary
 def test_where_nothing_is_on_the_map_it_stays_lost(kept: MapLibrary) -> None:
     async def script(body: Body) -> None:
         await body.stand(0.2)
-        await body.control.keeper.load("hall", Pose2())
+        await body.control.server.load("hall", Pose2())
         body.walls = polygon((0, 0), (5, 0), (3, 4))
         explained_each = len(body.explained_each)
         await body.go(way((1.5, 1.0), (3.5, 1.0), (2.5, 2.0), (1.5, 0.7)))
@@ -387,17 +387,17 @@ def test_where_nothing_is_on_the_map_it_stays_lost(kept: MapLibrary) -> None:
 def test_mapping_goes_on_from_a_kept_map(kept: MapLibrary, library: MapLibrary) -> None:
     async def map_half(body: Body) -> None:
         await body.go(ROUND[:60])
-        await body.control.keeper.save("half")
+        await body.control.server.save("half")
 
     live(map_half, library)
 
     async def go_on(body: Body) -> None:
         body.X_WB = ROUND[0]
         await body.stand(0.2)
-        await body.control.keeper.load("half", Pose2(0.1, 0.1), extend=True)
+        await body.control.server.load("half", Pose2(0.1, 0.1), extend=True)
         await body.go(ROUND)
         assert body.states(1)[-1] == "mapping"
-        await body.control.keeper.save("whole")
+        await body.control.server.save("whole")
 
     body = live(go_on, library)
     assert body.is_within(0.05, 0.02)
@@ -411,7 +411,7 @@ def test_a_map_of_another_program_is_followed_on_but_does_not_grow(library: MapL
     library.keep("foreign", drawn(HALL, (12, 8)))
 
     async def script(body: Body) -> None:
-        map_server = body.control.keeper
+        map_server = body.control.server
         await body.stand(0.2)
         with pytest.raises(MapUnavailable, match="'foreign' was kept without its graph"):
             await map_server.load("foreign", extend=True)
@@ -428,7 +428,7 @@ def test_a_map_of_another_program_is_followed_on_but_does_not_grow(library: MapL
 
 def test_what_cannot_be_is_refused_in_words_and_changes_nothing(kept: MapLibrary) -> None:
     async def script(body: Body) -> None:
-        map_server = body.control.keeper
+        map_server = body.control.server
         with pytest.raises(MapUnavailable, match="nothing to keep yet"):
             await map_server.save("empty")
         with pytest.raises(MapUnavailable, match="no map yet"):
@@ -453,12 +453,12 @@ def test_what_cannot_be_is_refused_in_words_and_changes_nothing(kept: MapLibrary
 def test_beginning_again_forgets_the_map_and_its_zones(kept: MapLibrary) -> None:
     async def script(body: Body) -> None:
         await body.stand(0.2)
-        await body.control.keeper.load("hall", Pose2())
+        await body.control.server.load("hall", Pose2())
         await body.go(ROUND[:30])
-        await body.control.keeper.begin()
+        await body.control.server.begin()
         assert (body.maps[-1].cells == -1).all()
         assert drain(body.zones)[-1].zones == ()
-        assert body.control.keeper.name == ""
+        assert body.control.server.name == ""
         start = body.X_WB
         await body.go(ROUND[30:50])
         assert body.state == "mapping"
@@ -472,8 +472,8 @@ def test_zones_are_kept_with_a_map_that_has_a_name(library: MapLibrary) -> None:
 
     async def script(body: Body) -> None:
         await body.stand(0.2)
-        await body.control.keeper.load("foreign", ROUND[0])
-        await body.control.keeper.mark((STAIRS,))
+        await body.control.server.load("foreign", ROUND[0])
+        await body.control.server.mark((STAIRS,))
         assert [zone.name for zone in drain(body.zones)[-1].zones] == ["stairs"]
 
     live(script, library)
@@ -492,7 +492,7 @@ def test_after_a_restart_it_goes_on_with_the_map_it_had(kept: MapLibrary) -> Non
         explained_each = len(body.explained_each)
         await body.go(ROUND[60:90])
         assert body.states(explained_each) == ["mapping"]
-        await body.control.keeper.save("grown")
+        await body.control.server.save("grown")
 
     assert live(script, kept, fails="AttributeError").is_within(0.1, 0.03)
     grown = stored_map(kept, "grown").state

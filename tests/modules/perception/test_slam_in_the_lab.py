@@ -81,7 +81,7 @@ def test_the_lab_is_mapped_kept_and_found_again(tmp_path: Path) -> None:
 
         run.system.graph.channels["localization"].observe(judge)
         await drive_script(run.system, DRIVE)
-        await run.system.map.keeper.save("lab")
+        await run.system.map.server.save("lab")
         return errors
 
     errors = run_in_world(lab(), robot, drive_and_keep, maps=library, pins=PINS)

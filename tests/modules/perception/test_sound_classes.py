@@ -21,7 +21,7 @@ from app.robots.simulated.acoustics.diffraction import BaffledMicrophones
 from app.robots.simulated.acoustics.offline_rendering import OfflineSource, render_scene
 from app.robots.simulated.acoustics.room import Shoebox
 from app.robots.simulated.acoustics.selfnoise import SelfNoise
-from app.robots.simulated.acoustics.sounds import MEAN_DB_SPL, PEAK_DB_SPL, TALKER_DB_SPL, ClipLibrary
+from app.robots.simulated.acoustics.sound_library import MEAN_DB_SPL, PEAK_DB_SPL, TALKER_DB_SPL, ClipLibrary
 from app.robots.simulated.acoustics.synthesis import MAKERS
 
 RATE = 48_000

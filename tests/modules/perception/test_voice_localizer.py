@@ -50,12 +50,12 @@ async def say(
 ) -> None:
     """Feed frames as they would come, each when its last sample was taken; odometry 100 times a second, 20 ms late."""
     start = b.clock.now() if origin is None else origin
-    told = 0
+    fed = 0
     for begin in range(0, len(sound) - FRAME + 1, FRAME):
         await b.clock.sleep_until(start + (begin + FRAME) / RATE)
-        while pose is not None and 0.01 * told < (begin + FRAME) / RATE - 0.02:
-            b.feed("odometry", Odometry(start + 0.01 * told, pose(0.01 * told), 0, 0))
-            told += 1
+        while pose is not None and 0.01 * fed < (begin + FRAME) / RATE - 0.02:
+            b.feed("odometry", Odometry(start + 0.01 * fed, pose(0.01 * fed), 0, 0))
+            fed += 1
         stamp = start + begin / RATE
         b.feed("audio", Audio(stamp, "mics", read_only(sound[begin : begin + FRAME]), RATE, first + begin, p_BM))
     await b.clock.sleep(0.1)
@@ -103,10 +103,10 @@ def test_a_turning_robot_with_late_odometry_follows_by_the_sounds_own_time() -> 
             sources = b.listen("sources")
             start = b.clock.now()
             await say(b, sound, pose=lambda seconds: Pose2(0, 0, math.radians(50) * seconds))
-            told = [message for message in drain(sources) if message.stamp - start > 1.2 and message.sources]
-            assert len(told) > 20
-            assert len({message.sources[0].track for message in told}) == 1
-            errors = [off_deg(message.sources[0].direction, 60 - 50 * (message.stamp - start)) for message in told]
+            messages = [message for message in drain(sources) if message.stamp - start > 1.2 and message.sources]
+            assert len(messages) > 20
+            assert len({message.sources[0].track for message in messages}) == 1
+            errors = [off_deg(message.sources[0].direction, 60 - 50 * (message.stamp - start)) for message in messages]
             assert np.median(errors) < 4
 
     run_virtual(main())

@@ -7,11 +7,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from app.logs.control import RecorderControl
 from app.logs.library import RecordingLibrary
 from app.logs.log import Logged
 from app.logs.manifest import Manifest
 from app.logs.mcap.reader import McapLog
+from app.logs.recorder_service import RecorderService
 from app.messages import RecorderStatus
 from app.runtime.channel_table import ChannelSpec, ChannelTable
 from app.runtime.clock import RealClock
@@ -37,7 +37,7 @@ class Robot:
 
     def __init__(self, folder: Path, **settings: Any) -> None:
         self.library = RecordingLibrary(folder)
-        self.control = RecorderControl()
+        self.control = RecorderService()
         self.clock = RealClock()
         spec = {
             "class": "app.modules.recording.recorder:Recorder",
@@ -50,7 +50,7 @@ class Robot:
             modules={"Recorder": ModuleSpec.model_validate(spec)},
             services={
                 RecordingLibrary: self.library,
-                RecorderControl: self.control,
+                RecorderService: self.control,
                 Manifest: MANIFEST,
                 ChannelTable: TABLE,
             },

@@ -234,7 +234,7 @@ async def test_why_it_stopped_is_logged_once(tmp_path: Path, disk: Disk, caplog:
 
 
 @pytest.mark.parametrize("keep_minutes", [0, 5])
-async def test_a_disk_that_is_nearly_full_is_not_begun_on(tmp_path: Path, keep_minutes: float) -> None:
+async def test_no_recording_starts_on_a_disk_that_is_nearly_full(tmp_path: Path, keep_minutes: float) -> None:
     async with Robot(tmp_path, least_free_mb=1e9) as robot:
         for i in range(10):
             robot.feed("landmarks", landmarks(BEGIN + i, "poster"))

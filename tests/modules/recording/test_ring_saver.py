@@ -11,11 +11,11 @@ from typing import Any
 
 import pytest
 
-from app.logs.control import RecorderUnavailable
 from app.logs.library import RecordingLibrary
 from app.logs.log import LogError
 from app.logs.mcap.ring import HeldSegments, Ring
 from app.logs.mcap.ring_folder import leftovers
+from app.logs.recorder_service import RecorderUnavailable
 from app.messages import Odometry, TimelineEvent
 from app.modules.recording import ring_saver
 from tests.logs.mcap.disks import BEGIN, MANIFEST, Disk, encoder, odometry

@@ -11,7 +11,7 @@ from app.link import LinkFailed
 from app.messages import Audio, Image, LinkStatus
 from app.robots.devices.config import CameraConfig, DevicesConfig, SoundInputConfig, SpeakerConfig
 from app.robots.devices.link import DevicesLink
-from app.robots.devices.reader import InputReader
+from app.robots.devices.reader_thread import InputReader
 from tests.patience import PATIENCE_S
 from tests.robots.devices.files import DESK, MODEL, link, picture_file, ramp, sound_file, video_file
 
@@ -65,7 +65,7 @@ async def test_sound_is_continuous_and_has_a_place(tmp_path: Path) -> None:
     assert np.allclose(got[0].p_BM, [[0, 0.1, 0.97], [0, -0.1, 0.97]])
 
 
-async def test_what_nobody_wants_is_not_read(tmp_path: Path) -> None:
+async def test_an_unwanted_stream_is_not_read(tmp_path: Path) -> None:
     body = link(microphones=SoundInputConfig(source=str(sound_file(tmp_path, ramp(16000)))))
     frames = Collected(body, "microphones")
     status = Collected(body, "status")

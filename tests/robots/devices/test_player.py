@@ -12,16 +12,16 @@ from numpy.typing import NDArray
 from app.messages import Audio
 from app.robots.devices import player
 from app.robots.devices.config import SpeakerConfig
-from app.robots.devices.pictures import InputUnavailable
+from app.robots.devices.image_inputs import InputUnavailable
 from app.robots.devices.player import Player
 
 WAIT_S = 5.0
 
 
-class Speaker:
+class LoudspeakerStream:
     """Fails the first time it is given sound, as one that is unplugged; all that were made are ``known``."""
 
-    known: list[Speaker]
+    known: list[LoudspeakerStream]
     played: threading.Event
 
     def __init__(self, config: SpeakerConfig, rate: int) -> None:
@@ -39,11 +39,11 @@ class Speaker:
 
 
 @pytest.fixture
-def speakers(monkeypatch: pytest.MonkeyPatch) -> list[Speaker]:
-    made: list[Speaker] = []
-    monkeypatch.setattr(Speaker, "known", made, raising=False)
-    monkeypatch.setattr(Speaker, "played", threading.Event(), raising=False)
-    monkeypatch.setattr(player, "Speaker", Speaker)
+def speakers(monkeypatch: pytest.MonkeyPatch) -> list[LoudspeakerStream]:
+    made: list[LoudspeakerStream] = []
+    monkeypatch.setattr(LoudspeakerStream, "known", made, raising=False)
+    monkeypatch.setattr(LoudspeakerStream, "played", threading.Event(), raising=False)
+    monkeypatch.setattr(player, "LoudspeakerStream", LoudspeakerStream)
     monkeypatch.setattr(player, "RETRY_S", 0.0)
     return made
 
@@ -53,14 +53,14 @@ def frame(rate: int) -> Audio:
 
 
 def test_a_loudspeaker_that_comes_back_is_heard_again(
-    speakers: list[Speaker], caplog: pytest.LogCaptureFixture
+    speakers: list[LoudspeakerStream], caplog: pytest.LogCaptureFixture
 ) -> None:
     caplog.set_level(logging.WARNING)
     playing = Player(SpeakerConfig())
     playing.start()
     playing.play(frame(16000))
     playing.play(frame(16000))
-    while not Speaker.played.wait(0.01):
+    while not LoudspeakerStream.played.wait(0.01):
         playing.play(frame(16000))
     assert speakers[0].closed.is_set()
     assert caplog.text.count("takes no more sound") == 1

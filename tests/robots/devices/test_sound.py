@@ -9,7 +9,7 @@ import pytest
 import soundfile
 
 from app.robots.devices.config import SoundInputConfig
-from app.robots.devices.pictures import InputUnavailable
+from app.robots.devices.image_inputs import InputUnavailable
 from app.robots.devices.sound import SoundInput, open_sound
 from tests.robots.devices.files import RATE, ramp, sound_file
 

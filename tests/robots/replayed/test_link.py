@@ -83,7 +83,7 @@ async def test_an_unwanted_stream_is_not_decoded() -> None:
 
 
 @in_virtual_time
-async def test_what_nobody_listened_to_for_long_does_not_come_late() -> None:
+async def test_what_had_no_listener_for_long_does_not_come_late() -> None:
     log = MemoryLog(numbered(100))
     clock = VirtualClock(BEGIN)
     body = made(log, clock)
@@ -219,8 +219,8 @@ async def test_reading_never_happens_on_the_loop_nor_in_two_threads() -> None:
 
 @in_virtual_time
 async def test_a_receiver_that_fails_does_not_cut_off_the_next() -> None:
-    told: list[dict[str, Any]] = []
-    asyncio.get_running_loop().set_exception_handler(lambda _, context: told.append(context))
+    contexts: list[dict[str, Any]] = []
+    asyncio.get_running_loop().set_exception_handler(lambda _, context: contexts.append(context))
     clock = VirtualClock(BEGIN)
     body = made(MemoryLog(numbered(2)), clock)
 
@@ -233,7 +233,7 @@ async def test_a_receiver_that_fails_does_not_cut_off_the_next() -> None:
     await body.start()
     await body.finished.wait()
     assert len(listener.came) == 2
-    assert [str(context["message"]) for context in told] == ["a receiver of odometry raised"] * 2
+    assert [str(context["message"]) for context in contexts] == ["a receiver of odometry raised"] * 2
     await body.stop()
 
 

@@ -22,7 +22,7 @@ CONFIG = Path(__file__).parents[3] / "config" / "robots" / "irl1_tr.yaml"
 async def main(guard_log: str, fault: str) -> None:
     """Drive for as long as it is let."""
     robot = load_robot_config(CONFIG)
-    streams = robot.streams.model_copy(update={"kinect": None, "imv": None})
+    streams = robot.streams.model_copy(update={"kinect": None, "panorama": None})
     robot = robot.model_copy(update={"guard_log": Path(guard_log), "streams": streams, "scenario": None})
     link = create_link(robot, 0.0)
     await link.start()

@@ -12,7 +12,7 @@ import zxingcpp
 from numpy.typing import NDArray
 
 from app.base.geometry import CameraModel, FisheyeModel, Pose2, Pose3
-from app.robots.config import ImvConfig, RobotConfig
+from app.robots.config import PanoramicCameraConfig, RobotConfig
 from app.robots.model import load_model
 from app.robots.simulated.body import build_simulation
 from app.robots.simulated.camera_models import fisheye_model
@@ -29,7 +29,7 @@ from app.robots.simulated.world_config import (
 )
 from tests.robots.conftest import make_hall, needs_gl
 
-CONFIG = ImvConfig()
+CONFIG = PanoramicCameraConfig()
 LENS = fisheye_model(CONFIG)
 
 
@@ -39,7 +39,7 @@ class Eye:
     def __init__(self, robot: RobotConfig, world: WorldConfig) -> None:
         simulation = build_simulation(robot, world, TrueBase(0.10, 0.10, 0.44))
         self.renderer = Renderer(simulation.model)
-        self.imv = FisheyeRenderer(self.renderer, simulation.model, CONFIG, np.random.default_rng(2))
+        self.panorama = FisheyeRenderer(self.renderer, simulation.model, CONFIG, np.random.default_rng(2))
         self.X_BC = load_model(robot.model).pose(CONFIG.link)
         self._initial = WorldSnapshot.initial(simulation.model)
         self._base = simulation.base_address
@@ -49,10 +49,10 @@ class Eye:
         qpos = self._initial.qpos.copy()
         a = self._base
         qpos[a : a + 7] = [X_WB.x, X_WB.y, 0, math.cos(X_WB.theta / 2), 0, 0, math.sin(X_WB.theta / 2)]
-        for _ in self.imv.draw(WorldSnapshot(0.0, qpos, self._initial.mocap, self.X_BC)):
+        for _ in self.panorama.draw(WorldSnapshot(0.0, qpos, self._initial.mocap, self.X_BC)):
             pass
         color = np.zeros((CONFIG.height, CONFIG.width, 3), dtype=np.uint8)
-        self.imv.measure(color, None)
+        self.panorama.measure(color, None)
         return color
 
     def X_WC(self, X_WB: Pose2) -> Pose3:
@@ -62,7 +62,7 @@ class Eye:
 
 def hall_with_poster(height: float) -> WorldConfig:
     """The empty hall with a poster in its middle, to be looked at from the west."""
-    poster = PosterConfig(text="IMV", title="Panorama", at=(10.0, 10.0), height=height, facing_deg=180.0)
+    poster = PosterConfig(text="PANORAMA", title="Panorama", at=(10.0, 10.0), height=height, facing_deg=180.0)
     return make_hall().model_copy(update={"posters": (poster,)})
 
 
@@ -178,13 +178,13 @@ def test_the_lens_is_black_around_and_full_within(lab_eye: Eye) -> None:
 def test_a_still_robot_sees_the_same_picture_with_fresh_noise(lab_eye: Eye) -> None:
     here = Pose2(11.1, 4.6, 1.5)
     first = lab_eye.look(here)
-    drawn = lab_eye.imv.drawn
+    drawn = lab_eye.panorama.drawn
     again = lab_eye.look(here)
-    assert lab_eye.imv.drawn == drawn
+    assert lab_eye.panorama.drawn == drawn
     difference = again.astype(float) - first
     assert 1.5 < difference.std() < math.sqrt(2) * 2.2
     lab_eye.look(Pose2(11.1, 4.6, 1.5001))
-    assert lab_eye.imv.drawn == drawn + 1
+    assert lab_eye.panorama.drawn == drawn + 1
 
 
 def test_views_take_little_more_than_the_pixels_they_are_for() -> None:

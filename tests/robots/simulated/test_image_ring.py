@@ -21,7 +21,7 @@ from tests.robots.simulated.shared_memory import shared_memory
 WIDTH, HEIGHT = 32, 24
 FORMATS = {
     "kinect": PictureFormat(WIDTH, HEIGHT, has_depth=True),
-    "imv": PictureFormat(2 * WIDTH + 1, HEIGHT, has_depth=False),
+    "panorama": PictureFormat(2 * WIDTH + 1, HEIGHT, has_depth=False),
 }
 
 
@@ -85,8 +85,8 @@ def test_a_picture_being_written_is_not_read(rings: tuple[ImageRing, ImageRing])
 
 def test_slots_do_not_touch_each_other(rings: tuple[ImageRing, ImageRing]) -> None:
     writer, reader = rings
-    told = [write(writer, number) for number in range(10, 10 + SLOTS)]
-    for number, (slot, sequence) in zip(range(10, 10 + SLOTS), told, strict=True):
+    written = [write(writer, number) for number in range(10, 10 + SLOTS)]
+    for number, (slot, sequence) in zip(range(10, 10 + SLOTS), written, strict=True):
         pictures = reader.read(slot, sequence)
         assert pictures is not None
         color, depth = pictures
@@ -97,15 +97,15 @@ def test_slots_do_not_touch_each_other(rings: tuple[ImageRing, ImageRing]) -> No
 
 def test_each_camera_has_slots_of_its_own(both: tuple[ImageRings, ImageRings]) -> None:
     writer, reader = both
-    told = {stream: [write(ring, number) for number in range(SLOTS)] for stream, ring in writer.rings.items()}
+    written = {stream: [write(ring, number) for number in range(SLOTS)] for stream, ring in writer.rings.items()}
     for stream, ring in reader.rings.items():
-        for number, (slot, sequence) in enumerate(told[stream]):
+        for number, (slot, sequence) in enumerate(written[stream]):
             pictures = ring.read(slot, sequence)
             assert pictures is not None
             assert pictures[0].shape == (FORMATS[stream].height, FORMATS[stream].width, 3)
             assert (pictures[0] == number).all()
-            assert (pictures[1] is None) == (stream == "imv")
-    assert reader.read("imv", *told["imv"][1]) is not None
+            assert (pictures[1] is None) == (stream == "panorama")
+    assert reader.read("panorama", *written["panorama"][1]) is not None
 
 
 def test_the_memory_has_no_name_and_goes_with_its_last_user() -> None:

@@ -30,7 +30,7 @@ from tests.robots.conftest import needs_gl
 from tests.robots.simulated.shared_memory import shared_memory
 
 OFFSET = time.time() - time.monotonic()
-SENSORS = ("kinect", "imv", "hokuyo", "ground_truth", "scene_truth", "microphones")
+SENSORS = ("kinect", "panorama", "hokuyo", "ground_truth", "scene_truth", "microphones")
 
 pytestmark = pytest.mark.slow
 
@@ -40,7 +40,7 @@ def now() -> float:
 
 
 def without_camera(robot: RobotConfig) -> RobotConfig:
-    return robot.model_copy(update={"streams": robot.streams.model_copy(update={"kinect": None, "imv": None})})
+    return robot.model_copy(update={"streams": robot.streams.model_copy(update={"kinect": None, "panorama": None})})
 
 
 class Listener:
@@ -114,7 +114,7 @@ async def test_every_stream_runs_at_its_rate_in_real_time_and_unwanted_ones_not(
         for name in SENSORS:
             link.demand(name, True)
         await listener.next("kinect", 3)
-        await listener.next("imv", 3)
+        await listener.next("panorama", 3)
         await listener.next("microphones", 3)
         marks = {name: len(messages) for name, messages in listener.messages.items()}
         begin = time.monotonic()
@@ -130,7 +130,7 @@ async def test_every_stream_runs_at_its_rate_in_real_time_and_unwanted_ones_not(
                 continue
             rate = (len(listener.messages[name]) - marks[name]) / world_s
             # A computer so busy that a picture takes half a second loses some.
-            low = 0.15 if name in ("kinect", "imv", "microphones") and world_rate < 0.9 else 0.8
+            low = 0.15 if name in ("kinect", "panorama", "microphones") and world_rate < 0.9 else 0.8
             assert low * description.rate_hz <= rate <= 1.2 * description.rate_hz + 1, name
         rows = await asyncio.to_thread(read_guard_log, guard_log)
         gaps_s = np.diff([row.monotonic_s for row in rows if row.monotonic_s > begin])
@@ -147,12 +147,12 @@ async def test_every_stream_runs_at_its_rate_in_real_time_and_unwanted_ones_not(
         assert not image.color.flags.writeable
         assert not image.depth.flags.writeable
         assert image.X_BC.translation[2] == pytest.approx(1.38, abs=0.03)
-        panorama: Image = listener.messages["imv"][-1]
+        panorama: Image = listener.messages["panorama"][-1]
         assert panorama.color.shape == (768, 1024, 3)
         assert panorama.depth is None
         assert not panorama.color.flags.writeable
         assert panorama.camera == FisheyeModel.from_fov(1024, 768, math.pi, math.pi)
-        assert panorama.frame == "imv_optical_frame"
+        assert panorama.frame == "panorama_optical_frame"
         np.testing.assert_allclose(panorama.X_BC.rotation[:, 2], (1, 0, 0), atol=1e-9)  # looks ahead, level
         scan: LaserScan = listener.messages["hokuyo"][-1]
         assert not scan.ranges.flags.writeable
@@ -294,5 +294,5 @@ async def test_a_world_that_cannot_be_built_fails_the_start_with_its_reason(
         await link.start()
     assert "cannot be simulated" in str(failed.value)
     assert "bad.urdf" in str(failed.value)
-    assert not caplog.records, "who started it is told, and tells it once"
+    assert not caplog.records, "the caller gets the error, and logs it once"
     assert link.process_id is None

@@ -192,7 +192,7 @@ def test_with_cameras_pictures_come_with_the_step_they_show(robot: RobotConfig, 
     kinect = robot.streams.kinect
     assert kinect is not None
     small = kinect.model_copy(update={"width": 160, "height": 120})
-    robot = robot.model_copy(update={"streams": robot.streams.model_copy(update={"kinect": small, "imv": None})})
+    robot = robot.model_copy(update={"streams": robot.streams.model_copy(update={"kinect": small, "panorama": None})})
 
     async def script(body: Body) -> tuple[list[Image], list[GroundTruth]]:
         body.link.demand("kinect", True)

@@ -64,7 +64,7 @@ def test_who_waits_for_a_picture_makes_up_for_a_little() -> None:
     assert pacer.wait_s(0.12, 2) == 0.0
 
 
-def test_nobody_waits_for_ever() -> None:
+def test_no_wait_lasts_for_ever() -> None:
     pacer = Pacer(0.0, STEP)
     assert pacer.waits(1.0, missing=True)
     for _ in range(round(GO_ON_S / STEP)):

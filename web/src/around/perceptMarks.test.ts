@@ -49,7 +49,7 @@ test("a person that both cameras see is one, at the better known distance", () =
   const marks = faceMarks(
     perceived({
       faces: [
-        face({ camera: "imv_optical_frame", range_m: 2, range_sigma_m: 0.5 }),
+        face({ camera: "panorama_optical_frame", range_m: 2, range_sigma_m: 0.5 }),
         face({ range_m: 1.8, range_sigma_m: 0.02 }),
       ],
     }),

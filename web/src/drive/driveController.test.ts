@@ -17,7 +17,7 @@ function target(kind: "page" | "button" | "field" = "page"): EventTarget {
   });
 }
 
-function hands({ going = false, on = target() } = {}) {
+function heldKeys({ going = false, on = target() } = {}) {
   const sent: ToRobot[] = [];
   const session = { send: (message: ToRobot) => sent.push(message) } as unknown as Session;
   const store = createStore();
@@ -36,7 +36,7 @@ function hands({ going = false, on = target() } = {}) {
 
 describe("Space", () => {
   test("lets go of the wheel and ends the trip", () => {
-    const { drive, press, sent, stop } = hands({ going: true });
+    const { drive, press, sent, stop } = heldKeys({ going: true });
     press("keydown", "KeyW");
     expect(drive.state.value.command.held).toBe(true);
     press("keydown", "Space");
@@ -46,28 +46,28 @@ describe("Space", () => {
   });
 
   test("ends the trip on a page that holds nothing, once", () => {
-    const { press, stop } = hands({ going: true });
+    const { press, stop } = heldKeys({ going: true });
     press("keydown", "Space");
     press("keydown", "Space", true);
     expect(stop).toHaveBeenCalledTimes(1);
   });
 
   test("presses no button while anything drives, or that might send the robot off again", () => {
-    const { press } = hands({ going: true, on: target("button") });
+    const { press } = heldKeys({ going: true, on: target("button") });
     expect(press("keydown", "Space")).toBe(true);
     expect(press("keydown", "Space", true)).toBe(true);
     expect(press("keyup", "Space")).toBe(true);
   });
 
   test("presses the button of a robot that stands", () => {
-    const { press, stop } = hands({ on: target("button") });
+    const { press, stop } = heldKeys({ on: target("button") });
     expect(press("keydown", "Space")).toBe(false);
     expect(press("keyup", "Space")).toBe(false);
     expect(stop).toHaveBeenCalledTimes(1);
   });
 
   test("is a blank in a field", () => {
-    const { press, stop } = hands({ going: true, on: target("field") });
+    const { press, stop } = heldKeys({ going: true, on: target("field") });
     expect(press("keydown", "Space")).toBe(false);
     expect(stop).not.toHaveBeenCalled();
   });
@@ -77,7 +77,7 @@ describe("commands that come late", () => {
   const waits = "Commands arrive up to 3.0 s late: driving waits.";
 
   test("are not sent, and the page says why; what was held must be pressed again", () => {
-    const { drive, press, sent, store } = hands();
+    const { drive, press, sent, store } = heldKeys();
     store.link.value = { ...store.link.peek(), phase: "live" };
     const status = { type: "status", guard: { e_stopped: false }, driver: null } as unknown as Message<"status">;
     store.latest.put(status);
@@ -98,7 +98,7 @@ describe("commands that come late", () => {
 
 describe("Escape with the help open", () => {
   function open({ going = false, state = "idle", live = true } = {}) {
-    const made = hands({ going });
+    const made = heldKeys({ going });
     const eStop = vi.fn();
     Object.assign(made.session, { eStop });
     made.store.latest.put({ type: "status", guard: { state } } as unknown as Message<"status">);

@@ -15,9 +15,13 @@ const event = (id: number, name: string, subject: string): RobotEvent => {
 };
 
 test("A percept is listed from its appearing to its own leaving, whatever its kind", () => {
-  const events = [event(1, "dark.appears", "kinect"), event(2, "dark.appears", "imv"), event(3, "smoke.appears", "")];
-  expect(noticed(events)).toEqual(["dark kinect", "dark imv", "smoke "]);
-  expect(noticed([...events, event(4, "dark.leaves", "imv"), event(5, "smoke.changes", "")])).toEqual([
+  const events = [
+    event(1, "dark.appears", "kinect"),
+    event(2, "dark.appears", "panorama"),
+    event(3, "smoke.appears", ""),
+  ];
+  expect(noticed(events)).toEqual(["dark kinect", "dark panorama", "smoke "]);
+  expect(noticed([...events, event(4, "dark.leaves", "panorama"), event(5, "smoke.changes", "")])).toEqual([
     "dark kinect",
     "smoke ",
   ]);

@@ -766,7 +766,7 @@ export interface ClearEStopMessage {
   heard_t?: number | null;
 }
 
-/** What to change of a desire; what is left out stays. */
+/** A change of a desire; members left out stay. */
 export interface DesireChange {
   intensity?: number;
   utility?: number;
@@ -842,7 +842,7 @@ export interface NewDesire {
   ttl?: number | null;
 }
 
-/** What to record. */
+/** A recording to make. */
 export interface NewRecording {
   /** Empty: the date and time at which it begins. */
   name?: string;
@@ -863,7 +863,7 @@ export interface PingMessage {
   rtt_ms?: number | null;
 }
 
-/** What to change; the rest stays. */
+/** A change of the playback; members left out stay. */
 export interface PlaybackChange {
   playing?: boolean | null;
   /** Seconds of the recording in a real second; null: as fast as possible, nothing dropped. */
@@ -885,13 +885,13 @@ export interface ReleaseControlMessage {
   type: "release_control";
 }
 
-/** What to change of a map. */
+/** A change of a map. */
 export interface RenameRequest {
   /** The new name. */
   name: string;
 }
 
-/** What of the ring to keep. */
+/** The part of the ring to keep. */
 export interface SaveRequest {
   /** The last so many; null: all there are. */
   minutes?: number | null;

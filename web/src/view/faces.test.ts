@@ -9,7 +9,7 @@ const message = (...faces: SeenFace[]) => ({ faces }) as Perceived;
 test("only faces of the camera that is shown", () => {
   const all = message(
     face("kinect_optical_frame", 10),
-    face("imv_optical_frame", 10),
+    face("panorama_optical_frame", 10),
     face("camera_optical_frame", 10),
   );
   expect(facesOn(trailed(new Map(), all), 10, 0).map(({ camera }) => camera)).toEqual([

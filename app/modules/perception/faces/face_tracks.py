@@ -56,7 +56,7 @@ class TrackModel:
 
 
 @dataclass(frozen=True, slots=True)
-class PlacedFace:
+class TrackedFace:
     """A sighting's track number, and the face's position by all sightings of the track, in ``base_link`` at the image's
     stamp."""
 
@@ -95,7 +95,7 @@ class FaceTracks:
 
     def see(
         self, stamp: float, camera: str, sightings: Sequence[FaceSighting], X_OB: Pose3 | None
-    ) -> tuple[PlacedFace, ...]:
+    ) -> tuple[TrackedFace, ...]:
         """Assign tracks to one image's ``sightings``; ``X_OB``: the robot's pose at ``stamp``, if known."""
         self._note_image(stamp, camera)
         self._drop_old(stamp)
@@ -190,14 +190,14 @@ class FaceTracks:
 
     def _placed(
         self, track: _Track, stamp: float, camera: str, sighting: FaceSighting, X_OB: Pose3 | None
-    ) -> PlacedFace:
-        placed_face = PlacedFace(track.number, sighting.p_BF, sighting.covariance)
+    ) -> TrackedFace:
+        placed_face = TrackedFace(track.number, sighting.p_BF, sighting.covariance)
         if X_OB is not None:
             self._update(track, stamp, sighting, X_OB)
             if not sighting.measured and track.x is not None and track.P is not None:
                 R_BO = X_OB.rotation.T
                 p_BF = np.asarray(X_OB.inverse().transform(track.x[:3]), np.float64)
-                placed_face = PlacedFace(track.number, p_BF, R_BO @ track.P[:3, :3] @ R_BO.T)
+                placed_face = TrackedFace(track.number, p_BF, R_BO @ track.P[:3, :3] @ R_BO.T)
         self._note_seen(track, stamp, camera, sighting.face)
         return placed_face
 

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from app.base.geometry import Pose2
-from app.maps.control import MapUnavailable
 from app.maps.library import MapLibrary
+from app.maps.map_service import MapUnavailable
 from app.messages import Localization, OccupancyGrid, Zone
 
 if TYPE_CHECKING:  # kernels are compiled or loaded on import
-    from app.modules.perception.slam.session import MapSession, StoredMap
+    from app.modules.perception.slam.map_session import MapSession, StoredMap
     from app.modules.perception.slam.types import SlamState
 
 #: Makes a session on a saved map (None: an empty one), with the robot by this ``X_MO``; the flag: whether it grows.
@@ -71,7 +71,7 @@ def choose_initial_map(
 ) -> InitialMap:
     """*Behind.* Choose the initial map; ``configured``: name of the map without other knowledge, ``extend``: whether it
     grows."""
-    from app.modules.perception.slam.session import MapSession, StoredMap, stored_map
+    from app.modules.perception.slam.map_session import MapSession, StoredMap, stored_map
 
     grown = restart_state.grown
     name = configured if restart_state.name is None else restart_state.name

@@ -1,4 +1,4 @@
-"""Map server: saving, loading and beginning maps; the MapKeeper of a module that localizes on them."""
+"""The MapServer of a module that localizes on its maps: saves, loads and begins them."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from app.base.geometry import Pose2
-from app.maps.control import MapUnavailable
 from app.maps.library import MapLibrary
+from app.maps.map_service import MapUnavailable
 from app.maps.zones import checked
 from app.messages import Zone
 
@@ -17,8 +17,8 @@ if TYPE_CHECKING:  # kernels are compiled or loaded on import
     from app.modules.perception.slam_2d import SLAM2D
 
 
-class MapServer:
-    """Implements :class:`app.maps.control.MapKeeper`: one operation at a time, in the order of the calls."""
+class SlamMapServer:
+    """Implements :class:`app.maps.map_service.MapServer`: one operation at a time, in the order of the calls."""
 
     def __init__(self, host: SLAM2D, library: MapLibrary) -> None:
         self._host = host
@@ -30,7 +30,7 @@ class MapServer:
         return self._host.map_name
 
     async def save(self, name: str, others: Mapping[str, Callable[[Path], None]] | None = None) -> None:
-        from app.modules.perception.slam.session import keep
+        from app.modules.perception.slam.map_session import keep
 
         host = self._host
         self._checked(name)
@@ -47,7 +47,7 @@ class MapServer:
             host.call(name)
 
     async def load(self, name: str, X_MB: Pose2 | None = None, extend: bool = False) -> None:
-        from app.modules.perception.slam.session import stored_map
+        from app.modules.perception.slam.map_session import stored_map
 
         host = self._host
         self._checked(name)

@@ -91,12 +91,12 @@ class Tracker:
     def _replace(self, time_s: float) -> None:
         """End tracks that fell silent as another began near by: the same talker, or a phantom between two."""
         settings = self.settings
-        begun = [
+        new_sources = [
             source
             for source in self._sources
             if source.id and source.confirmed and time_s - source.born < 1.0 and source.heard_s >= settings.replaced_s
         ]
-        if begun:
+        if new_sources:
             self._sources = [
                 source
                 for source in self._sources
@@ -105,7 +105,7 @@ class Tracker:
                     and source.last_sure < new.born + settings.active_s
                     and time_s - source.last_sure > settings.replaced_s
                     and angle_deg(source.motion.direction, new.motion.direction) < settings.replaced_deg
-                    for new in begun
+                    for new in new_sources
                 )
             ]
 

@@ -17,8 +17,8 @@ from app.messages import Audio
 from app.robots.simulated.acoustics.ipc import LoudspeakerFrame, MicrophoneFrame
 from app.robots.simulated.acoustics.soundscape import Soundscape
 from app.robots.simulated.image_ring import create_memory
+from app.robots.simulated.link_protocol import Socket
 from app.robots.simulated.scenery.scenario_state import ScenarioState
-from app.robots.simulated.wire import Socket
 
 _LATE_S = 0.1
 """Greatest delay (s) of sound behind the world, below the delay at which the microphones' process drops frames."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from app.base.geometry import Pose2, Pose3
 from app.messages import Audio
 from app.robots.config import LoudspeakerConfig, MicrophonesConfig
-from app.robots.simulated.acoustics.sounds import Key
+from app.robots.simulated.acoustics.sound_library import Key
 from app.robots.simulated.world_config import WorldConfig
 
 Vector = tuple[float, float, float]

@@ -91,8 +91,8 @@ class MicrophoneSimulator:
         """The frames that ``scenes``, the next ones, complete. Frames that are too late are dropped."""
         if not scenes:
             return []
-        told = [*self._scenes, *scenes]
-        if len(told) == len(scenes) or any(b.time_s - a.time_s > PAUSE_S for a, b in itertools.pairwise(told)):
+        known = [*self._scenes, *scenes]
+        if len(known) == len(scenes) or any(b.time_s - a.time_s > PAUSE_S for a, b in itertools.pairwise(known)):
             # Demand starts now, or this process has just started: no loss
             self._scenes = deque(scenes[-1:])
             self._skip_to(scenes[-1].time_s)

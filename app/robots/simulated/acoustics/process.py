@@ -24,7 +24,7 @@ def main(arguments: list[str]) -> int:
     if parent != os.getppid():
         return 0
 
-    from app.robots.simulated.acoustics.server import serve
+    from app.robots.simulated.acoustics.rendering_loop import serve
 
     serve(int(arguments[0]), int(arguments[1]))
     return 0

@@ -10,7 +10,7 @@ from app.messages import SoundTruth
 from app.robots.config import LoudspeakerConfig, MicrophonesConfig
 from app.robots.model import KinematicModel
 from app.robots.simulated.acoustics.ipc import AcousticsSetup, ActiveSound, SoundScene
-from app.robots.simulated.acoustics.sounds import PEAK_DB_SPL, VARIANTS, ClipLibrary, Key
+from app.robots.simulated.acoustics.sound_library import PEAK_DB_SPL, VARIANTS, ClipLibrary, Key
 from app.robots.simulated.acoustics.synthesis import MAKERS
 from app.robots.simulated.scenery.scenario_config import LONGEST_SOUND_S, ScenarioConfig
 from app.robots.simulated.scenery.scenario_state import Cue, ScenarioState

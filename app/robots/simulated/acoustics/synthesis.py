@@ -23,7 +23,7 @@ def _decay(seconds: float, time_constant_s: float, rate: int) -> NDArray[np.floa
 def _band(
     samples: NDArray[np.float64], low_hz: float, high_hz: float, rate: int, order: int = 2
 ) -> NDArray[np.float64]:
-    """What passes ``order`` first-order high-passes and low-passes; nothing comes early."""
+    """``order`` first-order high-passes and low-passes; nothing comes early."""
     size = 2 * samples.size
     f = np.fft.rfftfreq(size, 1 / rate)
     passed = (1j * f / low_hz) / (1 + 1j * f / low_hz) / (1 + 1j * f / high_hz)

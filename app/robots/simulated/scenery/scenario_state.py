@@ -142,8 +142,8 @@ class ScenarioState:
                     self._by_name[sound.person].clap_at(begin)
                 timed.take()
         self._cues = deque(cue for cue in self._cues if self._still_active(cue, now))
-        told = {cue.name for cue in self.cues}
-        self._of = {name: sound for name, sound in self._of.items() if name in told}
+        known = {cue.name for cue in self.cues}
+        self._of = {name: sound for name, sound in self._of.items() if name in known}
 
     @staticmethod
     def _still_active(cue: Cue, now: float) -> bool:

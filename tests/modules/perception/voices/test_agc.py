@@ -22,8 +22,8 @@ def noise(level_db: float, seconds: float, seed: int = 1) -> NDArray[np.float32]
 
 def through(sound: NDArray[np.float32], gain: AutomaticGain | None = None) -> tuple[NDArray[np.float32], list[float]]:
     gain = gain or AutomaticGain(RATE)
-    told = [gain.apply(piece) for piece in sound.reshape(-1, PIECE)]
-    return np.concatenate([out for out, _ in told]), [below for _, below in told]
+    outputs = [gain.apply(piece) for piece in sound.reshape(-1, PIECE)]
+    return np.concatenate([out for out, _ in outputs]), [below for _, below in outputs]
 
 
 @given(st.floats(-60, -3))

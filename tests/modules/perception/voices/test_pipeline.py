@@ -14,7 +14,7 @@ from app.robots.config import MicrophonesConfig
 from app.robots.simulated.acoustics.diffraction import BaffledMicrophones
 from app.robots.simulated.acoustics.offline_rendering import OfflineSource, render_scene
 from app.robots.simulated.acoustics.room import Shoebox
-from app.robots.simulated.acoustics.sounds import ClipLibrary
+from app.robots.simulated.acoustics.sound_library import ClipLibrary
 from tests.modules.perception.voices.sounds import ARRAY, RATE, as_int16, babble, heard, heard_turning, toward
 from tests.scenery.bss_eval import bss_eval
 
@@ -25,12 +25,12 @@ Told = list[tuple[SoundSources, SeparatedSound | None]]
 
 def run(pipeline: VoicePipeline, sound: NDArray[np.int16], turning: float = 0.0, first: int = 0) -> Told:
     """Feed it all; ``turning`` rad/s."""
-    told = []
+    results = []
     for begin in range(0, len(sound) - pipeline.step + 1, pipeline.step):
         at = (first + begin) / RATE
         heading = turning * (pipeline.instant(at) - first / RATE)
-        told.append(pipeline.process(sound[begin : begin + pipeline.step], at, first + begin, heading))
-    return told
+        results.append(pipeline.process(sound[begin : begin + pipeline.step], at, first + begin, heading))
+    return results
 
 
 def noisy(sound: NDArray[np.float32]) -> NDArray[np.int16]:
@@ -51,13 +51,13 @@ def two() -> tuple[NDArray[np.float32], Told]:
 def test_two_voices_are_located_followed_and_given_each_by_itself(
     two: tuple[NDArray[np.float32], Told],
 ) -> None:
-    references, told = two
-    late = [sources for sources, _ in told[len(told) // 2 :]]
+    references, results = two
+    late = [sources for sources, _ in results[len(results) // 2 :]]
     for direction in (toward(20), toward(-70)):
         near = [[s for s in m.sources if degrees(s.direction, direction) < 5] for m in late]
         assert sum(map(bool, near)) > 0.95 * len(near)
         assert len({s.track for found in near for s in found}) == 1
-    separated = [message for _, message in told if message is not None]
+    separated = [message for _, message in results if message is not None]
     length = separated[-1].first_sample + len(separated[-1].samples)
     voices = np.zeros((2, length))
     tracks = sorted({track for message in separated for track in message.tracks})[:2]
@@ -77,18 +77,18 @@ def test_two_voices_are_located_followed_and_given_each_by_itself(
 def test_stamps_are_of_the_sound_and_sources_come_about_twenty_times_a_second(
     two: tuple[NDArray[np.float32], Told],
 ) -> None:
-    _, told = two
-    stamps = np.array([sources.stamp for sources, _ in told])
+    _, results = two
+    stamps = np.array([sources.stamp for sources, _ in results])
     assert 0 < stamps[0] < 2048 / RATE
     np.testing.assert_allclose(np.diff(stamps), 2048 / RATE)
-    assert all(sources.p_BA == pytest.approx((0, 0, 0.8)) for sources, _ in told)
+    assert all(sources.p_BA == pytest.approx((0, 0, 0.8)) for sources, _ in results)
 
 
 def test_levels_and_distances_are_those_of_a_standing_talker(
     two: tuple[NDArray[np.float32], Told],
 ) -> None:
-    _, told = two
-    for source in told[-1][0].sources:
+    _, results = two
+    for source in results[-1][0].sources:
         assert -60 < source.level_db < -15
         # A mouth at 1.53 m in the mean, seen from 0.8 m under 15 degrees.
         assert source.range_m == pytest.approx(0.73 / math.tan(math.radians(15)), rel=0.3)
@@ -99,8 +99,8 @@ def test_levels_and_distances_are_those_of_a_standing_talker(
 def test_a_turning_robot_keeps_a_still_source_as_one_track() -> None:
     turning = math.radians(50)
     sound = noisy(heard_turning(babble(0, 3.0), 60, 50))
-    told = run(VoicePipeline(PLACED, RATE, PipelineSettings(separation=False, speech=False)), sound, turning)
-    late = [sources for sources, _ in told[30:]]
+    results = run(VoicePipeline(PLACED, RATE, PipelineSettings(separation=False, speech=False)), sound, turning)
+    late = [sources for sources, _ in results[30:]]
     errors = []
     for message in late:
         if message.sources:
@@ -130,8 +130,8 @@ def test_after_a_gap_what_is_still_heard_keeps_its_number_and_after_a_step_back_
 def test_subsets_take_their_own_columns_and_two_microphones_know_no_height() -> None:
     sound = noisy(heard(babble(0, 2.0), toward(50, 0)))
     pipeline = VoicePipeline(PLACED.subset(2), RATE, PipelineSettings(separation=False, speech=False), first_track=40)
-    told = run(pipeline, sound)
-    sources = [source for message, _ in told[-20:] for source in message.sources]
+    results = run(pipeline, sound)
+    sources = [source for message, _ in results[-20:] for source in message.sources]
     assert sources
     assert all(source.track >= 40 for source in sources)
     assert min(abs(math.degrees(math.atan2(s.direction[1], s.direction[0])) - 50) for s in sources) < 6
@@ -155,11 +155,11 @@ def test_someone_who_says_hello_two_metres_away_is_a_voice_soon_and_until_he_end
         noise=10 ** (config.fans_db / 20),
     )
     array = MicrophoneArray(positions + np.array([0.0, 0.0, 0.9]), body_m=float(np.linalg.norm(positions[0])))
-    told = run(VoicePipeline(array, RATE, PipelineSettings(separation=separation)), as_int16(sound.T))
+    results = run(VoicePipeline(array, RATE, PipelineSettings(separation=separation)), as_int16(sound.T))
     begins, ends = truths[0].times_s[truths[0].active][[0, -1]]
     judged = [
         max((s.speech for s in m.sources if s.active and degrees(s.direction, toward(30, 15)) < 20), default=0.0)
-        for m, _ in told
+        for m, _ in results
         if begins + 0.75 < m.stamp < ends
     ]
     # What keeps LocateVoices desired: a source that sounds and is at least as probably a voice as not.

@@ -51,7 +51,7 @@ def test_what_comes_out_is_the_sound_of_the_reference_microphone_at_its_own_time
 
 @given(counts=st.lists(st.integers(0, 3), min_size=1, max_size=6))
 @settings(max_examples=15, deadline=None)
-def test_sample_numbers_follow_whoever_comes_and_goes(counts: list[int]) -> None:
+def test_sample_numbers_follow_talkers_that_come_and_go(counts: list[int]) -> None:
     separator = Separator(ARRAY, RATE, SeparatorSettings(frame=256, frames=2))
     sound = np.random.default_rng(1).normal(0, 0.01, (separator.step, 8)).astype(np.float32)
     following, before = 0, 0

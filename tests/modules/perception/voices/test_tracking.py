@@ -78,23 +78,23 @@ def test_what_only_ever_follows_another_is_not_reported_for_long(seed: int) -> N
     rng = np.random.default_rng(seed)
     tracker = Tracker()
     loud = 0.1 + 0.3 * np.repeat(rng.uniform(size=40), 4)
-    told = 0
+    reported = 0
     for k, power in enumerate(loud):
         # As loud in each syllable as its source lets it be; where that is silent, so is this.
         tracks = tracker.update(k * STEP_S, with_second((0.3, 0.1), (power, 0.5 * power), 1.0))
-        told += sum(bool(track.direction @ unit(150) > 0.9) for track in tracks)
+        reported += sum(bool(track.direction @ unit(150) > 0.9) for track in tracks)
     assert tracks[0].direction @ unit(30) > 0.9
-    assert told * STEP_S < 1
+    assert reported * STEP_S < 1
 
 
-@pytest.mark.parametrize(("leads", "told"), [(1.0, False), (1.4, True)])
-def test_an_echo_that_is_loud_at_times_is_not_reported_for_long(leads: float, told: bool) -> None:
+@pytest.mark.parametrize(("leads", "reported"), [(1.0, False), (1.4, True)])
+def test_an_echo_that_is_loud_at_times_is_not_reported_for_long(leads: float, reported: bool) -> None:
     tracker = Tracker()
     for k in range(40):
         # Between two walls it goes on when its source is silent for a moment, and is then louder.
         recents = (0.1, 0.25) if k % 10 == 9 else (0.3, 0.2)
         tracks = tracker.update(k * STEP_S, with_second((0.3, 0.2), recents, leads))
-    assert (len(tracks) == 2) is told
+    assert (len(tracks) == 2) is reported
 
 
 def test_a_weak_one_who_sounds_in_anothers_pauses_is_reported() -> None:
@@ -107,15 +107,15 @@ def test_a_weak_one_who_sounds_in_anothers_pauses_is_reported() -> None:
 
 def test_what_a_room_leaves_in_a_talkers_pauses_is_not_reported_for_long() -> None:
     tracker = Tracker()
-    told = 0
+    reported = 0
     for k in range(200):
         pause = k % 50 > 30
         # Louder than the talker in his pauses, since he says nothing then, but never as loud as he was.
         powers, recents = ((0.03, 0.04), (0.0, 0.05)) if pause else ((0.3, 0.05), (0.3, 0.05))
         tracks = tracker.update(k * STEP_S, with_second(powers, recents, 1.0))
-        told += sum(bool(track.direction @ unit(150) > 0.9) for track in tracks)
+        reported += sum(bool(track.direction @ unit(150) > 0.9) for track in tracks)
     assert [track.id for track in tracks] == [1]
-    assert told * STEP_S < 1
+    assert reported * STEP_S < 1
 
 
 def with_third(azimuth: float, powers: tuple[float, float], recents: tuple[float, float]) -> Peaks:
@@ -127,18 +127,18 @@ def with_third(azimuth: float, powers: tuple[float, float], recents: tuple[float
 
 def test_what_never_has_a_loud_moment_is_not_reported_for_long() -> None:
     tracker = Tracker()
-    told = 0
+    reported = 0
     for k in range(150):
         # The search finds it half as strong as the talker, as a wall in a live room; it never sounds louder by itself.
         tracks = tracker.update(k * STEP_S, with_second((0.3, 0.16), (0.3 if k % 10 else 0.15, 0.1)))
-        told += sum(bool(track.direction @ unit(150) > 0.9) for track in tracks)
+        reported += sum(bool(track.direction @ unit(150) > 0.9) for track in tracks)
     assert [track.id for track in tracks] == [1]
-    assert told * STEP_S < 1
+    assert reported * STEP_S < 1
 
 
 def test_what_takes_a_silent_tracks_number_does_not_take_its_credit() -> None:
     tracker = Tracker()
-    told = 0
+    reported = 0
     for k in range(110):
         now = k * STEP_S
         if k < 40:
@@ -151,8 +151,8 @@ def test_what_takes_a_silent_tracks_number_does_not_take_its_credit() -> None:
         tracks = tracker.update(now, peaks)
         if k == 65:
             assert [track.id for track in tracks] == [1]
-        told += k > 65 and any(track.id == 2 for track in tracks)
-    assert told * STEP_S < 0.8
+        reported += k > 65 and any(track.id == 2 for track in tracks)
+    assert reported * STEP_S < 0.8
 
 
 def test_proof_is_earned_again_and_again() -> None:

@@ -91,7 +91,7 @@ def test_sources_are_judged_each_by_itself_together_or_apart() -> None:
         assert together.speech(track) == pytest.approx(alone.speech(track), abs=1e-5)
 
 
-def test_nobody_is_judged_before_a_chunk_was_heard_or_after_being_forgotten() -> None:
+def test_no_track_is_judged_before_a_chunk_was_heard_or_after_it_was_forgotten() -> None:
     detector = VoiceActivityDetector()
     assert math.isnan(detector.speech(1))
     detector.update({1: np.zeros(CHUNK - 1, np.float32), 2: np.zeros(CHUNK, np.float32)})

@@ -60,7 +60,7 @@ def test_round_the_corner_it_comes_from_the_door_weaker_and_duller() -> None:
     assert bearing == pytest.approx(math.atan2(edge[1] - listener[1], edge[0] - listener[0]), abs=0.15)
 
 
-def test_nobody_hears_through_walls_without_a_door() -> None:
+def test_sound_does_not_pass_walls_without_a_door() -> None:
     way = Building([WEST, EAST]).way(p(1, 1), p(8, 3))
     assert max(way.gains) <= 1e-3
     assert way.late == 0.0

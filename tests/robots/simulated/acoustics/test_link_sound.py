@@ -40,7 +40,7 @@ CLAPPING = ScenarioConfig.model_validate(
 def deaf_but_for_sound(robot: RobotConfig) -> RobotConfig:
     """No cameras, no laser, in the hall's middle."""
     start = robot.start.model_copy(update={"x": 10.0, "y": 10.0, "heading_deg": 20.0})
-    streams = robot.streams.model_copy(update={"kinect": None, "imv": None, "hokuyo": None})
+    streams = robot.streams.model_copy(update={"kinect": None, "panorama": None, "hokuyo": None})
     return robot.model_copy(update={"streams": streams, "start": start, "scenario": None})
 
 

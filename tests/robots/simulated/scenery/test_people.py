@@ -206,19 +206,19 @@ def test_limbs_hang_together_in_every_posture() -> None:
 async def test_the_truth_of_a_running_world_is_the_scenarios(robot: RobotConfig, hall: WorldConfig) -> None:
     """Across the link's process: a walking person is reported as walking, at the given height, looking along the
     path."""
-    blind = robot.streams.model_copy(update={"kinect": None, "imv": None, "microphones": None, "hokuyo": None})
+    blind = robot.streams.model_copy(update={"kinect": None, "panorama": None, "microphones": None, "hokuyo": None})
     walker = {"name": "walker", "face": "pilot", "at": (3, 3), "height_m": 1.81, "script": [{"walk": (9, 3)}]}
     scenario = ScenarioConfig.model_validate({"name": "test", "people": [walker | {"repeat": False}]})
     config = robot.model_copy(update={"streams": blind, "start": START})
     link = SimulatedLink(config, hall, 0.0, scenario)
-    told: asyncio.Queue[SceneTruth] = asyncio.Queue()
-    link.attach("scene_truth", told.put_nowait)
+    scenes: asyncio.Queue[SceneTruth] = asyncio.Queue()
+    link.attach("scene_truth", scenes.put_nowait)
     link.demand("scene_truth", True)
     async with asyncio.timeout(PATIENCE_S):
         await link.start()
         try:
-            first = await told.get()
-            while (last := await told.get()).people[0].x < first.people[0].x + 0.5:
+            first = await scenes.get()
+            while (last := await scenes.get()).people[0].x < first.people[0].x + 0.5:
                 pass
         finally:
             await link.stop()

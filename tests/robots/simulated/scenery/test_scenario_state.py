@@ -126,7 +126,7 @@ def test_who_looks_at_the_robot_turns_head_and_body_to_it(bearing_deg: float) ->
     assert abs(wrap_angle(look.actors[0].heading - bearing)) < math.radians(40)  # no owl
 
 
-def test_nobody_looks_at_the_robot_unless_reported() -> None:
+def test_people_look_at_the_robot_only_where_the_script_says_so() -> None:
     look = scenario_state(person(heading_deg=90, script=[{"wait": 60}]))
     look.advance(6.0, Pose2(3.0, 0.0, 0.0))
     assert look.people[0].heading == pytest.approx(math.pi / 2)

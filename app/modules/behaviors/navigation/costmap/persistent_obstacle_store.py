@@ -9,8 +9,8 @@ from functools import partial
 from typing import Any
 
 from app.base.errors import ConfigError
-from app.maps.control import Files
 from app.maps.library import MapLibrary
+from app.maps.map_service import Files
 from app.modules.behaviors.navigation.costmap.persistent_obstacle_file import (
     PersistentObstacles,
     read_obstacles,
@@ -22,8 +22,8 @@ OBSTACLES_FILE = "obstacles.npz"
 
 
 class PersistentObstacleStore:
-    """Implements :class:`app.maps.control.MapLayer` for a layer that one thread uses: ``compute`` calls in that thread,
-    ``behind`` in another, where the disk may block."""
+    """Implements :class:`app.maps.map_service.MapLayer` for a layer that one thread uses: ``compute`` calls in that
+    thread, ``behind`` in another, where the disk may block."""
 
     def __init__(
         self,

@@ -24,7 +24,12 @@ from app.modules.behaviors.navigation.recovery.recovery_behaviors import Recover
 from app.modules.behaviors.navigation.recovery.stall_detector import StallDetector
 from app.modules.behaviors.navigation.tracking.dynamic_window import PUBLISHED, DynamicWindow
 from app.modules.behaviors.navigation.tracking.mppi import Mppi, MppiSettings
-from app.modules.behaviors.navigation.tracking.path_tracker import Goal, PathTracker, PathTrackerSettings, TrackingStep
+from app.modules.behaviors.navigation.tracking.path_tracker import (
+    NavigationGoal,
+    PathTracker,
+    PathTrackerSettings,
+    TrackingStep,
+)
 from app.modules.behaviors.navigation.tracking.sensor_health import DepthHealth, unfit, update_depth_health
 
 #: Names that a strategy may give as ``controller``.
@@ -73,7 +78,7 @@ class CycleInput:
     motion: MotionState
     X_MO: Pose2 | None
     problem: str
-    goal: Goal | None
+    goal: NavigationGoal | None
     scan: tuple[LaserScan, Pose2, Pose2] | None = None
     image: tuple[Image, Pose2] | None = None
     plan: GlobalPlan | None = None

@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from app.base.geometry import Pose2
-from app.modules.behaviors.navigation.tracking.path_tracker import Goal
+from app.modules.behaviors.navigation.tracking.path_tracker import NavigationGoal
 
 
-def goal_of(parameters: Mapping[str, Any], before: Goal | None) -> Goal | None:
+def goal_of(parameters: Mapping[str, Any], before: NavigationGoal | None) -> NavigationGoal | None:
     """The goal in an intention's ``parameters``; None without ``x`` and ``y``.
 
     Returns ``before`` itself if the goal is the same: goals are compared by identity.
@@ -18,7 +18,7 @@ def goal_of(parameters: Mapping[str, Any], before: Goal | None) -> Goal | None:
     if "x" not in parameters or "y" not in parameters:
         return None
     heading = parameters.get("heading")
-    goal = Goal(
+    goal = NavigationGoal(
         Pose2(float(parameters["x"]), float(parameters["y"]), math.nan if heading is None else float(heading)),
         float(parameters.get("tolerance_m", 0.25)),
         float(parameters.get("tolerance_rad", 0.2)),

@@ -43,7 +43,7 @@ _MAY_PASS = frozenset({"in_the_way", "start_stuck", "start_outside"})
 
 
 @dataclass(frozen=True, slots=True)
-class Goal:
+class NavigationGoal:
     """A goal on the map; ``pose.theta`` NaN for any heading. ``speed``: share of the body's speeds."""
 
     pose: Pose2
@@ -97,7 +97,7 @@ class PathTracker:
         self._body = body
         self._controller = controller
         self._driven_area = DrivenArea()
-        self.goal: Goal | None = None
+        self.goal: NavigationGoal | None = None
         self.plan: GlobalPlan | None = None
         self.remaining_m: float | None = None
         self.progress_stamp: float | None = None
@@ -122,7 +122,7 @@ class PathTracker:
     def use_controller(self, controller: Controller) -> None:
         self._controller = controller
 
-    def go(self, goal: Goal | None, now: float) -> None:
+    def go(self, goal: NavigationGoal | None, now: float) -> None:
         """Another goal, or none; the same object changes nothing."""
         if goal is self.goal:
             return

@@ -154,7 +154,7 @@ def test_what_the_camera_saw_it_clears_where_it_looks_through(reach_m: float) ->
     assert near(seen, 3.0, 0.0, 0.3) > 5, "the box behind has come into sight"
 
 
-def test_what_somebody_stands_before_is_not_looked_through() -> None:
+def test_what_a_person_covers_is_not_looked_through() -> None:
     wall = (4.2, -4.0, 4.4, 4.0, 0.0, 2.5)
     screen = (1.9, -0.3, 2.0, 0.3, 0.0, 1.3)
     here, eye = costmap(), looking(5.0)
@@ -305,7 +305,7 @@ def test_only_depth_of_a_pinhole_will_do() -> None:
     color = np.zeros((4, 4, 3), np.uint8)
     fisheye = FisheyeModel.from_fov(4, 4, math.pi, math.pi)
     for image in (
-        Image(0.0, "imv", color, np.ones((4, 4), np.uint16), fisheye, looking()),
+        Image(0.0, "panorama", color, np.ones((4, 4), np.uint16), fisheye, looking()),
         Image(0.0, "camera", color, None, CAMERA, looking()),
     ):
         with pytest.raises(ValueError, match=f"{image.frame} gives none"):

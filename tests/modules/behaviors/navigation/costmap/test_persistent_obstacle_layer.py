@@ -14,7 +14,7 @@ from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import (
     PersistentObstacleLayer,
     PersistentObstacleSettings,
 )
-from app.modules.behaviors.navigation.kernels import load_kernels
+from app.modules.behaviors.navigation.kernel_loading import load_kernels
 from tests.modules.behaviors.navigation.boxes import World, looking
 from tests.modules.behaviors.navigation.maps import ROUND
 

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from app.base.geometry import Pose2
-from app.maps.control import Files, MapControl, MapUnavailable
 from app.maps.library import MapLibrary
+from app.maps.map_service import Files, MapService, MapUnavailable
 from app.messages import Zone
 from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import PersistentObstacleLayer
 from app.modules.behaviors.navigation.costmap.persistent_obstacle_store import OBSTACLES_FILE, PersistentObstacleStore
@@ -23,7 +23,7 @@ from tests.modules.behaviors.navigation.maps import ROUND
 GRID = mapped(box(0.1, 0.1, 3.9, 3.9), (0.0, 0.0, 4.0, 4.0))
 
 
-class Keeper:
+class FakeMapServer:
     """Keeps maps in ``library`` and does nothing else."""
 
     def __init__(self, library: MapLibrary) -> None:
@@ -64,55 +64,55 @@ def there(x: float, y: float) -> PersistentObstacleLayer:
 
 
 async def test_it_is_kept_loaded_and_forgotten_with_the_map(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
-    library, control = MapLibrary(tmp_path), MapControl()
-    control.attach(Keeper(library))
+    library, control = MapLibrary(tmp_path), MapService()
+    control.attach(FakeMapServer(library))
     things = PersistentObstacleLayer(ROUND, 1.4)
     leave = await control.add(layer_of(things, library))
     things.add_contacts(np.array([[1.0, 2.0]]), 1.0)
-    await control.keeper.save("hall")
-    await control.keeper.begin()
+    await control.server.save("hall")
+    await control.server.begin()
     assert not len(things.points)
-    await control.keeper.save("empty")
+    await control.server.save("empty")
     with pytest.raises(MapUnavailable, match="attic"):
-        await control.keeper.load("attic")
-    await control.keeper.load("hall")
+        await control.server.load("attic")
+    await control.server.load("hall")
     assert things.points == pytest.approx(np.array([[1.0, 2.0]]), abs=0.05)
-    await control.keeper.load("empty")
+    await control.server.load("empty")
     assert not len(things.points)
     await compute((library.path("hall") / OBSTACLES_FILE).write_bytes, b"broken")
-    await control.keeper.load("hall")
-    assert control.keeper.name == "hall"
+    await control.server.load("hall")
+    assert control.server.name == "hall"
     leave()
     things.add_contacts(np.array([[1.0, 2.0]]), 1.0)
-    await control.keeper.begin()
+    await control.server.begin()
     assert len(things.points), "who left is asked no more"
     assert "low obstacles on the map hall are not known" in caplog.text
 
 
-async def test_after_a_restart_it_is_read_again_whoever_is_there_first(tmp_path: Path) -> None:
+async def test_after_a_restart_it_is_read_again_in_either_order(tmp_path: Path) -> None:
     library = MapLibrary(tmp_path)
-    keeper = Keeper(library)
-    await keeper.save("hall", await layer_of(there(1.0, 2.0), library).files())
-    for keeper_first in (True, False):
-        control, anew = MapControl(), PersistentObstacleLayer(ROUND, 1.4)
-        if keeper_first:
+    server = FakeMapServer(library)
+    await server.save("hall", await layer_of(there(1.0, 2.0), library).files())
+    for server_first in (True, False):
+        control, anew = MapService(), PersistentObstacleLayer(ROUND, 1.4)
+        if server_first:
             await control.resume("hall", same=False)
-            control.attach(keeper)
+            control.attach(server)
         await control.add(layer_of(anew, library))
-        if not keeper_first:
+        if not server_first:
             await control.resume("hall", same=False)
-            control.attach(keeper)
+            control.attach(server)
         assert len(anew.points) == 1
 
 
-async def test_it_is_not_lost_by_saving_without_whoever_knows_it_nor_by_a_full_disk(
+async def test_it_is_not_lost_by_saving_without_its_layer_nor_by_a_full_disk(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    library, control = MapLibrary(tmp_path), MapControl()
-    control.attach(Keeper(library))
+    library, control = MapLibrary(tmp_path), MapService()
+    control.attach(FakeMapServer(library))
     leave = await control.add(layer_of(things := PersistentObstacleLayer(ROUND, 1.4), library))
     things.add_contacts(np.array([[1.0, 2.0]]), 1.0)
-    await control.keeper.save("hall")
+    await control.server.save("hall")
     whole = (library.path("hall") / OBSTACLES_FILE).read_bytes()
 
     def full(*_: Any, **__: Any) -> None:
@@ -121,12 +121,12 @@ async def test_it_is_not_lost_by_saving_without_whoever_knows_it_nor_by_a_full_d
     with monkeypatch.context() as patch:
         patch.setattr("numpy.savez_compressed", full)
         with pytest.raises(OSError, match="No space"):
-            await control.keeper.save("hall")
+            await control.server.save("hall")
     assert (library.path("hall") / OBSTACLES_FILE).read_bytes() == whole
     leave()
-    await control.keeper.save("hall")
-    await control.keeper.save("ground-floor")
+    await control.server.save("hall")
+    await control.server.save("ground-floor")
     assert (library.path("ground-floor") / OBSTACLES_FILE).read_bytes() == whole
-    await control.keeper.begin()
-    await control.keeper.save("hall")
+    await control.server.begin()
+    await control.server.save("hall")
     assert not (library.path("hall") / OBSTACLES_FILE).exists(), "it is another map"

@@ -13,10 +13,10 @@ from app.messages import Image
 from app.modules.behaviors.navigation.controller import MotionState
 from app.modules.behaviors.navigation.costmap.footprint import Footprint
 from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import PersistentObstacleLayer
-from app.modules.behaviors.navigation.kernels import load_kernels
+from app.modules.behaviors.navigation.kernel_loading import load_kernels
 from app.modules.behaviors.navigation.planning.goal_planning import GlobalPlan
 from app.modules.behaviors.navigation.tracking.control_cycle import ControlCycle, ControlCycleSettings, CycleInput
-from app.modules.behaviors.navigation.tracking.path_tracker import Goal
+from app.modules.behaviors.navigation.tracking.path_tracker import NavigationGoal
 from tests.modules.behaviors.driven_world import DrivenLink, box, mapped
 from tests.modules.behaviors.navigation.boxes import CAMERA, Box, World, looking
 
@@ -48,8 +48,8 @@ def control() -> ControlCycle:
     return ControlCycle(DrivenLink().description, "pursuit", depth=True)
 
 
-def box_cells(told_obstacles: np.ndarray) -> int:
-    return int((np.abs(told_obstacles - np.array([3.1, 0.0])) < 0.3).all(axis=1).sum())
+def box_cells(obstacles: np.ndarray) -> int:
+    return int((np.abs(obstacles - np.array([3.1, 0.0])) < 0.3).all(axis=1).sum())
 
 
 def drive_up(control: ControlCycle, problem: str = "") -> None:
@@ -60,17 +60,17 @@ def drive_up(control: ControlCycle, problem: str = "") -> None:
 def test_a_box_seen_while_others_drove_stands_there_when_the_body_turns_beside_it_minutes_later() -> None:
     here = control()
     drive_up(here)
-    told = here.run(inputs(300.0, Pose2(2.2, 0.0, 1.5), look=False), 0.1)
-    assert told.around is not None
-    assert box_cells(told.around.obstacles) > 20
-    corner, cell = told.around.origin, told.around.resolution_m
-    assert told.around.distance[int((0.0 - corner[1]) / cell), int((3.05 - corner[0]) / cell)] < 0.06
+    output = here.run(inputs(300.0, Pose2(2.2, 0.0, 1.5), look=False), 0.1)
+    assert output.around is not None
+    assert box_cells(output.around.obstacles) > 20
+    corner, cell = output.around.origin, output.around.resolution_m
+    assert output.around.distance[int((0.0 - corner[1]) / cell), int((3.05 - corner[0]) / cell)] < 0.06
     on_map = X_MO @ Pose2(3.05, 0.0)
-    assert np.hypot(*(told.persistent_obstacles - np.array([on_map.x, on_map.y])).T).min() < 0.1
+    assert np.hypot(*(output.persistent_obstacles - np.array([on_map.x, on_map.y])).T).min() < 0.1
     far = here.run(inputs(300.1, Pose2(-4.0, 0.0, 3.1), look=False), 0.1)
     assert far.around is not None
     assert box_cells(far.around.obstacles) == 0
-    assert len(far.persistent_obstacles) == len(told.persistent_obstacles), "whoever plans knows it from anywhere"
+    assert len(far.persistent_obstacles) == len(output.persistent_obstacles), "whoever plans knows it from anywhere"
 
 
 def test_nothing_is_learned_without_knowing_where() -> None:
@@ -97,7 +97,7 @@ def clearance_m(pose: Pose2, boxes: tuple[Box, ...]) -> float:
 
 def drive(control: ControlCycle, world: World, to: tuple[float, float], cycles: int) -> list[Pose2]:
     """Where the body goes that follows a straight way exactly as commanded, ``odom`` being the map."""
-    goal = Goal(Pose2(*to, math.nan))
+    goal = NavigationGoal(Pose2(*to, math.nan))
     x, y = (np.linspace(0.0, end, 60) for end in to)
     poses = np.stack((x, y, np.full(60, math.atan2(to[1], to[0]))), axis=1)
     plan: GlobalPlan | None = GlobalPlan("way", "", poses, goal.pose, math.hypot(*to))
@@ -105,10 +105,10 @@ def drive(control: ControlCycle, world: World, to: tuple[float, float], cycles: 
     for k in range(cycles):
         at, now = here[-1], 0.1 * k
         scan = (world.scan(now, at), at, at)
-        told = control.run(
+        output = control.run(
             CycleInput(now, MotionState(at, linear, angular), Pose2(), "", goal, scan, None, plan, None, EMPTY), 0.1
         )
-        plan, linear, angular = None, told.step.linear_mps, told.step.angular_radps
+        plan, linear, angular = None, output.step.linear_mps, output.step.angular_radps
         middle = at.theta + 0.05 * angular
         step = 0.1 * linear
         here.append(Pose2(at.x + step * math.cos(middle), at.y + step * math.sin(middle), at.theta + 0.1 * angular))
@@ -157,15 +157,15 @@ def seeing_no_depth() -> ControlCycle:
     return here
 
 
-def test_whoever_plans_is_reported_what_is_kept_with_another_map_though_it_changed_as_often() -> None:
+def test_the_planner_gets_what_is_kept_with_another_map_though_it_changed_as_often() -> None:
     here = seeing_no_depth()
     assert here.persistent_obstacles is not None
     for x in (1.0, 2.0):
         things = PersistentObstacleLayer(Footprint.of(DrivenLink().description), 1.4)
         things.add_contacts(np.array([[x, 2.0]]), 1.0)
         here.persistent_obstacles.take(things.snapshot())
-        told = here.run(CycleInput(0.0, MotionState(Pose2(), 0.0, 0.0), Pose2(), "", None), 0.1)
-        assert told.persistent_obstacles == pytest.approx(np.array([[x, 2.0]]), abs=0.05)
+        output = here.run(CycleInput(0.0, MotionState(Pose2(), 0.0, 0.0), Pose2(), "", None), 0.1)
+        assert output.persistent_obstacles == pytest.approx(np.array([[x, 2.0]]), abs=0.05)
     here.persistent_obstacles.clear()
     assert not len(
         here.run(CycleInput(0.1, MotionState(Pose2(), 0.0, 0.0), Pose2(), "", None), 0.1).persistent_obstacles
@@ -177,7 +177,7 @@ def test_a_body_that_others_keep_standing_feels_nothing(given_mps: float | None,
     """The collision monitor stops it before what the laser sees: no unseen thing is there to be remembered."""
     here = seeing_no_depth()
     assert here.persistent_obstacles is not None
-    goal = Goal(Pose2(3.0, 0.0, math.nan))
+    goal = NavigationGoal(Pose2(3.0, 0.0, math.nan))
     poses = np.stack((np.linspace(0.0, 3.0, 60), np.zeros(60), np.zeros(60)), axis=1)
     plan: GlobalPlan | None = GlobalPlan("way", "", poses, goal.pose, 3.0)
     standing = MotionState(Pose2(), 0.0, 0.0)

@@ -44,7 +44,7 @@ def test_old_and_missing_sensors_may_not() -> None:
     assert unfit(10.2, 10.2, DepthHealth()) == "no depth picture has come yet"
     assert unfit(10.8, 10.4, watch) == OLD_SCAN
     assert unfit(10.8, 10.8, watch) == OLD_PICTURE
-    assert unfit(19.8, 19.8, watch) == OLD_PICTURE, "a state is told in one sentence, not in one for each age"
+    assert unfit(19.8, 19.8, watch) == OLD_PICTURE, "a state is reported in one sentence, not in one for each age"
     assert unfit(19.8, 10.4, watch) == OLD_SCAN
 
 

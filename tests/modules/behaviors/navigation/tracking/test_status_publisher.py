@@ -11,8 +11,8 @@ from app.modules.behaviors.navigation.tracking.status_publisher import StatusPub
 
 
 def test_a_state_is_logged_on_entering_and_each_reason_once(caplog: pytest.LogCaptureFixture) -> None:
-    told: list[NavigationStatus] = []
-    publisher = StatusPublisher(told.append, logging.getLogger("hbba.Going"))
+    published: list[NavigationStatus] = []
+    publisher = StatusPublisher(published.append, logging.getLogger("hbba.Going"))
     said = [
         ("idle", ""),
         *[("waiting", why) for why in ("no scan", "no pose", "no scan", "no pose")],
@@ -24,4 +24,4 @@ def test_a_state_is_logged_on_entering_and_each_reason_once(caplog: pytest.LogCa
     assert [r.getMessage() for r in caplog.records] == [
         "waiting: no scan", "waiting: no pose", "following", "waiting: no scan",
     ]  # fmt: skip
-    assert len(told) == 7
+    assert len(published) == 7

@@ -1,6 +1,6 @@
 """The service of the map in use, for other parts of the program: save, load, place the robot, mark zones.
 
-The module that makes the map attaches a MapKeeper. Other modules may add a MapLayer: data of theirs that is saved and
+The module that makes the map attaches a MapServer. Other modules may add a MapLayer: data of theirs that is saved and
 loaded with each map, for instance obstacles that only a camera sees.
 """
 
@@ -29,7 +29,7 @@ class MapUnavailable(Exception):
     """The request cannot be met now; the message says why and what would help."""
 
 
-class MapKeeper(Protocol):
+class MapServer(Protocol):
     """Makes and follows the map; all methods are called on the event loop.
 
     Each raises MapUnavailable, with a message for people, if the request cannot be met; nothing has changed then.
@@ -70,7 +70,7 @@ class MapKeeper(Protocol):
 
 
 class MapLayer(Protocol):
-    """Data of a module other than the keeper that belongs to the map in use; all methods are called on the event
+    """Data of a module other than the map server that belongs to the map in use; all methods are called on the event
     loop."""
 
     async def files(self) -> Files:
@@ -89,8 +89,8 @@ class MapLayer(Protocol):
         ...
 
 
-class MapControl(ServiceSlot[MapKeeper]):
-    """The service of the map in use: its keeper, which a module attaches while it runs, and the layers beside it."""
+class MapService(ServiceSlot[MapServer]):
+    """The service of the map in use: its server, which a module attaches while it runs, and the layers beside it."""
 
     def __init__(self) -> None:
         super().__init__(lambda: MapUnavailable("this program makes no maps: SLAM2D does not run"))
@@ -110,7 +110,7 @@ class MapControl(ServiceSlot[MapKeeper]):
         return self._observers.add(callback)
 
     async def resume(self, name: str, *, same: bool) -> None:
-        """Load the layers for the map ``name``, which a keeper about to attach has in use.
+        """Load the layers for the map ``name``, which a map server about to attach has in use.
 
         ``same``: its former instance used the same map; layers loaded for it stay as they are, for they are newer than
         their files.
@@ -118,8 +118,8 @@ class MapControl(ServiceSlot[MapKeeper]):
         await self._load_layers(name, same=same)
 
     @property
-    def keeper(self) -> MapKeeper:
-        """The keeper of the map, with its layers. Raises MapUnavailable while there is none."""
+    def server(self) -> MapServer:
+        """The server of the map, with its layers. Raises MapUnavailable while there is none."""
         return _Layered(self.provider, self._layers, self._observers.notify)
 
     async def _load_layers(self, name: str, *, same: bool) -> None:
@@ -176,38 +176,38 @@ class MapLayers:
 
 
 class _Layered:
-    """A keeper with layers."""
+    """A map server with layers."""
 
-    def __init__(self, keeper: MapKeeper, layers: MapLayers, changed: Callable[[], None]) -> None:
-        self._keeper = keeper
+    def __init__(self, server: MapServer, layers: MapLayers, changed: Callable[[], None]) -> None:
+        self._server = server
         self._layers = layers
         self._changed = changed
 
     @property
     def name(self) -> str:
-        return self._keeper.name
+        return self._server.name
 
     async def save(self, name: str, others: Files | None = None) -> None:
-        former = self._keeper.name
+        former = self._server.name
         files = {**(others or {}), **await self._layers.files(former)}
-        await self._keeper.save(name, files)
+        await self._server.save(name, files)
         self._layers.rename(former, name)
 
     async def load(self, name: str, X_MB: Pose2 | None = None, extend: bool = False) -> None:
-        await self._keeper.load(name, X_MB, extend)
+        await self._server.load(name, X_MB, extend)
         self._changed()
         await self._layers.load(name, same=False)
 
     async def begin(self) -> None:
-        await self._keeper.begin()
+        await self._server.begin()
         self._changed()
         await self._layers.load("", same=False)
 
     async def place(self, X_MB: Pose2) -> None:
-        await self._keeper.place(X_MB)
+        await self._server.place(X_MB)
 
     async def search(self) -> None:
-        await self._keeper.search()
+        await self._server.search()
 
     async def mark(self, zones: tuple[Zone, ...]) -> None:
-        await self._keeper.mark(zones)
+        await self._server.mark(zones)

@@ -9,7 +9,7 @@ import socket
 
 from app.robots.simulated.acoustics.ipc import AcousticsSetup, LoudspeakerFrame, SoundScene
 from app.robots.simulated.acoustics.microphone_simulator import MicrophoneSimulator
-from app.robots.simulated.wire import Socket
+from app.robots.simulated.link_protocol import Socket
 
 
 def serve(link_descriptor: int, setup_descriptor: int) -> None:

@@ -14,7 +14,7 @@ from app.experiments.observation import Observer, Outcome
 from app.experiments.script import Waypoint, drive_script, load_script
 from app.experiments.simulated import SimulatedProgram
 from app.experiments.world_run import PATIENCE_S
-from app.logs.control import RECORD
+from app.logs.recorder_service import RECORD
 from app.logs.replay.headless import wait_for_disk
 from app.modules.recording.recorder import Recorder
 from app.program.system import System

@@ -11,7 +11,7 @@ from app.logs.manifest import AttachedFile, Manifest
 from app.logs.mcap.open_file import McapFile
 from app.logs.mcap.reader import McapLog
 from app.logs.ros.encoder import Encoder
-from app.logs.ros.robot import robot_description
+from app.logs.ros.robot_description import robot_description
 from app.messages import Odometry
 from tests.logs.mcap.mcap_files import BEGIN, CHANNELS, drive
 
@@ -31,12 +31,12 @@ def test_a_viewer_finds_the_model_once_and_our_reader_does_not_take_it_for_a_cha
     manifest = Manifest((AttachedFile("robots/irl1.urdf", "", URDF.encode()),))
     path = write(tmp_path / "drive.mcap", manifest)
     with AnyReader([path]) as reader:
-        told = [
+        models = [
             (stamp, vars(reader.deserialize(data, connection.msgtype))["data"])
             for connection, stamp, data in reader.messages()
             if connection.topic == "/robot_description"
         ]
-    assert told == [(int(BEGIN * 1_000_000_000), URDF)]
+    assert models == [(int(BEGIN * 1_000_000_000), URDF)]
     log = McapLog(path)
     assert set(log.info.channels) == {"odometry"}
     assert not log.info.ignored

@@ -9,7 +9,7 @@ import viser
 
 from app.base import paths
 from app.base.geometry import Pose3
-from app.console.view.body import LEAST_MOVE, BodyNodes
+from app.console.view.body_nodes import LEAST_MOVE, BodyNodes
 from app.robots.model import load_model
 
 MODEL = load_model(paths.config_dir() / "robots" / "irl1_tr.urdf")

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import pytest
 
-from app.robots.devices.reader import InputReader
+from app.robots.devices.reader_thread import InputReader
 from tests.patience import PATIENCE_S
 
 
@@ -39,7 +39,7 @@ def reader(source: Callable[[], Clock], take: Callable[[int], None]) -> InputRea
     return InputReader("clock", source, take, pause_s=lambda: 0.0, most_waiting=1)
 
 
-async def test_what_nobody_foresaw_is_raised_where_it_is_started() -> None:
+async def test_an_unforeseen_exception_is_raised_where_it_is_started() -> None:
     def broken() -> Clock:
         raise ZeroDivisionError("a driver's fault")
 
@@ -47,7 +47,7 @@ async def test_what_nobody_foresaw_is_raised_where_it_is_started() -> None:
         await asyncio.wait_for(reader(broken, lambda _: None).start(), PATIENCE_S)
 
 
-async def test_what_piled_up_while_nobody_wanted_it_is_not_given_as_new() -> None:
+async def test_what_piled_up_without_demand_is_not_given_as_new() -> None:
     clock = Clock()
     first: asyncio.Future[int] = asyncio.get_running_loop().create_future()
 

@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from app.experiments.simulated import simulated_program
-from app.experiments.trial import run
+from app.experiments.tour_guide_trial import run
 from app.logs.open import open_log
 
 # The loop is virtual, and its drawing and hearing are meant to hold it up.
@@ -34,7 +34,7 @@ def test_a_trial_in_virtual_time_is_recorded_at_the_rates_of_its_sensors(
     configuration = replace(
         program.configuration, program=program.configuration.program.model_copy(update={"modules": modules})
     )
-    blind = {"kinect": None, "imv": None, "microphones": None}
+    blind = {"kinect": None, "panorama": None, "microphones": None}
     body = program.body.model_copy(update={"streams": program.body.streams.model_copy(update=blind)})
     legs: list[str] = []
     outcome, events = run(

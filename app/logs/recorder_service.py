@@ -18,7 +18,7 @@ class RecorderUnavailable(Exception):
     """The request cannot be met now; the message says why and what would help."""
 
 
-class RecorderControl(ServiceSlot[SaveRing]):
+class RecorderService(ServiceSlot[SaveRing]):
     """The service of the Recorder, which attaches its function while it runs."""
 
     def __init__(self) -> None:

@@ -17,7 +17,7 @@ from fastapi import FastAPI
 
 from app.console.app import create_app
 from app.console.live import protocol
-from app.console.live.description import description
+from app.console.live.asyncapi import description
 from app.program.system import System
 from app.robots.config import circle
 from app.runtime.module import Caution

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.logs.ros import typestore
-from app.logs.ros.cloud import XYZ, CloudHead
+from app.logs.ros.cloud_converter import XYZ, CloudHead
 from app.logs.ros.frames import BASE, TF, Transform, header, pose3_numbers
 from app.logs.ros.info import RestTopic, pose_key
 from app.logs.ros.record import MAIN, Record, RecordTopic

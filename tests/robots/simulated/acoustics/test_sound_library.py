@@ -11,8 +11,8 @@ import pytest
 import soundfile
 
 from app.base.errors import ConfigError
-from app.robots.simulated.acoustics import espeak, sounds
-from app.robots.simulated.acoustics.sounds import MEAN_DB_SPL, PEAK_DB_SPL, RECORDINGS, SPEECH, ClipLibrary
+from app.robots.simulated.acoustics import espeak, sound_library
+from app.robots.simulated.acoustics.sound_library import MEAN_DB_SPL, PEAK_DB_SPL, RECORDINGS, SPEECH, ClipLibrary
 from app.robots.simulated.acoustics.synthesis import MAKERS
 
 RATE = 48000
@@ -67,8 +67,8 @@ def test_it_reports_when_a_sound_is_active(library: ClipLibrary) -> None:
     assert not clip.active(-0.1)
     assert not clip.active(clip.seconds + 0.1)
     assert clip.active(clip.seconds + 0.3, loop=True) == clip.active(0.3)
-    told = [clip.active(0.01 * index + 0.005) for index in range(clip.activity.size)]
-    np.testing.assert_array_equal(told, clip.activity)
+    activity = [clip.active(0.01 * index + 0.005) for index in range(clip.activity.size)]
+    np.testing.assert_array_equal(activity, clip.activity)
 
 
 def test_files_of_any_rate_become_speech_of_ordinary_loudness(library: ClipLibrary, tmp_path: Path) -> None:
@@ -123,10 +123,10 @@ def test_a_file_that_says_more_than_sound_has_is_refused(rate: int, seconds: flo
     path = tmp_path / "endless.flac" if seconds > 10 else tmp_path / "odd.wav"
     soundfile.write(path, np.zeros(max(10, int(rate * seconds)), np.int16), rate)
     with pytest.raises(ConfigError, match=rf"says it has \d+ samples, {rate} a second; at most"):
-        sounds._read(path)
+        sound_library._read(path)
 
 
 def test_a_pipe_in_a_files_place_is_refused_and_not_waited_for(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "a.wav")
     with pytest.raises(ConfigError, match="is a pipe, no regular file"):
-        sounds._read(tmp_path / "a.wav")
+        sound_library._read(tmp_path / "a.wav")

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Generic, Protocol, TypeVar
 
-from app.robots.devices.pictures import InputUnavailable
+from app.robots.devices.image_inputs import InputUnavailable
 
 T = TypeVar("T")
 Item = TypeVar("Item", covariant=True)

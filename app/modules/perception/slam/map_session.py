@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from app.base.errors import ConfigError
 from app.base.geometry import Pose2
-from app.maps.control import MapUnavailable
 from app.maps.library import GRAPH, MapLibrary
+from app.maps.map_service import MapUnavailable
 from app.messages import LaserScan, OccupancyGrid, Zone, read_only
 from app.modules.perception.slam.beam_cache import BeamCache
 from app.modules.perception.slam.grid_views import state_of

@@ -63,7 +63,7 @@ class Play:
 
 
 @dataclass(frozen=True, slots=True)
-class EStop:
+class EStopRequest:
     """Program to link: latch the emergency stop."""
 
     reason: str

@@ -8,7 +8,7 @@ import pytest
 from pydantic import ValidationError
 
 from app.robots.devices.config import CameraConfig
-from app.robots.devices.pictures import InputUnavailable, PlaybackTimer, open_pictures
+from app.robots.devices.image_inputs import InputUnavailable, PlaybackTimer, open_pictures
 from tests.base.test_image_source import BOMBS
 from tests.robots.devices.files import picture_file, video_file
 
@@ -48,7 +48,7 @@ def test_each_picture_of_a_folder_is_shown_for_a_while(tmp_path: Path) -> None:
         CameraConfig(seconds_each=0)
 
 
-def test_nobody_writes_into_another_s_picture(tmp_path: Path) -> None:
+def test_each_image_is_an_array_of_its_own(tmp_path: Path) -> None:
     source = open_pictures(CameraConfig(source=str(picture_file(tmp_path, "a.png", 30))))
     first, second = source.read(), source.read()
     assert first is not None
