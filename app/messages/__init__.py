@@ -10,6 +10,7 @@ microphones, Q a QR code, F a face, S a sound source.
 
 from __future__ import annotations
 
+from app.messages.actuation import GroupStatus, JointCommand
 from app.messages.base import Message, read_only
 from app.messages.driving import Exploitation, LinkStatus, OperatorDrive, Twist
 from app.messages.navigation import (
@@ -83,8 +84,10 @@ __all__ = [
     "Faces",
     "GivenUpGoal",
     "GroundTruth",
+    "GroupStatus",
     "Image",
     "IntentionRecord",
+    "JointCommand",
     "JointState",
     "Landmark",
     "Landmarks",

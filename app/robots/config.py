@@ -9,8 +9,9 @@ from typing import Annotated, Literal, TypeVar
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 from app.base.yaml_source import load_yaml
-from app.link import BaseLimits
+from app.link import ActuatorGroup, BaseLimits, JointLimits, SafeAction
 from app.robots.guard import GuardLimits
+from app.robots.model import KinematicModel
 
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
@@ -71,6 +72,40 @@ def circle(radius_m: float, corners: int = 16) -> tuple[tuple[float, float], ...
     return tuple((round(reach * math.cos(a), 4), round(reach * math.sin(a), 4)) for a in angles)
 
 
+class ActuatorConfig(_Model):
+    """One actuator group of joints: what is commanded together, and what the guard does with it.
+
+    Positions are limited by the model (URDF), speeds by the lower of ``velocity`` and the model's.
+    """
+
+    joints: Annotated[tuple[str, ...], Field(min_length=1)] = Field(description="names of movable joints of the model")
+    velocity: Positive = Field(default=1.0, description="greatest speed (rad/s, m/s where prismatic)")
+    acceleration: Positive = Field(default=5.0, description="greatest acceleration (rad/s^2, m/s^2)")
+    stale: SafeAction = Field(default=SafeAction.HOLD, description="without a fresh command: hold or yield")
+    stop: SafeAction = Field(default=SafeAction.HOLD, description="in an emergency stop: hold or yield")
+    timeout_s: Annotated[float, Field(gt=0, le=1)] = Field(default=0.25, description="an older command is stale")
+    compliant: bool = Field(default=False, description="commands may set stiffness and damping")
+    stiffness: NotNegative = Field(default=60.0, description="N m/rad, of a compliant group without a value given")
+    damping: NotNegative = Field(default=6.0, description="N m s/rad, likewise")
+
+    def group(self, name: str, model: KinematicModel) -> ActuatorGroup:
+        """The group's description. Raises ValueError for a joint that the model does not have or that cannot move."""
+        limits: list[JointLimits] = []
+        for joint_name in self.joints:
+            joint = model.joints.get(joint_name)
+            if joint is None or not joint.moves:
+                allowed = ", ".join(model.joint_names)
+                raise ValueError(f"the model has no movable joint {joint_name!r}; it has {allowed}")
+            speed = min(self.velocity, joint.velocity)
+            limits.append(
+                JointLimits(joint.name, joint.lower, joint.upper, speed, self.acceleration, effort=joint.effort)
+            )
+        return ActuatorGroup(
+            name, tuple(limits), stale=self.stale, stop=self.stop, timeout_s=self.timeout_s,
+            compliant=self.compliant, stiffness=self.stiffness, damping=self.damping,
+        )  # fmt: skip
+
+
 class BodyConfig(_Model):
     """What the file of every body says; each kind of body adds its own. Paths are relative to the file."""
 
@@ -83,6 +118,9 @@ class BodyConfig(_Model):
     )
     height_m: Positive = Field(default=1.5, description="what hangs higher is not in its way")
     limits: LimitsConfig = LimitsConfig()
+    actuators: dict[str, ActuatorConfig] = Field(
+        default={}, description="groups of joints that behaviors command, by name (docs/bodies.md)"
+    )
 
     @field_validator("footprint")
     @classmethod

@@ -17,7 +17,7 @@ from app.console.server import listen, serve, url_of
 from app.link import BaseLimits, LinkFailed, RobotDescription, StreamDescription
 from app.logs.library import RecordingLibrary
 from app.maps.library import MapLibrary
-from app.messages import Audio, Image, JointState, LaserScan, LinkStatus, Odometry, Twist
+from app.messages import Audio, Image, JointCommand, JointState, LaserScan, LinkStatus, Odometry, Twist
 from app.program.config import load_configuration
 from app.program.system import System
 from app.runtime.clock import Clock
@@ -173,6 +173,7 @@ class Body:
         #: Whether the guard reports a stop as soon as it is latched, as it should.
         self.confirms = True
         self.commands: list[Twist] = []
+        self.joint_commands: list[JointCommand] = []
         self.played: list[Audio] = []
 
     async def start(self) -> None: ...
@@ -189,8 +190,11 @@ class Body:
 
     def demand(self, stream: str, wanted: bool) -> None: ...
 
-    def command(self, twist: Twist) -> None:
-        self.commands.append(twist)
+    def command(self, command: Twist | JointCommand) -> None:
+        if isinstance(command, JointCommand):
+            self.joint_commands.append(command)
+        else:
+            self.commands.append(command)
 
     def play(self, audio: Audio) -> None:
         self.played.append(audio)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from app.link import BaseLimits, LinkFailed, RobotDescription, RobotLink, StreamDescription
-from app.messages import Audio, Image, JointState, LaserScan, LinkStatus, Odometry, Twist
+from app.messages import Audio, Image, JointCommand, JointState, LaserScan, LinkStatus, Odometry, Twist
 from app.runtime.channel import Subscription
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.clock import VirtualClock
@@ -37,6 +37,7 @@ class FakeLink:
         self.demands: dict[str, list[bool]] = {}
         #: (time of arrival, twist) of every command.
         self.commands: list[tuple[float, Twist]] = []
+        self.joint_commands: list[JointCommand] = []
         self.now: Callable[[], float] = lambda: 0.0
 
     async def start(self) -> None: ...
@@ -53,8 +54,11 @@ class FakeLink:
     def demand(self, stream: str, wanted: bool) -> None:
         self.demands.setdefault(stream, []).append(wanted)
 
-    def command(self, twist: Twist) -> None:
-        self.commands.append((self.now(), twist))
+    def command(self, command: Twist | JointCommand) -> None:
+        if isinstance(command, JointCommand):
+            self.joint_commands.append(command)
+        else:
+            self.commands.append((self.now(), command))
 
     def play(self, audio: Audio) -> None: ...
 

@@ -20,6 +20,7 @@ from app.messages import (
     Audio,
     GroundTruth,
     Image,
+    JointCommand,
     JointState,
     LaserScan,
     LinkStatus,
@@ -135,12 +136,12 @@ class SimulatedLink:
         if self._receivers.demand(stream, wanted) and self._session is not None:
             self._session.send(wire.Demand(stream, wanted))
 
-    def command(self, twist: Twist) -> None:
-        """Give the base a velocity; dropped while a frozen link does not read: it would arrive too late."""
+    def command(self, command: Twist | JointCommand) -> None:
+        """Give a command; dropped while a frozen link does not read: it would arrive too late."""
         if self._session is None or self._session.unsent_bytes > _UNSENT_BYTES:
             self.commands_dropped += 1
             return
-        self._session.send(wire.DriveRequest(twist.stamp, twist.linear_mps, twist.angular_radps))
+        self._session.send(wire.request(command))
 
     def play(self, audio: Audio) -> None:
         """Play one frame through the loudspeaker."""

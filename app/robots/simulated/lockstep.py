@@ -29,7 +29,7 @@ from typing import TYPE_CHECKING, Any
 from app.base.errors import ConfigError
 from app.base.geometry import Pose2
 from app.link import LinkFailed, RobotDescription
-from app.messages import Audio, Image, LaserScan, PersonTruth, Twist, read_only
+from app.messages import Audio, Image, JointCommand, LaserScan, PersonTruth, Twist, read_only
 from app.robots.config import RobotConfig
 from app.robots.receivers import Receivers
 from app.robots.simulated import wire
@@ -148,9 +148,9 @@ class LockstepLink:
         if self._receivers.demand(stream, wanted):
             self._accept(wire.Demand(stream, wanted))
 
-    def command(self, twist: Twist) -> None:
-        """Give the base a velocity."""
-        self._accept(wire.DriveRequest(twist.stamp, twist.linear_mps, twist.angular_radps))
+    def command(self, command: Twist | JointCommand) -> None:
+        """Give a command."""
+        self._accept(wire.request(command))
 
     def play(self, audio: Audio) -> None:
         """No effect: this body has no loudspeaker."""
