@@ -251,9 +251,19 @@ def assert_within(before: JointGuardState, after: JointGuardState, dt: float) ->
             continue
         assert abs(now.velocity - was.velocity) <= limits.acceleration * dt + 1e-12
         assert abs(now.position - was.position) <= limits.velocity * dt + 1e-12
-        # What was moved agrees with the speeds: no jump hides between them.
-        fastest = max(abs(now.velocity), abs(was.velocity)) + 1e-9
-        assert abs(now.position - was.position) <= fastest * dt + 1e-12
+        assert_moved_as_it_says(was.position, was.velocity, now.position, velocity=now.velocity, dt=dt)
+
+
+def assert_moved_as_it_says(
+    from_position: float, from_velocity: float, position: float, *, velocity: float, dt: float
+) -> None:
+    """The set-point moved at constant acceleration from one velocity to the other, or stopped on the way."""
+    moved = position - from_position
+    if velocity != 0:
+        assert moved == pytest.approx((from_velocity + velocity) / 2 * dt, abs=1e-9)
+    else:
+        assert moved * from_velocity >= -1e-9
+        assert abs(moved) <= abs(from_velocity) / 2 * dt + 1e-9
 
 
 limits = st.builds(
@@ -271,3 +281,21 @@ def test_from_rest_any_goal_is_reached_without_overshoot(limits: JointLimits, go
         position, velocity = joint_guard.advance(position, velocity, goal, limits, dt)
         assert (goal - position) * goal >= -1e-12
     assert (position, velocity) == (goal, 0.0)
+
+
+@given(limits, st.floats(-1, 1), st.lists(st.tuples(st.floats(-4, 4), st.floats(0.0005, 0.5)), max_size=20))
+def test_goals_that_move_while_a_joint_does_never_carry_it_beyond_its_limits(
+    limits: JointLimits, speed: float, goals: list[tuple[float, float]]
+) -> None:
+    # As fast as it may be while it can still stop within its positions.
+    room = limits.upper if speed > 0 else -limits.lower
+    velocity = speed * min(limits.velocity, math.sqrt(2 * limits.acceleration * room))
+    position = 0.0
+    for goal, dt in goals:
+        to = joint_guard.clamp(goal, limits)
+        before, was = position, velocity
+        position, velocity = joint_guard.advance(position, velocity, to, limits, dt)
+        assert limits.lower <= position <= limits.upper
+        assert abs(velocity) <= limits.velocity + 1e-9
+        assert abs(velocity - was) <= limits.acceleration * dt + 1e-9
+        assert_moved_as_it_says(before, was, position, velocity=velocity, dt=dt)
