@@ -89,6 +89,7 @@ def test_a_goal_beyond_the_limits_is_clamped() -> None:
     head = Guarded()
     head.run(3.0, 9.0, -9.0)
     assert head.positions[-1] == (2.2, -0.3)
+    assert head.velocities[-1] == REST
 
 
 def test_joints_that_are_not_named_keep_their_goals() -> None:
