@@ -8,10 +8,10 @@ from typing import Annotated, Literal, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
+from app.base.kinematic_model import KinematicModel
 from app.base.yaml_source import load_yaml
 from app.link import ActuatorGroup, BaseLimits, JointLimits, SafeAction
 from app.robots.guard import GuardLimits
-from app.robots.model import KinematicModel
 
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from typing import Any
 
 from app.base.geometry import Pose2
+from app.base.kinematic_model import KinematicModel
 from app.link import LinkFailed, RobotDescription, StreamDescription
 from app.messages import Audio, Image, JointCommand, JointState, LinkStatus, Odometry, Twist
 from app.robots.devices.config import JOINTS_HZ, ODOMETRY_HZ, STATUS_HZ, DevicesConfig
@@ -16,7 +17,6 @@ from app.robots.devices.player import Player
 from app.robots.devices.reader import InputReader
 from app.robots.devices.sound import no_sound_card
 from app.robots.devices.streams import AudioFrames, ImageFrames
-from app.robots.model import KinematicModel
 from app.robots.receivers import Receivers
 
 log = logging.getLogger("hbba.devices")

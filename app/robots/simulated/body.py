@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from app.base.errors import ConfigError
 from app.base.geometry import Pose2
+from app.base.kinematic_model import load_model
 from app.robots.config import RobotConfig
 from app.robots.guard import BaseVelocity
-from app.robots.model import load_model
 from app.robots.simulated.kinect_noise import camera_model
 from app.robots.simulated.odometry import TrueBase
 from app.robots.simulated.scenery.actor import Actor

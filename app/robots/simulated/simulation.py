@@ -11,10 +11,10 @@ from collections.abc import Callable, Iterable
 
 import numpy as np
 
+from app.base.kinematic_model import load_model
 from app.messages import GroundTruth, JointState, LinkStatus, Odometry, SceneTruth, Twist
 from app.robots import guard
 from app.robots.config import RobotConfig
-from app.robots.model import load_model
 from app.robots.simulated import wire
 from app.robots.simulated.acoustics.soundscape import Soundscape
 from app.robots.simulated.body import TIMESTEP_S, build_simulation

@@ -12,11 +12,11 @@ import numpy as np
 from pydantic import Field
 
 from app.base.geometry import Pose2, Pose3
+from app.base.kinematic_model import load_model
 from app.link import LinkFailed, RobotDescription, StreamDescription
 from app.messages import Audio, JointCommand, JointState, LaserScan, LinkStatus, Odometry, Twist, read_only
 from app.robots.config import BodyConfig, LimitsConfig, load_body_config
 from app.robots.factory import BodyKind, standing_streams
-from app.robots.model import load_model
 from app.robots.receivers import Receivers
 
 SCANS_HZ = 10.0
