@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Literal, TypeVar
+from typing import Annotated, Literal, Self, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator
+from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, field_validator, model_validator
 
-from app.base.kinematic_model import KinematicModel
+from app.base.kinematic_model import KinematicModel, load_model
 from app.base.yaml_source import load_yaml
 from app.link import ActuatorGroup, BaseLimits, JointLimits, SafeAction
 from app.robots.guard import GuardLimits
 
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
+
+BASE_GROUP = "base"
+"""The group of the wheels, as exploitation names it: it takes velocities, and is no group of joints."""
 
 
 class _Model(BaseModel):
@@ -96,6 +100,8 @@ class ActuatorConfig(_Model):
             if joint is None or not joint.moves:
                 allowed = ", ".join(model.joint_names)
                 raise ValueError(f"the model has no movable joint {joint_name!r}; it has {allowed}")
+            if joint.velocity <= 0:
+                raise ValueError(f"the model's greatest velocity of {joint_name} is 0: it cannot move")
             speed = min(self.velocity, joint.velocity)
             limits.append(
                 JointLimits(joint.name, joint.lower, joint.upper, speed, self.acceleration, effort=joint.effort)
@@ -122,10 +128,29 @@ class BodyConfig(_Model):
         default={}, description="groups of joints that behaviors command, by name (docs/bodies.md)"
     )
 
+    _groups: dict[str, ActuatorGroup] = PrivateAttr(default_factory=dict)
+
     @field_validator("footprint")
     @classmethod
     def _footprint_is_sound(cls, corners: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
         return check_footprint(corners) if corners else corners
+
+    @model_validator(mode="after")
+    def _joints_have_one_group(self) -> Self:
+        if BASE_GROUP in self.actuators:
+            raise ValueError(f"actuators: {BASE_GROUP} is the group of the wheels; name another so")
+        owner: dict[str, str] = {}
+        for group, actuator in self.actuators.items():
+            for joint in actuator.joints:
+                if joint in owner:
+                    raise ValueError(f"actuators: {joint} is in {owner[joint]} already; it cannot be in {group}, too")
+                owner[joint] = group
+        return self
+
+    @property
+    def groups(self) -> Mapping[str, ActuatorGroup]:
+        """The actuator groups of joints with the model's limits, by name, as :func:`load_body_config` found them."""
+        return self._groups
 
     @property
     def standing_rates_hz(self) -> tuple[float, float, float]:
@@ -296,6 +321,13 @@ class RobotConfig(BodyConfig):
         default=None, description="record every step of the guard in this file (guard_log.py)"
     )
 
+    @model_validator(mode="after")
+    def _wheels_are_the_bases(self) -> Self:
+        for group, actuator in self.actuators.items():
+            for joint in {self.base.left_wheel_joint, self.base.right_wheel_joint}.intersection(actuator.joints):
+                raise ValueError(f"actuators: {joint} is a wheel of the base; it cannot be in {group}")
+        return self
+
     @property
     def standing_rates_hz(self) -> tuple[float, float, float]:
         """How often the streams that every body has come: odometry, joints, status."""
@@ -324,7 +356,16 @@ def load_body_config(path: Path | str, model: type[BodyT], *files: str) -> BodyT
             paths[key] = (here / named).resolve()
             if not paths[key].is_file():
                 raise document.error(f"{key}: there is no file {paths[key]}", (key,))
-    return config.model_copy(update=paths)
+    config = config.model_copy(update=paths)
+    if config.actuators:
+        kinematics = load_model(config.model)
+        for name, actuator in config.actuators.items():
+            try:
+                config._groups[name] = actuator.group(name, kinematics)
+            except ValueError as failure:
+                key_path = ("actuators", name, "joints")
+                raise document.error(f"{'.'.join(key_path)}: {failure}", key_path) from None
+    return config
 
 
 def load_robot_config(path: Path | str) -> RobotConfig:

@@ -94,6 +94,7 @@ def prepare(log: Log, options: ReplayOptions, folder: Path, idle: Mapping[str, s
             simulated=False,
             footprint=robot.footprint,
             height_m=robot.height_m,
+            groups=dict(robot.groups),
         ),
         streams=streams,
         fed=fed,

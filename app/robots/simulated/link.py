@@ -225,6 +225,7 @@ def describe(robot: RobotConfig) -> RobotDescription:
         footprint=robot.footprint,
         height_m=robot.height_m,
         restartable=True,
+        groups=dict(robot.groups),
     )
 
 
