@@ -162,10 +162,10 @@ def _tune(body: mujoco.MjSpec, robot: RobotConfig, base: TrueBase) -> None:
         else:
             actuator.set_to_position(kp=120.0, kv=12.0)
             joint.armature = _SERVO_ARMATURE
-    for group in robot.actuators.values():
-        for name in group.joints:
-            moved = body.joint(name).parent
-            for carried in (moved, *moved.find_all(mujoco.mjtObj.mjOBJ_BODY)):
+    commanded = {name for actuator in robot.actuators.values() for name in actuator.joints}
+    for joint in body.joints:
+        if joint.name in commanded:
+            for carried in (joint.parent, *joint.parent.find_all(mujoco.mjtObj.mjOBJ_BODY)):
                 carried.gravcomp = 1.0  # else it sags, and creeps for seconds after each move
 
 
