@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from contextlib import AsyncExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -16,6 +16,7 @@ from types import TracebackType
 
 from app.attention.cached_solver import CachedSolver
 from app.attention.explaining import EXPLAIN_S
+from app.attention.exploitation import ExploitationChange, ExploitationMonitor, exploited_classes, exploited_desires
 from app.attention.hysteresis import Hysteresis
 from app.attention.lanes import LaneMonitor, LaneSampler
 from app.attention.strategies import StrategyTable, load_strategies, trimmed
@@ -29,7 +30,7 @@ from app.logs.manifest import Manifest
 from app.maps.control import MapControl
 from app.maps.library import MapLibrary
 from app.maps.library import default_folder as default_maps_folder
-from app.messages import PerceptEvent
+from app.messages import Exploitation, PerceptEvent
 from app.program.attachments import snapshot
 from app.program.body_restart import BodyRestarter
 from app.program.config import Configuration, load_configuration
@@ -37,6 +38,7 @@ from app.program.desire_classes import desire_classes
 from app.program.self_report import SelfReport
 from app.program.timeline_feed import TimelineFeed
 from app.robots.factory import Body, create_link, load_body
+from app.runtime.channel import Channel
 from app.runtime.channel_table import ChannelTable
 from app.runtime.clock import Clock, RealClock
 from app.runtime.filter import CLOSED
@@ -130,6 +132,10 @@ class System:
         self.translator = self._make_translator()
         self._lanes = None if "lanes" in recorded else self._lane_monitor()
         self.body_restarter = BodyRestarter(self.link, self.supervisor, self._clear_state, self.timeline, self.clock)
+        self._exploitation = ExploitationMonitor()
+        self._outputs = frozenset(
+            f"{name}.{port}" for name, slot in self.graph.modules.items() for port in slot.context.outputs
+        )
         self._stack = AsyncExitStack()
         self._tasks: list[asyncio.Task[None]] = []
         self._report = SelfReport(self.graph.channels, self.clock.now, self.graph.filters.divisors)
@@ -164,7 +170,11 @@ class System:
             for name, coroutine in {
                 "translator": self.translator.run(),
                 "sampling": self._sample(),
-                "exploitation": self._follow_exploitation(),
+                **{
+                    name: self._follow_exploitation(channel)
+                    for name, channel in self.graph.channels.items()
+                    if channel.message_type is Exploitation
+                },
                 **({} if self._lanes is None else {"lanes": self._lanes.run()}),
             }.items():
                 task = asyncio.create_task(coroutine, name=name)
@@ -194,8 +204,14 @@ class System:
         self.graph.reset()
         self.freshness.reset()
         self._feed.reset()
+        self._exploitation.clear()
         if self._lanes is not None:
             self._lanes.reset()
+
+    def exploited(self) -> tuple[str, ...]:
+        """Ids of the desires that a behavior serves by commands that its arbiter lets through now."""
+        classes = self._classes_exploited(self._exploitation.behaviors)
+        return exploited_desires(classes, self.workspace.strongest())
 
     async def keep_going(self) -> Exception:
         """As :meth:`wait_failed`, but restarts a body that failed if it can be restarted, unless it fails again and
@@ -291,6 +307,7 @@ class System:
             if not self._reproducible:
                 self._sample_load()
             self._feed.freshness(self.freshness.sample(self.clock.now()))
+            self._note_exploitation(self._exploitation.expire(self.clock.now()))
 
     def _sample_load(self) -> None:
         load = self.load.sample()
@@ -298,13 +315,17 @@ class System:
             self._feed.load(load)
         self._report.load(load)
 
-    async def _follow_exploitation(self) -> None:
-        channel = self.graph.channels.get("exploitation")
-        if channel is None:  # a program that drives nothing
-            await asyncio.Event().wait()
-            return
+    async def _follow_exploitation(self, channel: Channel[Exploitation]) -> None:
         async for message in channel.subscribe("timeline"):
-            self._feed.exploitation(message)
+            self._note_exploitation(self._exploitation.take(message))
+
+    def _note_exploitation(self, changes: Iterable[ExploitationChange]) -> None:
+        for change in changes:
+            self._feed.exploitation(change, self._classes_exploited({change.behavior}))
+
+    def _classes_exploited(self, behaviors: Collection[str]) -> frozenset[str]:
+        current = self.translator.current
+        return exploited_classes(behaviors, () if current is None else current.strategies, self._outputs)
 
 
 async def _cancelled(task: asyncio.Task[None]) -> None:

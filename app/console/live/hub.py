@@ -15,6 +15,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from app.attention.reports import Scale, desire_class_report, intention_report
+from app.attention.timeline import TimelineEvent
 from app.console import reports
 from app.console.drive import drive_lease
 from app.console.drive.command_age import CommandAge
@@ -267,6 +268,7 @@ class Hub:
         self._presence.attend(True)
         keep = self._watching.callback
         keep(system.workspace.observe(lambda _: self._mark_stale("desires")))
+        keep(system.timeline.observe(self._on_event))
         keep(system.translator.observe(lambda _: self._mark_stale("intention")))
         if self._recorder.channel is not None:
             keep(Tap(self._recorder.channel, "console.recorder", lambda _: self._on_recorder()).close)
@@ -303,6 +305,10 @@ class Hub:
     def _on_status(self, status: LinkStatus) -> None:
         self.link_status = status
         self.driving.on_guard_status(status)
+
+    def _on_event(self, event: TimelineEvent) -> None:
+        if event.kind in ("exploitation", "intention"):  # which desires are exploited depends on both
+            self._mark_stale("desires")
 
     def _on_recorder(self) -> None:
         if self._recorder.news():
@@ -374,7 +380,7 @@ class Hub:
         return frame("playback", playback_report(self._playback))
 
     def _desires(self) -> str:
-        return frame("desires", DesireList(tuple(self._system.workspace.desires())))
+        return frame("desires", DesireList(self._system.workspace.desires(), self._system.exploited()))
 
     def _intention(self) -> str:
         current, resources = self._system.translator.current, self._system.table.resources

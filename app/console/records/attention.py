@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
 
 from app.attention.desires import Desire
 from app.attention.reports import DesireClassReport, ResourceReport, Scale, StrategyReport
 from app.attention.timeline import TimelineEvent
+from app.messages.base import doc
 
 
 @dataclass(frozen=True, slots=True)
@@ -14,6 +16,9 @@ class DesireList:
     """Every desire, in the order they came."""
 
     desires: tuple[Desire, ...]
+    exploited: Annotated[
+        tuple[str, ...], doc("Ids of those that a behavior serves by commands that its arbiter lets through now.")
+    ]
 
 
 @dataclass(frozen=True, slots=True)

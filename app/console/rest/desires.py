@@ -72,7 +72,7 @@ def desires_router(system: System) -> APIRouter:
 
     @router.get("/desires", response_model=DesireList, summary="List all desires")
     async def list_desires() -> Response:
-        return Json(DesireList(workspace.desires()))
+        return Json(DesireList(workspace.desires(), system.exploited()))
 
     @router.post(
         "/desires",

@@ -89,6 +89,8 @@ export interface DesireClassReport {
 /** Every desire, in the order they came. */
 export interface DesireList {
   desires: Desire[];
+  /** Ids of those that a behavior serves by commands that its arbiter lets through now. */
+  exploited: string[];
 }
 
 /** Who has the wheel. */
