@@ -6,7 +6,15 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from app.link import BaseLimits, LinkFailed, RobotDescription, RobotLink, StreamDescription
+from app.link import (
+    ActuatorGroup,
+    BaseLimits,
+    JointLimits,
+    LinkFailed,
+    RobotDescription,
+    RobotLink,
+    StreamDescription,
+)
 from app.messages import Audio, Image, JointCommand, JointState, LaserScan, LinkStatus, Odometry, Twist
 from app.runtime.channel import Subscription
 from app.runtime.channel_table import ChannelSpec
@@ -15,6 +23,7 @@ from app.runtime.graph import Graph, ModuleSpec
 from app.runtime.supervisor import Supervisor
 
 LIMITS = BaseLimits(0.40, 1.00, 0.40, 4.00)
+HEAD = ActuatorGroup("head", (JointLimits("pan", -2, 2, 1, 5), JointLimits("tilt", -0.3, 0.4, 1, 5)))
 STREAMS = {
     name: StreamDescription(name, message_type, rate_hz)
     for name, message_type, rate_hz in (
@@ -32,7 +41,9 @@ class FakeLink:
 
     def __init__(self, without: tuple[str, ...] = ()) -> None:
         streams = {name: stream for name, stream in STREAMS.items() if name not in without}
-        self.description = RobotDescription("a test body", Path("none.urdf"), LIMITS, streams, simulated=True)
+        self.description = RobotDescription(
+            "a test body", Path("none.urdf"), LIMITS, streams, simulated=True, groups={"head": HEAD}
+        )
         self.receivers: dict[str, list[Callable[[Any], None]]] = {name: [] for name in streams}
         self.demands: dict[str, list[bool]] = {}
         #: (time of arrival, twist) of every command.

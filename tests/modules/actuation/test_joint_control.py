@@ -1,19 +1,16 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import Any
 
 import pytest
 
-from app.link import ActuatorGroup, JointLimits
 from app.messages import Exploitation, JointCommand
 from app.runtime.clock import in_virtual_time
 from app.runtime.graph import WiringError
-from tests.modules.fakes import Bench, FakeLink, drain
+from tests.modules.fakes import Bench, drain
 
 MODULE = "app.modules.actuation.joint_control:JointControl"
-HEAD = ActuatorGroup("head", (JointLimits("pan", -2, 2, 1, 5), JointLimits("tilt", -0.3, 0.4, 1, 5)))
 BEHAVIORS = [
     {"input": "look", "behavior": "LookAt", "priority": 1},
     {"input": "nod", "behavior": "Nod", "priority": 2},
@@ -21,14 +18,11 @@ BEHAVIORS = [
 
 
 def bench(group: str = "head", behaviors: list[dict[str, Any]] = BEHAVIORS) -> Bench:
-    link = FakeLink()
-    link.description = replace(link.description, groups={"head": HEAD})
     return Bench(
         MODULE,
         inputs={"look": JointCommand, "nod": JointCommand},
         outputs={"exploitation": Exploitation},
         settings={"group": group, "behaviors": behaviors},
-        link=link,
     )
 
 
