@@ -25,9 +25,9 @@ class JointCommand:
 class GroupStatus:
     """The guard's state of one actuator group of joints.
 
-    ``guard`` is one of ``idle`` (no fresh command: set-points held), ``moving``, ``holding`` and ``yielding`` (no
-    fresh command, or emergency stop), ``refused``; ``reason``: the same in words. ``command_age_s`` is the age of the
-    newest command, None before the first.
+    ``guard`` is one of ``idle`` (no fresh command, at rest: set-points held), ``moving`` (a fresh command),
+    ``holding`` and ``yielding`` (no fresh command, or emergency stop), ``refused``; ``reason``: the same in words.
+    ``command_age_s`` is the age of the newest command, None before the first.
     """
 
     group: str

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from abc import abstractmethod
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from functools import partial
 from typing import ClassVar, Generic, Self
@@ -46,14 +46,13 @@ class ArbiterSettings(Settings):
         return self
 
 
-class GroupArbiter(Module, Generic[C]):
+class GroupArbiter(Module, ABC, Generic[C]):
     """Lets one behavior at a time command an actuator group, and publishes which.
 
     Arbitration is at each command that arrives and every ``period_s``. A subclass gives the winner's command to the
     link (:meth:`give`).
     """
 
-    Settings = ArbiterSettings
     settings: ArbiterSettings
 
     def __init__(self, context: ModuleContext, command_type: type[C]) -> None:

@@ -60,7 +60,10 @@ def read_guard_log(path: Path) -> list[GuardRow]:
     row = _row(*_HEADER.unpack_from(data))
     rows = data[_HEADER.size :]
     whole = len(rows) - len(rows) % row.size
-    return [GuardRow(*values[:3], setpoints=values[3:]) for values in row.iter_unpack(rows[:whole])]
+    return [
+        GuardRow(when, linear, angular, tuple(setpoints))
+        for when, linear, angular, *setpoints in row.iter_unpack(rows[:whole])
+    ]
 
 
 def _row(joints: int) -> struct.Struct:

@@ -50,7 +50,7 @@ def aim(
 
     def beside(q: NDArray[np.float64]) -> NDArray[np.float64]:
         X_BE = model.pose(eye, {**measured, **dict(zip(names, q.tolist(), strict=True))})
-        return _off_axis(X_BE.inverse().transform(p_BP))
+        return _off_axis(X_BE.inverse().transform(p_BP).astype(np.float64))
 
     here = np.array([measured.get(name, 0.0) for name in names])
     # Half a turn away the way round is not decided by the angle: then the middle of the joints' ranges may be better.
