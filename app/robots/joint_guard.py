@@ -124,7 +124,7 @@ def clear_e_stop(state: JointGuardState, group: ActuatorGroup) -> JointGuardStat
     """The state with the emergency stop released: earlier commands are dropped, so the joints wait for a new one."""
     return JointGuardState(
         tuple(
-            replace(setpoint, goal=_stopping_point(setpoint, limits))
+            replace(setpoint, goal=_stopping_point(setpoint.position, setpoint.velocity, limits))
             for setpoint, limits in zip(state.setpoints, group.joints, strict=True)
         )
     )
@@ -161,13 +161,13 @@ def step(
     state: JointGuardState, action: JointAction, group: ActuatorGroup, measured: tuple[float, ...], dt_s: float
 ) -> JointGuardState:
     """The state ``dt_s`` seconds later. ``measured``: positions (rad) of the group's joints now, in its order."""
-    if action.mode is JointMode.IDLE and all(_rests(setpoint, group) for setpoint in state.setpoints):
-        return state
     setpoints = tuple(
         _step(setpoint, action.safe, group, limits=limits, measured=position, dt_s=dt_s)
         for setpoint, limits, position in zip(state.setpoints, group.joints, measured, strict=True)
     )
-    return replace(state, setpoints=setpoints)
+    if all(after is before for after, before in zip(setpoints, state.setpoints, strict=True)):
+        return state
+    return JointGuardState(setpoints, state.command_stamp, state.refused)
 
 
 def status(now: float, state: JointGuardState, group: ActuatorGroup, action: JointAction) -> GroupStatus:
@@ -205,11 +205,6 @@ def _unattended(state: JointGuardState, group: ActuatorGroup, reason: str) -> Jo
     return JointAction(JointMode.HOLDING if braking else JointMode.IDLE, reason, SafeAction.HOLD)
 
 
-def _rests(setpoint: JointSetpoint, group: ActuatorGroup) -> bool:
-    still = setpoint.velocity == 0.0 and setpoint.goal == setpoint.position
-    return still and setpoint.stiffness == group.stiffness and setpoint.damping == group.damping
-
-
 def _step(
     setpoint: JointSetpoint,
     safe: SafeAction | None,
@@ -224,27 +219,30 @@ def _step(
         return replace(setpoint, position=here, goal=here, velocity=0.0, stiffness=0.0, damping=group.damping)
     hold = safe is SafeAction.HOLD
     stiffness = group.stiffness if hold else setpoint.wanted_stiffness
-    setpoint = replace(
-        _stiffened(setpoint, stiffness, limits, measured),
-        damping=group.damping if hold else setpoint.wanted_damping,
+    damping = group.damping if hold else setpoint.wanted_damping
+    position, velocity = setpoint.position, setpoint.velocity
+    if stiffness > setpoint.stiffness and math.isfinite(measured):
+        # The set-point moves towards the joint, so that the rise leaves the torque as it is.
+        position = clamp(measured + setpoint.stiffness / stiffness * (position - measured), limits)
+        velocity = 0.0
+    goal = _stopping_point(position, velocity, limits) if hold else setpoint.goal
+    same = stiffness == setpoint.stiffness and damping == setpoint.damping and goal == setpoint.goal
+    if same and velocity == 0.0 and goal == position:
+        return setpoint
+    position, velocity = advance(position, velocity, goal, limits, dt_s)
+    return JointSetpoint(
+        position,
+        goal,
+        velocity=velocity,
+        stiffness=stiffness,
+        damping=damping,
+        wanted_stiffness=setpoint.wanted_stiffness,
+        wanted_damping=setpoint.wanted_damping,
     )
-    if hold:
-        setpoint = replace(setpoint, goal=_stopping_point(setpoint, limits))
-    position, velocity = advance(setpoint.position, setpoint.velocity, setpoint.goal, limits, dt_s)
-    return replace(setpoint, position=position, velocity=velocity)
 
 
-def _stopping_point(setpoint: JointSetpoint, limits: JointLimits) -> float:
-    braking = setpoint.velocity**2 / (2 * limits.acceleration)
-    return clamp(setpoint.position + math.copysign(braking, setpoint.velocity), limits)
-
-
-def _stiffened(setpoint: JointSetpoint, stiffness: float, limits: JointLimits, measured: float) -> JointSetpoint:
-    """``setpoint`` with another stiffness, moved towards ``measured`` so that a rise leaves the torque as it is."""
-    if stiffness <= setpoint.stiffness or not math.isfinite(measured):
-        return replace(setpoint, stiffness=stiffness)
-    here = clamp(measured + setpoint.stiffness / stiffness * (setpoint.position - measured), limits)
-    return replace(setpoint, position=here, velocity=0.0, stiffness=stiffness)
+def _stopping_point(position: float, velocity: float, limits: JointLimits) -> float:
+    return clamp(position + math.copysign(velocity**2 / (2 * limits.acceleration), velocity), limits)
 
 
 def advance(position: float, velocity: float, goal: float, limits: JointLimits, dt_s: float) -> tuple[float, float]:

@@ -74,15 +74,20 @@ class _GroupServos:
     def step(self, dt_s: float) -> None:
         """Move the set-points, and give them to the servos."""
         self.state = joint_guard.step(self.state, self.action, self.group, self._measured(), dt_s)
-        if self.state.setpoints is not self._applied:
-            for number, setpoint in enumerate(self.state.setpoints):
-                self._apply(number, setpoint)
-            self._applied = self.state.setpoints
+        if self.state.setpoints is self._applied:
+            return
+        control = self._physics.data.ctrl
+        for number, setpoint in enumerate(self.state.setpoints):
+            control[self._actuators[number]] = setpoint.position
+            before = self._applied[number] if self._applied else None
+            if before is None or (before.stiffness, before.damping) != (setpoint.stiffness, setpoint.damping):
+                self._set_gains(number, setpoint)
+        self._applied = self.state.setpoints
 
     def _measured(self) -> tuple[float, ...]:
         return tuple(float(self._physics.data.qpos[address]) for address in self._addresses)
 
-    def _apply(self, number: int, setpoint: JointSetpoint) -> None:
+    def _set_gains(self, number: int, setpoint: JointSetpoint) -> None:
         model, actuator = self._physics.model, self._actuators[number]
         stiffness, damping = self._gains[number]
         if self.group.compliant:
@@ -93,4 +98,3 @@ class _GroupServos:
         model.actuator_gainprm[actuator, 0] = stiffness
         model.actuator_biasprm[actuator, 1] = -stiffness
         model.actuator_biasprm[actuator, 2] = -damping
-        self._physics.data.ctrl[actuator] = setpoint.position

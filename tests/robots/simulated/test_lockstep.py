@@ -342,3 +342,32 @@ def test_a_group_that_yields_can_be_pushed_and_begins_again_where_it_is(
     assert pushed > 0.05
     assert held == pytest.approx(pushed, abs=0.002)
     assert pushed - 5.8 * 0.1**2 / 2 - 0.002 < later < pushed, "it goes back at its own acceleration"
+
+
+def test_a_compliant_group_gives_way_by_the_stiffness_it_is_commanded(
+    robot: RobotConfig, hall: WorldConfig, tmp_path: Path
+) -> None:
+    path = tmp_path / "robot.yaml"
+    head = "{joints: [pan_joint], compliant: true, stiffness: 100, damping: 10, velocity: 1.05, acceleration: 5.8}"
+    path.write_text(f"model: {robot.model}\nworld: {robot.world}\nactuators: {{head: {head}}}\n")
+
+    async def script(body: Body) -> tuple[float, float, float]:
+        simulation = body.link._simulation
+        assert simulation is not None
+        data, joint = simulation.physics.data, simulation.physics.model.joint("robot/pan_joint")
+        data.qfrc_applied[joint.dofadr[0]] = 1.0
+        await body.clock.sleep(2.0)
+        stiff = float(data.qpos[joint.qposadr[0]])
+        for _ in range(30):
+            soft = JointCommand(body.clock.now(), "head", ("pan_joint",), (0.0,), stiffness=(5.0,), damping=(2.0,))
+            body.link.command(soft)
+            await body.clock.sleep(0.1)
+        gives = float(data.qpos[joint.qposadr[0]])
+        await body.clock.sleep(2.0)  # it is held again, where it was pushed to, with the group's stiffness
+        return stiff, gives, float(data.qpos[joint.qposadr[0]])
+
+    stiff, gives, held = live(at(load_robot_config(path), 10, 10), hall, script)
+    friction = 0.06
+    assert stiff == pytest.approx(1.0 / 100, abs=friction / 100)
+    assert gives == pytest.approx(1.0 / 5, abs=friction / 5)
+    assert held == pytest.approx(gives, abs=0.02)
