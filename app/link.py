@@ -7,11 +7,12 @@ behind it, in another process. Implementations are in ``app/robots/``; modules k
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from enum import StrEnum
 from pathlib import Path
 from typing import Any, Protocol
 
-from app.messages import Audio, Twist
+from app.messages import Audio, JointCommand, Twist
 
 
 class LinkFailed(Exception):
@@ -26,6 +27,48 @@ class BaseLimits:
     angular_radps: float
     linear_mps2: float
     angular_radps2: float
+
+
+class SafeAction(StrEnum):
+    """What a group of joints does without a fresh command, and in an emergency stop.
+
+    ``hold``: brake within the joints' acceleration and keep the position. ``yield``: keep no position, resist with
+    damping only, so that a person can push it aside; its weight stays compensated.
+    """
+
+    HOLD = "hold"
+    YIELD = "yield"
+
+
+@dataclass(frozen=True, slots=True)
+class JointLimits:
+    """Limits of one joint: position ``lower`` to ``upper`` (rad, or m where prismatic), speed (rad/s), acceleration
+    (rad/s^2), both positive, and effort (N m, 0 where unknown)."""
+
+    name: str
+    lower: float
+    upper: float
+    velocity: float
+    acceleration: float
+    effort: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class ActuatorGroup:
+    """Joints that are commanded together: their limits, and the guard's rules for them.
+
+    ``timeout_s``: the age (s) beyond which a command is stale. ``compliant``: whether its commands may set stiffness
+    and damping; ``stiffness`` (N m/rad) and ``damping`` (N m s/rad) are the values without.
+    """
+
+    name: str
+    joints: tuple[JointLimits, ...]
+    stale: SafeAction = SafeAction.HOLD
+    stop: SafeAction = SafeAction.HOLD
+    timeout_s: float = 0.25
+    compliant: bool = False
+    stiffness: float = 0.0
+    damping: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +98,8 @@ class RobotDescription:
     height_m: float = 1.5
     #: Whether :meth:`RobotLink.start` may be called again after a failure.
     restartable: bool = False
+    #: Groups of joints that take a :class:`JointCommand`, by name. The base is not one of them: it takes a Twist.
+    groups: dict[str, ActuatorGroup] = field(default_factory=dict)
 
 
 class RobotLink(Protocol):
@@ -97,8 +142,13 @@ class RobotLink(Protocol):
         """
         ...
 
-    def command(self, twist: Twist) -> None:
-        """Give the base a velocity; the guard keeps it for 200 ms, clamps it and ramps towards it."""
+    def command(self, command: Twist | JointCommand) -> None:
+        """Give the base a velocity, or the joints of a group their set-points.
+
+        The guard clamps a velocity, ramps towards it, and keeps it for 200 ms. It clamps set-points to the joints'
+        limits, and approaches them within their speeds and accelerations; a command older than the group's timeout
+        ends in the group's safe action. A group or joint that the body does not have is ignored.
+        """
         ...
 
     def play(self, audio: Audio) -> None:

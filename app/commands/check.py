@@ -120,7 +120,7 @@ def _robot(path: Path) -> None:
 
 
 def _robot_model(path: Path) -> str:
-    from app.robots.model import load_model
+    from app.base.kinematic_model import load_model
 
     load_model(path)
     return "robot model"

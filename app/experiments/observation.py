@@ -176,7 +176,7 @@ class Observer:
 
     def _note(self, message: Any) -> None:
         match message:
-            case Exploitation():
+            case Exploitation(group="base"):
                 self._beats.append(self._system.clock.now())
             case Faces():
                 self._tracks["faces"].update(face.track for face in message.faces)

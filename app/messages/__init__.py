@@ -10,6 +10,7 @@ microphones, Q a QR code, F a face, S a sound source.
 
 from __future__ import annotations
 
+from app.messages.actuation import GroupStatus, JointCommand
 from app.messages.attention import (
     Alternative,
     Desire,
@@ -106,8 +107,10 @@ __all__ = [
     "Faces",
     "GivenUpGoal",
     "GroundTruth",
+    "GroupStatus",
     "Image",
     "IntentionReport",
+    "JointCommand",
     "JointState",
     "Landmark",
     "Landmarks",

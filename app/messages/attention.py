@@ -64,6 +64,9 @@ class Desires:
 
     stamp: Stamp
     desires: tuple[Desire, ...]
+    exploited: Annotated[
+        tuple[str, ...], doc("Ids of those that a behavior serves by commands that its arbiter lets through now.")
+    ] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from app.messages.actuation import GroupStatus
+
 
 @dataclass(frozen=True, slots=True)
 class TeleopCommand:
@@ -34,15 +36,17 @@ class Twist:
 
 @dataclass(frozen=True, slots=True)
 class Exploitation:
-    """Which behavior's command the arbiter let through: ``behavior`` is None when no behavior drives.
+    """Which behavior's command the arbiter of an actuator group let through: ``behavior`` is None without any.
 
-    ``limited``: in words, why the collision monitor slowed or stopped it, "" where it did not.
+    ``limited``: in words, why a check in front of the group (the base's collision monitor) slowed or stopped it, ""
+    where none did. ``twist`` is what the base was given, zero for another ``group``.
     """
 
     stamp: float
     behavior: str | None
     twist: Twist
     limited: str = ""
+    group: str = "base"
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +56,8 @@ class LinkStatus:
     ``guard`` is one of ``idle`` (no command ever or a zero one), ``driving``, ``stale_command`` (no fresh command:
     zero), ``e_stopped`` (latched: zero), ``sensor_failure``. ``reason``: the same in words. ``command_age_s`` is the
     age of the newest command at the guard, None before the first. ``applied`` is the twist the wheels are given now.
-    ``world_rate`` is simulated time over real time (1.0 on hardware).
+    ``world_rate`` is simulated time over real time (1.0 on hardware). ``groups``: the guard's state of each actuator
+    group of joints.
     """
 
     stamp: float
@@ -62,3 +67,4 @@ class LinkStatus:
     command_age_s: float | None
     applied: Twist
     world_rate: float
+    groups: tuple[GroupStatus, ...] = ()

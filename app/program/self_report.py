@@ -10,7 +10,6 @@ import asyncio
 import logging
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
-from functools import partial
 from typing import Any
 
 from app.attention.intention import Intention
@@ -24,6 +23,7 @@ from app.messages import (
     LoadReport,
     LogLine,
     ModuleRecord,
+    TimelineEvent,
 )
 from app.runtime.channel import Channel
 from app.runtime.supervisor import ModuleState
@@ -50,13 +50,22 @@ class SelfReport:
         self._published: Mapping[str, float] = {}
         self._workspace: IntentionWorkspace | None = None
         self._translator: IntentionTranslator | None = None
+        self._exploited: Callable[[], tuple[str, ...]] = tuple
+        self._published_exploited: tuple[str, ...] = ()
 
-    def open(self, workspace: IntentionWorkspace, translator: IntentionTranslator, timeline: Timeline) -> None:
-        """Start to publish attention's records and log lines."""
-        self._workspace, self._translator = workspace, translator
+    def open(
+        self,
+        workspace: IntentionWorkspace,
+        translator: IntentionTranslator,
+        timeline: Timeline,
+        exploited: Callable[[], tuple[str, ...]],
+    ) -> None:
+        """Start to publish attention's records and log lines. ``exploited`` gives the ids of the desires that behaviors
+        serve now; they are published again after an event of exploitation or intention that changes them."""
+        self._workspace, self._translator, self._exploited = workspace, translator, exploited
         self._stack.callback(workspace.observe(lambda _: self._desires()))
         self._stack.callback(translator.observe(self._intention))
-        self._stack.callback(timeline.observe(partial(self._publish, "events")))
+        self._stack.callback(timeline.observe(self._event))
         if "log" in self._channels:
             handler = _LogHandler(asyncio.get_running_loop(), self._log_line)
             logging.getLogger().addHandler(handler)
@@ -88,7 +97,13 @@ class SelfReport:
 
     def _desires(self) -> None:
         assert self._workspace is not None
-        self._publish("workspace", Desires(self._now(), self._workspace.desires()))
+        self._published_exploited = self._exploited()
+        self._publish("workspace", Desires(self._now(), self._workspace.desires(), self._published_exploited))
+
+    def _event(self, event: TimelineEvent) -> None:
+        self._publish("events", event)
+        if event.kind in ("exploitation", "intention") and self._exploited() != self._published_exploited:
+            self._desires()
 
     def _intention(self, intention: Intention) -> None:
         assert self._translator is not None

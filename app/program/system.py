@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import AsyncExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -16,6 +16,7 @@ from types import TracebackType
 
 from app.attention.cached_solver import CachedSolver
 from app.attention.explaining import EXPLAIN_S
+from app.attention.exploitation import ExploitationChange, ExploitationMonitor, exploited_classes, exploited_desires
 from app.attention.hysteresis import SelectionHysteresis
 from app.attention.lanes import LaneMonitor, LaneSampler
 from app.attention.strategies import StrategyTable, load_strategies, trimmed
@@ -29,7 +30,7 @@ from app.logs.recorder_service import RecorderService
 from app.maps.library import MapLibrary
 from app.maps.library import default_folder as default_maps_folder
 from app.maps.map_service import MapService
-from app.messages import LoadReport, PerceptEvent, PerceptKind
+from app.messages import Exploitation, LoadReport, PerceptEvent, PerceptKind
 from app.program.attachments import snapshot
 from app.program.body_restart import BodyRestarter
 from app.program.config import Configuration, load_configuration
@@ -38,6 +39,7 @@ from app.program.module_meter import ModuleMeter
 from app.program.self_report import SelfReport
 from app.program.timeline_feed import TimelineFeed
 from app.robots.factory import Body, create_link, load_body
+from app.runtime.channel import Channel
 from app.runtime.channel_table import ChannelTable
 from app.runtime.clock import Clock, RealClock
 from app.runtime.filter import CLOSED
@@ -132,6 +134,10 @@ class System:
         self.translator = self._make_translator()
         self._lanes = None if "lanes" in recorded else self._lane_monitor()
         self.body_restarter = BodyRestarter(self.link, self.supervisor, self._renew_state, self.timeline, self.clock)
+        self._exploitation = ExploitationMonitor()
+        self._outputs = frozenset(
+            f"{name}.{port}" for name, slot in self.graph.modules.items() for port in slot.context.outputs
+        )
         self._stack = AsyncExitStack()
         self._tasks: list[asyncio.Task[None]] = []
         own = {name: channel for name, channel in self.graph.channels.items() if name not in recorded}
@@ -157,7 +163,7 @@ class System:
             self.body_restarter.up()
             self.supervisor.observe(self._feed.module)
             self.supervisor.observe(self._report.module)
-            self._report.open(self.workspace, self.translator, self.timeline)
+            self._report.open(self.workspace, self.translator, self.timeline, self.exploited)
             stack.callback(self._report.close)
             stack.callback(self.link.attach("status", self._feed.guard))
             for channel in self.graph.channels.values():
@@ -169,7 +175,11 @@ class System:
             for name, coroutine in {
                 "translator": self.translator.run(),
                 "sampling": self._sample(),
-                "exploitation": self._follow_exploitation(),
+                **{
+                    name: self._follow_exploitation(channel)
+                    for name, channel in self.graph.channels.items()
+                    if channel.message_type is Exploitation
+                },
                 **({} if self._lanes is None else {"lanes": self._lanes.run()}),
             }.items():
                 task = asyncio.create_task(coroutine, name=name)
@@ -204,8 +214,14 @@ class System:
         self.graph.reset()
         self.freshness.reset()
         self._feed.reset()
+        self._exploitation.clear()
         if self._lanes is not None:
             self._lanes.reset()
+
+    def exploited(self) -> tuple[str, ...]:
+        """Ids of the desires that a behavior serves by commands that its arbiter lets through now."""
+        classes = self._classes_exploited(self._exploitation.behaviors)
+        return exploited_desires(classes, self.workspace.strongest())
 
     async def keep_going(self) -> Exception:
         """As :meth:`wait_failed`, but restarts a body that failed if it can be restarted, unless it fails again and
@@ -307,6 +323,7 @@ class System:
             if not self._reproducible:
                 self._sample_load()
             self._feed.freshness(self.freshness.sample(self.clock.now()))
+            self._note_exploitation(self._exploitation.expire(self.clock.now()))
 
     def _sample_load(self) -> None:
         before, load = self.load.latest.stamp, self.load.sample()
@@ -316,13 +333,17 @@ class System:
             budget, modules = self.translator.capacities.get("cpu"), self._modules.sample()
             self._report.load(LoadReport(load.stamp, load.window_s, round(load.process, 2), budget, modules))
 
-    async def _follow_exploitation(self) -> None:
-        channel = self.graph.channels.get("exploitation")
-        if channel is None:  # a program that drives nothing
-            await asyncio.Event().wait()
-            return
+    async def _follow_exploitation(self, channel: Channel[Exploitation]) -> None:
         async for message in channel.subscribe("timeline"):
-            self._feed.exploitation(message)
+            self._note_exploitation(self._exploitation.take(message))
+
+    def _note_exploitation(self, changes: Iterable[ExploitationChange]) -> None:
+        for change in changes:
+            self._feed.exploitation(change, self._classes_exploited({change.behavior}))
+
+    def _classes_exploited(self, behaviors: Collection[str]) -> frozenset[str]:
+        current = self.translator.current
+        return exploited_classes(behaviors, () if current is None else current.strategies, self._outputs)
 
 
 async def _cancelled(task: asyncio.Task[None]) -> None:

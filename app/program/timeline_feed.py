@@ -6,10 +6,11 @@ A bad state is noted once on entering and once on leaving, never in between.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 
+from app.attention.exploitation import ExploitationChange
 from app.attention.timeline import Timeline
-from app.messages import Exploitation, LinkStatus, PerceptEvent, PerceptKind
+from app.messages import LinkStatus, PerceptEvent, PerceptKind
 from app.runtime.freshness import Freshness
 from app.runtime.load import CpuLoad
 from app.runtime.supervisor import ModuleState
@@ -54,7 +55,6 @@ class TimelineFeed:
     def reset(self) -> None:
         """Clear the known states: the next report of each is an event again."""
         self._guard = ""
-        self._behavior: str | None = None
         self._slow_world = False
         self._world_turned: float | None = None
         self._stale: dict[str, int] = {}
@@ -94,12 +94,12 @@ class TimelineFeed:
             )
             self._timeline.add("overload", "world", text, {"world_rate": status.world_rate})
 
-    def exploitation(self, message: Exploitation) -> None:
-        """The arbiter reported; noted when another behavior drives."""
-        if message.behavior != self._behavior:
-            self._behavior = message.behavior
-            text = f"{message.behavior} drives" if message.behavior else "No behavior drives"
-            self._timeline.add("exploitation", message.behavior or "", text)
+    def exploitation(self, change: ExploitationChange, classes: Collection[str]) -> None:
+        """A behavior began or ceased to command its group, for desires of ``classes``."""
+        text = f"{change.behavior} {'drives' if change.group == 'base' else f'moves the {change.group}'}"
+        data = {"group": change.group, "exploited": change.exploited, "classes": sorted(classes)}
+        text = text if change.exploited else f"{text} no more"
+        self._timeline.add("exploitation", change.behavior, text, data)
 
     def percept(self, event: PerceptEvent) -> None:
         """Something perceived appeared, left or changed: noted under the event's name."""

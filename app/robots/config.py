@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Literal, TypeVar
+from typing import Annotated, Literal, Self, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator
+from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, field_validator, model_validator
 
+from app.base.kinematic_model import KinematicModel, load_model
 from app.base.yaml_source import load_yaml
-from app.link import BaseLimits
+from app.link import ActuatorGroup, BaseLimits, JointLimits, SafeAction
 from app.robots.guard import GuardLimits
 
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
+
+BASE_GROUP = "base"
+"""The group of the wheels, as exploitation names it: it takes velocities, and is no group of joints."""
 
 
 class _Model(BaseModel):
@@ -71,6 +76,42 @@ def circle(radius_m: float, corners: int = 16) -> tuple[tuple[float, float], ...
     return tuple((round(reach * math.cos(a), 4), round(reach * math.sin(a), 4)) for a in angles)
 
 
+class ActuatorConfig(_Model):
+    """One actuator group of joints: what is commanded together, and what the guard does with it.
+
+    Positions are limited by the model (URDF), speeds by the lower of ``velocity`` and the model's.
+    """
+
+    joints: Annotated[tuple[str, ...], Field(min_length=1)] = Field(description="names of movable joints of the model")
+    velocity: Positive = Field(default=1.0, description="greatest speed (rad/s, m/s where prismatic)")
+    acceleration: Positive = Field(default=5.0, description="greatest acceleration (rad/s^2, m/s^2)")
+    stale: SafeAction = Field(default=SafeAction.HOLD, description="without a fresh command: hold or yield")
+    stop: SafeAction = Field(default=SafeAction.HOLD, description="in an emergency stop: hold or yield")
+    timeout_s: Annotated[float, Field(gt=0, le=1)] = Field(default=0.25, description="an older command is stale")
+    compliant: bool = Field(default=False, description="commands may set stiffness and damping")
+    stiffness: NotNegative = Field(default=60.0, description="N m/rad, of a compliant group without a value given")
+    damping: NotNegative = Field(default=6.0, description="N m s/rad, likewise")
+
+    def group(self, name: str, model: KinematicModel) -> ActuatorGroup:
+        """The group's description. Raises ValueError for a joint that the model does not have or that cannot move."""
+        limits: list[JointLimits] = []
+        for joint_name in self.joints:
+            joint = model.joints.get(joint_name)
+            if joint is None or not joint.moves:
+                allowed = ", ".join(model.joint_names)
+                raise ValueError(f"the model has no movable joint {joint_name!r}; it has {allowed}")
+            if joint.velocity <= 0:
+                raise ValueError(f"the model's greatest velocity of {joint_name} is 0: it cannot move")
+            speed = min(self.velocity, joint.velocity)
+            limits.append(
+                JointLimits(joint.name, joint.lower, joint.upper, speed, self.acceleration, effort=joint.effort)
+            )
+        return ActuatorGroup(
+            name, tuple(limits), stale=self.stale, stop=self.stop, timeout_s=self.timeout_s,
+            compliant=self.compliant, stiffness=self.stiffness, damping=self.damping,
+        )  # fmt: skip
+
+
 class BodyConfig(_Model):
     """Members of every body's file; each kind of body adds its own. Paths are relative to the file."""
 
@@ -83,11 +124,33 @@ class BodyConfig(_Model):
     )
     height_m: Positive = Field(default=1.5, description="what hangs higher is not in its way")
     limits: LimitsConfig = LimitsConfig()
+    actuators: dict[str, ActuatorConfig] = Field(
+        default={}, description="groups of joints that behaviors command, by name (docs/bodies.md)"
+    )
+
+    _groups: dict[str, ActuatorGroup] = PrivateAttr(default_factory=dict)
 
     @field_validator("footprint")
     @classmethod
     def _footprint_is_sound(cls, corners: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
         return check_footprint(corners) if corners else corners
+
+    @model_validator(mode="after")
+    def _joints_have_one_group(self) -> Self:
+        if BASE_GROUP in self.actuators:
+            raise ValueError(f"actuators: {BASE_GROUP} is the group of the wheels; name another so")
+        owner: dict[str, str] = {}
+        for group, actuator in self.actuators.items():
+            for joint in actuator.joints:
+                if joint in owner:
+                    raise ValueError(f"actuators: {joint} is in {owner[joint]} already; it cannot be in {group}, too")
+                owner[joint] = group
+        return self
+
+    @property
+    def groups(self) -> Mapping[str, ActuatorGroup]:
+        """The actuator groups of joints with the model's limits, by name, as :func:`load_body_config` found them."""
+        return self._groups
 
     @property
     def standing_rates_hz(self) -> tuple[float, float, float]:
@@ -258,6 +321,13 @@ class RobotConfig(BodyConfig):
         default=None, description="record every step of the guard in this file (guard_log.py)"
     )
 
+    @model_validator(mode="after")
+    def _wheels_are_the_bases(self) -> Self:
+        for group, actuator in self.actuators.items():
+            for joint in {self.base.left_wheel_joint, self.base.right_wheel_joint}.intersection(actuator.joints):
+                raise ValueError(f"actuators: {joint} is a wheel of the base; it cannot be in {group}")
+        return self
+
     @property
     def standing_rates_hz(self) -> tuple[float, float, float]:
         """How often the streams that every body has come: odometry, joints, status."""
@@ -286,7 +356,16 @@ def load_body_config(path: Path | str, model: type[BodyT], *files: str) -> BodyT
             paths[key] = (here / named).resolve()
             if not paths[key].is_file():
                 raise document.error(f"{key}: there is no file {paths[key]}", (key,))
-    return config.model_copy(update=paths)
+    config = config.model_copy(update=paths)
+    if config.actuators:
+        kinematics = load_model(config.model)
+        for name, actuator in config.actuators.items():
+            try:
+                config._groups[name] = actuator.group(name, kinematics)
+            except ValueError as failure:
+                key_path = ("actuators", name, "joints")
+                raise document.error(f"{'.'.join(key_path)}: {failure}", key_path) from None
+    return config
 
 
 def load_robot_config(path: Path | str) -> RobotConfig:

@@ -9,12 +9,12 @@ from typing import Any
 
 from app.base.errors import ConfigError
 from app.base.extensions import extensions
+from app.base.kinematic_model import load_model
 from app.base.yaml_source import load_yaml, parse, suggestion
 from app.link import RobotLink, StreamDescription
 from app.messages import JointState, LinkStatus, Odometry
 from app.robots.config import BodyConfig, RobotConfig, StartPose, load_robot_config
 from app.robots.devices.config import DevicesConfig, load_devices_config
-from app.robots.model import load_model
 from app.robots.simulated.link import SimulatedLink
 from app.robots.simulated.lockstep import LockstepLink
 from app.robots.simulated.scenery.scenario_config import ScenarioConfig, load_scenario

@@ -15,9 +15,9 @@ import pytest
 from playwright.sync_api import Browser, Page, Playwright
 
 from app.base.geometry import FloatArray
+from app.base.kinematic_model import load_model
 from app.base.paths import config_dir
 from app.commands.doctor import find_chromium
-from app.robots.model import load_model
 from app.robots.simulated.scenery.scenario_config import load_scenario
 from app.robots.simulated.scenery.scenario_state import ScenarioState
 from tests.browser.running import CHROMIUM_ARGUMENTS, Robot, running_robot

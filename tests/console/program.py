@@ -14,15 +14,16 @@ from fastapi import FastAPI
 
 from app.base import paths
 from app.console.server import listen, serve, url_of
-from app.link import BaseLimits, LinkFailed, RobotDescription, StreamDescription
+from app.link import ActuatorGroup, BaseLimits, JointLimits, LinkFailed, RobotDescription, StreamDescription
 from app.logs.library import RecordingLibrary
 from app.maps.library import MapLibrary
-from app.messages import Audio, Image, JointState, LaserScan, LinkStatus, Odometry, Twist
+from app.messages import Audio, Image, JointCommand, JointState, LaserScan, LinkStatus, Odometry, Twist
 from app.program.config import load_configuration
 from app.program.system import System
 from app.runtime.clock import Clock
 
 MODEL = paths.config_dir() / "robots" / "irl1_tr.urdf"
+HEAD = ActuatorGroup("head", (JointLimits("pan_joint", -2, 2, 1, 5), JointLimits("tilt_joint", -0.3, 0.4, 1, 5)))
 STREAMS = {
     name: StreamDescription(name, message_type, rate_hz)
     for name, message_type, rate_hz in (
@@ -169,13 +170,16 @@ class Body:
 
     def __init__(self) -> None:
         limits = BaseLimits(0.40, 1.00, 0.40, 4.00)
-        self.description = RobotDescription("a test body", MODEL, limits, STREAMS, simulated=True, loudspeaker=True)
+        self.description = RobotDescription(
+            "a test body", MODEL, limits, STREAMS, simulated=True, loudspeaker=True, groups={"head": HEAD}
+        )
         self.receivers: dict[str, list[Callable[[Any], None]]] = {name: [] for name in STREAMS}
         self.stops: list[str] = []
         self.e_stopped = False
         #: Whether the guard reports a stop as soon as it is latched, as it should.
         self.confirms = True
         self.commands: list[Twist] = []
+        self.joint_commands: list[JointCommand] = []
         self.played: list[Audio] = []
 
     async def start(self) -> None: ...
@@ -192,8 +196,11 @@ class Body:
 
     def demand(self, stream: str, wanted: bool) -> None: ...
 
-    def command(self, twist: Twist) -> None:
-        self.commands.append(twist)
+    def command(self, command: Twist | JointCommand) -> None:
+        if isinstance(command, JointCommand):
+            self.joint_commands.append(command)
+        else:
+            self.commands.append(command)
 
     def play(self, audio: Audio) -> None:
         self.played.append(audio)

@@ -6,8 +6,16 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from app.link import BaseLimits, LinkFailed, RobotDescription, RobotLink, StreamDescription
-from app.messages import Audio, Image, JointState, LaserScan, LinkStatus, Odometry, Twist
+from app.link import (
+    ActuatorGroup,
+    BaseLimits,
+    JointLimits,
+    LinkFailed,
+    RobotDescription,
+    RobotLink,
+    StreamDescription,
+)
+from app.messages import Audio, Image, JointCommand, JointState, LaserScan, LinkStatus, Odometry, Twist
 from app.runtime.channel import Subscription
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.clock import VirtualClock
@@ -15,6 +23,7 @@ from app.runtime.graph import Graph, ModuleSpec
 from app.runtime.supervisor import Supervisor
 
 LIMITS = BaseLimits(0.40, 1.00, 0.40, 4.00)
+HEAD = ActuatorGroup("head", (JointLimits("pan", -2, 2, 1, 5), JointLimits("tilt", -0.3, 0.4, 1, 5)))
 STREAMS = {
     name: StreamDescription(name, message_type, rate_hz)
     for name, message_type, rate_hz in (
@@ -32,11 +41,14 @@ class FakeLink:
 
     def __init__(self, without: tuple[str, ...] = ()) -> None:
         streams = {name: stream for name, stream in STREAMS.items() if name not in without}
-        self.description = RobotDescription("a test body", Path("none.urdf"), LIMITS, streams, simulated=True)
+        self.description = RobotDescription(
+            "a test body", Path("none.urdf"), LIMITS, streams, simulated=True, groups={"head": HEAD}
+        )
         self.receivers: dict[str, list[Callable[[Any], None]]] = {name: [] for name in streams}
         self.demands: dict[str, list[bool]] = {}
         #: (time of arrival, twist) of every command.
         self.commands: list[tuple[float, Twist]] = []
+        self.joint_commands: list[JointCommand] = []
         self.now: Callable[[], float] = lambda: 0.0
 
     async def start(self) -> None: ...
@@ -53,8 +65,11 @@ class FakeLink:
     def demand(self, stream: str, wanted: bool) -> None:
         self.demands.setdefault(stream, []).append(wanted)
 
-    def command(self, twist: Twist) -> None:
-        self.commands.append((self.now(), twist))
+    def command(self, command: Twist | JointCommand) -> None:
+        if isinstance(command, JointCommand):
+            self.joint_commands.append(command)
+        else:
+            self.commands.append((self.now(), command))
 
     def play(self, audio: Audio) -> None: ...
 

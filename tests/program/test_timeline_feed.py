@@ -9,8 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from app.attention.exploitation import ExploitationChange
 from app.attention.timeline import Timeline
-from app.messages import Exploitation, LinkStatus, PerceptEvent, PerceptKind, Twist
+from app.messages import LinkStatus, PerceptEvent, PerceptKind, Twist
 from app.program.timeline_feed import OVERLOAD_WINDOWS, SLOW_AFTER_S, STALE_LOOKS, WELL_AFTER_S, TimelineFeed
 from app.runtime.freshness import Freshness, FreshnessState
 from app.runtime.load import CpuLoad
@@ -72,10 +73,13 @@ def test_a_slow_world_is_noted_when_it_lasts_and_when_it_is_over(feed: TimelineF
     assert "again" in timeline.query(kinds=["overload"])[-1].text
 
 
-def test_who_drives_is_noted_when_it_is_another(feed: TimelineFeed, timeline: Timeline) -> None:
-    for behavior in (None, "Teleop", "Teleop", None):
-        feed.exploitation(Exploitation(0.0, behavior, STILL))
-    assert [event.text for event in timeline.query()] == ["Teleop drives", "No behavior drives"]
+def test_the_begin_and_the_end_of_exploitation_are_noted(feed: TimelineFeed, timeline: Timeline) -> None:
+    for group, behavior, exploited in (("base", "Teleop", True), ("head", "LookAt", True), ("base", "Teleop", False)):
+        feed.exploitation(ExploitationChange(0.0, group, behavior, exploited), {"Some"})
+    events = timeline.query()
+    assert [event.text for event in events] == ["Teleop drives", "LookAt moves the head", "Teleop drives no more"]
+    assert events[1].subject == "LookAt"
+    assert events[1].data == {"group": "head", "exploited": True, "classes": ["Some"]}
 
 
 def test_a_module_is_noted_when_it_fails_and_when_it_is_back(feed: TimelineFeed, timeline: Timeline) -> None:
@@ -180,7 +184,6 @@ def test_entering_and_leaving_take_turns(states: list[FreshnessState]) -> None:
 def test_whatever_comes_after_forgetting_is_news(feed: TimelineFeed, timeline: Timeline) -> None:
     def tell() -> None:
         feed.guard(STATUS)
-        feed.exploitation(Exploitation(1.0, "Teleop", STILL))
         for _ in range(STALE_LOOKS):
             feed.freshness({"scan": replace(LIVE, state="stale")})
         for _ in range(OVERLOAD_WINDOWS):

@@ -229,6 +229,8 @@ class _Figures:
 
     def _exploitation(self, now: Exploitation) -> None:
         """The path that the published commands would have driven."""
+        if now.group != "base":
+            return
         self.drivers[now.behavior or "nobody"] += 1
         if self._last is not None:
             elapsed_s = now.stamp - self._last.stamp

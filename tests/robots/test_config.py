@@ -154,3 +154,43 @@ def points_of_the_body(simulation: RobotSimulation) -> NDArray[np.float64]:
                 )
         found.append(local @ data.geom_xmat[geom].reshape(3, 3).T + data.geom_xpos[geom])
     return np.concatenate(found)
+
+
+HEAD = "actuators:\n  head:\n    joints: [pan_joint, tilt_joint]\n    velocity: 9\n"
+
+
+def test_a_groups_limits_are_the_models_and_the_files(tmp_path: Path, robot: RobotConfig) -> None:
+    path = write(tmp_path, f"model: {robot.model}\nworld: {robot.world}\n{HEAD}")
+    group = create_link(load_robot_config(path), 0.0).description.groups["head"]
+    assert [(j.name, j.lower, j.upper, j.velocity, j.acceleration) for j in group.joints] == [
+        ("pan_joint", -2.234, 2.234, 2.5, 5.0),  # the model allows 2.5 rad/s, the file 9
+        ("tilt_joint", -0.2967, 0.4363, 2.5, 5.0),
+    ]
+    assert not create_link(
+        load_robot_config(write(tmp_path, f"model: {robot.model}\nworld: {robot.world}\n")), 0.0
+    ).description.groups
+
+
+@pytest.mark.parametrize(
+    ("group", "says"),
+    [
+        (
+            "  head:\n    joints: [pan_joint, neck_joint]\n",
+            "the model has no movable joint 'neck_joint'; it has left_wheel",
+        ),
+        ("  head:\n    joints: [pan_joint, torso_joint]\n", "the model has no movable joint 'torso_joint'"),
+        ("  head:\n    joints: []\n", "joints"),
+        ("  head: {joints: [pan_joint]}\n  neck: {joints: [pan_joint]}\n", "pan_joint is in head already"),
+        ("  wheels: {joints: [left_wheel_joint]}\n", "left_wheel_joint is a wheel of the base"),
+        ("  base: {joints: [pan_joint]}\n", "base is the group of the wheels"),
+    ],
+)
+def test_a_group_that_cannot_be_is_refused_with_file_and_line(
+    tmp_path: Path, robot: RobotConfig, group: str, says: str
+) -> None:
+    path = write(tmp_path, f"model: {robot.model}\nworld: {robot.world}\nactuators:\n{group}")
+    with pytest.raises(ConfigError, match=says) as refused:
+        load_robot_config(path)
+    assert refused.value.file == str(path)
+    if "movable" in says:
+        assert refused.value.line == 5

@@ -73,7 +73,7 @@ def desires_router(system: System) -> APIRouter:
 
     @router.get("/desires", response_model=Desires, summary="List all desires")
     async def list_desires() -> Response:
-        return Json(Desires(system.clock.now(), workspace.desires()))
+        return Json(Desires(system.clock.now(), workspace.desires(), system.exploited()))
 
     @router.post(
         "/desires",

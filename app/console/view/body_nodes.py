@@ -12,8 +12,8 @@ from pathlib import Path
 import trimesh
 import viser
 
+from app.base.kinematic_model import Joint, load_model
 from app.console.view.shapes import Color, merged, visual_shapes
-from app.robots.model import Joint, load_model
 
 OPACITY = 0.6
 #: Joints that moved less (rad or m) are not sent.

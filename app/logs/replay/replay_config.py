@@ -100,6 +100,7 @@ def prepare(
             simulated=False,
             footprint=robot.footprint,
             height_m=robot.height_m,
+            groups=dict(robot.groups),
         ),
         streams=streams,
         fed=fed,

@@ -1,47 +1,64 @@
-"""Priority arbitration and limits for the mobile base (thesis 4.2): pure functions on commands and times.
+"""Priority arbitration of an actuator group (thesis 4.2), and limits of the base: pure functions on commands and times.
 
-Of the behaviors whose command is fresh, the one of highest priority drives, all others are ignored (subsumption, not
-blending); its twist is clamped to the body's speeds and approached no faster than the body's accelerations.
+Of the behaviors whose command is fresh, the one of highest priority wins, all others are ignored (subsumption, not
+blending). A twist is clamped to the body's speeds and approached no faster than the body's accelerations; joints are
+limited by the guard.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import TypeVar
 
 from pydantic import BaseModel, Field
 
 from app.link import BaseLimits
-from app.messages import Twist
+from app.messages import JointCommand, Twist
+
+#: A command to an actuator group.
+C = TypeVar("C", Twist, JointCommand)
 
 
 class Contender(BaseModel, frozen=True, extra="forbid"):
-    """One behavior that may drive, and its priority."""
+    """One behavior that may command an actuator group, and its priority."""
 
-    input: str = Field(min_length=1, description="name of the input port its twists come in by")
+    input: str = Field(min_length=1, description="name of the input port its commands come in by")
     behavior: str = Field(min_length=1, description="name of the behavior, as exploitation reports it")
-    priority: int = Field(description="the highest priority among those with a fresh command drives")
+    priority: int = Field(description="the highest priority among those with a fresh command wins")
 
 
 def arbitrate(
-    now: float, commands: Mapping[str, Twist], contenders: Sequence[Contender], max_age_s: float
-) -> tuple[str, Twist] | None:
-    """The contender that drives and its command; None if no command is fresh.
+    now: float,
+    commands: Mapping[str, C],
+    contenders: Sequence[Contender],
+    max_age_s: float,
+    usable: Callable[[C], bool],
+) -> tuple[str, C] | None:
+    """The contender that wins and its command; None if no command is fresh.
 
-    ``commands``: the newest twist by port. A command is fresh while its stamp is within ``max_age_s`` of ``now``; a
-    command with a non-finite value counts as none. Among equal priorities the contender listed first wins.
+    ``commands``: the newest command by port. A command is fresh while its stamp is within ``max_age_s`` of ``now``; one
+    that is not ``usable`` counts as none. Among equal priorities the contender listed first wins.
     """
     winner: Contender | None = None
     for contender in contenders:
         command = commands.get(contender.input)
         # The comparison is written so that a NaN stamp is not fresh.
-        if command is None or not abs(now - command.stamp) <= max_age_s:
-            continue
-        if not (math.isfinite(command.linear_mps) and math.isfinite(command.angular_radps)):
+        if command is None or not abs(now - command.stamp) <= max_age_s or not usable(command):
             continue
         if winner is None or contender.priority > winner.priority:
             winner = contender
     return None if winner is None else (winner.behavior, commands[winner.input])
+
+
+def twist_is_finite(twist: Twist) -> bool:
+    """Whether both speeds are finite."""
+    return math.isfinite(twist.linear_mps) and math.isfinite(twist.angular_radps)
+
+
+def joints_are_finite(command: JointCommand) -> bool:
+    """Whether all positions, stiffness and damping are finite."""
+    return all(math.isfinite(value) for value in (*command.positions, *command.stiffness, *command.damping))
 
 
 def clamped(twist: Twist, limits: BaseLimits) -> Twist:

@@ -24,20 +24,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from functools import partial
 from types import MappingProxyType
-from typing import Literal, Self, TypeVar
+from typing import Literal, TypeVar
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from app.link import BaseLimits, RobotDescription, RobotLink
 from app.messages import Exploitation, LaserScan, LinkStatus, Message, Odometry, TeleopCommand, Twist
-from app.modules.actuation.arbitration import Contender, approach, arbitrate, clamped
+from app.modules.actuation.arbitration import Contender, approach, clamped, twist_is_finite
 from app.modules.actuation.collision_context import CollisionContext
 from app.modules.actuation.collision_monitor import CollisionMonitor, MonitorRules
+from app.modules.actuation.group_arbiter import ArbiterSettings, GroupArbiter
 from app.modules.stream_module import attach, robot_link
 from app.runtime.errors import ModuleFailed
-from app.runtime.module import Caution, Input, Module, ModuleContext, Settings
+from app.runtime.module import Caution, Input, ModuleContext
 
 M = TypeVar("M", bound=Message)
 
@@ -45,28 +45,18 @@ M = TypeVar("M", bound=Message)
 PARTING_ZEROS = 3
 
 
-_OWN_INPUTS = frozenset({"scans", "odometry", "operator"})
+class MobileBaseControlSettings(ArbiterSettings):
+    """Settings of MobileBaseControl."""
 
+    own_inputs = frozenset({"scans", "odometry", "operator"})
 
-class MobileBaseControlSettings(Settings):
     behaviors: tuple[Contender, ...] = (Contender(input="teleop", behavior="Teleop", priority=1),)
-    max_age_s: float = Field(0.25, gt=0, le=1, description="an older command is out")
-    period_s: float = Field(0.1, gt=0, le=0.15, description="arbitration at least this often")
     by_hand: str = Field("Teleop", description="the behavior that the operator drives by, who alone may override")
     collision_monitor: Literal["on", "off"] = Field("on", description="off: nothing keeps it from hitting things")
     monitor: MonitorRules = Field(MonitorRules(), description="the collision monitor, for bodies with a laser")
 
-    @model_validator(mode="after")
-    def _distinct(self) -> Self:
-        ports = [behavior.input for behavior in self.behaviors]
-        if len(set(ports)) < len(ports):
-            raise ValueError(f"each behavior needs an input of its own, not {', '.join(ports)}")
-        if taken := _OWN_INPUTS.intersection(ports):
-            raise ValueError(f"the input {' and '.join(sorted(taken))} brings no behavior's twists: name it otherwise")
-        return self
 
-
-class MobileBaseControl(Module):
+class MobileBaseControl(GroupArbiter[Twist]):
     title = "Mobile base control"
     streams = MappingProxyType({"status": "status"})
     Settings = MobileBaseControlSettings
@@ -75,23 +65,15 @@ class MobileBaseControl(Module):
     _link: RobotLink
 
     def __init__(self, context: ModuleContext) -> None:
-        super().__init__(context)
-        self.exploitation = self.output("exploitation", Exploitation)
+        super().__init__(context, Twist)
         self.status = self.output("status", LinkStatus)
-        for contender in self.settings.behaviors:
-            port = self.input(contender.input, Twist, always_open=True, moves=True)
-            self.on(port, partial(self._take, contender.input))
         self._scans = self.input("scans", LaserScan, always_open=True)
         self.on(self._scans, self._take_scan)
         # Read when a command is limited, not on arrival.
         self._odometry = self.input("odometry", Odometry, capacity=128, always_open=True)
         self._operator = self.input("operator", TeleopCommand, capacity=8, always_open=True)
-        self.every(self.settings.period_s, self._beat)
         self._collision_context: CollisionContext | None = None
-        self._limited = ""
-        self._commands: dict[str, Twist] = {}
         self._sent = Twist(0.0, 0.0, 0.0)
-        self._driver: str | None = None
         self._zeros_left = PARTING_ZEROS
         self._release: Callable[[], None] | None = None
 
@@ -143,27 +125,13 @@ class MobileBaseControl(Module):
             raise ModuleFailed(f"{body.name}: {problem}") from None
         return CollisionContext(monitor, body.limits, self.settings.max_age_s)
 
-    def _take(self, port: str, command: Twist) -> None:
-        self._commands[port] = command
-        self._drive_and_report()
-
     def _take_scan(self, scan: LaserScan) -> None:
         if self._collision_context is None:
             return
         self._collision_context.scanned(scan)
-        if self._driver is not None:
+        if self.driver is not None:
             # An obstacle in this scan must not wait for the next period.
-            self._drive_and_report()
-
-    def _drive_and_report(self) -> None:
-        before = self._driver, bool(self._limited)
-        self._drive()
-        if (self._driver, bool(self._limited)) != before:
-            self._report()
-
-    async def _beat(self) -> None:
-        self._drive()
-        self._report()
+            self.arbitrate()
 
     def _gather(self) -> None:
         collision_context = self._collision_context
@@ -174,35 +142,37 @@ class MobileBaseControl(Module):
             if collision_context is not None:
                 collision_context.commanded(drive)
 
-    def _drive(self) -> None:
+    def usable(self, command: Twist) -> bool:
+        """Whether its speeds are finite."""
+        return twist_is_finite(command)
+
+    def give(self, now: float, choice: tuple[str, Twist] | None) -> None:
+        """Give the link the winner's twist within all limits; a few zeros without any, then nothing."""
         self._gather()
-        now = self.clock.now()
         limits = self._link.description.limits
-        choice = arbitrate(now, self._commands, self.settings.behaviors, self.settings.max_age_s)
-        self._limited = ""
+        self.limited = ""
         if choice is None:
-            self._driver = None
             # The stamp stays that of the last command: the first command after a pause then accelerates for one period.
             self._sent = Twist(self._sent.stamp, 0.0, 0.0)
             if self._zeros_left == 0:
                 return
             self._zeros_left -= 1
         else:
-            self._driver, wanted = choice
+            driver, wanted = choice
             target = clamped(Twist(now, wanted.linear_mps, wanted.angular_radps), limits)
-            self._sent, self._limited = self._within_sight(self._driver, target, limits)
+            self._sent, self.limited = self._within_sight(driver, target, limits)
             self._zeros_left = PARTING_ZEROS
         self._link.command(replace(self._sent, stamp=now))
+
+    def report(self, now: float) -> Exploitation:
+        """Whose twist was let through, and how it was limited."""
+        return Exploitation(now, self.driver, replace(self._sent, stamp=now), self.limited)
 
     def _within_sight(self, driver: str, target: Twist, limits: BaseLimits) -> tuple[Twist, str]:
         if self._collision_context is None:
             return approach(self._sent, target, limits, self.settings.period_s), ""
         by_hand = driver == self.settings.by_hand
         return self._collision_context.limit(self._sent, target, self.settings.period_s, by_hand=by_hand)
-
-    def _report(self) -> None:
-        now = self.clock.now()
-        self.exploitation.publish(Exploitation(now, self._driver, replace(self._sent, stamp=now), self._limited))
 
 
 def _has_laser(body: RobotDescription) -> bool:

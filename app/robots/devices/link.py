@@ -9,14 +9,14 @@ from collections.abc import Callable
 from typing import Any
 
 from app.base.geometry import Pose2
+from app.base.kinematic_model import KinematicModel
 from app.link import LinkFailed, RobotDescription, StreamDescription
-from app.messages import Audio, Image, JointState, LinkStatus, Odometry, Twist
+from app.messages import Audio, Image, JointCommand, JointState, LinkStatus, Odometry, Twist
 from app.robots.devices.config import JOINTS_HZ, ODOMETRY_HZ, STATUS_HZ, DevicesConfig
 from app.robots.devices.player import Player
 from app.robots.devices.reader_thread import InputReader
 from app.robots.devices.sound import no_sound_card
 from app.robots.devices.streams import AudioFrames, ImageFrames
-from app.robots.model import KinematicModel
 from app.robots.receivers import Receivers
 
 log = logging.getLogger("hbba.devices")
@@ -106,7 +106,7 @@ class DevicesLink:
         if self._receivers.demand(stream, wanted) and stream in self._readers:
             self._readers[stream].want(wanted)
 
-    def command(self, twist: Twist) -> None:
+    def command(self, command: Twist | JointCommand) -> None:
         """No effect: there are no wheels."""
 
     def play(self, audio: Audio) -> None:

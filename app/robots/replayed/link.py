@@ -19,7 +19,7 @@ from typing import Any
 from app.link import LinkFailed, RobotDescription
 from app.logs.log import Log, LogError, Logged
 from app.logs.mcap.damage import LogDamaged
-from app.messages import Audio, Twist
+from app.messages import Audio, JointCommand, Twist
 from app.robots.replayed.log_source import LogPosition, LogSource
 from app.runtime.clock import Clock
 
@@ -146,7 +146,7 @@ class ReplayedLink:
             (self._wanted.add if wanted else self._wanted.discard)(stream)
             self._changed()
 
-    def command(self, twist: Twist) -> None:
+    def command(self, command: Twist | JointCommand) -> None:
         """No effect: the motion is recorded."""
 
     def play(self, audio: Audio) -> None:

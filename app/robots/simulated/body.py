@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from app.base.errors import ConfigError
 from app.base.geometry import Pose2
+from app.base.kinematic_model import load_model
 from app.robots.config import RobotConfig
 from app.robots.guard import BaseVelocity
-from app.robots.model import load_model
 from app.robots.simulated.kinect_noise import camera_model
 from app.robots.simulated.odometry import TrueBase
 from app.robots.simulated.scenery.actor import Actor
@@ -161,6 +161,11 @@ def _tune(body: mujoco.MjSpec, robot: RobotConfig, base: TrueBase) -> None:
         else:
             actuator.set_to_position(kp=120.0, kv=12.0)
             joint.armature = _SERVO_ARMATURE
+    commanded = {name for actuator in robot.actuators.values() for name in actuator.joints}
+    for joint in body.joints:
+        if joint.name in commanded:
+            for carried in (joint.parent, *joint.parent.find_all(mujoco.mjtObj.mjOBJ_BODY)):
+                carried.gravcomp = 1.0  # else it sags, and creeps for seconds after each move
 
 
 def _add_cameras(body: mujoco.MjSpec, robot: RobotConfig) -> None:

@@ -11,29 +11,34 @@ import threading
 from dataclasses import dataclass
 from pathlib import Path
 
-_ROW = struct.Struct("<ddd")
+_HEADER = struct.Struct("<I")
 
 
 @dataclass(frozen=True, slots=True)
 class GuardRow:
-    """Velocity of the wheels from ``monotonic_s`` on."""
+    """Velocity of the wheels and set-points (rad) of the joints from ``monotonic_s`` on; NaN: the joint yields."""
 
     monotonic_s: float
     linear_mps: float
     angular_radps: float
+    setpoints: tuple[float, ...] = ()
 
 
 class GuardLog:
-    """Appends rows to a file, unbuffered; :meth:`write` never waits."""
+    """Appends rows with the set-points of ``joints`` joints to a file, unbuffered; :meth:`write` never waits."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, joints: int = 0) -> None:
         self._file = path.open("wb", buffering=0)
+        self._file.write(_HEADER.pack(joints))
+        self._row = _row(joints)
         self._rows: queue.SimpleQueue[bytes | None] = queue.SimpleQueue()
         self._thread = threading.Thread(target=self._run, name="guard log", daemon=True)
         self._thread.start()
 
-    def write(self, monotonic_s: float, linear_mps: float, angular_radps: float) -> None:
-        self._rows.put(_ROW.pack(monotonic_s, linear_mps, angular_radps))
+    def write(
+        self, monotonic_s: float, linear_mps: float, angular_radps: float, setpoints: tuple[float, ...] = ()
+    ) -> None:
+        self._rows.put(self._row.pack(monotonic_s, linear_mps, angular_radps, *setpoints))
 
     def close(self, timeout_s: float = 0.3) -> None:
         """Write the queued rows, for at most ``timeout_s``."""
@@ -48,5 +53,16 @@ class GuardLog:
 
 def read_guard_log(path: Path) -> list[GuardRow]:
     data = path.read_bytes()
-    whole = len(data) - len(data) % _ROW.size
-    return [GuardRow(*row) for row in _ROW.iter_unpack(data[:whole])]
+    if len(data) < _HEADER.size:
+        return []
+    row = _row(*_HEADER.unpack_from(data))
+    rows = data[_HEADER.size :]
+    whole = len(rows) - len(rows) % row.size
+    return [
+        GuardRow(when, linear, angular, tuple(setpoints))
+        for when, linear, angular, *setpoints in row.iter_unpack(rows[:whole])
+    ]
+
+
+def _row(joints: int) -> struct.Struct:
+    return struct.Struct(f"<{3 + joints}d")

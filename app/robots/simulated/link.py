@@ -20,6 +20,7 @@ from app.messages import (
     Audio,
     GroundTruth,
     Image,
+    JointCommand,
     JointState,
     LaserScan,
     LinkStatus,
@@ -155,12 +156,12 @@ class SimulatedLink(SimulatedBody):
             return LinkFailed("The simulated robot was not started.")
         return await self._session.wait_failed()
 
-    def command(self, twist: Twist) -> None:
-        """Give the base a velocity; dropped while a frozen link does not read: it would arrive too late."""
+    def command(self, command: Twist | JointCommand) -> None:
+        """Give a command; dropped while a frozen link does not read: it would arrive too late."""
         if self._session is None or self._session.unsent_bytes > _UNSENT_BYTES:
             self.commands_dropped += 1
             return
-        self._session.send(link_protocol.DriveRequest(twist.stamp, twist.linear_mps, twist.angular_radps))
+        self._session.send(link_protocol.request(command))
 
     def play(self, audio: Audio) -> None:
         if self._session is not None and self._session.unsent_bytes <= _UNSENT_BYTES:
@@ -228,6 +229,7 @@ def describe(robot: RobotConfig) -> RobotDescription:
         footprint=robot.footprint,
         height_m=robot.height_m,
         restartable=True,
+        groups=dict(robot.groups),
     )
 
 

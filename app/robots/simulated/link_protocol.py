@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from app.base.geometry import Pose3
-from app.messages import Audio
+from app.messages import Audio, JointCommand, Twist
 from app.robots.config import RobotConfig
 from app.robots.simulated.scenery.scenario_config import ScenarioConfig
 from app.robots.simulated.world_config import WorldConfig
@@ -103,6 +103,13 @@ class ImageNotice:
     sequence: int
     stamp: float
     X_BC: Pose3
+
+
+def request(command: Twist | JointCommand) -> DriveRequest | JointCommand:
+    """``command`` as it goes over the socket."""
+    if isinstance(command, JointCommand):
+        return command
+    return DriveRequest(command.stamp, command.linear_mps, command.angular_radps)
 
 
 def encode(frame: Any) -> bytes:

@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING
 from app.base.errors import ConfigError
 from app.base.geometry import Pose2
 from app.link import LinkFailed
-from app.messages import Audio, PersonTruth, Twist
+from app.messages import Audio, JointCommand, PersonTruth, Twist
 from app.robots.config import RobotConfig
 from app.robots.simulated import link_protocol
 from app.robots.simulated.camera_models import picture_formats
@@ -117,8 +117,9 @@ class LockstepLink(SimulatedBody):
         failure.__cause__ = error
         return failure
 
-    def command(self, twist: Twist) -> None:
-        self._send(link_protocol.DriveRequest(twist.stamp, twist.linear_mps, twist.angular_radps))
+    def command(self, command: Twist | JointCommand) -> None:
+        """Give a command."""
+        self._send(link_protocol.request(command))
 
     def play(self, audio: Audio) -> None:
         """No effect: this body has no loudspeaker."""

@@ -38,7 +38,9 @@ class RealtimeLoop:
         self._simulation = WorldSimulation(
             robot, start.world, start.scenario, self._send, wanted=start.demanded, e_stop=start.e_stop
         )
-        self._log = GuardLog(robot.guard_log) if robot.guard_log is not None else None
+        self._log = (
+            GuardLog(robot.guard_log, len(self._simulation.joints.setpoints())) if robot.guard_log is not None else None
+        )
         self._camera: CameraThread | None = None
         self._wake_read, self._wake_write = os.pipe()
         os.set_blocking(self._wake_read, False)
@@ -96,7 +98,8 @@ class RealtimeLoop:
         simulation.report(now + self._offset, action, lambda: self._pacer.rate(now))
         if self._log is not None:
             applied = simulation.state.applied
-            self._log.write(time.monotonic(), applied.linear_mps, applied.angular_radps)
+            setpoints = simulation.joints.setpoints()
+            self._log.write(time.monotonic(), applied.linear_mps, applied.angular_radps, setpoints)
 
     def _stamps(self, now: float) -> Iterator[float]:
         """Real instants of the due steps. Where an image is due while the one before is still being drawn, or sound is
@@ -157,7 +160,7 @@ class RealtimeLoop:
     def _shut_down(self) -> None:
         self._simulation.end()
         if self._log is not None:
-            self._log.write(time.monotonic(), 0.0, 0.0)
+            self._log.write(time.monotonic(), 0.0, 0.0, self._simulation.joints.setpoints())
             self._log.close()
         self._socket.flush()
         if self._camera is not None:

@@ -11,14 +11,15 @@ from collections.abc import Callable, Iterable
 
 import numpy as np
 
-from app.messages import GroundTruth, JointState, LinkStatus, Odometry, SceneTruth, Twist
+from app.base.kinematic_model import load_model
+from app.messages import GroundTruth, JointCommand, JointState, LinkStatus, Odometry, SceneTruth, Twist
 from app.robots import guard
 from app.robots.config import RobotConfig
-from app.robots.model import load_model
 from app.robots.simulated import link_protocol
 from app.robots.simulated.acoustics.soundscape import Soundscape
 from app.robots.simulated.body import TIMESTEP_S, build_simulation
 from app.robots.simulated.camera_models import lenses
+from app.robots.simulated.joint_servos import JointServos
 from app.robots.simulated.laser import Laser
 from app.robots.simulated.odometry import EncoderOdometry, draw_true_base
 from app.robots.simulated.renderer import WorldSnapshot, mocap_poses
@@ -95,6 +96,7 @@ class WorldSimulation:
             )
         self._limits = robot.limits.guard()
         self.state = guard.GuardState(e_stop=e_stop)
+        self.joints = JointServos(self.physics, robot.groups.values())
         self._odometry = EncoderOdometry(robot.base, odometry_rng)
         names = self.physics.joints
         self._wheel_joints = (names.index(robot.base.left_wheel_joint), names.index(robot.base.right_wheel_joint))
@@ -127,24 +129,29 @@ class WorldSimulation:
         match frame:
             case link_protocol.DriveRequest(stamp, linear, angular):
                 self.state = guard.accept(self.state, guard.VelocityCommand(stamp, guard.BaseVelocity(linear, angular)))
+            case JointCommand():
+                self.joints.accept(frame)
             case link_protocol.EStopRequest(reason):
                 self.state = guard.e_stop(self.state, reason)
             case link_protocol.ClearEStop():
                 self.state = guard.clear_e_stop(self.state)
+                self.joints.clear_e_stop()
             case link_protocol.Demand(stream, wanted):
                 (self.wanted.add if wanted else self.wanted.discard)(stream)
                 self._last_seen.pop(stream, None)
 
     def turn(self, now: float, stamps: Iterable[float], also: Callable[[float], None]) -> guard.GuardAction:
-        """Run the guard at ``now``, then step once for each of ``stamps``, with sensors after each. ``also(stamp)`` is
-        called after each step, for the caller's sensors. Without a step a stop is applied at once.
+        """Run the guards of base and joints at ``now``, then step once for each of ``stamps``, with sensors after each.
+        ``also(stamp)`` is called after each step, for the caller's sensors. Without a step a stop is applied at once.
         """
         action = guard.decide(now, self.state, self._sensor_ages(now), self._limits)
+        self.joints.decide(now, self.state.e_stop)
         simulation, steps = self.physics, 0
         for stamp in stamps:
             steps += 1
             self.state = guard.step(self.state, action, self._limits, TIMESTEP_S)
             simulation.drive(self.state.applied)
+            self.joints.step(TIMESTEP_S)
             simulation.step()
             if self._inhabited and self.scenario_state.advance(simulation.time_s, simulation.true_pose()):
                 self._people.pose(simulation.data)
@@ -167,6 +174,7 @@ class WorldSimulation:
             command_age_s=guard.command_age(self.state, now),
             applied=Twist(now, applied.linear_mps, applied.angular_radps),
             world_rate=world_rate(),
+            groups=self.joints.status(now),
         )
         self.send("status", status, now)
 

@@ -12,11 +12,11 @@ import numpy as np
 from pydantic import Field
 
 from app.base.geometry import Pose2, Pose3
+from app.base.kinematic_model import load_model
 from app.link import LinkFailed, RobotDescription, StreamDescription
-from app.messages import Audio, JointState, LaserScan, LinkStatus, Odometry, Twist, read_only
+from app.messages import Audio, JointCommand, JointState, LaserScan, LinkStatus, Odometry, Twist, read_only
 from app.robots.config import BodyConfig, LimitsConfig, load_body_config
 from app.robots.factory import BodyKind, standing_streams
-from app.robots.model import load_model
 from app.robots.receivers import Receivers
 
 SCANS_HZ = 10.0
@@ -90,7 +90,7 @@ class PostLink:
         """A scan that is not wanted is not made."""
         self._receivers.demand(stream, wanted)
 
-    def command(self, twist: Twist) -> None:
+    def command(self, command: Twist | JointCommand) -> None:
         """There are no wheels."""
 
     def play(self, audio: Audio) -> None:

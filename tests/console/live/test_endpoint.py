@@ -393,3 +393,20 @@ async def test_a_viewer_that_does_not_read_delays_no_other(url: str, system: Sys
         await slow.until("status", lambda s: s["stamp"] >= second["stamp"])
         # So that it ends in good order.
         await fast.until("status")
+
+
+async def test_desires_say_whether_a_behavior_serves_them_just_now(url: str, system: System) -> None:
+    async with page(url) as ann:
+        desire = system.workspace.add("Teleoperation", intensity=8, utility=1, source=Source("rest", "Ann"))
+        system.workspace.add("Listen", intensity=8, utility=1, source=Source("rest", "Ann"))
+        await system.translator.settled()
+        await ann.until("desires", lambda m: len(m["desires"]) >= 2 and m["exploited"] == [])
+        now = system.clock.now()
+        system.graph.channel("exploitation").publish(Exploitation(now, "Teleop", Twist(now, 0.1, 0.0)))
+        await ann.until("desires", lambda m: m["exploited"] == [desire.id])
+        await ann.until("desires", lambda m: m["exploited"] == [])
+        events = system.timeline.query(kinds=["exploitation"])
+        assert [(event.text, event.data["classes"]) for event in events] == [
+            ("Teleop drives", ["Teleoperation"]),
+            ("Teleop drives no more", ["Teleoperation"]),
+        ]

@@ -9,8 +9,8 @@ import viser
 
 from app.base import paths
 from app.base.geometry import Pose3
+from app.base.kinematic_model import load_model
 from app.console.view.body_nodes import LEAST_MOVE, BodyNodes
-from app.robots.model import load_model
 
 MODEL = load_model(paths.config_dir() / "robots" / "irl1_tr.urdf")
 

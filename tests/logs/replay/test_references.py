@@ -9,9 +9,9 @@ from typing import Any
 
 import pytest
 
-from app.messages import Image, QRCode
+from app.messages import Exploitation, Image, QRCode, Twist
 from app.modules.perception import qr_code_detector
-from tests.references.figures import LOG, VALUES, Values, compare, flat, load_values, measure, write_values
+from tests.references.figures import LOG, VALUES, Values, _Figures, compare, flat, load_values, measure, write_values
 
 pytestmark = pytest.mark.blocking(reason="the virtual loop waits for threads by design")
 
@@ -91,3 +91,12 @@ def test_values_come_back_as_they_were_written(tmp_path: Path) -> None:
     read = load_values(tmp_path / "values.yaml")
     assert read.pop("tolerances")
     assert flat(read) == flat(MEASURED)
+
+
+def test_driving_is_judged_by_the_base_alone() -> None:
+    figures = _Figures()
+    for stamp in (0.0, 1.0, 2.0):
+        figures.take("exploitation", Exploitation(stamp, "Teleop", Twist(stamp, 0.4, 0.1)))
+        figures.take("head_exploitation", Exploitation(stamp, "LookAt", Twist(stamp, 0.0, 0.0), group="head"))
+    driving = figures.values()["driving"]
+    assert driving == {"drivers": {"Teleop": 3}, "distance": 0.8, "turned": 0.2}

@@ -6,8 +6,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.link import BaseLimits
-from app.messages import Twist
-from app.modules.actuation.arbitration import Contender, approach, arbitrate, clamped
+from app.messages import JointCommand, Twist
+from app.modules.actuation.arbitration import (
+    Contender,
+    approach,
+    arbitrate,
+    clamped,
+    joints_are_finite,
+    twist_is_finite,
+)
 
 LIMITS = BaseLimits(0.40, 1.00, 0.40, 4.00)
 TELEOP = Contender(input="teleop", behavior="Teleop", priority=2)
@@ -21,22 +28,39 @@ def test_the_highest_priority_with_a_fresh_command_drives() -> None:
     teleop, follow = Twist(9.9, 0.1, 0.0), Twist(9.95, 0.3, 0.5)
     commands = {"teleop": teleop, "follow": follow}
     for order in ((TELEOP, FOLLOW), (FOLLOW, TELEOP)):
-        assert arbitrate(10.0, commands, order, 0.25) == ("Teleop", teleop)
-        assert arbitrate(10.17, commands, order, 0.25) == ("PlanAndFollowPath", follow)
-        assert arbitrate(10.3, commands, order, 0.25) is None
+        assert arbitrate(10.0, commands, order, 0.25, twist_is_finite) == ("Teleop", teleop)
+        assert arbitrate(10.17, commands, order, 0.25, twist_is_finite) == ("PlanAndFollowPath", follow)
+        assert arbitrate(10.3, commands, order, 0.25, twist_is_finite) is None
 
 
 def test_equal_priorities_go_to_the_first_listed() -> None:
     rivals = (Contender(input="a", behavior="A", priority=1), Contender(input="b", behavior="B", priority=1))
     commands = {"a": Twist(1.0, 0.1, 0), "b": Twist(1.0, 0.2, 0)}
-    assert arbitrate(1.0, commands, rivals, 0.25) == ("A", commands["a"])
+    assert arbitrate(1.0, commands, rivals, 0.25, twist_is_finite) == ("A", commands["a"])
 
 
 def test_what_is_not_finite_or_from_the_future_never_drives() -> None:
     commands = {"teleop": Twist(10.0, math.nan, 0.0), "follow": Twist(10.0, 0.1, 0.0)}
-    assert arbitrate(10.0, commands, (TELEOP, FOLLOW), 0.25) == ("PlanAndFollowPath", commands["follow"])
+    assert arbitrate(10.0, commands, (TELEOP, FOLLOW), 0.25, twist_is_finite) == (
+        "PlanAndFollowPath",
+        commands["follow"],
+    )
     for stamp in (1e9, math.nan, math.inf):
-        assert arbitrate(10.0, {"teleop": Twist(stamp, 0.1, 0.0)}, (TELEOP,), 0.25) is None
+        assert arbitrate(10.0, {"teleop": Twist(stamp, 0.1, 0.0)}, (TELEOP,), 0.25, twist_is_finite) is None
+
+
+def test_joints_are_arbitrated_by_the_same_rule() -> None:
+    look = JointCommand(9.9, "head", ("pan",), (0.5,))
+    nod = JointCommand(10.0, "head", ("tilt",), (math.nan,))
+    rivals = (
+        Contender(input="look", behavior="LookAt", priority=1),
+        Contender(input="nod", behavior="Nod", priority=2),
+    )
+    assert arbitrate(10.0, {"look": look, "nod": nod}, rivals, 0.25, joints_are_finite) == ("LookAt", look)
+    assert arbitrate(10.2, {"look": look}, rivals, 0.25, joints_are_finite) is None
+    for bad in (math.inf, math.nan):
+        assert not joints_are_finite(JointCommand(10.0, "arm", ("elbow",), (0.0,), stiffness=(bad,)))
+        assert not joints_are_finite(JointCommand(10.0, "arm", ("elbow",), (0.0,), damping=(bad,)))
 
 
 @given(TWISTS)

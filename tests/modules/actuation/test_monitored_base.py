@@ -301,7 +301,7 @@ def test_a_body_with_a_laser_whose_scans_are_not_wired_is_refused() -> None:
 
 
 def test_a_behavior_cannot_come_in_by_the_monitors_inputs() -> None:
-    with pytest.raises(WiringError, match="brings no behavior's twists"):
+    with pytest.raises(WiringError, match="brings no behavior's commands"):
         Bench(
             MODULE,
             inputs={"scans": Twist},

@@ -11,12 +11,12 @@ import pytest
 from numpy.typing import NDArray
 
 from app.base.geometry import CameraModel, FisheyeModel, Pose2
+from app.base.kinematic_model import load_model
 from app.messages import Image
 from app.modules.perception.faces.face_position import FaceLocator, FaceSighting
 from app.modules.perception.faces.face_tracks import FaceTracks
 from app.modules.perception.faces.yunet import THRESHOLD
 from app.robots.config import RobotConfig, load_robot_config
-from app.robots.model import load_model
 from app.robots.simulated.body import build_simulation
 from app.robots.simulated.camera_models import fisheye_model
 from app.robots.simulated.camera_rendering import CameraRenderer, FisheyeRenderer, KinectRenderer

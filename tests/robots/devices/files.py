@@ -9,9 +9,9 @@ import numpy as np
 import soundfile
 from numpy.typing import NDArray
 
+from app.base.kinematic_model import load_model
 from app.robots.devices.config import CameraConfig, DevicesConfig, SoundInputConfig
 from app.robots.devices.link import DevicesLink
-from app.robots.model import load_model
 
 MODEL = Path(__file__).parents[3] / "config" / "robots" / "desk.urdf"
 DESK = load_model(MODEL)

@@ -1,7 +1,7 @@
-"""A program that drives the simulated robot, to be killed, frozen or stuck by the tests of the guard.
+"""A program that drives the simulated robot and swings its head, to be killed, frozen or stuck by the guard's tests.
 
-``python driving_program.py GUARD_LOG [regex]``: prints the link process's id, then drives; with ``regex`` it goes, one
-second later, into a C call that holds the interpreter's lock, having printed the time.
+``python driving_program.py GUARD_LOG [regex]``: prints the link process's id, then drives and swings; with ``regex`` it
+goes, one second later, into a C call that holds the interpreter's lock, having printed the time.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import sys
 import time
 from pathlib import Path
 
-from app.messages import Twist
+from app.messages import JointCommand, Twist
 from app.robots.config import load_robot_config
 from app.robots.factory import create_link
 
@@ -29,7 +29,10 @@ async def main(guard_log: str, fault: str) -> None:
     print(link.process_id, flush=True)  # type: ignore[attr-defined]
     until = time.monotonic() + (1.0 if fault else 600.0)
     while time.monotonic() < until:
-        link.command(Twist(time.monotonic(), 0.3, 0.2))
+        now = time.monotonic()
+        link.command(Twist(now, 0.3, 0.2))
+        # Turned about before the head arrives: it never rests.
+        link.command(JointCommand(now, "head", ("pan_joint",), (2.0 if now % 2.0 < 1.0 else -2.0,)))
         await asyncio.sleep(0.05)
     print(time.monotonic(), flush=True)
     re.match(r"(a|a)*$", "a" * 40 + "b")

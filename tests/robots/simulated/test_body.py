@@ -137,3 +137,10 @@ def test_wheels_of_another_size_carry_it_all_the_same(robot: RobotConfig, hall: 
     angles = dict(zip(simulation.joints, simulation.joint_positions(), strict=True))
     rolled = angles[robot.base.right_wheel_joint] - angles[robot.base.left_wheel_joint]
     assert after.theta == pytest.approx(rolled * radius / robot.base.track_m, abs=0.03)
+
+
+def test_the_heads_servos_do_not_sag_under_its_weight(simulation: RobotSimulation) -> None:
+    tilt = simulation.joints.index("tilt_joint")
+    for _ in range(round(2.0 / TIMESTEP_S)):
+        simulation.step()
+    assert simulation.joint_positions()[tilt] == pytest.approx(0.0, abs=math.radians(0.02))

@@ -11,8 +11,8 @@ import zxingcpp
 from numpy.typing import NDArray
 
 from app.base.geometry import Pose2, Pose3
+from app.base.kinematic_model import load_model
 from app.robots.config import KinectConfig, RobotConfig
-from app.robots.model import load_model
 from app.robots.simulated.body import RobotSimulation, build_simulation
 from app.robots.simulated.camera_rendering import KinectRenderer
 from app.robots.simulated.kinect_noise import camera_model

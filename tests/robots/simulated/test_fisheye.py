@@ -12,8 +12,8 @@ import zxingcpp
 from numpy.typing import NDArray
 
 from app.base.geometry import CameraModel, FisheyeModel, Pose2, Pose3
+from app.base.kinematic_model import load_model
 from app.robots.config import PanoramicCameraConfig, RobotConfig
-from app.robots.model import load_model
 from app.robots.simulated.body import build_simulation
 from app.robots.simulated.camera_models import fisheye_model
 from app.robots.simulated.camera_rendering import FisheyeRenderer

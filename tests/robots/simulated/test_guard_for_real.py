@@ -1,4 +1,5 @@
-"""The guard against real faults: a driving program is killed, frozen and stuck, and the wheels' commands are watched.
+"""The guard against real faults: a program that drives and swings the head is killed, frozen and stuck, and what
+wheels and head are given is watched.
 
 The guard's own log, written by the link's process at each decision, is the witness.
 """
@@ -26,6 +27,9 @@ LIMIT_S = 0.250
 #: How fast the guard lets the wheels become (m/s2, of IRL-1), and by what the rows may differ.
 RAMP_MPS2 = 0.4
 ALLOWANCE_MPS = 0.03
+#: Time the head takes to brake from its greatest speed, 1.05 rad/s at 5.8 rad/s2, and the way (rad).
+HEAD_BRAKES_S = 1.05 / 5.8
+HEAD_BRAKES_RAD = 1.05**2 / (2 * 5.8)
 
 pytestmark = pytest.mark.slow
 
@@ -61,18 +65,28 @@ class Driver:
         self.wait_for("the wheels turning", lambda rows: rows and rows[-1].linear_mps > 0.15)
 
     def assert_stops(self, fault_s: float) -> None:
-        """Nothing but zeros is given to the wheels from ``LIMIT_S`` after the fault on, or the link has gone by then.
+        """Nothing but zeros is given to the wheels from ``LIMIT_S`` after the fault on, and the head brakes from then
+        on and is held; or the link has gone by then.
 
-        A computer so busy that the guard decides late gives the wheels nothing in between.
+        A computer so busy that the guard decides late gives wheels and head nothing in between.
         """
         limit_s = fault_s + LIMIT_S
+        held_s = limit_s + HEAD_BRAKES_S
         self.wait_for(
             "a decision after the limit",
-            lambda rows: rows[-1].monotonic_s > limit_s or not psutil.pid_exists(self.link_id),
+            lambda rows: rows[-1].monotonic_s > held_s + 0.2 or not psutil.pid_exists(self.link_id),
         )
         rows = self.rows()
         assert _is_zero(rows[-1])
         assert all(_is_zero(row) for row in rows if row.monotonic_s > limit_s)
+        pans = [row.setpoints[0] for row in rows if row.monotonic_s <= fault_s]
+        assert max(pans) - min(pans) > 0.1, "the head was moving"
+        after = [row.setpoints for row in rows if row.monotonic_s > limit_s]
+        if after:
+            # A decision or two before the first one after the limit lie in the same stretch of time.
+            assert abs(after[-1][0] - after[0][0]) <= HEAD_BRAKES_RAD + 0.02
+        held = {row.setpoints for row in rows if row.monotonic_s > held_s + 0.1}
+        assert len(held) <= 1, "the head is held"
 
     def close(self) -> None:
         if self.process.poll() is None:

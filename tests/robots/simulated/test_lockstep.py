@@ -5,14 +5,26 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Awaitable, Callable
+from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
 import pytest
 
 from app.link import LinkFailed
-from app.messages import Audio, GroundTruth, Image, LaserScan, LinkStatus, Odometry, SceneTruth, Twist
-from app.robots.config import RobotConfig
+from app.messages import (
+    Audio,
+    GroundTruth,
+    Image,
+    JointCommand,
+    JointState,
+    LaserScan,
+    LinkStatus,
+    Odometry,
+    SceneTruth,
+    Twist,
+)
+from app.robots.config import RobotConfig, load_robot_config
 from app.robots.simulated.lockstep import LockstepLink
 from app.robots.simulated.scenery.scenario_config import ScenarioConfig
 from app.robots.simulated.world_config import WorldConfig
@@ -243,3 +255,119 @@ def test_with_microphones_a_clap_is_heard_when_sound_has_come_the_way_and_no_sam
     quiet = samples[: round(0.3 * 48000)].max()
     begin_s = (heard[0].first_sample + int(np.argmax(samples > 3 * quiet))) / 48000
     assert begin_s == pytest.approx(0.4 + 7.0 / 343, abs=0.006)
+
+
+async def turn_head(body: Body, seconds: float, pan: float, tilt: float) -> None:
+    for _ in range(round(seconds / 0.1)):
+        body.link.command(JointCommand(body.clock.now(), "head", ("pan_joint", "tilt_joint"), (pan, tilt)))
+        await body.clock.sleep(0.1)
+
+
+def pans(joints: list[JointState]) -> list[float]:
+    return [message.positions[message.names.index("pan_joint")] for message in joints]
+
+
+def test_the_head_turns_within_its_speed_holds_without_commands_and_says_so(
+    robot: RobotConfig, hall: WorldConfig
+) -> None:
+    async def script(body: Body) -> tuple[list[JointState], list[LinkStatus], int]:
+        body.link.command(JointCommand(body.clock.now(), "tail", ("tail_joint",), (1.0,)))  # it has none
+        await turn_head(body, 2.0, 1.2, 9.0)
+        commanded = len(body.heard["joints"])
+        await body.clock.sleep(1.0)
+        return body.heard["joints"], body.heard["status"], commanded
+
+    joints, statuses, commanded = live(at(robot, 10, 10), hall, script)
+    pan = pans(joints)
+    fastest = max(abs(later - earlier) * 30 for earlier, later in itertools.pairwise(pan))
+    assert 0.95 < fastest < 1.05 + 0.1, "the noise of two measurements is within 0.1 rad/s"
+    assert pan[commanded - 1] == pytest.approx(1.2, abs=0.005)
+    assert max(pan) < 1.2 + 0.005
+    assert joints[-1].positions[joints[-1].names.index("tilt_joint")] == pytest.approx(0.4363, abs=0.005)
+    assert pan[-1] == pytest.approx(1.2, abs=0.005), "without commands it is held"
+    (head,) = statuses[-1].groups
+    assert (head.group, head.guard) == ("head", "idle")
+    assert head.command_age_s == pytest.approx(1.0, abs=0.2)
+    assert {status.groups[0].guard for status in statuses} >= {"idle", "moving"}
+
+
+def test_the_emergency_stop_covers_the_head(robot: RobotConfig, hall: WorldConfig) -> None:
+    async def script(body: Body) -> tuple[float, float, float, LinkStatus]:
+        await turn_head(body, 0.5, 2.0, 0.0)
+        body.link.e_stop("a test")
+        stopped = pans(body.heard["joints"])[-1]
+        await turn_head(body, 1.0, 2.0, 0.0)
+        held, status = pans(body.heard["joints"])[-1], body.heard["status"][-1]
+        body.link.clear_e_stop()
+        await body.clock.sleep(0.3)
+        waiting = pans(body.heard["joints"])[-1]
+        assert waiting == pytest.approx(held, abs=0.005), "it waits for a new command"
+        await turn_head(body, 2.0, 2.0, 0.0)
+        return stopped, held, pans(body.heard["joints"])[-1], status
+
+    stopped, held, free, status = live(at(robot, 10, 10), hall, script)
+    assert held - stopped < 0.25, "it brakes at once, and its servo follows"
+    assert (status.groups[0].guard, status.groups[0].reason) == ("holding", "emergency stop: a test")
+    assert free == pytest.approx(2.0, abs=0.005)
+
+
+def test_a_group_that_yields_can_be_pushed_and_begins_again_where_it_is(
+    robot: RobotConfig, hall: WorldConfig, tmp_path: Path
+) -> None:
+    path = tmp_path / "robot.yaml"
+    head = "{joints: [pan_joint, tilt_joint], velocity: 1.05, acceleration: 5.8, stop: yield}"
+    path.write_text(f"model: {robot.model}\nworld: {robot.world}\nactuators: {{head: {head}}}\n")
+    body = at(load_robot_config(path), 10, 10)
+
+    async def script(body: Body) -> tuple[float, float, float]:
+        simulation = body.link._simulation
+        assert simulation is not None
+        physics = simulation.physics
+        joint = physics.model.joint("robot/pan_joint")
+        body.link.e_stop("a test")
+        await body.clock.sleep(0.1)
+        physics.data.qfrc_applied[joint.dofadr[0]] = 1.0
+        await body.clock.sleep(1.0)
+        physics.data.qfrc_applied[joint.dofadr[0]] = 0.0
+        await body.clock.sleep(1.0)
+        assert body.heard["status"][-1].groups[0].guard == "yielding"
+        pushed = float(physics.data.qpos[joint.qposadr[0]])
+        body.link.clear_e_stop()
+        await body.clock.sleep(0.5)
+        held = float(physics.data.qpos[joint.qposadr[0]])
+        await turn_head(body, 0.1, 0.0, 0.0)
+        return pushed, held, float(physics.data.qpos[joint.qposadr[0]])
+
+    pushed, held, later = live(body, hall, script)
+    assert pushed > 0.05
+    assert held == pytest.approx(pushed, abs=0.002)
+    assert pushed - 5.8 * 0.1**2 / 2 - 0.002 < later < pushed, "it goes back at its own acceleration"
+
+
+def test_a_compliant_group_gives_way_by_the_stiffness_it_is_commanded(
+    robot: RobotConfig, hall: WorldConfig, tmp_path: Path
+) -> None:
+    path = tmp_path / "robot.yaml"
+    head = "{joints: [pan_joint], compliant: true, stiffness: 100, damping: 10, velocity: 1.05, acceleration: 5.8}"
+    path.write_text(f"model: {robot.model}\nworld: {robot.world}\nactuators: {{head: {head}}}\n")
+
+    async def script(body: Body) -> tuple[float, float, float]:
+        simulation = body.link._simulation
+        assert simulation is not None
+        data, joint = simulation.physics.data, simulation.physics.model.joint("robot/pan_joint")
+        data.qfrc_applied[joint.dofadr[0]] = 1.0
+        await body.clock.sleep(2.0)
+        stiff = float(data.qpos[joint.qposadr[0]])
+        for _ in range(30):
+            soft = JointCommand(body.clock.now(), "head", ("pan_joint",), (0.0,), stiffness=(5.0,), damping=(2.0,))
+            body.link.command(soft)
+            await body.clock.sleep(0.1)
+        gives = float(data.qpos[joint.qposadr[0]])
+        await body.clock.sleep(2.0)  # it is held again, where it was pushed to, with the group's stiffness
+        return stiff, gives, float(data.qpos[joint.qposadr[0]])
+
+    stiff, gives, held = live(at(load_robot_config(path), 10, 10), hall, script)
+    friction = 0.06
+    assert stiff == pytest.approx(1.0 / 100, abs=friction / 100)
+    assert gives == pytest.approx(1.0 / 5, abs=friction / 5)
+    assert held == pytest.approx(gives, abs=0.02)

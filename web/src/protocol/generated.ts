@@ -100,6 +100,8 @@ export interface Desires {
   /** Seconds of the robot's clock (Unix epoch). */
   stamp: number;
   desires: Desire[];
+  /** Ids of those that a behavior serves by commands that its arbiter lets through now. */
+  exploited: string[];
 }
 
 /** Who has the wheel. */

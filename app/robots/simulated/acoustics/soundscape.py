@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 from app.base.errors import ConfigError
 from app.base.geometry import Pose2, Pose3
+from app.base.kinematic_model import KinematicModel
 from app.messages import SoundTruth
 from app.robots.config import LoudspeakerConfig, MicrophonesConfig
-from app.robots.model import KinematicModel
 from app.robots.simulated.acoustics.ipc import AcousticsSetup, ActiveSound, SoundScene
 from app.robots.simulated.acoustics.sound_library import PEAK_DB_SPL, VARIANTS, ClipLibrary, Key
 from app.robots.simulated.acoustics.synthesis import MAKERS

@@ -14,11 +14,11 @@ import pytest
 from numpy.typing import NDArray
 
 from app.base.geometry import Pose2
+from app.base.kinematic_model import load_model
 from app.messages import SceneTruth
 from app.modules.perception.faces import yunet
 from app.robots.config import KinectConfig, RobotConfig, StartPose
 from app.robots.guard import BaseVelocity
-from app.robots.model import load_model
 from app.robots.simulated.body import RobotSimulation, build_simulation
 from app.robots.simulated.camera_rendering import KinectRenderer
 from app.robots.simulated.kinect_noise import camera_model

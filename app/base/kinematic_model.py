@@ -26,7 +26,8 @@ MOVING_TYPES = ("revolute", "continuous", "prismatic")
 class Joint:
     """One joint: ``X_PJ`` is its frame in the parent link at position 0; ``axis`` (3,) a unit vector in that frame.
 
-    ``lower`` and ``upper`` bound its position (rad or m; infinite where the file says none).
+    ``lower`` and ``upper`` bound its position (rad or m), ``velocity`` its speed (rad/s or m/s); infinite where the
+    file says none. ``effort`` bounds its torque or force (N m or N; 0 where the file says none).
     """
 
     name: str
@@ -37,6 +38,8 @@ class Joint:
     axis: NDArray[np.float64]
     lower: float
     upper: float
+    velocity: float = math.inf
+    effort: float = 0.0
 
     @property
     def moves(self) -> bool:
@@ -131,6 +134,8 @@ def _joint(element: ElementTree.Element) -> Joint:
         axis=axis / np.linalg.norm(axis),
         lower=float(limit.get("lower", "-inf")) if limit is not None else -math.inf,
         upper=float(limit.get("upper", "inf")) if limit is not None else math.inf,
+        velocity=float(limit.get("velocity", "inf")) if limit is not None else math.inf,
+        effort=float(limit.get("effort", "0")) if limit is not None else 0.0,
     )
 
 

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.base.errors import ConfigError
-from app.robots.model import load_model
+from app.base.kinematic_model import load_model
 
 URDF = Path(__file__).parents[2] / "config" / "robots" / "irl1_tr.urdf"
 MODEL = load_model(URDF)

@@ -1,0 +1,1 @@
+"""Behaviors that direct the head: what is looked at, and the joint positions for it."""

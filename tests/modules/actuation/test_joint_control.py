@@ -1,0 +1,98 @@
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import pytest
+
+from app.messages import Exploitation, JointCommand
+from app.runtime.clock import in_virtual_time
+from app.runtime.graph import WiringError
+from tests.modules.fakes import Bench, drain
+
+MODULE = "app.modules.actuation.joint_control:JointControl"
+BEHAVIORS = [
+    {"input": "look", "behavior": "LookAt", "priority": 1},
+    {"input": "nod", "behavior": "Nod", "priority": 2},
+]
+
+
+def bench(group: str = "head", behaviors: list[dict[str, Any]] = BEHAVIORS) -> Bench:
+    return Bench(
+        MODULE,
+        inputs={"look": JointCommand, "nod": JointCommand},
+        outputs={"exploitation": Exploitation},
+        settings={"group": group, "behaviors": behaviors},
+    )
+
+
+def command(b: Bench, pan: float, group: str = "head") -> JointCommand:
+    return JointCommand(b.clock.now(), group, ("pan",), (pan,))
+
+
+@in_virtual_time
+async def test_the_highest_priority_commands_the_joints_and_is_reported() -> None:
+    async with bench() as b:
+        told = b.listen("exploitation")
+        await b.clock.sleep(1.0)
+        assert [(e.behavior, e.group) for e in drain(told)] == [(None, "head")] * 10
+        assert b.link.joint_commands == [], "nothing is given without a command: the guard has the last word"
+        asked = b.clock.now()
+        b.feed("look", command(b, 0.5))
+        await b.settle()
+        assert [(c.stamp, c.positions) for c in b.link.joint_commands] == [(asked, (0.5,))], "it waits for no beat"
+        assert [(e.stamp, e.behavior) for e in drain(told)] == [(asked, "LookAt")]
+        b.feed("nod", command(b, -0.5))
+        b.feed("look", command(b, 0.6))
+        await b.settle()
+        assert b.link.joint_commands[-1].positions == (-0.5,)
+        assert drain(told)[-1].behavior == "Nod"
+        await b.clock.sleep(0.5)
+        assert drain(told)[-1].behavior is None
+        given = len(b.link.joint_commands)
+        await b.clock.sleep(1.0)
+        assert len(b.link.joint_commands) == given
+
+
+@in_virtual_time
+async def test_a_command_is_given_again_at_each_beat_while_it_is_fresh() -> None:
+    async with bench() as b:
+        asked = b.clock.now()
+        b.feed("look", command(b, 0.5))
+        await b.clock.sleep(1.0)
+        stamps = [c.stamp - asked for c in b.link.joint_commands]
+        assert len(stamps) == 3
+        assert all(0 <= stamp <= 0.25 for stamp in stamps)
+
+
+@in_virtual_time
+async def test_commands_that_are_no_numbers_or_of_another_group_are_never_given(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    async with bench() as b:
+        b.feed("nod", command(b, math.nan))
+        b.feed("look", command(b, 0.5))
+        await b.settle()
+        assert [c.positions for c in b.link.joint_commands] == [(0.5,)]
+        b.link.joint_commands.clear()
+        await b.clock.sleep(0.5)
+        b.link.joint_commands.clear()
+        for _ in range(3):
+            b.feed("look", command(b, 0.5, group="arm"))
+            await b.settle()
+        assert b.link.joint_commands == []
+    assert [r.getMessage() for r in caplog.records].count(
+        "look brings commands of the group arm; they are ignored"
+    ) == 1  # fmt: skip
+
+
+def test_a_group_that_the_body_does_not_have_is_refused() -> None:
+    with pytest.raises(
+        WiringError, match=r"commands the actuator group 'tail', which a test body does not have .*head"
+    ):
+        bench(group="tail")
+
+
+def test_two_behaviors_cannot_share_an_input() -> None:
+    with pytest.raises(WiringError, match="an input of its own"):
+        bench(behaviors=[BEHAVIORS[0], {**BEHAVIORS[1], "input": "look"}])

@@ -1,0 +1,122 @@
+"""LookAt by itself: frames of the point, what it waits for, what is out of reach."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from app.base.geometry import Pose2
+from app.base.kinematic_model import load_model
+from app.link import ActuatorGroup, JointLimits
+from app.messages import JointCommand, JointState, Localization, Odometry
+from app.runtime.clock import in_virtual_time
+from tests.modules.fakes import Bench, FakeLink, drain
+
+URDF = Path(__file__).parents[4] / "config" / "robots" / "irl1_tr.urdf"
+MODEL = load_model(URDF)
+EYE = "kinect_optical_frame"
+NAMES = ("pan_joint", "tilt_joint")
+HEAD = ActuatorGroup(
+    "head", tuple(JointLimits(n, MODEL.joints[n].lower, MODEL.joints[n].upper, 1.0, 5.0) for n in NAMES)
+)
+
+
+def bench(eye: str = EYE, group: str = "head") -> Bench:
+    link = FakeLink()
+    link.description = replace(link.description, model_path=URDF, groups={"head": HEAD})
+    return Bench(
+        "app.modules.behaviors.gaze.look_at:LookAt",
+        inputs={"joints": JointState, "odometry": Odometry, "localization": Localization},
+        outputs={"command": JointCommand},
+        settings={"eye": eye, "group": group},
+        link=link,
+        attended=("command",),
+    )
+
+
+async def looked(b: Bench, seconds: float, **parameters: Any) -> list[JointCommand]:
+    """What it commands within ``seconds`` of being asked to look somewhere."""
+    given = b.listen("command")
+    b.graph.filters.apply({"Tested.command": 1})
+    b.graph.configure("Tested", parameters)
+    await b.clock.sleep(seconds)
+    b.graph.channel("command").unsubscribe(given)
+    return drain(given)
+
+
+def off_axis_deg(command: JointCommand, p_BP: list[float]) -> float:
+    pose = MODEL.pose(EYE, dict(zip(command.names, command.positions, strict=True)))
+    x, y, z = pose.inverse().transform(np.array(p_BP))
+    return math.degrees(math.atan2(math.hypot(x, y), z))
+
+
+def localized(b: Bench, X_MO: Pose2, state: str) -> Localization:
+    return Localization(b.clock.now(), X_MO, X_MO, np.zeros((3, 3)), state, 0.9, "")
+
+
+@in_virtual_time
+async def test_a_point_beside_the_robot_is_looked_at_ten_times_a_second() -> None:
+    async with bench() as b:
+        assert await looked(b, 0.5) == [], "no point, no command"
+        commands = await looked(b, 1.0, x=1.5, y=1.0, z=1.0, frame="base_link")
+        assert len(commands) == 10
+        assert {command.group for command in commands} == {"head"}
+        assert {command.names for command in commands} == {NAMES}
+        assert off_axis_deg(commands[-1], [1.5, 1.0, 1.0]) < 0.01
+        assert await looked(b, 0.5) == [], "the desire is gone"
+
+
+@in_virtual_time
+async def test_a_point_in_the_room_is_followed_while_the_robot_turns() -> None:
+    async with bench() as b:
+        assert await looked(b, 0.5, x=2.0, y=0.0, z=1.0, frame="odom") == [], "it does not know where it is"
+        b.feed("odometry", Odometry(b.clock.now(), Pose2(0.0, 0.0, -math.pi / 2), 0.0, 0.0))
+        commands = await looked(b, 0.3, x=2.0, y=0.0, z=1.0, frame="odom")
+        assert off_axis_deg(commands[-1], [0.0, 2.0, 1.0]) < 0.01
+
+
+@in_virtual_time
+async def test_a_point_on_the_map_waits_for_a_pose_on_the_map() -> None:
+    async with bench() as b:
+        b.feed("odometry", Odometry(b.clock.now(), Pose2(), 0.0, 0.0))
+        point = {"x": 2.0, "y": 5.0, "z": 1.0, "frame": "map"}
+        assert await looked(b, 0.5, **point) == []
+        b.feed("localization", localized(b, Pose2(0.0, 5.0, 0.3), "lost"))
+        assert await looked(b, 0.5, **point) == []
+        b.feed("localization", localized(b, Pose2(0.0, 5.0, 0.3), "tracking"))
+        commands = await looked(b, 0.5, **point)
+        assert off_axis_deg(commands[-1], [2 * math.cos(-0.3), 2 * math.sin(-0.3), 1.0]) < 0.01
+
+
+@in_virtual_time
+async def test_what_is_out_of_reach_is_looked_at_as_nearly_as_can_be_and_said_once(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    caplog.set_level("INFO")
+    async with bench() as b:
+        commands = await looked(b, 1.0, x=-3.0, y=0.3, z=1.2, frame="base_link")
+        pan, _ = commands[-1].positions
+        assert pan == pytest.approx(HEAD.joints[0].upper)
+    assert [r.getMessage() for r in caplog.records].count("the point is out of the head's reach") == 1
+
+
+@in_virtual_time
+async def test_it_commands_nothing_while_attention_keeps_its_output_closed() -> None:
+    async with bench() as b:
+        given = b.listen("command")
+        b.graph.configure("Tested", {"x": 1.5, "y": 1.0, "z": 1.0, "frame": "base_link"})
+        await b.clock.sleep(0.5)
+        assert drain(given) == []
+
+
+@in_virtual_time
+async def test_a_body_without_the_eye_or_the_group_is_refused() -> None:
+    async with bench(eye="nose") as b:
+        assert "cannot look by 'nose': the robot has no link 'nose'" in b.problem
+    async with bench(group="tail") as b:
+        assert "the group 'tail', which a test body does not have" in b.problem
