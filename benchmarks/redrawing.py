@@ -22,7 +22,8 @@ os.environ.update(gl_environment())  # read when MuJoCo is imported
 import numpy as np
 
 from app.base.paths import config_dir
-from app.robots.factory import load_body, simulated_parts
+from app.robots.config import load_robot_config
+from app.robots.factory import simulated_parts
 from app.robots.simulated import wire
 from app.robots.simulated.camera_rendering import ChangeDetector
 from app.robots.simulated.lockstep_world import LockstepWorld
@@ -93,7 +94,7 @@ def run(case: Case, seconds: float) -> tuple[float, float]:
         pixels += view.place.width * view.place.height
         drawing(self, snapshot, camera, view)
 
-    robot, lab, scenario = simulated_parts(load_body(config_dir() / "robots" / "irl1_tr.yaml"))
+    robot, lab, scenario = simulated_parts(load_robot_config(config_dir() / "robots" / "irl1_tr.yaml"))
     world = LockstepWorld(robot, lab, scenario if case.people else None, lambda stream, message: None)
     for stream in ("kinect", "imv", "hokuyo"):
         world.accept(wire.Demand(stream, True))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, TypeVar
 
@@ -53,14 +54,26 @@ class StreamModule(Module):
     def relay(self, stream: str, output: Output[Any], *, lazy: bool = False) -> None:
         """Publish each message of ``stream`` on ``output`` until the module stops; call it in ``start``.
 
-        A ``lazy`` stream is produced only while the output has an open subscription. Raises ModuleFailed for a body
-        without such a stream.
+        A ``lazy`` stream is produced only while the output has an open subscription, and no faster than the filters
+        need it. Raises ModuleFailed for a body without such a stream.
         """
-        self._releases.append(attach(self, stream, output.message_type, output.publish))
-        if lazy:
-            link = robot_link(self)
-            self._releases.append(lambda: link.demand(stream, False))
-            self._releases.append(output.on_wanted(lambda wanted: link.demand(stream, wanted)))
+        if not lazy:
+            self._releases.append(attach(self, stream, output.message_type, output.publish))
+            return
+        link = robot_link(self)
+
+        def receive(message: Any) -> None:
+            output.publish(message, link.periods(stream))
+
+        def demand(divisor: float) -> None:
+            description = link.description.streams[stream]
+            wanted = divisor != math.inf
+            output.thinned = divisor if description.thins and wanted else 1
+            link.demand(stream, description.rate_hz / divisor if wanted else 0.0)
+
+        self._releases.append(attach(self, stream, output.message_type, receive))
+        self._releases.append(lambda: link.demand(stream, 0.0))
+        self._releases.append(output.on_divisor(demand))
 
     async def stop(self) -> None:
         """Detach from the streams; the body need not produce them any more."""

@@ -114,7 +114,8 @@ class RateMeter:
 
 
 def commanded_divisors(graph: Graph) -> dict[str, float]:
-    """φ of every channel against its nominal rate: its output's filter and the slowest of what feeds its module.
+    """φ of every channel against its nominal rate: its output's filter, or what its source leaves out for all filters,
+    and the slowest of what feeds its module.
 
     ``CLOSED`` where every subscription is closed, or the source or what it works on is. Only inputs that may be
     decimated slow a module down: what must arrive whole (commands, odometry) does not set its pace.
@@ -124,7 +125,8 @@ def commanded_divisors(graph: Graph) -> dict[str, float]:
     for channel, producer in graph.producers.items():
         module, _, port = producer.partition(".")
         context = graph.modules[module].context
-        own[channel] = context.outputs[port].filter.divisor
+        output = context.outputs[port]
+        own[channel] = max(output.filter.divisor, output.thinned)
         feeds[channel] = [
             (i.channel.name, i.subscription.filter.divisor)
             for i in context.inputs.values()

@@ -34,7 +34,7 @@ class FakeLink:
         streams = {name: stream for name, stream in STREAMS.items() if name not in without}
         self.description = RobotDescription("a test body", Path("none.urdf"), LIMITS, streams, simulated=True)
         self.receivers: dict[str, list[Callable[[Any], None]]] = {name: [] for name in streams}
-        self.demands: dict[str, list[bool]] = {}
+        self.demands: dict[str, list[float]] = {}
         #: (time of arrival, twist) of every command.
         self.commands: list[tuple[float, Twist]] = []
         self.joint_commands: list[JointCommand] = []
@@ -51,8 +51,11 @@ class FakeLink:
         self.receivers[stream].append(receive)
         return lambda: self.receivers[stream].remove(receive)
 
-    def demand(self, stream: str, wanted: bool) -> None:
-        self.demands.setdefault(stream, []).append(wanted)
+    def demand(self, stream: str, rate_hz: float) -> None:
+        self.demands.setdefault(stream, []).append(rate_hz)
+
+    def periods(self, stream: str) -> int:
+        return 1
 
     def command(self, command: Twist | JointCommand) -> None:
         if isinstance(command, JointCommand):

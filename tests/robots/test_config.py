@@ -69,7 +69,7 @@ def test_a_stream_that_is_not_there_is_refused_by_name(robot: RobotConfig) -> No
     with pytest.raises(KeyError, match=r"no stream 'nose'.*kinect"):
         link.attach("nose", print)
     with pytest.raises(KeyError, match="no stream 'nose'"):
-        link.demand("nose", True)
+        link.demand("nose", math.inf)
 
 
 @pytest.mark.parametrize(

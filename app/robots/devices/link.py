@@ -108,10 +108,14 @@ class DevicesLink:
         """Call ``receive(message)`` on the loop for each message of ``stream``; returns the detacher."""
         return self._receivers.attach(stream, receive)
 
-    def demand(self, stream: str, wanted: bool) -> None:
-        """Set whether ``stream`` has subscribers: a device without any is not read, and is released after a time."""
-        if self._receivers.demand(stream, wanted) and stream in self._readers:
-            self._readers[stream].want(wanted)
+    def demand(self, stream: str, rate_hz: float) -> None:
+        """Set the rate at which ``stream`` is wanted: at 0, the device is not read, and is released after a time."""
+        if self._receivers.demand(stream, rate_hz) and stream in self._readers:
+            self._readers[stream].want(rate_hz > 0)
+
+    def periods(self, stream: str) -> int:
+        """How many periods of ``stream`` the message being delivered ends."""
+        return self._receivers.periods(stream)
 
     def command(self, command: Twist | JointCommand) -> None:
         """No effect: there are no wheels."""

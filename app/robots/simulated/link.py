@@ -93,13 +93,12 @@ class SimulatedLink:
             raise LinkFailed(problem)
         session = await _Session.open(self._robot, self._receive)
         self._session = session
-        wanted = frozenset(self._receivers.wanted)
         session.send(
             wire.Start(
                 self._robot,
                 self._world,
                 clock_offset=self._clock_offset,
-                demanded=wanted,
+                demanded=dict(self._receivers.rates),
                 e_stop=self._e_stop,
                 scenario=self._scenario,
             )
@@ -131,10 +130,14 @@ class SimulatedLink:
         """Call ``receive(message)`` on the loop for each message of ``stream``; returns the detacher."""
         return self._receivers.attach(stream, receive)
 
-    def demand(self, stream: str, wanted: bool) -> None:
-        """Set whether ``stream`` has subscribers; also before :meth:`start`."""
-        if self._receivers.demand(stream, wanted) and self._session is not None:
-            self._session.send(wire.Demand(stream, wanted))
+    def demand(self, stream: str, rate_hz: float) -> None:
+        """Set the rate at which ``stream`` is wanted; also before :meth:`start`."""
+        if self._receivers.demand(stream, rate_hz) and self._session is not None:
+            self._session.send(wire.Demand(stream, rate_hz))
+
+    def periods(self, stream: str) -> int:
+        """How many periods of ``stream`` the message being delivered ends."""
+        return self._receivers.periods(stream)
 
     def command(self, command: Twist | JointCommand) -> None:
         """Give a command; dropped while a frozen link does not read: it would arrive too late."""
@@ -191,7 +194,7 @@ class SimulatedLink:
         read_only(notice.X_BC.rotation)
         read_only(notice.X_BC.translation)
         image = Image(notice.stamp, frame, color=color, depth=depth, camera=lens, X_BC=notice.X_BC)
-        self._receivers.deliver(notice.stream, image)
+        self._receivers.deliver(notice.stream, image, notice.periods)
 
 
 def describe(robot: RobotConfig) -> RobotDescription:
@@ -214,7 +217,7 @@ def describe(robot: RobotConfig) -> RobotDescription:
     if robot.ground_truth:
         table.append(("ground_truth", GroundTruth, streams.odometry.rate_hz))
         table.append(("scene_truth", SceneTruth, streams.status.rate_hz))
-    descriptions = {name: StreamDescription(name, kind, rate) for name, kind, rate in table}
+    descriptions = {name: StreamDescription(name, kind, rate, thins=kind is Image) for name, kind, rate in table}
     return RobotDescription(
         robot.name,
         robot.model,

@@ -112,7 +112,8 @@ class LockstepLink:
             simulation = await asyncio.to_thread(self._build)
         except (ConfigError, GlUnavailable) as failure:
             raise LinkFailed(str(failure)) from None
-        simulation.wanted |= self._receivers.wanted
+        for stream, rate_hz in self._receivers.rates.items():
+            simulation.demand(stream, rate_hz)
         if self._e_stop is not None:
             simulation.accept(wire.EStop(self._e_stop))
         self._simulation = simulation
@@ -143,10 +144,14 @@ class LockstepLink:
         """Call ``receive(message)`` for each message of ``stream``; returns the detacher."""
         return self._receivers.attach(stream, receive)
 
-    def demand(self, stream: str, wanted: bool) -> None:
-        """Set whether ``stream`` has subscribers; also before :meth:`start`."""
-        if self._receivers.demand(stream, wanted):
-            self._accept(wire.Demand(stream, wanted))
+    def demand(self, stream: str, rate_hz: float) -> None:
+        """Set the rate at which ``stream`` is wanted; also before :meth:`start`."""
+        if self._receivers.demand(stream, rate_hz):
+            self._accept(wire.Demand(stream, rate_hz))
+
+    def periods(self, stream: str) -> int:
+        """How many periods of ``stream`` the message being delivered ends."""
+        return self._receivers.periods(stream)
 
     def command(self, command: Twist | JointCommand) -> None:
         """Give a command."""
@@ -181,7 +186,8 @@ class LockstepLink:
             read_only(message.color)
             if message.depth is not None:
                 read_only(message.depth)
-        self._receivers.deliver(stream, message)
+        periods = self._simulation.periods.get(stream, 1) if self._simulation is not None else 1
+        self._receivers.deliver(stream, message, periods)
 
     def _build(self) -> LockstepWorld:
         from app.robots.simulated.lockstep_world import LockstepWorld

@@ -33,13 +33,14 @@ _CORNERS = np.array([(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z i
 @dataclass(frozen=True, slots=True, eq=False)
 class WorldSnapshot:
     """The world at one instant: ``qpos`` of the whole model, ``mocap`` (n, 7) the poses (position, quaternion w first)
-    of the scripted bodies, and the camera's measured pose.
+    of the scripted bodies, and the camera's measured pose. Its image ends so many ``periods`` of the stream.
     """
 
     stamp: float
     qpos: NDArray[np.float64]
     mocap: NDArray[np.float64]
     X_BC: Pose3
+    periods: int = 1
 
     @staticmethod
     def initial(model: mujoco.MjModel) -> WorldSnapshot:
@@ -247,4 +248,4 @@ class Renderer:
             y < view.bottom * ahead,
             y > view.top * ahead,
         ]
-        return ~np.any([outside.all(axis=1) for outside in beyond], axis=0)
+        return ~np.asarray(np.any([outside.all(axis=1) for outside in beyond], axis=0))

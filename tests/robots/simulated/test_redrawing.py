@@ -11,7 +11,8 @@ import pytest
 from numpy.typing import NDArray
 
 from app.base.geometry import Pose3
-from app.robots.factory import load_body, simulated_parts
+from app.robots.config import load_robot_config
+from app.robots.factory import simulated_parts
 from app.robots.simulated import renderer as renderer_module
 from app.robots.simulated.camera_rendering import (
     CameraRenderer,
@@ -54,7 +55,7 @@ class Watched:
 
 @pytest.fixture
 def watched() -> Iterator[Watched]:
-    robot, lab, scenario = simulated_parts(load_body(CONFIG / "robots" / "irl1_tr.yaml"))
+    robot, lab, scenario = simulated_parts(load_robot_config(CONFIG / "robots" / "irl1_tr.yaml"))
     world = LockstepWorld(robot, lab, scenario, lambda stream, message: None)
     model = world.physics.model
     renderers = [Renderer(model), Renderer(model)]
