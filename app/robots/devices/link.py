@@ -45,6 +45,7 @@ class DevicesLink:
             "status": StreamDescription("status", LinkStatus, STATUS_HZ),
         }
         if config.camera is not None:
+            # Once for all: a body without motors has no joints that move
             eye = ImageFrames(config.camera, model.pose(config.camera.link), self._now)
             self._readers["camera"] = InputReader(
                 "camera", eye.open, lambda image: self._receivers.deliver("camera", image),
