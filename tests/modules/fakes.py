@@ -35,6 +35,8 @@ class FakeLink:
         self.description = RobotDescription("a test body", Path("none.urdf"), LIMITS, streams, simulated=True)
         self.receivers: dict[str, list[Callable[[Any], None]]] = {name: [] for name in streams}
         self.demands: dict[str, list[float]] = {}
+        #: How many periods each message ends, by stream; 1 unless set.
+        self.ended: dict[str, int] = {}
         #: (time of arrival, twist) of every command.
         self.commands: list[tuple[float, Twist]] = []
         self.joint_commands: list[JointCommand] = []
@@ -55,7 +57,7 @@ class FakeLink:
         self.demands.setdefault(stream, []).append(rate_hz)
 
     def periods(self, stream: str) -> int:
-        return 1
+        return self.ended.get(stream, 1)
 
     def command(self, command: Twist | JointCommand) -> None:
         if isinstance(command, JointCommand):
