@@ -73,11 +73,16 @@ class ActuatorGroup:
 
 @dataclass(frozen=True, slots=True)
 class StreamDescription:
-    """One sensor stream: its name, message type (a class of ``app.messages``) and nominal rate (Hz)."""
+    """One sensor stream: its name, message type (a class of ``app.messages``) and nominal rate (Hz).
+
+    ``thins``: whether the body gives it no faster than demanded (:meth:`RobotLink.demand`); else it gives all of it
+    while it is wanted.
+    """
 
     name: str
     message_type: type[Any]
     rate_hz: float
+    thins: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,10 +140,17 @@ class RobotLink(Protocol):
         """
         ...
 
-    def demand(self, stream: str, wanted: bool) -> None:
-        """Set whether ``stream`` has subscribers: without any, it is not produced. Default: none.
+    def demand(self, stream: str, rate_hz: float) -> None:
+        """Set the rate at which ``stream`` is wanted: at 0 (the default) it is not produced.
 
-        ``odometry``, ``joints`` and ``status`` always run.
+        A stream that ``thins`` is given at most at that rate, by leaving out whole periods of it; any other, and one
+        demanded faster than it is, at its own rate. ``odometry``, ``joints`` and ``status`` always run.
+        """
+        ...
+
+    def periods(self, stream: str) -> int:
+        """How many periods of ``stream`` the message ends that is being delivered: its own, and those before it that
+        were left out. A receiver asks while it is called; 1 for a stream without ``thins``.
         """
         ...
 

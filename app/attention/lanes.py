@@ -49,15 +49,14 @@ class RatioWindow:
 
 
 def filter_counts(graph: Graph, name: str) -> tuple[int, int]:
-    """Messages offered to and passed by the filter ``Module.port`` so far."""
+    """Messages offered to and passed by the filter ``Module.port`` so far, with those that their source left out."""
     module, _, port = name.partition(".")
     context = graph.modules[module].context
     if port in context.inputs:
         statistics = context.inputs[port].subscription.statistics()
         return statistics.received, statistics.passed
     output = context.outputs[port]
-    published = 0 if output.channel is None else output.channel.statistics().published
-    return output.offered, published
+    return output.offered, 0 if output.channel is None else output.channel.periods
 
 
 class LaneSampler:

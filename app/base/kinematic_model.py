@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -78,15 +78,23 @@ class KinematicModel:
 
         Raises KeyError naming the links there are.
         """
-        if link != self.root and link not in self._joint_above:
-            raise KeyError(f"the robot has no link {link!r}; it has {', '.join(self.links)}")
         positions = positions or {}
         pose = Pose3.identity()
+        for joint in self._up(link):
+            pose = joint.pose(positions.get(joint.name, 0.0)) @ pose
+        return pose
+
+    def moved_by(self, link: str) -> tuple[str, ...]:
+        """The joints that move ``link`` in the root link, from the link up; raises KeyError as :meth:`pose`."""
+        return tuple(joint.name for joint in self._up(link) if joint.moves)
+
+    def _up(self, link: str) -> Iterator[Joint]:
+        if link != self.root and link not in self._joint_above:
+            raise KeyError(f"the robot has no link {link!r}; it has {', '.join(self.links)}")
         while link != self.root:
             joint = self._joint_above[link]
-            pose = joint.pose(positions.get(joint.name, 0.0)) @ pose
+            yield joint
             link = joint.parent
-        return pose
 
 
 def rotation_about(axis: NDArray[np.float64], angle: float) -> NDArray[np.float64]:

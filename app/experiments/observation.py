@@ -124,7 +124,7 @@ class Observer:
         self._ends.append(system.link.attach("status", self._watch_guard))
         if "scene_truth" in system.link.description.streams:
             self._ends.append(system.link.attach("scene_truth", self._learn))
-            system.link.demand("scene_truth", True)
+            system.link.demand("scene_truth", math.inf)
         self._dropped = self._drops()
         self._spent = self._spend()
         beat = asyncio.create_task(self._measure_loop_delay(), name="loop lateness")

@@ -137,7 +137,7 @@ class _ScriptOperator:
         stack.callback(self.let_go)
         if "ground_truth" in streams:
             stack.callback(self._link.attach("ground_truth", self._see_truth))
-            self._link.demand("ground_truth", True)
+            self._link.demand("ground_truth", math.inf)
             stack.callback(self._link.demand, "ground_truth", False)
         else:
             stack.callback(self._link.attach("odometry", self._see_odometry))
@@ -200,7 +200,7 @@ class _ScriptOperator:
             return False
         if self._scan is None or now - self._scan.stamp > STALE_S:
             # The desire may have been removed by others; without it Teleop does not drive.
-            self._link.demand("hokuyo", True)
+            self._link.demand("hokuyo", math.inf)
             return True
         return in_the_way(self._scan) is not None
 

@@ -27,9 +27,9 @@ class SubscriptionCounters:
     """The counters of one consumer's end of a channel, since the start."""
 
     divisor: Divisor
-    received: Annotated[int, doc("Messages offered.")]
+    received: Annotated[int, doc("Messages offered, or left out by the source on behalf of the filters.")]
     passed: Annotated[int, doc("... let through by the filter.")]
-    decimated: Annotated[int, doc("... stopped by the filter, as wanted.")]
+    decimated: Annotated[int, doc("... stopped by the filter, or left out, as wanted.")]
     dropped: Annotated[int, doc("... pushed out of a full inbox.")]
     age_ms: Annotated[float | None, doc("Age of the last message when it was taken.")]
 

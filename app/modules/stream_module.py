@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import ClassVar, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 from app.link import RobotLink
 from app.messages import Message
 from app.runtime.errors import ModuleFailed
 from app.runtime.module import Module, ModuleContext
+from app.runtime.ports import Output
 
 M = TypeVar("M", bound=Message)
 
@@ -47,8 +49,8 @@ def attach(module: Module, stream: str, message_type: type[M], receive: Callable
 class StreamModule(Module):
     """Base of the sensor modules: each publishes streams of the body, unchanged, on outputs while it runs.
 
-    A stream is produced only while its output has an open subscription, unless the body always produces it. Raises
-    ModuleFailed at the start for a body without such a stream.
+    A stream is produced only while its output has an open subscription, unless the body always produces it, and no
+    faster than the filters need it. Raises ModuleFailed at the start for a body without such a stream.
     """
 
     #: By output: the body's stream, and its message type.
@@ -67,10 +69,21 @@ class StreamModule(Module):
         link = robot_link(self)
         for name, stream in self.streams.items():
             output = self._context.outputs[name]
-            self._releases.append(attach(self, stream, output.message_type, output.publish))
-            self._releases.append(partial(link.demand, stream, False))
-            self._releases.append(output.on_wanted(partial(link.demand, stream)))
+            self._releases.append(attach(self, stream, output.message_type, partial(_publish, link, stream, output)))
+            self._releases.append(partial(link.demand, stream, 0.0))
+            self._releases.append(output.on_divisor(partial(_demand, link, stream, output)))
 
     async def stop(self) -> None:
         while self._releases:
             self._releases.pop()()
+
+
+def _publish(link: RobotLink, stream: str, output: Output[Any], message: Any) -> None:
+    output.publish(message, link.periods(stream))
+
+
+def _demand(link: RobotLink, stream: str, output: Output[Any], divisor: float) -> None:
+    description = link.description.streams[stream]
+    wanted = divisor != math.inf
+    output.thinned = divisor if description.thins and wanted else 1
+    link.demand(stream, description.rate_hz / divisor if wanted else 0.0)

@@ -142,6 +142,15 @@ def _check_model(robot: RobotConfig) -> None:
     for link in sensors:
         if link not in model.links:
             raise ConfigError(f"has no link {link!r} for a sensor of {robot.name}", str(robot.model))
+    # Cameras are placed by the joints of each image's instant; these once for all
+    fixed = {"laser": streams.hokuyo, "microphones": streams.microphones, "loudspeaker": robot.loudspeaker}
+    for what, part in fixed.items():
+        if part is not None and (joints := model.moved_by(part.link)):
+            raise ConfigError(
+                f"moves {part.link!r} by the joint {joints[0]!r}; "
+                f"the {what} of a simulated robot must be fixed to its base",
+                str(robot.model),
+            )
 
 
 SIMULATED_KIND = "simulated"

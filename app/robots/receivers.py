@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import Callable
+from collections.abc import Callable, Set
 from typing import Any
 
 from app.link import RobotDescription
@@ -14,12 +14,18 @@ ALWAYS_ON = ("odometry", "joints", "status")
 
 
 class Receivers:
-    """The receivers of each stream of ``description``, and which streams are ``wanted``."""
+    """The receivers of each stream of ``description``, and the rates (Hz) at which streams are wanted."""
 
     def __init__(self, description: RobotDescription) -> None:
         self._robot = description.name
         self._receivers: dict[str, list[Callable[[Any], None]]] = {name: [] for name in description.streams}
-        self.wanted: set[str] = set()
+        self.rates: dict[str, float] = {}
+        self._periods: dict[str, int] = {}
+
+    @property
+    def wanted(self) -> Set[str]:
+        """The streams that are wanted at any rate."""
+        return self.rates.keys()
 
     def attach(self, stream: str, receive: Callable[[Any], None]) -> Callable[[], None]:
         """As ``RobotLink.attach``. Raises KeyError naming the streams there are."""
@@ -32,21 +38,31 @@ class Receivers:
 
         return detach
 
-    def demand(self, stream: str, wanted: bool) -> bool:
-        """Note whether ``stream`` is wanted; True where that changes anything. Raises KeyError as :meth:`attach`."""
+    def demand(self, stream: str, rate_hz: float) -> bool:
+        """Note the rate at which ``stream`` is wanted; True where that changes anything. Raises KeyError as
+        :meth:`attach`.
+        """
         self._of(stream)
-        if stream in ALWAYS_ON or wanted == (stream in self.wanted):
+        if stream in ALWAYS_ON or rate_hz == self.rates.get(stream, 0.0):
             return False
-        (self.wanted.add if wanted else self.wanted.discard)(stream)
+        if rate_hz > 0:
+            self.rates[stream] = rate_hz
+        else:
+            del self.rates[stream]
         return True
+
+    def periods(self, stream: str) -> int:
+        """As ``RobotLink.periods``."""
+        return self._periods.get(stream, 1)
 
     def listened(self, stream: str) -> bool:
         """Whether ``stream`` has a receiver."""
         return bool(self._receivers[stream])
 
-    def deliver(self, stream: str, message: Any) -> None:
-        """Pass ``message`` to all receivers; an exception of one goes to the loop's handler and does not affect the
-        others."""
+    def deliver(self, stream: str, message: Any, periods: int = 1) -> None:
+        """Pass ``message``, which ends so many periods of the stream, to all receivers; an exception of one goes to the
+        loop's handler and does not affect the others."""
+        self._periods[stream] = periods
         for receive in tuple(self._receivers[stream]):
             try:
                 receive(message)

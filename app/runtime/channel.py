@@ -8,11 +8,15 @@ raise InboxOverflow, so that no loss is silent). Nothing queues without bound.
 For each subscription, at any time::
 
     received = passed + decimated          passed = taken + dropped + discarded + depth
+
+A source may leave out what no filter would let through (:attr:`Channel.divisor`): what it leaves out counts as received
+and decimated, as if the filter had stopped it.
 """
 
 from __future__ import annotations
 
 import asyncio
+import math
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -21,7 +25,7 @@ from typing import Generic, TypeVar
 from app.base.observers import Observers
 from app.messages import Message
 from app.runtime.errors import ChannelClosed, InboxOverflow, WouldBlock
-from app.runtime.filter import RateFilter
+from app.runtime.filter import CLOSED, RateFilter
 
 M = TypeVar("M", bound=Message)
 
@@ -30,7 +34,8 @@ M = TypeVar("M", bound=Message)
 class SubscriptionStatistics:
     """Counters since the subscription was made.
 
-    ``received`` offered by the channel; ``passed`` the filter; ``decimated`` stopped by the filter (wanted);
+    ``received`` offered by the channel, or left out by its source on behalf of the filters; ``passed`` the filter;
+    ``decimated`` stopped by the filter, or left out (wanted);
     ``dropped`` pushed out of a full inbox (overflow); ``discarded`` thrown away when the filter closed; ``taken`` by
     the consumer; ``depth`` waiting now, at most ``capacity``; ``age_s`` of the last message when it was taken, None
     before the first; ``divisor`` is φ.
@@ -101,15 +106,19 @@ class Subscription(Generic[M]):
         self.taken = 0
         self._age_s: float | None = None
 
-    def offer(self, message: M) -> None:
-        """Filter, store and wake: called by the channel for each message published."""
-        self._received += 1
-        # RateFilter.offer, written out: this is the program's hottest line.
+    def offer(self, message: M, periods: int = 1) -> None:
+        """Filter, store and wake: called by the channel for each message published, with the periods that it ends."""
+        self._received += periods
         rate_filter = self.filter
-        if rate_filter.skip:
+        if periods > 1:
+            if not rate_filter.offer(periods):
+                return
+        # RateFilter.offer for one period, written out: this is the program's hottest line.
+        elif rate_filter.skip:
             rate_filter.skip -= 1
             return
-        rate_filter.skip = rate_filter.reload
+        else:
+            rate_filter.skip = rate_filter.reload
         self._passed += 1
         inbox = self._inbox
         if len(inbox) >= self._capacity:
@@ -282,19 +291,26 @@ class Channel(Generic[M]):
         self._lossless: tuple[Subscription[M], ...] = ()
         #: How many messages were published so far.
         self.published = 0
+        #: How many periods of the source they ended: with those that it left out.
+        self.periods = 0
         self._closed = False
-        self._wanted = False
+        self._divisor: float = CLOSED
+        self._divisor_observers: Observers[[float]] = Observers(f"demand for channel {name}")
         self._wanted_observers: Observers[[bool]] = Observers(f"demand for channel {name}")
         self._observers: Observers[[M]] = Observers(f"channel {name}")
 
-    def publish(self, message: M) -> None:
-        """Give ``message`` to every subscription; never waits. Raises ChannelClosed after :meth:`close`."""
+    def publish(self, message: M, periods: int = 1) -> None:
+        """Give ``message`` to every subscription; never waits. Raises ChannelClosed after :meth:`close`.
+
+        It ends ``periods`` of the source: more than one after some that the source left out, see :attr:`divisor`.
+        """
         if self._closed:
             raise ChannelClosed(f"{self.name}: published on a closed channel")
         self.published += 1
+        self.periods += periods
         self.latest = message
         for subscription in self._subscriptions:
-            subscription.offer(message)
+            subscription.offer(message, periods)
         if self._observers:
             self._observers.notify(message)
 
@@ -373,7 +389,22 @@ class Channel(Generic[M]):
     @property
     def wanted(self) -> bool:
         """Whether the filter of any subscription that demands it is open: a source may rest otherwise."""
-        return self._wanted
+        return self._divisor != CLOSED
+
+    @property
+    def divisor(self) -> float:
+        """The greatest common divisor of the open filters' φ, ``CLOSED`` without any that demands the channel.
+
+        A source that gives one message in so many periods, and says so in :meth:`publish`, gives every subscription all
+        that its filter would let through: each of those keeps its own phase.
+        """
+        return self._divisor
+
+    def on_divisor(self, callback: Callable[[float], None]) -> Callable[[], None]:
+        """Call ``callback(divisor)`` now and whenever :attr:`divisor` changes; else as :meth:`on_wanted`."""
+        remove = self._divisor_observers.add(callback)
+        callback(self._divisor)
+        return remove
 
     def on_wanted(self, callback: Callable[[bool], None]) -> Callable[[], None]:
         """Call ``callback(wanted)`` now and whenever :attr:`wanted` changes.
@@ -381,7 +412,7 @@ class Channel(Generic[M]):
         Returns a function that ends this, which may be called twice. A callback that raises later is removed.
         """
         remove = self._wanted_observers.add(callback)
-        callback(self._wanted)
+        callback(self.wanted)
         return remove
 
     def _set_subscriptions(self, subscriptions: tuple[Subscription[M], ...]) -> None:
@@ -390,10 +421,13 @@ class Channel(Generic[M]):
         self._update_wanted()
 
     def _update_wanted(self) -> None:
-        wanted = any(s.demands and s.filter.is_open for s in self._subscriptions)
-        if wanted != self._wanted:
-            self._wanted = wanted
-            self._wanted_observers.notify(wanted)
+        divisors = [int(s.filter.divisor) for s in self._subscriptions if s.demands and s.filter.is_open]
+        divisor = float(math.gcd(*divisors)) if divisors else CLOSED
+        before, self._divisor = self._divisor, divisor
+        if divisor != before:
+            self._divisor_observers.notify(divisor)
+        if (divisor == CLOSED) != (before == CLOSED):
+            self._wanted_observers.notify(divisor != CLOSED)
 
     def statistics(self) -> ChannelStatistics:
         return ChannelStatistics(

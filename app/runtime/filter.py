@@ -2,6 +2,9 @@
 
 φ = 1 lets all through, φ = ∞ (``CLOSED``) none. Opening a filter, or changing its φ, lets the next message pass at
 once; giving it the φ it already has changes nothing, its phase included.
+
+A source may leave out messages that no filter would let through. The next one then counts for all their periods, so
+that φ keeps its meaning: one in φ of the source's own periods.
 """
 
 from __future__ import annotations
@@ -61,11 +64,14 @@ class RateFilter:
         """Whether anything passes at all."""
         return self._divisor != CLOSED
 
-    def offer(self) -> bool:
-        """Count one message; True if it passes."""
-        # A closed filter skips infinitely many: inf - 1 is inf, so one test serves every φ.
-        if self.skip == 0:
-            self.skip = self.reload
-            return True
-        self.skip -= 1
-        return False
+    def offer(self, periods: int = 1) -> int:
+        """Count a message that ends ``periods`` of its source, all but the last without a message of their own; returns
+        how many of them pass. The message passes if any does.
+        """
+        # A closed filter skips infinitely many: inf - n is inf, so one test serves every φ.
+        if self.skip >= periods:
+            self.skip -= periods
+            return 0
+        after = periods - self.skip - 1
+        self.skip = self.reload - after % self._divisor
+        return int(1 + after // self._divisor)

@@ -114,24 +114,32 @@ class RateMeter:
 
 
 def commanded_divisors(graph: Graph) -> dict[str, float]:
-    """φ of every channel against its nominal rate: its output's filter and the slowest of what feeds its module.
+    """φ of every channel against its nominal rate: its output's filter and the slowest of what feeds its module; or
+    what its source leaves out, if that is more.
 
     ``CLOSED`` where every subscription is closed, or the source or what it works on is. Only inputs that may be
     decimated slow a module down: what must arrive whole (commands, odometry) does not set its pace.
     """
     own: dict[str, float] = {}
+    thinned: dict[str, float] = {}
     feeds: dict[str, list[Feed]] = {}
     for channel, producer in graph.producers.items():
         module, _, port = producer.partition(".")
         context = graph.modules[module].context
-        own[channel] = context.outputs[port].filter.divisor
+        output = context.outputs[port]
+        own[channel] = output.filter.divisor
+        thinned[channel] = output.thinned
         feeds[channel] = [
             (i.channel.name, i.subscription.filter.divisor)
             for i in context.inputs.values()
             if i.channel is not None and graph.specs[i.channel.name].decimable
         ]
     found = slowdowns(own, feeds)
-    return {name: found.get(name, 1.0) if channel.wanted else CLOSED for name, channel in graph.channels.items()}
+    # What a source leaves out no filter would let through: it slows its own channel, and nothing that comes after
+    return {
+        name: max(found.get(name, 1.0), thinned.get(name, 1.0)) if channel.wanted else CLOSED
+        for name, channel in graph.channels.items()
+    }
 
 
 class FreshnessWatch:

@@ -80,14 +80,16 @@ class Output(Generic[M]):
         #: Returns the last message when the filter closes.
         self.last_word: Callable[[], M | None] | None = None
         self.offered = 0
-        self._wanted_observers: Observers[[bool]] = Observers(f"demand for {module}.{name}")
-        self._reported_wanted = False
+        #: By how much the source is thinned now, on behalf of the filters: 1 for a source that gives every message.
+        self.thinned: float = 1
+        self._divisor_observers: Observers[[float]] = Observers(f"demand for {module}.{name}")
+        self._reported_divisor: float = CLOSED
         self._stop_listening: Callable[[], None] | None = None
 
     def connect(self, channel: Channel[M]) -> None:
         """Publish on ``channel`` from now on (done once, by the graph)."""
         self.channel = channel
-        if self._wanted_observers:
+        if self._divisor_observers:
             self._listen(channel)
 
     def succeed(self, former: Output[M]) -> None:
@@ -100,31 +102,42 @@ class Output(Generic[M]):
         former.channel, former.filter, former.last_word = None, RateFilter(CLOSED), None
         former.clear_callbacks()
 
-    def publish(self, message: M) -> None:
-        """Publish ``message`` if the filter lets it pass; an unwired output swallows it."""
-        self.offered += 1
-        if self.filter.offer() and self.channel is not None:
-            self.channel.publish(message)
+    def publish(self, message: M, periods: int = 1) -> None:
+        """Publish ``message`` if the filter lets it pass; an unwired output swallows it.
+
+        It ends ``periods`` of the source: more than one after some that the source left out, see :attr:`divisor`.
+        """
+        self.offered += periods
+        if (passed := self.filter.offer(periods)) and self.channel is not None:
+            self.channel.publish(message, passed)
 
     @property
     def wanted(self) -> bool:
         """Whether publishing would reach a subscription: a module may skip the work otherwise."""
         return self.channel is not None and self.channel.wanted and self.filter.is_open
 
-    def on_wanted(self, callback: Callable[[bool], None]) -> Callable[[], None]:
-        """Call ``callback(wanted)`` now and whenever :attr:`wanted` changes; returns a function that ends this.
+    @property
+    def divisor(self) -> float:
+        """One message in so many suffices for this filter and the channel's (:attr:`Channel.divisor`); ``CLOSED``: none
+        is wanted.
+        """
+        return CLOSED if self.channel is None else self.filter.divisor * self.channel.divisor
+
+    def on_divisor(self, callback: Callable[[float], None]) -> Callable[[], None]:
+        """Call ``callback(divisor)`` now and whenever :attr:`divisor` changes; returns a function that ends this.
 
         It ends with this module instance: after a restart the next instance registers again.
         """
-        remove = self._wanted_observers.add(callback)
-        callback(self.wanted)
+        remove = self._divisor_observers.add(callback)
+        callback(self.divisor)
         if self._stop_listening is None and self.channel is not None:
-            self._reported_wanted = self.wanted
+            self._reported_divisor = self.divisor
             self._listen(self.channel)
         return remove
 
     def clear_callbacks(self) -> None:
-        self._wanted_observers.clear()
+        """Remove every callback of :meth:`on_divisor`."""
+        self._divisor_observers.clear()
         if self._stop_listening is not None:
             self._stop_listening()
             self._stop_listening = None
@@ -136,7 +149,7 @@ class Output(Generic[M]):
         self.last_word = last_word
 
     def _listen(self, channel: Channel[M]) -> None:
-        self._stop_listening = channel.on_wanted(self._report_wanted)
+        self._stop_listening = channel.on_divisor(self._report_divisor)
 
     def _filter_changed(self, _before: float, after: float) -> None:
         # A closed stream delivers no last message, and a rewrite of many filters must not stop half-way.
@@ -144,10 +157,10 @@ class Output(Generic[M]):
             message = self.last_word()
             if message is not None:
                 self.channel.publish(message)
-        self._report_wanted(self.wanted)
+        self._report_divisor(self.divisor)
 
-    def _report_wanted(self, _: bool) -> None:
-        wanted = self.wanted
-        if wanted != self._reported_wanted:
-            self._reported_wanted = wanted
-            self._wanted_observers.notify(wanted)
+    def _report_divisor(self, _: float) -> None:
+        divisor = self.divisor
+        if divisor != self._reported_divisor:
+            self._reported_divisor = divisor
+            self._divisor_observers.notify(divisor)

@@ -48,6 +48,13 @@ def test_the_head_moves_within_the_thesiss_limits_and_tilting_up_looks_up() -> N
     assert MODEL.pose("kinect_optical_frame", {"tilt_joint": 0.3}).rotation[2, 2] == pytest.approx(math.sin(0.3))
 
 
+def test_a_link_names_the_joints_that_move_it() -> None:
+    assert MODEL.moved_by("kinect_optical_frame") == ("tilt_joint", "pan_joint")
+    assert MODEL.moved_by("hokuyo_link") == ()
+    with pytest.raises(KeyError, match="no link 'nose'"):
+        MODEL.moved_by("nose")
+
+
 def test_two_arms_of_four_joints() -> None:
     for side in ("left", "right"):
         arm = [n for n in MODEL.joint_names if n.startswith(side) and "wheel" not in n]

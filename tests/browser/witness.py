@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from pathlib import Path
 
@@ -37,7 +38,7 @@ class Witness(Module):
     async def start(self) -> None:
         """Look at the world itself."""
         attach(self, STREAM, GroundTruth, self._see)
-        robot_link(self).demand(STREAM, True)
+        robot_link(self).demand(STREAM, math.inf)
 
     def _see(self, truth: GroundTruth) -> None:
         self._seen += 1

@@ -194,7 +194,10 @@ class Body:
         self.receivers[stream].append(receive)
         return lambda: self.receivers[stream].remove(receive)
 
-    def demand(self, stream: str, wanted: bool) -> None: ...
+    def demand(self, stream: str, rate_hz: float) -> None: ...
+
+    def periods(self, stream: str) -> int:
+        return 1
 
     def command(self, command: Twist | JointCommand) -> None:
         if isinstance(command, JointCommand):

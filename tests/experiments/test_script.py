@@ -60,7 +60,10 @@ class World:
         self._receivers[stream] = receive
         return lambda: None
 
-    def demand(self, stream: str, wanted: bool) -> None: ...
+    def demand(self, stream: str, rate_hz: float) -> None: ...
+
+    def periods(self, stream: str) -> int:
+        return 1
 
     def publish(self, command: TeleopCommand) -> None:
         self.sent.append(command)

@@ -45,7 +45,9 @@ class FakeLink:
             "a test body", Path("none.urdf"), LIMITS, streams, simulated=True, groups={"head": HEAD}
         )
         self.receivers: dict[str, list[Callable[[Any], None]]] = {name: [] for name in streams}
-        self.demands: dict[str, list[bool]] = {}
+        self.demands: dict[str, list[float]] = {}
+        #: How many periods each message ends, by stream; 1 unless set.
+        self.ended: dict[str, int] = {}
         #: (time of arrival, twist) of every command.
         self.commands: list[tuple[float, Twist]] = []
         self.joint_commands: list[JointCommand] = []
@@ -62,8 +64,11 @@ class FakeLink:
         self.receivers[stream].append(receive)
         return lambda: self.receivers[stream].remove(receive)
 
-    def demand(self, stream: str, wanted: bool) -> None:
-        self.demands.setdefault(stream, []).append(wanted)
+    def demand(self, stream: str, rate_hz: float) -> None:
+        self.demands.setdefault(stream, []).append(rate_hz)
+
+    def periods(self, stream: str) -> int:
+        return self.ended.get(stream, 1)
 
     def command(self, command: Twist | JointCommand) -> None:
         if isinstance(command, JointCommand):

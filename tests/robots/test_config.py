@@ -69,7 +69,7 @@ def test_a_stream_that_is_not_there_is_refused_by_name(robot: RobotConfig) -> No
     with pytest.raises(KeyError, match=r"no stream 'nose'.*kinect"):
         link.attach("nose", print)
     with pytest.raises(KeyError, match="no stream 'nose'"):
-        link.demand("nose", True)
+        link.demand("nose", math.inf)
 
 
 @pytest.mark.parametrize(
@@ -77,9 +77,13 @@ def test_a_stream_that_is_not_there_is_refused_by_name(robot: RobotConfig) -> No
     [
         ("base: {left_wheel_joint: leg}", "no moving joint 'leg'"),
         ("streams: {hokuyo: {link: nose}}", "no link 'nose'"),
+        ("streams: {hokuyo: {link: head_link}}", "moves 'head_link' by the joint 'tilt_joint'; the laser"),
+        ("loudspeaker: {link: head_link}", "moves 'head_link' by the joint 'tilt_joint'; the loudspeaker"),
     ],
 )
-def test_names_the_model_has_not_are_refused(tmp_path: Path, robot: RobotConfig, change: str, complaint: str) -> None:
+def test_links_and_joints_that_do_not_serve_are_refused(
+    tmp_path: Path, robot: RobotConfig, change: str, complaint: str
+) -> None:
     path = write(tmp_path, f"model: {robot.model}\nworld: {robot.world}\n{change}\n")
     with pytest.raises(ConfigError, match=complaint):
         create_link(load_robot_config(path), 0.0)

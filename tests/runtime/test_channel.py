@@ -330,6 +330,38 @@ async def test_a_consumer_that_closes_its_end_leaves_the_channel(make: Make) -> 
     numbers.unsubscribe(inbox)
 
 
+def test_the_greatest_common_divisor_of_the_open_filters_is_reported_when_it_changes() -> None:
+    numbers = channel()
+    reported: list[float] = []
+    end = numbers.on_divisor(reported.append)
+    first = numbers.subscribe("first", divisor=4)
+    second = numbers.subscribe("second", divisor=CLOSED)
+    numbers.subscribe("observing", divisor=1, demands=False)
+    second.filter.divisor = 6
+    first.filter.divisor = 8
+    second.filter.divisor = 3
+    assert reported == [CLOSED, 4, 2, 1]
+    first.close()
+    second.filter.divisor = CLOSED
+    assert reported == [CLOSED, 4, 2, 1, 3, CLOSED]
+    end()
+    second.filter.divisor = 5
+    assert reported[-1] == CLOSED
+    assert numbers.divisor == 5
+
+
+def test_what_the_source_left_out_counts_as_decimated(make: Make) -> None:
+    numbers = channel()
+    each, every_other = numbers.subscribe("each", divisor=4), numbers.subscribe("other", divisor=8)
+    for value in range(5):
+        numbers.publish(make(value), periods=4 if value else 1)
+    assert numbers.published == 5
+    assert numbers.periods == 17
+    for inbox, passed in ((each, 5), (every_other, 3)):
+        counters = inbox.statistics()
+        assert (counters.received, counters.passed, counters.decimated) == (17, passed, 17 - passed)
+
+
 def test_wanted_is_reported_only_when_it_changes() -> None:
     numbers = channel()
     demands: list[bool] = []

@@ -202,6 +202,16 @@ async def test_the_commanded_divisor_follows_the_filters_down_the_chain(graph: G
     assert (divisors["images"], divisors["found"]) == (CLOSED, CLOSED)
 
 
+@in_virtual_time
+async def test_what_the_source_leaves_out_slows_its_own_channel_and_nothing_after_it(graph: Graph) -> None:
+    graph.filters.apply({"Detector.images": 4})
+    images = graph.modules["Sensor"].context.outputs["images"]
+    images.thinned = images.divisor
+    assert images.divisor == 4
+    divisors = commanded_divisors(graph)
+    assert (divisors["images"], divisors["found"]) == (4, 4)
+
+
 def test_a_feedback_cycle_is_followed_once(build: Build) -> None:
     graph = build(
         {"A": (Detector, {"images": "b"}, {"found": "a"}), "B": (Detector, {"images": "a"}, {"found": "b"})},

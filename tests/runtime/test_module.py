@@ -301,30 +301,32 @@ async def test_a_last_word_that_fails_is_its_modules_failure_and_stops_no_intent
     assert caught.group_contains(ValueError, match="no word comes")
 
 
-def test_an_output_reports_whether_it_is_wanted(build: Build) -> None:
+def test_an_output_reports_how_often_it_is_wanted(build: Build) -> None:
     graph, slot, _ = graph_of(build, Recorder)
     words = slot.module.words
-    demands: list[bool] = []
-    end = words.on_wanted(demands.append)
+    reported: list[float] = []
+    end = words.on_divisor(reported.append)
     inbox = graph.channels["w"].subscribe("test")
     assert words.wanted
     words.filter.divisor = CLOSED
     assert not words.wanted
     inbox.filter.divisor = CLOSED
     words.filter.divisor = 2
-    inbox.filter.divisor = 1
-    assert demands == [False, True, False, True]
+    inbox.filter.divisor = 6
+    other = graph.channels["w"].subscribe("other", divisor=4)
+    assert reported == [CLOSED, 1, CLOSED, 12, 4]
+    other.close()
     end()
     words.filter.divisor = CLOSED
-    assert demands == [False, True, False, True]
+    assert reported == [CLOSED, 1, CLOSED, 12, 4, 12]
 
 
 def test_a_new_instance_takes_over_its_outputs_and_the_old_one_falls_silent(build: Build, make: Make) -> None:
     graph, slot, events = graph_of(build, Recorder)
     inbox = graph.channels["w"].subscribe("test", capacity=10)
     old = slot.module
-    demands_of_old: list[bool] = []
-    old.words.on_wanted(demands_of_old.append)
+    reported: list[float] = []
+    old.words.on_divisor(reported.append)
     old.words.filter.divisor = 2
     old.words.publish(make(1))
     new = slot.renew()
@@ -337,7 +339,7 @@ def test_a_new_instance_takes_over_its_outputs_and_the_old_one_falls_silent(buil
     assert inbox.statistics().depth == 0
     graph.filters.apply({"R.words": CLOSED})
     assert events == ["last word on words"], "asked of the new instance alone"
-    assert demands_of_old == [True]
+    assert reported == [1, 2]
     assert slot.context.outputs["words"] is new.words
 
 

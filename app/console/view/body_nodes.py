@@ -70,8 +70,11 @@ class BodyNodes:
         self._positions: dict[str, float] = {}
         self._place(frames)
 
-    def move(self, positions: Mapping[str, float]) -> None:
-        """Set joints to ``positions`` (rad, m) by name; those that did not move, or are not of this body, are left."""
+    def move(self, positions: Mapping[str, float]) -> bool:
+        """Set joints to ``positions`` (rad, m) by name; those that did not move, or are not of this body, are left.
+
+        Returns whether any moved.
+        """
         changed = {
             name: position
             for name, position in positions.items()
@@ -79,6 +82,7 @@ class BodyNodes:
         }
         self._positions |= changed
         self._place(changed)
+        return bool(changed)
 
     def _place(self, names: Iterable[str]) -> None:
         for name in names:

@@ -94,8 +94,7 @@ class ViewerScene:
         new = 0
         with self._client.atomic():
             if world.joints is not None and world.joints is not before.joints:
-                self._body.move(dict(zip(world.joints.names, world.joints.positions, strict=True)))
-                new += 1
+                new += self._body.move(world.joints)
             if world.landmarks is not before.landmarks:
                 self._draw_landmarks(() if world.landmarks is None else world.landmarks.landmarks)
                 new += 1

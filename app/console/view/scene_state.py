@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from app.base.geometry import Pose2
 from app.messages import (
-    JointState,
     Landmarks,
     LaserScan,
     Localization,
@@ -22,13 +22,14 @@ from app.messages import (
 class World:
     """Each part is replaced as a whole, so that ``is`` shows whether it is new.
 
-    ``robot`` is ``X_OB`` now. ``scan`` comes with the pose of its own instant, as the cloud does by itself, and what is
-    ``perceived`` of people. ``localization`` says where that lies which is on the map: ``map`` itself, ``zones``, the
-    ``path`` and the ``goal`` (x, y in m, heading in rad or None). The ``costmap`` is in ``odom``.
+    ``robot`` is ``X_OB`` now, ``joints`` are the positions (rad, m) of its joints by name at that instant. ``scan``
+    comes with the pose of its own instant, as the cloud does by itself, and what is ``perceived`` of people.
+    ``localization`` says where that lies which is on the map: ``map`` itself, ``zones``, the ``path`` and the ``goal``
+    (x, y in m, heading in rad or None). The ``costmap`` is in ``odom``.
     """
 
     robot: Pose2 | None = None
-    joints: JointState | None = None
+    joints: Mapping[str, float] | None = None
     scan: tuple[LaserScan, Pose2] | None = None
     cloud: PointCloud | None = None
     landmarks: Landmarks | None = None

@@ -12,6 +12,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from app.base.geometry import Pose2
+from app.base.joint_buffer import JointBuffer
 from app.base.pose_buffer import PoseBuffer
 from app.console import reports
 from app.console.playback import rate
@@ -39,8 +40,10 @@ if TYPE_CHECKING:
 log = logging.getLogger("hbba.view")
 
 PERIOD_S = 0.04
-#: Scans, joints and percepts are taken every so many periods: 8 Hz.
+#: Scans and percepts are taken every so many periods: 8 Hz.
 SLOW_BEATS = 3
+#: Joints that come no more seldom than this (s) are drawn as the last ones said, until the next.
+JOINTS_LATE_S = 0.5
 STOP_WITHIN_S = 0.8
 COSTMAP = "local_costmap"
 #: A local costmap older than this (s) does not show the present obstacles: its source has stopped.
@@ -90,11 +93,11 @@ class View:
         self._feeding: asyncio.Task[None] | None = None
         self._end_watch: Callable[[], None] = lambda: None
         self._poses = PoseBuffer(span_s=2.0)
+        self._joints = JointBuffer(tolerance_s=JOINTS_LATE_S)
         self._odometry: Odometry | None = None
         self._scan: LaserScan | None = None
         #: The last one, in the pose of its instant.
         self._placed: tuple[LaserScan, Pose2] | None = None
-        self._joints: JointState | None = None
         self._cloud: PointCloud | None = None
         self._landmarks: Landmarks | None = None
         self._costmap: Tap[OccupancyGrid] | None = None
@@ -232,8 +235,8 @@ class View:
 
     def _on_jump(self) -> None:
         """A recording is at another place, or the body was started again: nothing is where it was."""
-        self._poses = PoseBuffer(span_s=2.0)
-        self._odometry = self._scan = self._placed = self._joints = self._cloud = None
+        self._poses, self._joints = PoseBuffer(span_s=2.0), JointBuffer(tolerance_s=JOINTS_LATE_S)
+        self._odometry = self._scan = self._placed = self._cloud = None
         self._landmarks = reports.latest(self._system.graph, "landmarks")
 
     def _on_odometry(self, message: Odometry) -> None:
@@ -241,7 +244,7 @@ class View:
         self._odometry = message
 
     def _on_joints(self, message: JointState) -> None:
-        self._joints = message
+        self._joints.add(message.stamp, dict(zip(message.names, message.positions, strict=True)))
 
     def _on_scan(self, message: LaserScan) -> None:
         self._scan = message
@@ -274,12 +277,10 @@ class View:
 
     async def _feed(self) -> None:
         beat = 0
-        joints: JointState | None = None
         perceived: PlacedPercepts | None = None
         while True:
             beat += 1
             if beat % SLOW_BEATS == 0:
-                joints = self._joints
                 perceived = self._perceived()
                 # A moment after it came, when odometry has reached its stamp.
                 if self._scan is not None and (pose := self._poses.at(self._scan.stamp)) is not None:
@@ -291,7 +292,8 @@ class View:
                 report: NavigationReport | None = latest("navigation_report")
                 world = World(
                     robot,
-                    joints,
+                    # Of the same instant as the base
+                    None if self._odometry is None else self._joints.at(self._odometry.stamp),
                     scan=self._placed,
                     cloud=self._cloud,
                     landmarks=self._landmarks,

@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
@@ -44,8 +45,17 @@ class _Model(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
+@dataclass(frozen=True, slots=True)
+class FixedSensor:
+    """A sensor at ``pose`` in the tf frame ``frame``, which may move; "" for the base."""
+
+    pose: Pose3
+    frame: str = ""
+
+
 class Placement(_Model):
-    """Pose of a sensor in the base: metres, and fixed-axis roll, pitch, yaw in degrees.
+    """Pose of a sensor in ``frame``, by default the base: metres, and fixed-axis roll, pitch, yaw in degrees. Where tf
+    moves ``frame``, as a head does, the sensor moves with it.
 
     For a camera this is its *optical* frame (x right, y down, z forward): one that looks ahead has ``rpy_deg: [-90, 0,
     -90]``.
@@ -53,11 +63,12 @@ class Placement(_Model):
 
     xyz: tuple[float, float, float]
     rpy_deg: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    frame: str = Field(default="", description="the frame of tf that the sensor is fixed to; by default the base")
 
-    def pose(self) -> Pose3:
-        """The pose of the sensor's frame in the base."""
+    def fixed(self) -> FixedSensor:
+        """Where the sensor is fixed."""
         roll, pitch, yaw = (math.radians(angle) for angle in self.rpy_deg)
-        return Pose3.from_translation_rpy(self.xyz, (roll, pitch, yaw))
+        return FixedSensor(Pose3.from_translation_rpy(self.xyz, (roll, pitch, yaw)), self.frame.lstrip("/"))
 
 
 class Frames(_Model):

@@ -10,7 +10,7 @@ from rosbags.interfaces import Connection
 
 from app.base.geometry import Pose3
 from app.logs.importers import ros_messages as ros
-from app.logs.importers.remap import Remap, Undecided
+from app.logs.importers.remap import FixedSensor, Remap, RemapError, Undecided
 from app.logs.importers.ros_camera import CameraInfo, PinholeCamera
 from app.logs.importers.ros_open import DAMAGE, opened, words
 from app.logs.importers.ros_stream import Received, RosStream, Setting, add_transforms, is_static
@@ -130,7 +130,9 @@ class RosBag:
     def _needs_tf(self, name: str, source: ChannelSource) -> bool:
         if isinstance(source, FromTf):
             return True
-        return message_type(source) in (Image, LaserScan) and name not in self._setting.placements
+        return message_type(source) in (Image, LaserScan) and (
+            name not in self._setting.placements or bool(self._setting.placements[name].frame)
+        )
 
     def _received(self, connections: list[Connection], begin: float | None) -> Iterator[Received]:
         start = None if begin is None else to_ns(begin - _BEFORE_S)
@@ -196,13 +198,13 @@ class RosBag:
 
     def _settled(self, topics: list[BagTopic], notes: list[str]) -> Setting:
         by_name = {topic.name: topic for topic in topics}
-        placements: dict[str, Pose3] = {}
+        placements: dict[str, FixedSensor] = {}
         calibrations: dict[str, CameraInfo | None] = {}
         tolerances: dict[str, float] = {}
         for channel, source in self._channels.items():
             if isinstance(source, FromCamera):
                 color = by_name[source.color]
-                fixed, key, otherwise = source.X_BC, "X_BC", _AHEAD
+                fixed, key, otherwise = source.X_BC, "X_BC", FixedSensor(_AHEAD)
                 calibrations[channel] = self._calibration(channel, source, notes)
                 period = self._duration_s / max(color.count - 1, 1)
                 tolerances[channel] = source.tolerance_s or 0.5 * period
@@ -214,9 +216,15 @@ class RosBag:
                     )
             elif isinstance(source, FromTopic) and source.message_type is LaserScan:
                 color = by_name[source.topic]
-                fixed, key, otherwise = source.X_BL, "X_BL", Pose3.identity()
+                fixed, key, otherwise = source.X_BL, "X_BL", FixedSensor(Pose3.identity())
             else:
                 continue
+            if fixed is not None and fixed.frame and not self._tree.connected(self._base, fixed.frame):
+                frames = ", ".join(sorted(self._tree.frames())) or "none"
+                raise RemapError(
+                    f"{self._path}: tf does not say where {fixed.frame!r} is in {self._base!r}, and {key} of the "
+                    f"channel {channel!r} places a sensor on it; frames of tf: {frames}"
+                )
             if self._tree.connected(self._base, color.frame):
                 if fixed is not None:
                     notes.append(f"{channel}: {key} of the remap file replaces the transform (tf) of {color.frame!r}")

@@ -16,6 +16,7 @@ import numpy as np
 
 from app.base.geometry import Pose3, wrap_angle
 from app.logs.importers import ros_messages as ros
+from app.logs.importers.remap import FixedSensor
 from app.logs.importers.ros_camera import CameraInfo, PinholeCamera, fitted
 from app.logs.importers.ros_topics import ChannelSource, FromCamera, FromTf, FromTopic, rectified
 from app.logs.importers.transforms import StampedTransform, Transforms
@@ -45,13 +46,13 @@ class Received:
 class Setting:
     """Facts of a bag for reading its messages.
 
-    ``base``: frame of the base; ``tf``: topics of transforms; ``placements``: poses of sensors by channel where the bag
+    ``base``: frame of the base; ``tf``: topics of transforms; ``placements``: of sensors by channel, where the bag
     has none; ``calibrations``: of cameras, by channel; ``tolerances``: seconds between colour and depth, by channel.
     """
 
     base: str
     tf: frozenset[str]
-    placements: Mapping[str, Pose3]
+    placements: Mapping[str, FixedSensor]
     calibrations: Mapping[str, CameraInfo | None]
     tolerances: Mapping[str, float]
 
@@ -183,13 +184,15 @@ class RosStream:
 
     def _pose(self, channel: str, item: Received) -> Pose3 | None:
         """Pose of the sensor in the base at the message's stamp."""
-        if (fixed := self._setting.placements.get(channel)) is not None:
-            return fixed
-        frame = ros.frame_of(item.message)
+        fixed = self._setting.placements.get(channel)
+        if fixed is not None and not fixed.frame:
+            return fixed.pose
+        frame = ros.frame_of(item.message) if fixed is None else fixed.frame
         pose = self._transforms.lookup(self._setting.base, frame, ros.stamp_of(item.message, item.at))
         if pose is None:
             self._complain(f"{item.topic}: tf does not say where {frame!r} was at some messages: they are left out")
-        return pose
+            return None
+        return pose if fixed is None else pose @ fixed.pose
 
     def _moved(self, item: Received) -> Iterator[tuple[str, Odometry]]:
         """Take in a tf message, and give the odometry that it makes."""

@@ -6,9 +6,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from app.base.geometry import Pose3
 from app.base.yaml_source import suggestion
-from app.logs.importers.remap import Remap, RemapSource
+from app.logs.importers.remap import FixedSensor, Remap, RemapSource
 from app.messages import Image, JointState, LaserScan, Odometry, Twist
 
 COLOR_TYPES = frozenset({"sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"})
@@ -50,7 +49,7 @@ class FromTopic:
 
     message_type: type[Any]
     topic: str
-    X_BL: Pose3 | None = None
+    X_BL: FixedSensor | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +67,7 @@ class FromCamera:
     color: str
     depth: str | None = None
     info: str | None = None
-    X_BC: Pose3 | None = None
+    X_BC: FixedSensor | None = None
     tolerance_s: float | None = None
 
 
@@ -157,7 +156,7 @@ def remapped(topics: Sequence[BagTopic], remap: Remap) -> dict[str, ChannelSourc
                 color.name,
                 depth.name if depth else None,
                 info.name if info else _info(topics, color),
-                source.X_BC.pose() if source.X_BC else None,
+                source.X_BC.fixed() if source.X_BC else None,
                 source.tolerance_s,
             )
     return channels
@@ -167,7 +166,7 @@ def _plain(channel: str, source: RemapSource, topic: BagTopic, remap: Remap) -> 
     kind = PLAIN[topic.type]
     if source.X_BL is not None and kind is not LaserScan:
         raise remap.error(f"X_BL places a laser; {topic.name} is {topic.type}", ("channels", channel, "X_BL"))
-    return FromTopic(kind, topic.name, source.X_BL.pose() if source.X_BL else None)
+    return FromTopic(kind, topic.name, source.X_BL.fixed() if source.X_BL else None)
 
 
 def described(topic: BagTopic) -> str:

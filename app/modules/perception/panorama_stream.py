@@ -26,9 +26,6 @@ from app.messages import Image
 from app.modules.perception.camera_stream import CameraStream, CameraStreamSettings, encode_jpeg
 from app.runtime.module import ModuleContext
 
-_TURNED = 1e-4
-"""Rotation of a camera (rad, approximately) from which its map is computed again: a fiftieth of a pixel."""
-
 
 def directions(width: int, height: int) -> NDArray[np.float64]:
     """Unit vectors (height, width, 3) in ``base_link``'s axes of the panorama's pixels."""
@@ -40,16 +37,21 @@ def directions(width: int, height: int) -> NDArray[np.float64]:
 
 
 class PanoramaProjection:
-    """Computes panoramas of ``width`` x ``height`` (px) from one camera's images; caches the remapping table."""
+    """Computes panoramas of ``width`` x ``height`` (px) from one camera's images.
+
+    The remapping table is kept until the camera has turned by half a pixel: encoders' noise turns it a little with
+    every image, and a table costs more than the image.
+    """
 
     def __init__(self, width: int, height: int) -> None:
         self._directions = directions(width, height)
+        self._turned_rad = 0.5 * math.pi / width
         self._of: tuple[CameraModel | FisheyeModel, Pose3] | None = None
         self._maps: tuple[NDArray[np.int16], NDArray[np.uint16]]
 
     def unroll(self, color: NDArray[np.uint8], camera: CameraModel | FisheyeModel, X_BC: Pose3) -> NDArray[np.uint8]:
         """The panorama (height, width, 3) uint8 of ``color`` (H, W, 3), seen through ``camera`` at ``X_BC``."""
-        if self._of is None or self._of[0] != camera or _turned(self._of[1], X_BC):
+        if self._of is None or self._of[0] != camera or self._turned(self._of[1], X_BC):
             pixels = camera.project(self._directions @ X_BC.rotation)
             at = np.where(np.isnan(pixels), -10.0, pixels).astype(np.float32)
             first, second = cv2.convertMaps(at[..., 0], at[..., 1], cv2.CV_16SC2)
@@ -57,9 +59,8 @@ class PanoramaProjection:
             self._of = camera, X_BC
         return np.asarray(cv2.remap(color, *self._maps, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT), np.uint8)
 
-
-def _turned(a: Pose3, b: Pose3) -> bool:
-    return bool(np.abs(a.rotation - b.rotation).max() > _TURNED)
+    def _turned(self, a: Pose3, b: Pose3) -> bool:
+        return bool(np.abs(a.rotation - b.rotation).max() > self._turned_rad)
 
 
 class PanoramaStreamSettings(CameraStreamSettings):

@@ -75,8 +75,8 @@ class Percepts:
     """Recent percepts; :meth:`at` places them. Messages come in the order in which they were published."""
 
     def __init__(self) -> None:
-        #: Pose of the panorama's camera (X_BC) in the newest panorama.
-        self.panorama: Pose3 | None = None
+        #: Stamp of the newest panorama, and the pose of its camera (X_BC).
+        self._panorama: tuple[float, Pose3] | None = None
         #: Whether a face or a sound of the last answer waits for the pose at its stamp.
         self.unplaced = False
         self._poses = PoseBuffer(span_s=LONGEST_SEEN_S + 2.0, tolerance_s=0.0)
@@ -113,7 +113,7 @@ class Percepts:
                 level_db = round(message.level_db, 2)
                 self._noises.append(replace(message, ratio=round(message.ratio, 2), level_db=level_db))
             case EncodedImage():
-                self.panorama = message.X_BC
+                self._panorama = message.stamp, message.X_BC
 
     def _looked(self, what: str, message: Faces | QRCodes) -> None:
         before, _ = self._images.get((what, message.frame), (message.stamp, 0.0))
@@ -173,7 +173,7 @@ class Percepts:
             stamp=of.stamp,
             azimuth=azimuth,
             elevation=elevation,
-            panorama=None if self.panorama is None else _direction(p_BF - self.panorama.translation),
+            panorama=self._in_panorama(X_OB, p_BF),
             range_m=_rounded(face.range_m),
             range_sigma_m=_rounded(face.range_sigma_m),
             x=x,
@@ -189,9 +189,6 @@ class Percepts:
         source, p_BA, v_B = heard.source, np.array(heard.p_BA), np.array(heard.source.direction)
         X_OB = self._pose(heard.stamp)
         p_BS = p_BA + source.range_m * v_B if math.isfinite(source.range_m) else None
-        panorama = None
-        if self.panorama is not None:
-            panorama = _direction(v_B if p_BS is None else p_BS - self.panorama.translation)
         azimuth, elevation = _direction(v_B)
         x, y, z = (None, None, None) if X_OB is None or p_BS is None else _point(X_OB.transform(p_BS))
         return PlacedSound(
@@ -199,7 +196,7 @@ class Percepts:
             stamp=heard.stamp,
             azimuth=azimuth,
             elevation=elevation,
-            panorama=panorama,
+            panorama=self._in_panorama(X_OB, p_BS, v_B),
             range_m=_rounded(source.range_m),
             range_sigma_m=_rounded(source.range_sigma_m),
             x=x,
@@ -213,6 +210,24 @@ class Percepts:
             last_active=heard.last_active,
             speech=_rounded(source.speech),
         )
+
+    def _in_panorama(
+        self, X_OB: Pose3 | None, p_B: FloatArray | None, v_B: FloatArray | None = None
+    ) -> Direction | None:
+        """Where in the newest panorama the point ``p_B`` is, or a direction ``v_B`` without a range.
+
+        ``X_OB``: the base at the percept's stamp. The robot may have turned since; without its pose at either instant
+        it is taken to stand.
+        """
+        if self._panorama is None:
+            return None
+        stamp, X_BC = self._panorama
+        X_OP = self._pose(stamp)
+        X_PB = Pose3.identity() if X_OB is None or X_OP is None else X_OP.inverse() @ X_OB
+        if p_B is not None:
+            return _direction(X_PB.transform(p_B) - X_BC.translation)
+        assert v_B is not None
+        return _direction(X_PB.rotation @ v_B)
 
     def _pose(self, stamp: float) -> Pose3 | None:
         X_OB = self._placed.get(stamp)

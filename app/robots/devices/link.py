@@ -45,6 +45,7 @@ class DevicesLink:
             "status": StreamDescription("status", LinkStatus, STATUS_HZ),
         }
         if config.camera is not None:
+            # Once for all: a body without motors has no joints that move
             eye = ImageFrames(config.camera, model.pose(config.camera.link), self._now)
             self._readers["camera"] = InputReader(
                 "camera", eye.open, lambda image: self._receivers.deliver("camera", image),
@@ -101,10 +102,14 @@ class DevicesLink:
     def attach(self, stream: str, receive: Callable[[Any], None]) -> Callable[[], None]:
         return self._receivers.attach(stream, receive)
 
-    def demand(self, stream: str, wanted: bool) -> None:
-        """Set whether ``stream`` has subscribers: a device without any is not read, and is released after a time."""
-        if self._receivers.demand(stream, wanted) and stream in self._readers:
-            self._readers[stream].want(wanted)
+    def demand(self, stream: str, rate_hz: float) -> None:
+        """Set the rate at which ``stream`` is wanted: at 0, the device is not read, and is released after a time."""
+        if self._receivers.demand(stream, rate_hz) and stream in self._readers:
+            self._readers[stream].want(rate_hz > 0)
+
+    def periods(self, stream: str) -> int:
+        """How many periods of ``stream`` the message being delivered ends."""
+        return self._receivers.periods(stream)
 
     def command(self, command: Twist | JointCommand) -> None:
         """No effect: there are no wheels."""

@@ -140,11 +140,18 @@ class ReplayedLink:
 
         return detach
 
-    def demand(self, stream: str, wanted: bool) -> None:
+    def demand(self, stream: str, rate_hz: float) -> None:
+        """Set the rate at which ``stream`` is wanted: at 0 its messages are not decoded, else all are delivered."""
         self._of(stream)
+        wanted = rate_hz > 0
         if stream not in ALWAYS_ON and wanted != (stream in self._wanted):
             (self._wanted.add if wanted else self._wanted.discard)(stream)
             self._changed()
+
+    def periods(self, stream: str) -> int:
+        """1: every recorded message is delivered."""
+        self._of(stream)
+        return 1
 
     def command(self, command: Twist | JointCommand) -> None:
         """No effect: the motion is recorded."""

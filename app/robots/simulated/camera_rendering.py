@@ -1,7 +1,7 @@
 """Rendering of the body's cameras, and their sensor models.
 
-A renderer draws in parts, so that a thread with several cameras can switch in between. Without a visible change it
-returns the last image with fresh noise.
+A renderer draws in parts, so that a thread with several cameras can switch in between. A view is drawn again only where
+something in it moved; without a visible change, the last image comes with fresh noise.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from app.robots.simulated.camera_models import fisheye_model
 from app.robots.simulated.color_noise import ColorNoise
 from app.robots.simulated.fisheye import Tiling, tile
 from app.robots.simulated.kinect_noise import KinectNoise
-from app.robots.simulated.renderer import FrameRect, PerspectiveView, Renderer, WorldSnapshot
+from app.robots.simulated.renderer import FrameRect, PerspectiveView, Renderer, ViewState, WorldSnapshot
 
 
 class CameraRenderer(Protocol):
@@ -32,22 +32,20 @@ class CameraRenderer(Protocol):
 
 
 class ChangeDetector:
-    """Detects visible changes of a camera's view."""
+    """Detects visible changes of one view of a camera."""
 
-    def __init__(self, renderer: Renderer, camera: int) -> None:
+    def __init__(self, renderer: Renderer, camera: int, view: PerspectiveView) -> None:
         self._renderer = renderer
         self._camera = camera
-        self._last: tuple[WorldSnapshot, NDArray[np.bool_]] | None = None
+        self._view = view
+        self._drawn: ViewState | None = None
 
-    def changed(self, snapshot: WorldSnapshot, views: tuple[PerspectiveView, ...]) -> bool:
-        """Whether ``snapshot`` differs visibly in ``views`` from the last different one."""
-        seen = self._renderer.seen(snapshot, self._camera, views)
-        if self._last is not None:
-            last, seen_before = self._last
-            if not self._renderer.differ(last, snapshot, seen_before | seen):
-                self._last = last, seen_before | seen
-                return False
-        self._last = snapshot, seen
+    def changed(self, snapshot: WorldSnapshot) -> bool:
+        """Whether ``snapshot`` differs visibly from the last one that did; the first one does."""
+        state = self._renderer.view_state(snapshot, self._camera, self._view)
+        if self._drawn is not None and not state.differs(self._drawn):
+            return False
+        self._drawn = state
         return True
 
 
@@ -67,12 +65,13 @@ class KinectRenderer:
         # The depth buffer is affine in 1/z, with 0 at the far plane and 1 at the near one
         self._scale = np.float32((renderer.far - renderer.near) / (renderer.far * renderer.near))
         self._offset = np.float32(1.0 / renderer.far)
-        self._watch = ChangeDetector(renderer, self._camera)
+        self._watch = ChangeDetector(renderer, self._camera, self._view)
+        #: How often it was drawn.
         self.drawn = 0
         renderer.reserve(width, height)
 
     def draw(self, snapshot: WorldSnapshot) -> Iterator[None]:
-        if self._watch.changed(snapshot, (self._view,)):
+        if self._watch.changed(snapshot):
             self._renderer.draw(snapshot, self._camera, self._view)
             self._renderer.read(self.place, self._color, self._depth)
             self.drawn += 1
@@ -104,9 +103,10 @@ class FisheyeRenderer:
         self._config = config
         self._rng = rng
         self._base = base
-        self._watch = ChangeDetector(renderer, self._camera)
         self._tiling: Tiling | None = None
+        self._watches: dict[PerspectiveView, ChangeDetector] = {}
         self.picture = np.zeros((config.height, config.width, 3), dtype=np.uint8)
+        #: How often any of its views was drawn.
         self.drawn = 0
         self._drawn: NDArray[np.uint8]
         self._noise: ColorNoise
@@ -116,11 +116,13 @@ class FisheyeRenderer:
         if self._tiling is None:
             self._tiling = self._set_up()
             yield
-        if self._watch.changed(snapshot, self._tiling.views):
-            for view in self._tiling.views:
-                self._renderer.draw(snapshot, self._camera, view)
-                yield
-            self._renderer.read(FrameRect(0, self._base, self._tiling.width, self._tiling.height), self._drawn)
+        # All at first: another camera may draw its own snapshot between the parts
+        changed = [view for view, watch in self._watches.items() if watch.changed(snapshot)]
+        for view in changed:
+            self._renderer.draw(snapshot, self._camera, view)
+            self._read(view.place)
+            yield
+        if changed:
             self._tiling.picture(self._drawn, self.picture)
             self.drawn += 1
         yield
@@ -130,12 +132,20 @@ class FisheyeRenderer:
         assert self._tiling is not None
         self._noise.add(self.picture, color, self._tiling.seen)
 
+    def _read(self, place: FrameRect) -> None:
+        """Copy one view out of the frame buffer, which rasterises it: the whole buffer would be one long part."""
+        read = np.empty((place.height, place.width, 3), dtype=np.uint8)
+        self._renderer.read(place, read)
+        row = place.y - self._base
+        self._drawn[row : row + place.height, place.x : place.x + place.width] = read
+
     def _set_up(self) -> Tiling:
         c = self._config
         tiling = tile(fisheye_model(c), base=self._base)
         self._drawn = np.zeros((tiling.height, tiling.width, 3), dtype=np.uint8)
         self._noise = ColorNoise(c.height, c.width, c.color_noise, self._rng)
         self._renderer.reserve(tiling.width, self._base + tiling.height)
+        self._watches = {view: ChangeDetector(self._renderer, self._camera, view) for view in tiling.views}
         return tiling
 
 

@@ -136,7 +136,8 @@ class CameraThread:
         eye.measure(*ring.begin(slot))
         sequence = 2 * self._counts[stream]
         ring.finish(slot, sequence)
-        self.finished.append(ImageNotice(stream, slot, sequence, snapshot.stamp, snapshot.X_BC))
+        notice = ImageNotice(stream, slot, sequence, snapshot.stamp, X_BC=snapshot.X_BC, periods=snapshot.periods)
+        self.finished.append(notice)
         with self._condition:
             self._busy.discard(stream)
         self._wake()

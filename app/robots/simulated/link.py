@@ -72,9 +72,12 @@ class SimulatedBody:
     def attach(self, stream: str, receive: Callable[[Any], None]) -> Callable[[], None]:
         return self._receivers.attach(stream, receive)
 
-    def demand(self, stream: str, wanted: bool) -> None:
-        if self._receivers.demand(stream, wanted):
-            self._send(link_protocol.Demand(stream, wanted))
+    def demand(self, stream: str, rate_hz: float) -> None:
+        if self._receivers.demand(stream, rate_hz):
+            self._send(link_protocol.Demand(stream, rate_hz))
+
+    def periods(self, stream: str) -> int:
+        return self._receivers.periods(stream)
 
     def e_stop(self, reason: str) -> None:
         if self._e_stop is None:
@@ -85,11 +88,11 @@ class SimulatedBody:
         self._e_stop = None
         self._send(link_protocol.ClearEStop())
 
-    def _receive(self, stream: str, message: object) -> None:
+    def _receive(self, stream: str, message: object, periods: int = 1) -> None:
         for name in _ARRAYS.get(type(message), ()):
             if (array := getattr(message, name)) is not None:
                 read_only(array)
-        self._receivers.deliver(stream, message)
+        self._receivers.deliver(stream, message, periods)
 
 
 class SimulatedLink(SimulatedBody):
@@ -123,13 +126,12 @@ class SimulatedLink(SimulatedBody):
             raise LinkFailed(problem)
         session = await _Session.open(self._robot, self._take)
         self._session = session
-        wanted = frozenset(self._receivers.wanted)
         session.send(
             link_protocol.Start(
                 self._robot,
                 self._world,
                 clock_offset=self._clock_offset,
-                demanded=wanted,
+                demanded=dict(self._receivers.rates),
                 e_stop=self._e_stop,
                 scenario=self._scenario,
             )
@@ -195,7 +197,7 @@ class SimulatedLink(SimulatedBody):
         read_only(notice.X_BC.rotation)
         read_only(notice.X_BC.translation)
         image = Image(notice.stamp, frame, color=color, depth=depth, camera=lens, X_BC=notice.X_BC)
-        self._receivers.deliver(notice.stream, image)
+        self._receivers.deliver(notice.stream, image, notice.periods)
 
 
 def describe(robot: RobotConfig) -> RobotDescription:
@@ -218,7 +220,7 @@ def describe(robot: RobotConfig) -> RobotDescription:
     if robot.ground_truth:
         table.append(("ground_truth", GroundTruth, streams.odometry.rate_hz))
         table.append(("scene_truth", SceneTruth, streams.status.rate_hz))
-    descriptions = {name: StreamDescription(name, kind, rate) for name, kind, rate in table}
+    descriptions = {name: StreamDescription(name, kind, rate, thins=kind is Image) for name, kind, rate in table}
     return RobotDescription(
         robot.name,
         robot.model,

@@ -11,6 +11,7 @@ import pickle
 import socket
 import struct
 from collections import deque
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -27,23 +28,23 @@ _READ_BYTES = 65536
 @dataclass(frozen=True, slots=True)
 class Start:
     """Program to link, first: all the link needs. ``clock_offset`` makes the robot's clock of ``monotonic()``;
-    ``e_stop`` is the reason of an emergency stop that is latched already, or None.
+    ``demanded``: rates (Hz) by stream. ``e_stop`` is the reason of an emergency stop that is latched already, or None.
     """
 
     robot: RobotConfig
     world: WorldConfig
     clock_offset: float
-    demanded: frozenset[str]
+    demanded: Mapping[str, float]
     e_stop: str | None = None
     scenario: ScenarioConfig | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Demand:
-    """Program to link: whether ``stream`` has subscribers."""
+    """Program to link: the rate (Hz) at which ``stream`` is wanted, 0 for not."""
 
     stream: str
-    wanted: bool
+    rate_hz: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,13 +97,17 @@ class Sample:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ImageNotice:
-    """Link to program: an image of ``stream`` is in ``slot`` of the shared ring, written as number ``sequence``."""
+    """Link to program: an image of ``stream`` is in ``slot`` of the shared ring, written as number ``sequence``.
+
+    It ends so many ``periods`` of the stream: its own, and those that were left out before it.
+    """
 
     stream: str
     slot: int
     sequence: int
     stamp: float
     X_BC: Pose3
+    periods: int = 1
 
 
 def request(command: Twist | JointCommand) -> DriveRequest | JointCommand:

@@ -92,7 +92,8 @@ class LockstepLink(SimulatedBody):
             simulation = await asyncio.to_thread(self._build)
         except (ConfigError, GlUnavailable) as failure:
             raise LinkFailed(str(failure)) from None
-        simulation.wanted |= self._receivers.wanted
+        for stream, rate_hz in self._receivers.rates.items():
+            simulation.demand(stream, rate_hz)
         if self._e_stop is not None:
             simulation.accept(link_protocol.EStopRequest(self._e_stop))
         self._simulation = simulation
@@ -128,10 +129,14 @@ class LockstepLink(SimulatedBody):
         if self._simulation is not None:
             self._simulation.accept(frame)
 
+    def _deliver(self, stream: str, message: object) -> None:
+        periods = self._simulation.periods.get(stream, 1) if self._simulation is not None else 1
+        self._receive(stream, message, periods)
+
     def _build(self) -> LockstepWorld:
         from app.robots.simulated.lockstep_world import LockstepWorld
 
-        return LockstepWorld(self._robot, self._world, self._scenario, self._receive)
+        return LockstepWorld(self._robot, self._world, self._scenario, self._deliver)
 
     async def _turn(self, simulation: LockstepWorld) -> None:
         began, turns = self._clock.now(), 0

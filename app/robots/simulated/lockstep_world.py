@@ -41,6 +41,8 @@ class LockstepWorld(WorldSimulation):
         self._open: dict[str, CameraRenderer] = {}
         self._microphone_simulator: MicrophoneSimulator | None = None
         self._scenes = Schedule(SCENES_HZ)
+        #: How many periods its newest image ended, by camera.
+        self.periods: dict[str, int] = {}
 
     def lockstep(self, now: float, began: float) -> None:
         """Take every step that is due at ``now``, the first one ``TIMESTEP_S`` after ``began``."""
@@ -86,6 +88,7 @@ class LockstepWorld(WorldSimulation):
             depth = np.zeros(size, dtype=np.uint16) if self._formats[stream].has_depth else None
             renderer.measure(color, depth)
             frame, lens = self._lenses[stream]
+            self.periods[stream] = snapshot.periods
             self.send(stream, Image(stamp, frame, color=color, depth=depth, camera=lens, X_BC=snapshot.X_BC), stamp)
 
     def _renderer_of(self, stream: str) -> CameraRenderer:

@@ -36,7 +36,7 @@ class RealtimeLoop:
         self._socket = sock
         self._offset = start.clock_offset
         self._simulation = WorldSimulation(
-            robot, start.world, start.scenario, self._send, wanted=start.demanded, e_stop=start.e_stop
+            robot, start.world, start.scenario, self._send, demanded=start.demanded, e_stop=start.e_stop
         )
         self._log = (
             GuardLog(robot.guard_log, len(self._simulation.joints.setpoints())) if robot.guard_log is not None else None
@@ -123,7 +123,9 @@ class RealtimeLoop:
         simulation, time_s = self._simulation, self._simulation.physics.time_s
         if self._camera is not None:
             for stream in simulation.cameras:
-                if not self._camera.busy(stream) and (snapshot := simulation.look(stream, stamp)) is not None:
+                if self._camera.busy(stream) and simulation.image_due(stream):
+                    continue  # simulated time pauses
+                if (snapshot := simulation.look(stream, stamp)) is not None:
                     self._camera.request(stream, snapshot)
         if self._acoustics is not None and "microphones" in simulation.wanted and self._scenes.due(time_s):
             pose = simulation.physics.true_pose()

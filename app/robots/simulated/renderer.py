@@ -1,14 +1,13 @@
 """Drawing with OpenGL: one context and one frame buffer for every camera of the body, on the processor or a card.
 
-A camera's image is one or several perspective views in rectangles of the frame buffer, read back at once. Shapes hidden
-by walls or outside a view are culled: without a graphics card each drawn shape costs as much as a thousand pixels.
+A camera's image is one or several perspective views in rectangles of the frame buffer. Shapes hidden by walls or
+outside a view are culled: without a graphics card each drawn shape costs as much as a thousand pixels.
 """
 
 from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import mujoco
@@ -26,20 +25,22 @@ _SHOWN_GROUPS = (WORLD_GROUP, OUT_OF_REACH_GROUP, VISUAL_GROUP)
 _CULLED_GROUP = 5
 _SURFACE_PX = 16
 """Of the context's own surface, which nothing is drawn on."""
-_STILL = 1e-6
-"""Motion (m, rad) that counts as none: a hundredth of a millimetre at the end of the corridor."""
+_STILL = 1e-4
+"""Motion (m, rad) that counts as none: a twentieth of a pixel, a tenth of what depth resolves."""
+_CORNERS = np.array([(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WorldSnapshot:
     """The world at one instant: ``qpos`` of the whole model, ``mocap`` (n, 7) the poses (position, quaternion w first)
-    of the scripted bodies, and the camera's measured pose.
+    of the scripted bodies, and the camera's measured pose. Its image ends so many ``periods`` of the stream.
     """
 
     stamp: float
     qpos: NDArray[np.float64]
     mocap: NDArray[np.float64]
     X_BC: Pose3
+    periods: int = 1
 
     @staticmethod
     def initial(model: mujoco.MjModel) -> WorldSnapshot:
@@ -71,6 +72,29 @@ class PerspectiveView:
     bottom: float
     top: float
     place: FrameRect
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ViewState:
+    """All that a picture of one view depends on: the camera's pose, the poses of shapes and lights, and which shapes
+    (ngeom,) touch the view.
+    """
+
+    camera: NDArray[np.float64]
+    shapes: NDArray[np.float64]
+    lights: NDArray[np.float64]
+    seen: NDArray[np.bool_]
+
+    def differs(self, drawn: ViewState) -> bool:
+        """Whether the camera, a light, or a shape seen in either, has another pose than in ``drawn``."""
+        if _moved(self.camera, drawn.camera) or _moved(self.lights, drawn.lights):
+            return True
+        seen = self.seen | drawn.seen
+        return _moved(self.shapes[seen], drawn.shapes[seen])
+
+
+def _moved(a: NDArray[np.float64], b: NDArray[np.float64]) -> bool:
+    return bool(np.abs(a - b).max(initial=0.0) > _STILL)
 
 
 def mocap_poses(data: mujoco.MjData) -> NDArray[np.float64]:
@@ -105,10 +129,13 @@ class Renderer:
         self._groups = self._model.geom_group.copy()
         mujoco.mj_kinematics(self._model, self._data)
         self._occlusion = Occlusion(self._model, self._data)
-        # Scripted body of each shape, -1 for none: they are all direct children of the world
-        self._scripted = self._model.body_mocapid[self._model.body_rootid[self._model.geom_bodyid]]
+        # Corners (ngeom, 8, 3) of each shape's box, in the shape's axes
+        boxes = self._model.geom_aabb[:, None]
+        self._corners = boxes[..., :3] + _CORNERS * boxes[..., 3:]
         self._placed: WorldSnapshot | None = None
+        self._shapes = self._lights = np.zeros((0, 0))
         self._unhidden: dict[int, NDArray[np.bool_]] = {}
+        self._touching: dict[tuple[int, PerspectiveView], NDArray[np.bool_]] = {}
         self.near = self._model.vis.map.znear * self._model.stat.extent
         self.far = self._model.vis.map.zfar * self._model.stat.extent
 
@@ -133,17 +160,11 @@ class Renderer:
         self._gl.make_current()
         mujoco.mjr_render(mujoco.MjrRect(place.x, place.y, place.width, place.height), self._scene, self._context)
 
-    def seen(self, snapshot: WorldSnapshot, camera: int, views: Iterable[PerspectiveView]) -> NDArray[np.bool_]:
-        """Which shapes (ngeom,) may be in any of ``views`` from that camera."""
+    def view_state(self, snapshot: WorldSnapshot, camera: int, view: PerspectiveView) -> ViewState:
+        """What a picture of ``view`` in ``snapshot`` from the model's camera number ``camera`` depends on."""
         self._set(snapshot)
-        return np.asarray(np.any([self._in_view(camera, view) for view in views], axis=0))
-
-    def differ(self, a: WorldSnapshot, b: WorldSnapshot, seen: NDArray[np.bool_]) -> bool:
-        """Whether the robot, or any of the shapes ``seen`` (ngeom,), has another pose in ``a`` than in ``b``."""
-        if np.abs(a.qpos - b.qpos).max(initial=0.0) > _STILL:
-            return True
-        moved = np.append(np.abs(a.mocap - b.mocap).max(axis=1, initial=0.0) > _STILL, False)
-        return bool((moved[self._scripted] & seen).any())
+        pose = np.append(self._data.cam_xpos[camera], self._data.cam_xmat[camera])
+        return ViewState(pose, self._shapes, self._lights, self._in_view(camera, view))
 
     def read(self, place: FrameRect, color: NDArray[np.uint8], depth: NDArray[np.float32] | None = None) -> None:
         """The image at ``place``, row 0 at the *bottom*: ``color`` (H, W, 3), ``depth`` (H, W) from 0 far to 1."""
@@ -163,7 +184,10 @@ class Renderer:
         mujoco.mj_kinematics(self._model, self._data)
         mujoco.mj_camlight(self._model, self._data)
         self._placed = snapshot
+        self._shapes = np.hstack((self._data.geom_xpos, self._data.geom_xmat))
+        self._lights = np.hstack((self._data.light_xpos, self._data.light_xdir))
         self._unhidden.clear()
+        self._touching.clear()
 
     def _aim(self, eye: NDArray[np.float64], axes: NDArray[np.float64], view: PerspectiveView) -> None:
         rotation = axes @ view.rotation
@@ -180,16 +204,46 @@ class Renderer:
                 light.dir[:] = -axes[:, 2]
 
     def _in_view(self, camera: int, view: PerspectiveView) -> NDArray[np.bool_]:
-        """Which shapes (ngeom,) may touch the view: their bounding spheres against its five planes, and the walls."""
+        """Which shapes (ngeom,) may touch the view: their spheres, then their boxes against its planes, and walls."""
+        key = camera, view
+        if key not in self._touching:
+            self._touching[key] = self._find_in_view(camera, view)
+        return self._touching[key]
+
+    def _find_in_view(self, camera: int, view: PerspectiveView) -> NDArray[np.bool_]:
         eye = self._data.cam_xpos[camera]
         rotation = self._data.cam_xmat[camera].reshape(3, 3) @ view.rotation
         if camera not in self._unhidden:
             self._unhidden[camera] = ~self._occlusion.hidden(eye, self._data.geom_xpos)
         centers = (self._data.geom_xpos - eye) @ rotation
         radius, ahead = self._model.geom_rbound, -centers[:, 2]
-        seen = ahead > -radius
+        seen = self._unhidden[camera] & (ahead > -radius)
         for axis, low, high in ((0, view.left, view.right), (1, view.bottom, view.top)):
             seen &= centers[:, axis] - high * ahead < radius * math.hypot(1.0, high)
             seen &= low * ahead - centers[:, axis] < radius * math.hypot(1.0, low)
-        seen |= radius == 0  # planes are endless and have no bounding sphere
-        return np.asarray(seen & self._unhidden[camera])
+        near = np.flatnonzero(seen)
+        axes = self._data.geom_xmat[near].reshape(-1, 3, 3)
+        seen[near] = self._boxes_touch(centers[near], rotation.T @ axes, self._corners[near], view)
+        # Planes are endless: they have neither sphere nor box
+        return np.asarray(seen | ((radius == 0) & self._unhidden[camera]))
+
+    def _boxes_touch(
+        self,
+        centers: NDArray[np.float64],
+        axes: NDArray[np.float64],
+        corners: NDArray[np.float64],
+        view: PerspectiveView,
+    ) -> NDArray[np.bool_]:
+        """Which boxes (n,) are not wholly beyond one of the view's planes: ``corners`` (n, 8, 3) in the shapes' axes,
+        which are ``axes`` (n, 3, 3) at ``centers`` (n, 3) in the view's.
+        """
+        points = centers[:, None] + corners @ axes.transpose(0, 2, 1)
+        x, y, ahead = points[..., 0], points[..., 1], -points[..., 2]
+        beyond = [
+            ahead < 0,
+            x < view.left * ahead,
+            x > view.right * ahead,
+            y < view.bottom * ahead,
+            y > view.top * ahead,
+        ]
+        return ~np.asarray(np.any([outside.all(axis=1) for outside in beyond], axis=0))

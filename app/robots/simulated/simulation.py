@@ -7,7 +7,7 @@ their own, are made by the caller, in a callback at every step.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
 
@@ -27,6 +27,7 @@ from app.robots.simulated.scenery.people import PersonBodies
 from app.robots.simulated.scenery.scenario_config import ScenarioConfig
 from app.robots.simulated.scenery.scenario_state import ScenarioState
 from app.robots.simulated.world_config import WorldConfig
+from app.robots.thinning import Thinning
 
 STEPS_PER_TURN = 2
 """Physics steps per decision of the guard, which runs at 250 Hz."""
@@ -53,7 +54,8 @@ class Schedule:
 class WorldSimulation:
     """Builds the world with ``robot`` and the people of ``scenario`` in it. Stamps are the robot's clock (s).
 
-    ``send(stream, message)`` gets the sensor data of the streams in ``wanted`` and of those that always run.
+    ``send(stream, message)`` gets the sensor data of the streams that are ``demanded``, with a rate (Hz), and of those
+    that always run.
     ``soundscape``: sounds around a body with microphones, rendered by the caller. Raises ConfigError for a body that
     cannot be simulated, and for an unknown sound.
     """
@@ -65,7 +67,7 @@ class WorldSimulation:
         scenario: ScenarioConfig | None,
         send: Callable[[str, object], None],
         *,
-        wanted: Iterable[str] = (),
+        demanded: Mapping[str, float] | None = None,
         e_stop: str | None = None,
     ) -> None:
         streams = robot.streams
@@ -76,7 +78,7 @@ class WorldSimulation:
         self.camera_rngs = {"kinect": kinect_rng, "panorama": panorama_rng}
         self.scenario_state = ScenarioState(scenario or ScenarioConfig(name="empty"))
         self._inhabited = scenario is not None
-        self.wanted = set(wanted)
+        self.wanted: set[str] = set()
         self._send_out = send
         base = draw_true_base(robot.base, base_rng)
         self.physics = build_simulation(robot, world, base, self.scenario_state.actors)
@@ -117,8 +119,11 @@ class WorldSimulation:
                 rates[stream] = camera.rate_hz
         self._camera_frames = {stream: frame for stream, (frame, _) in lenses(robot).items()}
         self._schedules = {name: Schedule(rate) for name, rate in rates.items()}
+        self._thinning = {name: Thinning(rates[name]) for name in self._camera_frames}
         self._last_odometry_s = 0.0
         self._last_seen: dict[str, float] = {}
+        for stream, rate_hz in (demanded or {}).items():
+            self.demand(stream, rate_hz)
 
     @property
     def cameras(self) -> tuple[str, ...]:
@@ -136,9 +141,15 @@ class WorldSimulation:
             case link_protocol.ClearEStop():
                 self.state = guard.clear_e_stop(self.state)
                 self.joints.clear_e_stop()
-            case link_protocol.Demand(stream, wanted):
-                (self.wanted.add if wanted else self.wanted.discard)(stream)
-                self._last_seen.pop(stream, None)
+            case link_protocol.Demand(stream, rate_hz):
+                self.demand(stream, rate_hz)
+
+    def demand(self, stream: str, rate_hz: float) -> None:
+        """Give ``stream`` from now on, a camera's at most at ``rate_hz``; 0: not at all."""
+        (self.wanted.add if rate_hz > 0 else self.wanted.discard)(stream)
+        if stream in self._thinning:
+            self._thinning[stream].demand(rate_hz)
+        self._last_seen.pop(stream, None)
 
     def turn(self, now: float, stamps: Iterable[float], also: Callable[[float], None]) -> guard.GuardAction:
         """Run the guards of base and joints at ``now``, then step once for each of ``stamps``, with sensors after each.
@@ -192,16 +203,20 @@ class WorldSimulation:
         self._last_seen[stream] = seen
 
     def image_due(self, stream: str) -> bool:
-        return stream in self.wanted and self._schedules[stream].ready(self.physics.time_s)
+        """Whether an image of ``stream`` is wanted and due, and not one to be left out."""
+        ready = stream in self.wanted and self._schedules[stream].ready(self.physics.time_s)
+        return ready and self._thinning[stream].gives
 
     def look(self, stream: str, stamp: float) -> WorldSnapshot | None:
-        """Snapshot to render for the camera ``stream`` now; None where no image is wanted or due."""
+        """Snapshot to render for the camera ``stream`` now; None where no image is wanted or due, or it is left out."""
         if stream not in self.wanted or not self._schedules[stream].due(self.physics.time_s):
+            return None
+        if (periods := self._thinning[stream].period()) == 0:
             return None
         measured = dict(zip(self.physics.joints, self._measured_joints(), strict=True))
         X_BC = self.kinematics.pose(self._camera_frames[stream], measured)
         data = self.physics.data
-        return WorldSnapshot(stamp, data.qpos.copy(), mocap_poses(data), X_BC)
+        return WorldSnapshot(stamp, data.qpos.copy(), mocap_poses(data), X_BC, periods)
 
     def rims(self) -> tuple[float, float]:
         """Speeds (m/s) of the left and the right wheel's rim."""

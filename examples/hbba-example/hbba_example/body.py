@@ -86,9 +86,13 @@ class PostLink:
         """Call ``receive(message)`` for each message of ``stream``; returns the detacher."""
         return self._receivers.attach(stream, receive)
 
-    def demand(self, stream: str, wanted: bool) -> None:
+    def demand(self, stream: str, rate_hz: float) -> None:
         """A scan that is not wanted is not made."""
-        self._receivers.demand(stream, wanted)
+        self._receivers.demand(stream, rate_hz)
+
+    def periods(self, stream: str) -> int:
+        """How many periods of ``stream`` the message being delivered ends."""
+        return self._receivers.periods(stream)
 
     def command(self, command: Twist | JointCommand) -> None:
         """There are no wheels."""

@@ -23,9 +23,10 @@ from fastapi import FastAPI
 from viser import _messages
 
 from app.base.geometry import Pose2, Pose3
+from app.base.kinematic_model import load_model
 from app.console.view.relay import allowed
 from app.console.view.view import View
-from app.messages import Landmark, Landmarks, LaserScan, LoudNoise, Odometry, PointCloud
+from app.messages import JointState, Landmark, Landmarks, LaserScan, LoudNoise, Odometry, PointCloud
 from app.program.system import System
 from tests.console.percepts import faces, sound_source, sound_sources
 from tests.console.program import Body
@@ -143,6 +144,34 @@ async def feed(system: System, body: Body) -> None:
         system.graph.channel("point_cloud").publish(PointCloud(now - 0.1, points, colors, Pose2(0.25, 0.5, 0.0)))
         system.graph.channel("landmarks").publish(Landmarks(now, (Landmark("A", (1, 2, 1.4), 0.1, 1, now, now),)))
         await asyncio.sleep(0.05)
+
+
+async def test_a_turning_head_is_drawn_as_it_was_at_the_instant_of_the_base(
+    url: str, system: System, body: Body
+) -> None:
+    model = await asyncio.to_thread(load_model, system.link.description.model_path)
+    head = model.joints["pan_joint"]
+    seen: list[np.ndarray] = []
+
+    async with looking(url) as viewer:
+
+        async def until_turned(angle: float) -> None:
+            wanted = head.pose(angle).quaternion_wxyz()
+            async with asyncio.timeout(PATIENCE_S):
+                while not (seen and np.allclose(seen[-1], wanted, atol=1e-6)):
+                    messages = unpack(await viewer.connection.recv(decode=False))
+                    turns = [m for m in messages if m["type"] == "SetOrientationMessage"]
+                    seen.extend(np.array(m["wxyz"]) for m in turns if m["name"].endswith(f"/{head.child}"))
+
+        now = system.clock.now()
+        body.emit("odometry", Odometry(now, Pose2(0.0, 0.0, 0.0), 0.0, 0.0))
+        body.emit("joints", JointState(now, ("pan_joint",), (0.2,)))
+        await until_turned(0.2)
+        body.emit("joints", JointState(now + 0.1, ("pan_joint",), (0.8,)))
+        body.emit("odometry", Odometry(now + 0.05, Pose2(0.0, 0.0, 0.0), 0.0, 0.0))
+        await until_turned(0.5)
+    newest = head.pose(0.8).quaternion_wxyz()
+    assert not any(np.allclose(drawn, newest, atol=1e-6) for drawn in seen)
 
 
 async def test_a_cloud_is_thinned_to_what_its_viewer_bears(url: str, system: System, body: Body, view: View) -> None:

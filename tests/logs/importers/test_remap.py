@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Callable
 from dataclasses import replace
@@ -15,7 +16,7 @@ from app.base.errors import ConfigError
 from app.cli import main
 from app.commands.check import check_file
 from app.commands.log_report import look_into
-from app.logs.importers.remap import load_remap
+from app.logs.importers.remap import RemapError, load_remap
 from app.logs.log import Log, LogError
 from app.logs.open import open_log
 from app.messages import Image, LaserScan, Odometry, Twist
@@ -183,6 +184,31 @@ def test_without_tf_sensors_are_where_the_remap_file_says_or_else_a_note(tmp_pat
     scan = next(log.messages(channels={"scan"})).message
     np.testing.assert_allclose(scan.X_BL.translation, [0.3, 0, 0.4])
     log.close()
+
+
+def test_a_camera_that_tf_lacks_is_placed_on_the_neck_that_moves(tmp_path: Path) -> None:
+    sent = [
+        message
+        if message.topic != "/tf_static"
+        else replace(
+            message,
+            fields={"transforms": [t for t in message.fields["transforms"] if t["child_frame_id"] != drive.OPTICAL]},
+        )
+        for message in short()
+    ]
+    remap = "channels: {kinect: {color: /camera/rgb/image_raw, X_BC: {frame: %s, xyz: [0.05, 0.02, 0], "
+    remap += "rpy_deg: [-90, 0, -90]}}}\n"
+    log = opened(tmp_path, sent, remap % "neck")
+    images = [logged.message for logged in log.messages(channels={"kinect"})]
+    assert len(images) > 5
+    for image in images[1:]:
+        np.testing.assert_allclose(image.X_BC.rotation, drive.camera_at(image.stamp).rotation, atol=0.02)
+        np.testing.assert_allclose(image.X_BC.translation, drive.camera_at(image.stamp).translation, atol=0.02)
+    turned = images[1].X_BC.rotation[:, 2] @ images[-1].X_BC.rotation[:, 2]
+    assert turned < math.cos(0.2), "the neck did not turn"
+    log.close()
+    with pytest.raises(RemapError, match=r"where 'tail' is in 'base_link'.*frames of tf: base_link"):
+        opened(tmp_path, sent, remap % "tail")
 
 
 def test_a_depth_without_a_colour_is_no_camera(tmp_path: Path) -> None:

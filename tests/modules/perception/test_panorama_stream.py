@@ -72,6 +72,28 @@ def test_the_map_follows_a_camera_that_turns() -> None:
         assert x == pytest.approx(640 * (0.5 - 0.3 / math.pi), abs=1.0)
 
 
+def test_noise_of_encoders_costs_no_new_map_and_a_turning_head_does(monkeypatch: pytest.MonkeyPatch) -> None:
+    computed: list[Pose3] = []
+    project = FisheyeModel.project
+
+    def counting(self: FisheyeModel, points: np.ndarray) -> np.ndarray:
+        computed.append(X_BC)
+        return project(self, points)
+
+    monkeypatch.setattr(FisheyeModel, "project", counting)
+    unroller, image = PanoramaProjection(640, 384), np.zeros((768, 1024, 3), np.uint8)
+    noise = np.random.default_rng(1)
+    for _ in range(50):
+        turn = 5e-4 * noise.standard_normal(3)
+        X_BC = Pose3.from_translation_rpy((0.0, 0.0, 0.0), (turn[0], turn[1], turn[2])) @ AHEAD
+        unroller.unroll(image, LENS, X_BC)
+    assert len(computed) == 1
+    for degrees in (1.0, 2.0, 3.0):
+        X_BC = Pose3.from_translation_rpy((0.0, 0.0, 0.0), (0.0, 0.0, math.radians(degrees))) @ AHEAD
+        unroller.unroll(image, LENS, X_BC)
+    assert len(computed) == 4
+
+
 def test_the_module_makes_a_jpeg_of_each_image_with_the_desires_quality() -> None:
     noise = np.random.default_rng(1).integers(0, 255, (768, 1024, 3)).astype(np.uint8)
 

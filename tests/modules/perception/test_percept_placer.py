@@ -102,7 +102,25 @@ def test_a_face_is_seen_from_where_its_camera_was_when_it_was_seen(perception: P
     assert old["panorama"] == new["panorama"] == pytest.approx([0.0, -math.pi / 4], abs=1e-4)
 
 
-def test_a_face_is_published_until_it_was_not_seen_for_a_second(perception: Perception) -> None:
+def test_a_percept_is_where_the_newest_panorama_shows_it_though_the_robot_has_turned(perception: Perception) -> None:
+    turned = math.radians(40)
+    camera = Pose3.from_translation_rpy((0.1, 0.0, 1.2))
+    perception.odometry(10.0, Pose2(1.0, 2.0, 0.0))
+    perception.say("faces", faces(10.0, (2.0, 0.0, 1.2)))
+    perception.say("sounds", sound_sources(10.0, sound_source(range_m=math.inf)))
+    perception.say("panorama_jpeg", panorama(10.2, X_BC=camera))
+    before = perception.at(10.2)
+    assert before["faces"][0]["panorama"] == [0.0, 0.0], "odometry is not there yet"
+    assert perception.percepts.unplaced
+    perception.odometry(10.2, Pose2(1.0, 2.0, turned))
+    found = perception.at(10.2)
+    aside = math.atan2(2.0 * math.sin(turned), 2.0 * math.cos(turned) - 0.1)
+    assert found["faces"][0]["panorama"] == pytest.approx([-aside, 0.0], abs=1e-3)
+    assert found["sounds"][0]["panorama"] == pytest.approx([-turned, 0.0], abs=1e-3)
+    assert found["faces"][0]["azimuth"] == before["faces"][0]["azimuth"], "that is of its own instant"
+
+
+def test_a_face_is_told_until_it_was_not_seen_for_a_second(perception: Perception) -> None:
     perception.say("faces", faces(10.0))
     perception.say("faces", faces(10.1, (3.0, 0.0, 1.2), first=2))
     assert [face["track"] for face in perception.at(11.0)["faces"]] == [1, 2]

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -34,20 +35,35 @@ def test_a_lazy_sensor_relays_and_asks_for_its_stream_only_while_it_is_wanted(
 ) -> None:
     async def main() -> None:
         async with Bench(module, outputs={port: kind}) as b:
-            assert b.link.demands[stream][-1] is False
+            assert b.link.demands[stream][-1] == 0
             received = b.listen(port)
-            assert b.link.demands[stream][-1] is True
+            assert b.link.demands[stream][-1] == b.link.description.streams[stream].rate_hz
             b.link.emit(stream, message)
             assert drain(received) == [message]
             received.filter.divisor = math.inf
-            assert b.link.demands[stream][-1] is False
+            assert b.link.demands[stream][-1] == 0
             received.filter.divisor = 4
-            assert b.link.demands[stream][-1] is True
-        assert b.link.demands[stream][-1] is False
+            assert b.link.demands[stream][-1] == b.link.description.streams[stream].rate_hz / 4
+        assert b.link.demands[stream][-1] == 0
         assert b.link.receivers[stream] == []
         asked = len(b.link.demands[stream])
         received.filter.divisor = math.inf
         assert len(b.link.demands[stream]) == asked, "a stopped sensor left its callback behind"
+
+    run_virtual(main())
+
+
+def test_of_a_stream_thinned_at_the_source_every_filter_gets_its_share() -> None:
+    async def main() -> None:
+        async with Bench(KINECT, outputs={"images": Image}) as b:
+            each, every_other = b.listen("images"), b.listen("images")
+            each.filter.divisor, every_other.filter.divisor = 4, 8
+            assert b.link.demands["kinect"][-1] == b.link.description.streams["kinect"].rate_hz / 4
+            for number in range(5):
+                b.link.ended["kinect"] = 4 if number else 1
+                b.link.emit("kinect", replace(IMAGE, stamp=float(number)))
+            assert [image.stamp for image in drain(each)] == [0, 1, 2, 3, 4]
+            assert [image.stamp for image in drain(every_other)] == [0, 2, 4]
 
     run_virtual(main())
 

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 from pathlib import Path
 from typing import Any
 
@@ -39,7 +40,7 @@ class Collected:
 async def test_a_video_is_seen_from_the_camera_s_place(tmp_path: Path) -> None:
     body = link(CameraConfig(source=str(video_file(tmp_path, [40, 120, 200])), horizontal_fov_deg=90))
     pictures = Collected(body, "camera")
-    body.demand("camera", True)
+    body.demand("camera", math.inf)
     await body.start()
     first, second, *_ = await pictures.wait(3)
     await body.stop()
@@ -56,7 +57,7 @@ async def test_sound_is_continuous_and_has_a_place(tmp_path: Path) -> None:
     path = sound_file(tmp_path, ramp(16000))
     body = link(microphones=SoundInputConfig(source=str(path), positions=((0, 0.1, 0), (0, -0.1, 0))))
     frames = Collected(body, "microphones")
-    body.demand("microphones", True)
+    body.demand("microphones", math.inf)
     await body.start()
     got: list[Audio] = await frames.wait(5)
     await body.stop()
@@ -72,7 +73,7 @@ async def test_an_unwanted_stream_is_not_read(tmp_path: Path) -> None:
     await body.start()
     await status.wait(3)
     assert frames.messages == []
-    body.demand("microphones", True)
+    body.demand("microphones", math.inf)
     await frames.wait(2)
     await body.stop()
     assert frames.messages[0].samples[0, 0] == 0, "a file stands still meanwhile"

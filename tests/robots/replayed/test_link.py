@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import threading
 from pathlib import Path
 from typing import Any
@@ -71,9 +72,9 @@ async def test_an_unwanted_stream_is_not_decoded() -> None:
     await clock.sleep_until(BEGIN + 1.0)
     assert kinect.came == []
     assert "kinect" not in log.decoded
-    body.demand("kinect", True)
+    body.demand("kinect", math.inf)
     await clock.sleep_until(BEGIN + 2.0)
-    body.demand("kinect", False)
+    body.demand("kinect", 0.0)
     await body.finished.wait()
     # Of the second in between everything, of the others nothing; and odometry misses nothing by it.
     expected = [logged.message for logged in log.messages(channels={"kinect"}) if 1.0 <= logged.at - BEGIN <= 2.0]
@@ -210,7 +211,7 @@ async def test_reading_never_happens_on_the_loop_nor_in_two_threads() -> None:
     await body.start()
     for i in range(8):
         await clock.sleep(0.2)
-        body.demand("kinect", i % 2 == 0)
+        body.demand("kinect", math.inf if i % 2 == 0 else 0.0)
     await body.finished.wait()
     assert len(log.readers) == 1
     assert threading.get_ident() not in log.readers
@@ -257,7 +258,7 @@ def test_many_at_one_instant_come_the_same_in_every_run() -> None:
             await body.start()
             for i in range(12):
                 await clock.sleep(0.1)
-                body.demand("hokuyo", i % 3 != 2)
+                body.demand("hokuyo", math.inf if i % 3 != 2 else 0.0)
             await body.finished.wait()
             await body.stop()
 

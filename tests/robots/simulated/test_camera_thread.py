@@ -153,7 +153,7 @@ def test_the_robot_does_not_see_itself_looking_ahead(eye: Eye) -> None:
 
 
 def test_a_still_robot_sees_the_same_picture_with_fresh_noise_and_a_moved_one_another(eye: Eye) -> None:
-    here, aside = Pose2(11.1, 4.6, 1.5), Pose2(11.1, 4.6001, 1.5)
+    here, aside = Pose2(11.1, 4.6, 1.5), Pose2(11.1, 4.601, 1.5)
     first, _, first_depth = eye.look(here)
     drawn = eye.camera.drawn
     again, _, again_depth = eye.look(here)

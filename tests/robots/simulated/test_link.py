@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import itertools
 import math
 import os
 import signal
@@ -112,7 +113,7 @@ async def test_every_stream_runs_at_its_rate_in_real_time_and_unwanted_ones_not(
         await listener.next("odometry", 30)
         assert not any(listener.messages[name] for name in SENSORS)
         for name in SENSORS:
-            link.demand(name, True)
+            link.demand(name, math.inf)
         await listener.next("kinect", 3)
         await listener.next("panorama", 3)
         await listener.next("microphones", 3)
@@ -159,7 +160,7 @@ async def test_every_stream_runs_at_its_rate_in_real_time_and_unwanted_ones_not(
         assert (image.frame, scan.frame) == ("kinect_optical_frame", "hokuyo_link")
 
         for name in SENSORS:
-            link.demand(name, False)
+            link.demand(name, 0.0)
         # On a busy computer some are under way for long: the last one has come when none comes for a while.
         before: dict[str, int] = {}
         while before != (counts := {name: len(listener.messages[name]) for name in SENSORS}):
@@ -172,8 +173,30 @@ async def test_every_stream_runs_at_its_rate_in_real_time_and_unwanted_ones_not(
         await link.stop()
 
 
+@needs_gl
+async def test_a_camera_gives_what_is_demanded_and_says_how_many_it_left_out(
+    robot: RobotConfig, lab: WorldConfig
+) -> None:
+    link = SimulatedLink(robot, lab, OFFSET)
+    listener = Listener(link)
+    periods: list[int] = []
+    link.attach("kinect", lambda _: periods.append(link.periods("kinect")))
+    rate_hz = link.description.streams["kinect"].rate_hz
+    link.demand("kinect", rate_hz / 4)
+    await link.start()
+    try:
+        await listener.next("kinect", 4)
+        link.demand("kinect", math.inf)
+        await listener.until(lambda: periods[-2:] == [1, 1])
+    finally:
+        await link.stop()
+    assert periods[:4] == [1, 4, 4, 4]
+    stamps = [image.stamp for image in listener.messages["kinect"]]
+    assert all(after - before > 3.5 / rate_hz for before, after in itertools.pairwise(stamps[:4]))
+
+
 async def test_it_drives_as_commanded_and_odometry_drifts_a_little(blind: Listener) -> None:
-    blind.link.demand("ground_truth", True)
+    blind.link.demand("ground_truth", math.inf)
     before: GroundTruth = await blind.next("ground_truth")
     assert blind.messages["odometry"][0].X_OB.__class__() == blind.messages["odometry"][0].X_OB
     await blind.drive(0.4, 0.0, 2.5)

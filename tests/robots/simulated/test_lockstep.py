@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Iterator
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -25,7 +25,9 @@ from app.messages import (
     Twist,
 )
 from app.robots.config import RobotConfig, load_robot_config
+from app.robots.simulated.camera_rendering import KinectRenderer
 from app.robots.simulated.lockstep import LockstepLink
+from app.robots.simulated.renderer import WorldSnapshot
 from app.robots.simulated.scenery.scenario_config import ScenarioConfig
 from app.robots.simulated.world_config import WorldConfig
 from app.runtime.clock import VirtualClock, run_virtual
@@ -93,7 +95,7 @@ def test_streams_run_at_their_rates_by_the_programs_clock_and_unwanted_ones_not(
         await body.clock.sleep(1.0)
         assert not body.heard["hokuyo"]
         for stream in ("hokuyo", "ground_truth", "scene_truth"):
-            body.link.demand(stream, True)
+            body.link.demand(stream, math.inf)
         for messages in body.heard.values():
             messages.clear()
         await body.clock.sleep(2.0)
@@ -154,7 +156,7 @@ def test_an_emergency_stop_holds_until_it_is_cleared_also_over_a_restart(robot: 
 @pytest.mark.slow
 def test_two_runs_are_the_same_and_another_seed_is_not(robot: RobotConfig, hall: WorldConfig) -> None:
     async def script(body: Body) -> tuple[Any, ...]:
-        body.link.demand("hokuyo", True)
+        body.link.demand("hokuyo", math.inf)
         await body.drive(0.3, 0.4, 1.0)
         last: LaserScan = body.heard["hokuyo"][-1]
         return body.link.true_pose(), body.heard["odometry"][-1].X_OB, last.stamp, last.ranges.tobytes()
@@ -187,7 +189,7 @@ def test_the_laser_measures_a_cylinder_where_it_stands(robot: RobotConfig) -> No
     world = make_hall(cylinders=[{"at": [(8.0, 10.0), (8.0, 11.5)], "radius": 0.2, "material": "wall"}])
 
     async def script(body: Body) -> LaserScan:
-        body.link.demand("hokuyo", True)
+        body.link.demand("hokuyo", math.inf)
         await body.clock.sleep(0.2)
         return body.heard["hokuyo"][-1]
 
@@ -207,8 +209,8 @@ def test_with_cameras_pictures_come_with_the_step_they_show(robot: RobotConfig, 
     robot = robot.model_copy(update={"streams": robot.streams.model_copy(update={"kinect": small, "panorama": None})})
 
     async def script(body: Body) -> tuple[list[Image], list[GroundTruth]]:
-        body.link.demand("kinect", True)
-        body.link.demand("ground_truth", True)
+        body.link.demand("kinect", math.inf)
+        body.link.demand("ground_truth", math.inf)
         await body.drive(0.0, 0.0, 0.5)
         return body.heard["kinect"], body.heard["ground_truth"]
 
@@ -218,6 +220,37 @@ def test_with_cameras_pictures_come_with_the_step_they_show(robot: RobotConfig, 
     depth = pictures[-1].depth
     assert depth is not None
     assert np.median(depth[20:60]) == pytest.approx(2900 - 1000 * pictures[-1].X_BC.translation[0], abs=150)
+
+
+@needs_gl
+def test_a_camera_draws_no_more_than_is_demanded_and_says_how_many_it_left_out(
+    robot: RobotConfig, hall: WorldConfig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kinect = robot.streams.kinect
+    assert kinect is not None
+    small = kinect.model_copy(update={"width": 160, "height": 120})
+    robot = robot.model_copy(update={"streams": robot.streams.model_copy(update={"kinect": small, "panorama": None})})
+    drawn: list[float] = []
+    drawing = KinectRenderer.draw
+
+    def draw(self: KinectRenderer, snapshot: WorldSnapshot) -> Iterator[None]:
+        drawn.append(snapshot.stamp)
+        return drawing(self, snapshot)
+
+    async def script(body: Body) -> tuple[list[Image], list[int]]:
+        periods: list[int] = []
+        body.link.attach("kinect", lambda _: periods.append(body.link.periods("kinect")))
+        body.link.demand("kinect", 15 / 4)
+        await body.clock.sleep(0.1)
+        monkeypatch.setattr(KinectRenderer, "draw", draw)
+        await body.clock.sleep(3.0)
+        return body.heard["kinect"], periods
+
+    pictures, periods = live(at(robot, 17, 10), hall, script, cameras=True)
+    assert periods == [1] + [4] * (len(pictures) - 1)
+    assert len(pictures) == pytest.approx(1 + 3 * 15 / 4, abs=1)
+    assert all(b.stamp - a.stamp == pytest.approx(4 / 15, abs=0.005) for a, b in itertools.pairwise(pictures))
+    assert drawn == [picture.stamp for picture in pictures[1:]]
 
 
 def test_a_body_that_runs_is_not_started_twice_and_one_that_does_not_says_so(
@@ -243,7 +276,7 @@ def test_with_microphones_a_clap_is_heard_when_sound_has_come_the_way_and_no_sam
     scenario = ScenarioConfig.model_validate({"name": "a clap", "sounds": [clap]})
 
     async def script(body: Body) -> list[Audio]:
-        body.link.demand("microphones", True)
+        body.link.demand("microphones", math.inf)
         await body.clock.sleep(0.7)
         return body.heard["microphones"]
 

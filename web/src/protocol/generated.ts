@@ -350,11 +350,11 @@ export interface MapList {
 export interface ModuleInput {
   /** φ: one message in φ passes; null: none passes. */
   divisor: number | null;
-  /** Messages offered. */
+  /** Messages offered, or left out by the source on behalf of the filters. */
   received: number;
   /** ... let through by the filter. */
   passed: number;
-  /** ... stopped by the filter, as wanted. */
+  /** ... stopped by the filter, or left out, as wanted. */
   decimated: number;
   /** ... pushed out of a full inbox. */
   dropped: number;

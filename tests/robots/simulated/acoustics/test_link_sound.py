@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import os
 import signal
 import time
@@ -76,7 +77,7 @@ async def test_frames_follow_one_another_and_a_clap_comes_from_its_place(robot: 
     await link.start()
     try:
         for stream in ("microphones", "scene_truth", "ground_truth"):
-            link.demand(stream, True)
+            link.demand(stream, math.inf)
         async with asyncio.timeout(PATIENCE_S):
             await enough.wait()
         children = psutil.Process(link.process_id).children()
@@ -126,7 +127,7 @@ async def test_the_microphones_process_ends_with_the_link_s_however_that_ends(
     link.attach("microphones", lambda _: heard.set())
     await link.start()
     try:
-        link.demand("microphones", True)
+        link.demand("microphones", math.inf)
         async with asyncio.timeout(PATIENCE_S):
             await heard.wait()
             assert link.process_id is not None

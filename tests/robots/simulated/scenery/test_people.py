@@ -213,7 +213,7 @@ async def test_the_truth_of_a_running_world_is_the_scenarios(robot: RobotConfig,
     link = SimulatedLink(config, hall, 0.0, scenario)
     scenes: asyncio.Queue[SceneTruth] = asyncio.Queue()
     link.attach("scene_truth", scenes.put_nowait)
-    link.demand("scene_truth", True)
+    link.demand("scene_truth", math.inf)
     async with asyncio.timeout(PATIENCE_S):
         await link.start()
         try:

@@ -1,8 +1,9 @@
 """Persistent obstacles: low and overhanging objects that the camera sees and the laser does not, kept on the map.
 
-A camera at head height that looks straight ahead sees a low box up to a distance of 3 m and looks over it from there
-on. A robot that turns beside the box, or comes back to it, needs the earlier observation. The local costmap rolls along
-in ``odom`` and drops cells behind it; this layer is in ``map``, covers all of it, and is saved with the map.
+A camera at head height that looks level sees a low box up to a distance of 3 m and looks over it from there on; one
+that is turned aside does not see it at all. A robot that turns beside the box, or comes back to it, needs the earlier
+observation. The local costmap rolls along in ``odom`` and drops cells behind it; this layer is in ``map``, covers all
+of it, and is saved with the map.
 
 Obstacles that the laser sees are not kept: walls and furniture are on the map, and people leave. A cell is not taken
 within ``laser_m`` of the current scan's points, nor before it was hit for ``steady_s``. It is removed when the camera

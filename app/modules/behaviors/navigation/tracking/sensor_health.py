@@ -14,8 +14,14 @@ from app.messages import Image, LaserScan
 
 #: Stride of the sampled rows and columns.
 _STEP = 8
-#: Greatest distance (m along the floor) at which a depth camera may be blind to a wall.
+#: Greatest depth (m) to which a depth camera may be blind.
 _BLIND_M = 0.7
+#: Where the laser measures nothing, a wall is this far away (m).
+_OPEN_M = 1e3
+#: Sampled rows and columns of a camera's view.
+_LOOKS = 9
+#: A wall's point serves so far aside (rad).
+_BESIDE_RAD = math.radians(2.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,17 +85,29 @@ def unfit(
 
 
 def _stands_before_a_wall(image: Image, scan: LaserScan) -> bool:
-    """Whether all scan points in the camera's field of view are nearer than its least range."""
-    if not isinstance(image.camera, CameraModel):
+    """Whether all that the camera looks at, where the scan measures, is nearer than its least range: walls upright at
+    the scan's points, and the floor before them. The head may be turned and tilted.
+    """
+    camera, X_BC = image.camera, image.X_BC
+    if not isinstance(camera, CameraModel):
         return False
-    half = math.atan(0.5 * image.camera.width / image.camera.fx)
-    ahead = image.X_BC.rotation[:, 2]
     angles = scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))
     # A ray without a return is no wall.
     measured = np.isfinite(scan.ranges) & (scan.ranges >= scan.range_min)
-    ranges = np.where(measured, scan.ranges, np.float32(1e3))
+    ranges = np.where(measured, scan.ranges, np.float32(_OPEN_M))
     at = np.stack((ranges * np.cos(angles), ranges * np.sin(angles), np.zeros_like(ranges)), axis=-1)
-    rays = scan.X_BL.transform(at.astype(np.float64)) - image.X_BC.translation
-    off = np.arctan2(rays[:, 1], rays[:, 0]) - math.atan2(ahead[1], ahead[0])
-    seen = np.abs((off + math.pi) % (2.0 * math.pi) - math.pi) < 0.9 * half
-    return bool(seen.any() and (np.hypot(rays[seen, 0], rays[seen, 1]) < _BLIND_M).all())
+    points = scan.X_BL.transform(at.astype(np.float64)) - X_BC.translation
+    azimuths, walls_m = np.arctan2(points[:, 1], points[:, 0]), np.hypot(points[:, 0], points[:, 1])
+    rows, columns = (np.linspace(0.05, 0.95, _LOOKS) * size for size in (camera.height, camera.width))
+    pixels = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
+    looks = camera.rays(pixels) @ X_BC.rotation.T
+    looks /= looks @ X_BC.rotation[:, 2:]  # as far as 1 m of depth reaches
+    level = np.hypot(looks[:, 0], looks[:, 1])
+    off = np.abs(np.arctan2(looks[:, 1], looks[:, 0])[:, None] - azimuths)
+    off = np.minimum(off, 2.0 * math.pi - off)
+    nearest = off.argmin(axis=1)
+    covered = off[np.arange(len(looks)), nearest] < max(scan.angle_increment, _BESIDE_RAD)
+    with np.errstate(divide="ignore"):
+        wall_m = walls_m[nearest] / level
+        floor_m = np.where(looks[:, 2] < 0.0, X_BC.translation[2] / -looks[:, 2], np.inf)
+    return bool(covered.any() and (np.minimum(wall_m, floor_m)[covered] < _BLIND_M).all())

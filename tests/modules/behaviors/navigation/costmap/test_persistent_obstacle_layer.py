@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from app.base.geometry import Pose2
+from app.base.geometry import Pose2, Pose3
 from app.modules.behaviors.navigation.costmap.persistent_obstacle_file import PersistentObstacles
 from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import (
     PersistentObstacleLayer,
@@ -73,6 +73,27 @@ def test_a_low_box_seen_on_the_way_is_there_an_hour_later_and_from_anywhere() ->
     ahead = np.array([(X_OB.inverse() @ Pose2(*point)).x for point in near])
     assert ahead.min() == pytest.approx(1.0, abs=0.12)
     assert not len(things.near(X_MO, X_MO.inverse() @ Pose2(-6.0, 4.0, 0.0), 2.0))
+
+
+@pytest.mark.parametrize("pan_deg", [60.0, -90.0])
+def test_what_a_turned_head_sees_is_where_it_is_and_seen_to_be_gone(pan_deg: float) -> None:
+    """The body looks away by as much as the head is turned, so that the eye sees what one ahead would."""
+    pan = math.radians(pan_deg)
+    turned = Pose3.from_translation_rpy((0.0, 0.0, 0.0), (0.0, 0.0, pan)) @ EYE
+    things, ahead = memory(), memory()
+    poses, stamp = approach(-1.0, 0.8), 0.0
+    for world, eye_poses in ((World((BOX,)), poses), (World(()), poses[:4])):
+        for pose in eye_poses:
+            away = Pose2(pose.x, pose.y, -pan)
+            things.look(world.depth(stamp, away, turned), away, seen_by_laser(world, stamp, away))
+            ahead.look(world.depth(stamp, pose, EYE), pose, seen_by_laser(world, stamp, pose))
+            stamp += 0.2
+        if world.boxes:
+            assert about(things, 3.0, 0.0) > 5
+            assert about(things, 3.0, 0.0) == pytest.approx(about(ahead, 3.0, 0.0), abs=2)
+            assert np.abs(things.points - np.array([3.05, 0.0])).max() < 0.35
+            stamp += 60.0
+    assert not len(things.points)
 
 
 def test_it_is_forgotten_once_seen_to_be_gone() -> None:

@@ -77,6 +77,36 @@ def test_a_camera_that_goes_on_sending_dead_pictures_may_not(depth: NDArray[np.u
     assert unfit(now, now, update_depth_health(watch, picture(now, alive(2)))) == "", "it lives again"
 
 
+def looking(pan_deg: float, tilt_deg: float) -> Image:
+    """A picture of zeros with the head turned left by ``pan_deg`` and down by ``tilt_deg``."""
+    head = Pose3.from_translation_rpy((0.0, 0.0, 0.0), (0.0, math.radians(tilt_deg), math.radians(pan_deg)))
+    turned = Pose3((head @ X_BC).rotation, X_BC.translation)
+    return Image(11.0, "kinect", np.zeros((480, 640, 3), np.uint8), np.zeros((480, 640), np.uint16), CAMERA, turned)
+
+
+@pytest.mark.parametrize(
+    ("pan_deg", "tilt_deg", "blind"),
+    [
+        (0, 0, True),
+        (60, 0, False),  # beside the wall
+        (-60, 0, False),
+        (0, 20, True),
+        (0, 60, False),  # at the floor before the wall, 1.6 m down along the view
+        (0, -20, True),
+        (150, 0, False),  # where the laser does not reach
+    ],
+)
+def test_a_wall_before_the_body_excuses_zeros_only_where_the_head_looks_at_it(
+    pan_deg: float, tilt_deg: float, blind: bool
+) -> None:
+    wall = scan(math.inf)
+    angles = wall.angle_min + wall.angle_increment * np.arange(len(wall.ranges))
+    # Flat, 0.3 m before the laser, to 30 degrees either side
+    wall.ranges[:] = np.where(np.abs(angles) < math.radians(62), 0.3 / np.cos(angles), np.inf)
+    problem = update_depth_health(DepthHealth(), looking(pan_deg, tilt_deg), wall).problem
+    assert problem == ("" if blind else "depth pictures are all zero")
+
+
 def test_one_dead_picture_is_no_reason_to_stop() -> None:
     watch = update_depth_health(DepthHealth(), picture(10.0, alive(0)))
     watch = update_depth_health(watch, picture(10.07, np.zeros((480, 640), np.uint16)))
