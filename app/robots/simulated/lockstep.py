@@ -15,7 +15,7 @@ a guard in the program's own process protects from little.
     pose = run_in_world(configuration, body, script)                  # app.experiments.world_run
 
 ``kinect`` and ``imv`` exist only with ``cameras``, and ``microphones`` only with ``microphones``: images and sound are
-then rendered while time is stopped, and arrive with their step. There is no loudspeaker.
+then rendered while time is stopped, and arrive with their step. The loudspeaker is heard by the microphones alone.
 """
 
 from __future__ import annotations
@@ -153,7 +153,9 @@ class LockstepLink:
         self._accept(wire.request(command))
 
     def play(self, audio: Audio) -> None:
-        """No effect: this body has no loudspeaker."""
+        """Play one frame through the loudspeaker, which a body with microphones has."""
+        if self._simulation is not None:
+            self._simulation.play(audio)
 
     def e_stop(self, reason: str) -> None:
         """Latch the emergency stop, also beyond a restart of the link."""
@@ -197,11 +199,12 @@ class LockstepLink:
 
 
 def without_threads(robot: RobotConfig, *, cameras: bool, microphones: bool = False) -> RobotConfig:
-    """``robot`` without loudspeaker, without cameras unless ``cameras``, without microphones unless ``microphones``."""
+    """``robot`` without cameras unless ``cameras``, without microphones and loudspeaker unless ``microphones``."""
     removed: dict[str, None] = {}
     if not microphones:
         removed |= {"microphones": None}
     if not cameras:
         removed |= {"kinect": None, "imv": None}
     streams = robot.streams.model_copy(update=removed)
-    return robot.model_copy(update={"streams": streams, "loudspeaker": None, "guard_log": None})
+    loudspeaker = robot.loudspeaker if microphones else None
+    return robot.model_copy(update={"streams": streams, "loudspeaker": loudspeaker, "guard_log": None})
