@@ -70,6 +70,7 @@ from app.messages.sensors import (
     SceneTruth,
     SoundTruth,
 )
+from app.messages.speech import Speech, SpeechState
 
 __all__ = [
     "Audio",
@@ -125,6 +126,8 @@ __all__ = [
     "SoundSource",
     "SoundSources",
     "SoundTruth",
+    "Speech",
+    "SpeechState",
     "Twist",
     "Zone",
     "Zones",

@@ -18,7 +18,7 @@ from app.console.records.navigation import NavigationModel
 from app.console.records.program import ModuleReport, SourceState
 from app.console.records.recordings import PlaybackReport, RecorderReport
 from app.console.records.robot import Guard, LandmarkReport, OdometryReport, RobotFacts
-from app.messages import LaneState, PlacedPercepts
+from app.messages import LaneState, PlacedPercepts, Speech
 from app.messages.base import Stamp, doc
 
 Sequence = Annotated[int, doc("Grows.")]
@@ -248,6 +248,7 @@ FROM_ROBOT: dict[str, Message] = {
     "recorder": Message(RecorderReport, "On change, and about once a second while it records: what the Recorder does."),
     "landmarks": Message(Landmarks, "On change: what was found, in `odom`."),
     "perceived": Message(PlacedPercepts, "On change: what the robot sees and hears."),
+    "speech": Message(Speech, "On change, up to 20 times a second: what the robot says, for subtitles."),
     "localization": Message(Localization, "Up to 10 times a second: where the robot is on the map."),
     "navigation": Message(NavigationModel, "On change: the goal and the state of navigation."),
     "zones": Message(ZoneList, "On change: the zones of the map."),
