@@ -175,7 +175,8 @@ class OwnVoiceFilter:
         if self._cold and float(np.abs(reference).max()) >= _SILENT:
             self._judge(before, after)
         gain = self._next_gain(after)
-        ramp = np.linspace(self._gain, gain, len(samples), dtype=np.float32)
+        # Closing is sudden: the first block of a sentence would be heard through a ramp.
+        ramp = np.linspace(min(self._gain, gain), gain, len(samples), dtype=np.float32)
         self._gain = gain
         out = samples.copy()
         out[:, columns] = np.clip(np.rint((clean * ramp).T * 32768), -32768, 32767).astype(np.int16)
@@ -194,8 +195,9 @@ class OwnVoiceFilter:
         self._envelope = max(self._canceller.echo_power, self._envelope * _ratio(-_FALL_DB_S * self._block_s))
         another = rest > _ratio(_REST_DB) * self._envelope
         self._open_s = _HOLD_S if another else self._open_s - self._block_s
-        heard = self._open_s > 0 and not (self._cold and self._canceller.sounds)
-        return np.float32(1) if heard or self._envelope <= _OVER else _MUTED
+        if self._cold and self._canceller.sounds:
+            return _MUTED
+        return np.float32(1) if self._open_s > 0 or self._envelope <= _OVER else _MUTED
 
     def _reference(self, first: int, count: int) -> Sound:
         """What was played as number ``first`` and the next; forgets what is older."""
