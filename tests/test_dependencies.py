@@ -13,6 +13,9 @@ ROOT = Path(__file__).resolve().parent.parent
 #: Parts of what is asked for: of fastapi, pydantic, numba and, before Python 3.14 has it itself, rosbags.
 PARTS = {"starlette", "pydantic-core", "llvmlite", "backports-zstd", "compression"}
 
+#: Packages of extras that need not be installed, where their name is not that of the import.
+GIVEN_BY = {"piper": "piper-tts"}
+
 
 def normal(name: str) -> str:
     return re.sub(r"[-_.]+", "-", name).lower()
@@ -40,14 +43,14 @@ def imported(folder: Path) -> dict[str, Path]:
 def test_every_package_that_is_imported_is_asked_for() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     optional = project["optional-dependencies"]
-    extras = [requirement for extra in ("video", "devices", "speech") for requirement in optional[extra]]
+    extras = [requirement for extra in ("video", "devices", "speech", "piper") for requirement in optional[extra]]
     asked = {named(requirement) for requirement in (*project["dependencies"], *extras)} | PARTS
     providers = metadata.packages_distributions()
     strangers = {}
     for package, path in imported(ROOT / "app").items():
         if package in sys.stdlib_module_names or package == "app":
             continue
-        given_by = {normal(name) for name in providers.get(package, [package])}
+        given_by = {normal(name) for name in providers.get(package, [GIVEN_BY.get(package, package)])}
         if not given_by & asked:
             strangers[package] = f"{path.relative_to(ROOT)}, from {', '.join(sorted(given_by))}"
     assert not strangers

@@ -284,9 +284,9 @@ def audio() -> Finding:
 
 
 def speech() -> Finding:
-    """Check the speech synthesis for people of the simulated world."""
+    """Check the speech synthesis for the robot's voice, and for people of the simulated world."""
     found = importlib.util.find_spec("espeakng_loader") is not None
-    remedy = "pip install 'hbba[speech]'; only for scenarios whose people say text, as none of the project's do"
+    remedy = "pip install 'hbba[speech]'; without it the robot speaks by subtitles alone"
     return Finding("spoken text", found, False, "espeak-ng" if found else "no espeak-ng", remedy)
 
 

@@ -47,19 +47,20 @@ def run_in_world(
     *,
     world: WorldConfig | None = None,
     cameras: bool = False,
+    microphones: bool = False,
     without: Collection[str] = (),
     pins: Mapping[str, Pin] | None = None,
     maps: MapLibrary | None = None,
 ) -> T:
     """Run ``script`` beside the program of ``configuration`` in the world of ``body``, in virtual time.
 
-    Modules of streams that the body does not have (its cameras, without ``cameras``; its microphones) and those named
-    in ``without`` are left out, and strategies work without them. ``world`` replaces the one that the body's file
-    names. ``pins`` and ``maps`` as for ``System``. Not to be called on an event loop. Raises what the script raises,
-    ConfigError, and what ended the program if it ended before the script.
+    Modules of streams that the body does not have (its cameras, without ``cameras``; its microphones, without
+    ``microphones``) and those named in ``without`` are left out, and strategies work without them. ``world`` replaces
+    the one that the body's file names. ``pins`` and ``maps`` as for ``System``. Not to be called on an event loop.
+    Raises what the script raises, ConfigError, and what ended the program if it ended before the script.
     """
     clock = VirtualClock(ORIGIN)
-    link = create_lockstep(body, clock, world=world, cameras=cameras)
+    link = create_lockstep(body, clock, world=world, cameras=cameras, microphones=microphones)
     system = System(
         able(configuration, link, without),
         link=link,
@@ -89,8 +90,11 @@ def able(
         kind = load_class(spec.class_path)  # the graph refuses a missing one
         if name in without:
             continue
-        if kind is None or (set(kind.streams.values()) <= streams and (recorders or not issubclass(kind, Recorder))):
-            modules[name] = spec
+        if kind is not None:
+            lacks = set(kind.streams.values()) - kind.optional_streams - streams
+            if lacks or (issubclass(kind, Recorder) and not recorders):
+                continue
+        modules[name] = spec
     produced = {channel for spec in modules.values() for channel in spec.outputs.values()}
     channels = {
         name: spec if name in produced else spec.model_copy(update={"external": True, "rate_hz": None})

@@ -90,6 +90,7 @@ from app.messages.sensors import (
     SceneTruth,
     SoundTruth,
 )
+from app.messages.speech import Speech, SpeechState
 
 __all__ = [
     "Alternative",
@@ -161,6 +162,8 @@ __all__ = [
     "SoundTruth",
     "Source",
     "SourceKind",
+    "Speech",
+    "SpeechState",
     "StrategyReport",
     "SubscriptionCounters",
     "TeleopCommand",

@@ -50,7 +50,8 @@ class StreamModule(Module):
     """Base of the sensor modules: each publishes streams of the body, unchanged, on outputs while it runs.
 
     A stream is produced only while its output has an open subscription, unless the body always produces it, and no
-    faster than the filters need it. Raises ModuleFailed at the start for a body without such a stream.
+    faster than the filters need it. Raises ModuleFailed at the start for a body without such a stream,
+    unless it is one of ``optional_streams``.
     """
 
     #: By output: the body's stream, and its message type.
@@ -68,6 +69,8 @@ class StreamModule(Module):
     async def start(self) -> None:
         link = robot_link(self)
         for name, stream in self.streams.items():
+            if stream in self.optional_streams and stream not in link.description.streams:
+                continue
             output = self._context.outputs[name]
             self._releases.append(attach(self, stream, output.message_type, partial(_publish, link, stream, output)))
             self._releases.append(partial(link.demand, stream, 0.0))

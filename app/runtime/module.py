@@ -83,6 +83,8 @@ class Module:
     desire_classes: ClassVar[tuple[object, ...]] = ()
     #: Stream of the body that each output relays; a replay feeds a recorded channel to the stream named here.
     streams: ClassVar[Mapping[str, str]] = {}
+    #: Those of ``streams`` without which it runs all the same.
+    optional_streams: ClassVar[frozenset[str]] = frozenset()
     #: Inputs that improve the results of other inputs and are useless alone.
     auxiliary_inputs: ClassVar[frozenset[str]] = frozenset()
 

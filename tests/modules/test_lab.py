@@ -172,13 +172,16 @@ def test_driving_by_hand_costs_nothing(table: StrategyTable) -> None:
 
 
 @pytest.mark.parametrize("desire_class", CLASSES.values(), ids=lambda c: c.name)
-def test_every_class_has_words_and_every_parameter_a_default_but_a_place(desire_class: DesireClass) -> None:
+def test_every_class_has_words_and_every_parameter_a_default_but_what_it_is_about(desire_class: DesireClass) -> None:
     assert desire_class.title
     assert desire_class.description.endswith(".")
     schema = desire_class.parameters.model_json_schema()
     required = schema.get("required", [])
-    assert required == (["x", "y"] if desire_class.name in ("GoTo", "LookAt") else [])
-    defaults = desire_class.validated(dict.fromkeys(required, 1.0))
+    place: dict[str, object] = {"x": 1.0, "y": 1.0}
+    needed: dict[str, dict[str, object]] = {"GoTo": place, "LookAt": place, "Say": {"text": "Hello."}}
+    values = needed.get(desire_class.name, {})
+    assert required == list(values)
+    defaults = desire_class.validated(values)
     for name, prop in schema["properties"].items():
         assert prop["description"].endswith("."), name
         assert name in defaults

@@ -65,6 +65,7 @@ def test_each_stream_of_the_body_is_traced_to_its_channel(lab: System) -> None:
         "stream.kinect": "kinect",
         "stream.panorama": "panorama",
         "stream.microphones": "microphones",
+        "stream.loudspeaker": "played_sound",
         "stream.hokuyo": "scan",
         "stream.odometry": "odometry",
         "stream.joints": "joints",

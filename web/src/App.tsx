@@ -8,6 +8,7 @@ import { Side } from "./panels/Side";
 import { Transport } from "./playback/Transport";
 import { ListenButton } from "./sound/ListenButton";
 import { TalkButton } from "./sound/TalkButton";
+import { Subtitles } from "./speech/Subtitles";
 import { useApp } from "./state/context";
 import { Banner } from "./ui/Banner";
 import { EStop } from "./ui/EStop";
@@ -55,6 +56,7 @@ export function App() {
           {body.maps && <MapToggle />}
           <SceneToggle />
         </div>
+        <Subtitles />
         <Banner />
         {!phone && !replay && body.drives && <DrivePad />}
       </main>

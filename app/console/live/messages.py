@@ -27,6 +27,7 @@ from app.messages import (
     LoadReport,
     PlacedPercepts,
     Scale,
+    Speech,
 )
 from app.messages.base import Stamp, doc
 
@@ -220,6 +221,7 @@ FROM_ROBOT: dict[str, Message] = {
     "recorder": Message(RecorderReport, "On change, and about once a second while it records: what the Recorder does."),
     "landmarks": Message(Landmarks, "On change: what was found, in `odom`."),
     "perceived": Message(PlacedPercepts, "On change: what the robot sees and hears."),
+    "speech": Message(Speech, "On change, up to 20 times a second: what the robot says, for subtitles."),
     "localization": Message(Localization, "Up to 10 times a second: where the robot is on the map."),
     "navigation": Message(NavigationModel, "On change: the goal and the state of navigation."),
     "zones": Message(ZoneList, "On change: the zones of the map."),

@@ -187,7 +187,9 @@ def _obstacle(name: str, module_class: type[Module] | None, options: ReplayOptio
         return "" if options.record else NOT_ASKED
     if options.only is not None and name not in options.only:
         return NOT_ASKED
-    missing = sorted(set(module_class.streams.values()) - set(streams)) if module_class is not None else []
+    if module_class is None:
+        return ""
+    missing = sorted(set(module_class.streams.values()) - module_class.optional_streams - set(streams))
     return f"the log has no {' and no '.join(missing)}" if missing else ""
 
 

@@ -2,12 +2,15 @@
 
     ┌─────────────────────────────────────────────────────────────────────────────────────────┐
     │ LoudNoiseDetector    in   audio   Audio, frames of 512 at 48 kHz, all of them (lossless) │
+    │                      in   played  Audio: what the robot's loudspeaker plays, numbered as │
+    │                                   the microphones' samples; may be absent                │
     │                      out  noises  LoudNoise, one for each noise, when it begins          │
     └─────────────────────────────────────────────────────────────────────────────────────────┘
 
 Applies the rule of ``loud_noises`` to each frame: its energy against the robust mean of those before it. No noise is
 published within the first second, or within a second after a gap of more than a second (``first_sample``): the
-background is unknown then.
+background is unknown then. Nor is one published while the loudspeaker plays, and for ``ECHO_S`` after: it would be the
+robot's own.
 
 The cost is so small that frames are processed on the event loop, without a thread. ``ratio``
 and ``hold_off_s`` are parameters of the desire DetectNoises.
@@ -30,6 +33,8 @@ from app.runtime.module import Module, ModuleContext, Settings
 
 #: Inbox capacity: a second of frames, for stalls of the event loop.
 _CAPACITY = 94
+#: Time (s) after the loudspeaker's last sample for which a noise may be its echo.
+ECHO_S = 0.5
 
 
 class LoudNoiseDetectorSettings(Settings):
@@ -75,6 +80,7 @@ DETECT_NOISES = DesireClass(
 class LoudNoiseDetector(Module):
     title = "Loud noise detector"
     desire_classes = (DETECT_NOISES,)
+    auxiliary_inputs = frozenset({"played"})
     Settings = LoudNoiseDetectorSettings
     settings: LoudNoiseDetectorSettings
 
@@ -88,6 +94,10 @@ class LoudNoiseDetector(Module):
         self._rest = np.zeros(0, np.int16)
         self._band = BandEnergy(48_000)
         self._detector = OnsetDetector()
+        #: Number of the first sample that the loudspeaker cannot have caused.
+        self._own_until = -1
+        # Read with each frame of the microphones, not on arrival: what was played meanwhile has come before it.
+        self.played = self.input("played", Audio, capacity=_CAPACITY, always_open=True, wants="if_wanted")
         self.audio = self.input("audio", Audio, capacity=_CAPACITY, lossless=True)
         self.noises = self.output("noises", LoudNoise)
         self.on(self.audio, self._listen)
@@ -116,6 +126,7 @@ class LoudNoiseDetector(Module):
             self._resume(audio, lost)
         self._awaited = audio.first_sample + count
         samples = audio.samples[:, self.settings.microphone]
+        own = audio.first_sample < self._played_until()
         begin = audio.stamp - len(self._rest) / audio.rate
         if count != FRAME or len(self._rest):
             samples = np.concatenate((self._rest, samples))
@@ -124,8 +135,14 @@ class LoudNoiseDetector(Module):
         for first in range(0, len(samples), FRAME):
             frame = samples[first : first + FRAME]
             noise = onset_of(frame, self._band.frame(frame), self._detector)
-            if noise is not None:
+            if noise is not None and not own:
                 self.noises.publish(LoudNoise(begin + first / audio.rate, noise.ratio, noise.level_db))
+
+    def _played_until(self) -> int:
+        while self.played.connected and self.played.subscription.waiting:
+            played = self.played.subscription.receive_nowait()
+            self._own_until = played.first_sample + len(played.samples) + round(ECHO_S * played.rate)
+        return self._own_until
 
     def _resume(self, audio: Audio, lost: int) -> None:
         """Continue after a gap of ``lost`` samples; restart after a long gap or a change of the sound's format."""

@@ -5,6 +5,8 @@
     │                                   or nothing: sound may not be decimated                 │
     │                   in   odometry   Odometry, 100 Hz, X_OB in odom; never filtered; may be │
     │                                   absent on a body that never turns                      │
+    │                   in   played     Audio, one channel: what the robot's loudspeaker plays,│
+    │                                   numbered as the microphones' samples; may be absent    │
     │                   out  sources    SoundSources, 23 Hz, directions in base_link           │
     │                   out  separated  SeparatedSound, 8 blocks/s, 16 kHz, up to 2 voices     │
     └─────────────────────────────────────────────────────────────────────────────────────────┘
@@ -12,7 +14,9 @@
 Computes steered response power over the sphere (voices/localization.py), tracks in ``odom``'s axes by the heading at
 the sound's own time (voices/tracking.py), each source's probability of being speech (Silero VAD,
 voices/voice_activity.py), its distance by people's heights (height_prior.py), and the separated sound of up to two
-sources (voices/separation.py). ``microphones`` (2, 4, 8 ...: the number of used ones) and ``separation`` are parameters
+sources (voices/separation.py). What the loudspeaker plays is removed first (voices/own_voice.py), so that the robot's
+own voice is nobody's.
+``microphones`` (2, 4, 8 ...: the number of used ones) and ``separation`` are parameters
 of the strategies for the desire LocateVoices, ``voices`` (how many are separated) of the desire itself. After a gap in
 the sound, and after a restart, all state except the track numbers is reset. Microphone positions that do not explain
 the sound (voices/array_check.py) are logged once.
@@ -22,6 +26,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -33,6 +38,7 @@ from app.messages import Audio, Odometry, SeparatedSound, SoundSources
 from app.modules.perception.overruns import Overruns
 from app.modules.perception.pose_at import PoseAt
 from app.modules.perception.voices.microphone_array import MicrophoneArray
+from app.modules.perception.voices.own_voice import Numbered, OwnVoiceFilter
 from app.modules.perception.voices.pipeline import PipelineSettings, VoicePipeline
 from app.modules.perception.voices.voice_activity import VoiceActivityDetector
 from app.runtime.errors import InboxOverflow, ModuleFailed
@@ -86,6 +92,7 @@ LOCATE_VOICES = DesireClass(
 class VoiceLocalizer(Module):
     title = "Voice localizer"
     desire_classes = (LOCATE_VOICES,)
+    auxiliary_inputs = frozenset({"played"})
     Settings = VoiceLocalizerSettings
     settings: VoiceLocalizerSettings
 
@@ -105,6 +112,9 @@ class VoiceLocalizer(Module):
         self._waiting_length = 0
         #: Number and time of the first waiting sample, and the number of the next expected one.
         self._first_sample, self._stamp, self._next_sample = 0, 0.0, -1
+        self._own_voice: OwnVoiceFilter | None = None
+        # Read with each frame of the microphones, not on arrival: what was played meanwhile has come before it.
+        self.played = self.input("played", Audio, capacity=188, always_open=True, wants="if_wanted")
         self.audio = self.input("audio", Audio, capacity=94, lossless=True)
         self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True)
         self.sources = self.output("sources", SoundSources)
@@ -139,14 +149,17 @@ class VoiceLocalizer(Module):
         if self._wiring is None or not self._wiring.same(audio):
             self._retire()
             self._wiring = _Wiring(audio.p_BM, audio.rate)
+            self._own_voice = OwnVoiceFilter(audio.samples.shape[1], audio.rate)
             self._doubted = False
         if audio.first_sample != self._next_sample:
             self._reset()
-        if not self._waiting_length:
-            self._first_sample, self._stamp = audio.first_sample, audio.stamp
-        self._waiting.append(audio.samples)
-        self._waiting_length += len(audio.samples)
         self._next_sample = audio.first_sample + len(audio.samples)
+        first_sample, samples = await self._without_own_voice(audio)
+        if not self._waiting_length:
+            self._first_sample = first_sample
+            self._stamp = audio.stamp + (first_sample - audio.first_sample) / audio.rate
+        self._waiting.append(samples)
+        self._waiting_length += len(samples)
         while self._pipeline is None:
             wanted = self._microphones, self._wanted
             first = self.persistent.get(_NEXT_TRACK, 1)
@@ -164,6 +177,20 @@ class VoiceLocalizer(Module):
                     extra={"frame": audio.frame, "explained_percent": round(100 * pipeline.array_check.share)},
                 )
 
+    async def _without_own_voice(self, audio: Audio) -> Numbered:
+        """The next samples without what the loudspeaker played, and the number of the first; some may be kept back."""
+        own_voice = self._own_voice
+        assert own_voice is not None
+        played: list[Numbered] = []
+        while self.played.connected and self.played.subscription.waiting:
+            frame = self.played.subscription.receive_nowait()
+            if frame.rate == audio.rate:
+                played.append((frame.first_sample, frame.samples[:, 0]))
+        if not played and not own_voice.needed:
+            return audio.first_sample, audio.samples
+        used = None if self._pipeline is None else self._pipeline.array.channels
+        return await self.compute(own_voice.process, audio.first_sample, audio.samples, played, used)
+
     async def _process(self, pipeline: VoicePipeline, rate: int) -> None:
         sound = np.concatenate(self._waiting)
         block, rest = sound[: pipeline.step], sound[pipeline.step :]
@@ -171,7 +198,9 @@ class VoiceLocalizer(Module):
         self._waiting, self._waiting_length = ([rest] if len(rest) else []), len(rest)
         self._stamp, self._first_sample = stamp + pipeline.step / rate, first_sample + pipeline.step
         heading = await self._heading_at(pipeline.instant(stamp))
-        sources, separated = await self.compute(pipeline.process, block, stamp, first_sample, heading)
+        own_voice = self._own_voice is not None and self._own_voice.needed
+        process = partial(pipeline.process, own_voice=own_voice)
+        sources, separated = await self.compute(process, block, stamp, first_sample, heading)
         self.persistent[_NEXT_TRACK] = pipeline.next_track
         self.sources.publish(sources)
         if separated is not None:
@@ -190,6 +219,8 @@ class VoiceLocalizer(Module):
     def _reset(self) -> None:
         """Reset: the next samples do not follow the last."""
         self._waiting, self._waiting_length = [], 0
+        if self._own_voice is not None:
+            self._own_voice.reset()
         if self._pipeline is not None:
             self._pipeline.reset()
 

@@ -217,6 +217,8 @@ def describe(robot: RobotConfig) -> RobotDescription:
     if streams.microphones is not None:
         rate_hz = streams.microphones.rate / streams.microphones.frame_samples
         table.append(("microphones", Audio, rate_hz))
+        if robot.loudspeaker is not None:
+            table.append(("loudspeaker", Audio, rate_hz))
     if robot.ground_truth:
         table.append(("ground_truth", GroundTruth, streams.odometry.rate_hz))
         table.append(("scene_truth", SceneTruth, streams.status.rate_hz))

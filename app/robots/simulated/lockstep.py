@@ -15,7 +15,7 @@ a guard in the program's own process protects from little.
     pose = run_in_world(configuration, body, script)                  # app.experiments.world_run
 
 ``kinect`` and ``panorama`` exist only with ``cameras``, and ``microphones`` only with ``microphones``: images and sound
-are then rendered while time is stopped, and arrive with their step. There is no loudspeaker.
+are then rendered while time is stopped, and arrive with their step. The loudspeaker is heard by the microphones alone.
 """
 
 from __future__ import annotations
@@ -123,7 +123,9 @@ class LockstepLink(SimulatedBody):
         self._send(link_protocol.request(command))
 
     def play(self, audio: Audio) -> None:
-        """No effect: this body has no loudspeaker."""
+        """Play one frame through the loudspeaker, which a body with microphones has."""
+        if self._simulation is not None:
+            self._simulation.play(audio)
 
     def _send(self, frame: object) -> None:
         if self._simulation is not None:
@@ -147,11 +149,12 @@ class LockstepLink(SimulatedBody):
 
 
 def without_threads(robot: RobotConfig, *, cameras: bool, microphones: bool = False) -> RobotConfig:
-    """``robot`` without loudspeaker, without cameras unless ``cameras``, without microphones unless ``microphones``."""
+    """``robot`` without cameras unless ``cameras``, without microphones and loudspeaker unless ``microphones``."""
     removed: dict[str, None] = {}
     if not microphones:
         removed |= {"microphones": None}
     if not cameras:
         removed |= {"kinect": None, "panorama": None}
     streams = robot.streams.model_copy(update=removed)
-    return robot.model_copy(update={"streams": streams, "loudspeaker": None, "guard_log": None})
+    loudspeaker = robot.loudspeaker if microphones else None
+    return robot.model_copy(update={"streams": streams, "loudspeaker": loudspeaker, "guard_log": None})

@@ -6,8 +6,9 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from app.messages import Image
+from app.messages import Audio, Image
 from app.robots.config import RobotConfig
+from app.robots.simulated.acoustics.ipc import LoudspeakerFrame
 from app.robots.simulated.acoustics.microphone_simulator import MicrophoneSimulator
 from app.robots.simulated.acoustics.soundscape import SCENES_HZ, Soundscape
 from app.robots.simulated.body import TIMESTEP_S
@@ -66,6 +67,11 @@ class LockstepWorld(WorldSimulation):
         if self.soundscape is not None and "microphones" in self.wanted:
             self._hear(stamp, self.soundscape)
 
+    def play(self, audio: Audio) -> None:
+        """Queue sound for the loudspeaker; dropped while no microphones are wanted."""
+        if self._microphone_simulator is not None and audio.samples.size:
+            self._microphone_simulator.play(LoudspeakerFrame(audio))
+
     def _hear(self, stamp: float, soundscape: Soundscape) -> None:
         time_s = self.physics.time_s
         if not self._scenes.due(time_s):
@@ -74,7 +80,7 @@ class LockstepWorld(WorldSimulation):
             self._microphone_simulator = MicrophoneSimulator(soundscape.setup)
         scene = soundscape.scene(time_s, stamp, self.physics.true_pose(), self.rims(), self.scenario_state)
         for heard in self._microphone_simulator.listen([scene]):
-            self.send("microphones", heard.audio, stamp)
+            self.send_sound(heard, stamp)
 
     def _see(self, stamp: float) -> None:
         for stream in self.cameras:

@@ -85,9 +85,8 @@ class RealtimeLoop:
                         simulation.note_sensor(notice.stream, now + self._offset)
                     self._socket.send(notice)
             if self._acoustics is not None:
-                for audio in self._acoustics.receive(simulation.physics.time_s):
-                    if "microphones" in simulation.wanted:
-                        simulation.send("microphones", audio, now + self._offset)
+                for heard in self._acoustics.receive(simulation.physics.time_s):
+                    simulation.send_sound(heard, now + self._offset)
             self._socket.flush()
             self._sleep()
         self._shut_down()

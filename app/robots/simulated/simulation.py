@@ -16,6 +16,7 @@ from app.messages import GroundTruth, JointCommand, JointState, LinkStatus, Odom
 from app.robots import guard
 from app.robots.config import RobotConfig
 from app.robots.simulated import link_protocol
+from app.robots.simulated.acoustics.ipc import MicrophoneFrame
 from app.robots.simulated.acoustics.soundscape import Soundscape
 from app.robots.simulated.body import TIMESTEP_S, build_simulation
 from app.robots.simulated.camera_models import lenses
@@ -197,6 +198,13 @@ class WorldSimulation:
         """Send ``message``, with ``seen`` as the last time of its stream."""
         self.note_sensor(stream, seen)
         self._send_out(stream, message)
+
+    def send_sound(self, heard: MicrophoneFrame, seen: float) -> None:
+        """Send a frame of the microphones and what the loudspeaker played meanwhile, as far as they are wanted."""
+        if heard.played is not None and "loudspeaker" in self.wanted:
+            self.send("loudspeaker", heard.played, seen)
+        if "microphones" in self.wanted:
+            self.send("microphones", heard.audio, seen)
 
     def note_sensor(self, stream: str, seen: float) -> None:
         """Note ``seen`` as the last time of ``stream``: the guard checks the age of sensors."""

@@ -221,7 +221,7 @@ async def test_percept_events_are_on_the_timeline_under_their_names(client: http
     assert (noted["subject"], noted["stamp"]) == ("face.appears", now)
     assert noted["text"] == "Face 3 appears at x 1.0 m, y 2.0 m in odom"
     assert noted["data"] == {
-        "kind": "face", "subject": "3", "source": "kinect", "since": now - 1, "confidence": 0.9,
+        "kind": "face", "subject": "3", "label": "face 3", "source": "kinect", "since": now - 1, "confidence": 0.9,
         "p_OP": [1.0, 2.0, 1.5], "heading": 0.5,
     }  # fmt: skip
 

@@ -155,3 +155,22 @@ def test_the_desire_says_how_loud_is_loud_and_how_far_apart() -> None:
             assert len(drain(noises)) == 2
 
     run_virtual(main())
+
+
+def test_what_the_loudspeaker_plays_is_no_noise() -> None:
+    async def main() -> list[float]:
+        b = Bench(
+            "app.modules.perception.loud_noise_detector:LoudNoiseDetector",
+            inputs={"audio": Audio, "played": Audio},
+            outputs={"noises": LoudNoise},
+        )
+        async with b:
+            noises = b.listen("noises")
+            begin = b.clock.now()
+            for second in (1.9, 2.0):
+                samples = np.zeros((RATE // 10, 1), np.int16)
+                b.feed("played", Audio(begin + second, "loudspeaker", samples, RATE, round(second * RATE), P_BM[:0]))
+            await play(b, room(4.5, [2.05, 3.5]))
+            return [noise.stamp - begin for noise in drain(noises)]
+
+    assert run_virtual(main()) == [pytest.approx(3.5, abs=0.02)]

@@ -684,6 +684,27 @@ export interface Speaker {
   mine: boolean;
 }
 
+/** What the robot says now, for subtitles and for its mouth; published with each change. */
+export interface Speech {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  state: "silent" | "speaking";
+  /** The sentence that is said, or was said last. */
+  text: string;
+  /** The word of it that is said: its first character, from 0. */
+  word_begin: number;
+  /** The character after its last; equal to the first before the first word. */
+  word_end: number;
+  /** The mouth: `closed`, `teeth`, `narrow`, `spread`, `mid`, `open`, `round` or `pursed`. */
+  viseme: string;
+  /** Of the text, as `en`. */
+  language: string;
+  /** Id of the desire that is being fulfilled; empty while silent. */
+  desire: string;
+  /** Number of other texts that wait. */
+  waiting: number;
+}
+
 /** Guard, pose, driver, freshness of every source. */
 export interface Status {
   /** Grows. */
@@ -970,6 +991,8 @@ export interface RobotMessages {
   landmarks: Landmarks;
   /** On change: what the robot sees and hears. */
   perceived: PlacedPercepts;
+  /** On change, up to 20 times a second: what the robot says, for subtitles. */
+  speech: Speech;
   /** Up to 10 times a second: where the robot is on the map. */
   localization: Localization;
   /** On change: the goal and the state of navigation. */

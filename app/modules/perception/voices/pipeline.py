@@ -109,12 +109,15 @@ class VoicePipeline:
         time_s: float,
         first_sample: int = 0,
         heading: float = 0.0,
+        *,
+        own_voice: bool = False,
     ) -> tuple[SoundSources, SeparatedSound | None]:
         """Process one block: ``samples`` (step, C), of which the first is number ``first_sample``, taken at ``time_s``.
 
         ``heading`` (rad) is the robot's in ``odom`` at :meth:`instant`. The sources are those of then, in
-        ``base_link``; what is separated comes every few blocks, and is older. Raises ValueError for samples of another
-        shape.
+        ``base_link``; what is separated comes every few blocks, and is older. ``own_voice``: the robot speaks; what is
+        left of its voice, whose source is too near, is no evidence for the check of the array. Raises ValueError for
+        samples of another shape.
         """
         if samples.ndim != 2 or len(samples) != self.step or samples.shape[1] <= max(self.array.channels):
             raise ValueError(f"samples are ({self.step}, > {max(self.array.channels)}), not {samples.shape}")
@@ -125,6 +128,8 @@ class VoicePipeline:
         if instant <= self._time:
             self._restart()
         tracks = self._follow(sound, instant, heading)
+        if not own_voice:
+            self._check_array()
         self._time = instant
         self._heard += self.step
         self._listen(sound, tracks)
@@ -151,7 +156,6 @@ class VoicePipeline:
         mean_age = localizer.settings.follow_memory_s * localizer.rate / localizer.step
         R_OM = _turn(heading - turned * mean_age)
         peaks = localizer.process(sound, self._tracker.expected @ R_OM, turned)
-        self._check_array()
         tracks = self._tracker.update(instant, replace(peaks, directions=peaks.directions @ R_OM.T))
         R_OB = _turn(heading)
         here = tuple(

@@ -73,13 +73,13 @@ class AcousticsClient:
             self._socket.send(LoudspeakerFrame(audio))
             self._socket.flush()
 
-    def receive(self, time_s: float) -> list[Audio]:
+    def receive(self, time_s: float) -> list[MicrophoneFrame]:
         if self._socket is None:
             return []
-        frames: list[Audio] = []
+        frames: list[MicrophoneFrame] = []
         for heard in self._socket.receive():
             if isinstance(heard, MicrophoneFrame):
-                frames.append(heard.audio)
+                frames.append(heard)
                 self._heard_s = (heard.audio.first_sample + len(heard.audio.samples)) / heard.audio.rate
                 self._lost += heard.lost
         if self._lost and time_s - self._updated_s > _UPDATE_S:

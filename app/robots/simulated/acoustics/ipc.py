@@ -65,7 +65,11 @@ class LoudspeakerFrame:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MicrophoneFrame:
-    """One frame of the microphones; ``lost``: number of frames dropped just before it."""
+    """One frame of the microphones; ``lost``: number of frames dropped just before it.
+
+    ``played``: what the loudspeaker played in the same samples' time, by the same numbers; None for silence.
+    """
 
     audio: Audio
     lost: int
+    played: Audio | None = None

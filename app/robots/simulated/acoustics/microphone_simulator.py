@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections import deque
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -83,6 +84,10 @@ class MicrophoneSimulator:
         self.clipped = 0
         """Number of clipped samples so far."""
 
+    @property
+    def _speaks(self) -> bool:
+        return self._speaker_gain > 0 and self._speaker.waiting_s > 0
+
     def play(self, played: LoudspeakerFrame) -> None:
         """Queue sound for the loudspeaker."""
         self._speaker.play(played.audio.samples[:, 0], played.audio.rate)
@@ -103,7 +108,7 @@ class MicrophoneSimulator:
             self._lost += self._skip_to(self._scenes[-1].time_s - self._size / self._rate)
         heard = []
         while (self._hearing.position + self._size) / self._rate <= self._scenes[-1].time_s:
-            heard.append(MicrophoneFrame(self._next(), self._lost))
+            heard.append(self._next(self._lost))
             self._lost = 0
         return heard
 
@@ -113,7 +118,7 @@ class MicrophoneSimulator:
             self._hearing.skip(frames)
         return frames
 
-    def _next(self) -> Audio:
+    def _next(self, lost: int) -> MicrophoneFrame:
         position = self._hearing.position
         end_s = (position + self._size) / self._rate
         while len(self._scenes) > 2 and self._scenes[1].time_s < end_s:
@@ -123,6 +128,7 @@ class MicrophoneSimulator:
         share = min(max((end_s - before.time_s) / span, 0.0), 1.0) if span > 0 else 1.0
         X_WB = before.X_WB.interpolate(after.X_WB, share)
         X_WA = X_WB.to_pose3() @ self._X_BA
+        speaks = self._speaks
         sound = self._hearing.block(self._emissions(before, after, share, X_WB), X_WA)
         rims = [a + share * (b - a) for a, b in zip(before.rims_mps, after.rims_mps, strict=True)]
         sound += self._noise.frame(position, self._size, *rims)
@@ -130,7 +136,7 @@ class MicrophoneSimulator:
         self.clipped += int(np.count_nonzero(np.abs(scaled) > 32767.5))
         samples = np.clip(scaled, -32768, 32767).astype(np.int16)
         stamp = after.stamp - (after.time_s - position / self._rate)
-        return Audio(
+        audio = Audio(
             stamp,
             self._frame,
             samples=np.ascontiguousarray(samples.T),
@@ -138,6 +144,13 @@ class MicrophoneSimulator:
             first_sample=position,
             p_BM=self._p_BM,
         )
+        return MicrophoneFrame(audio, lost, self._played(audio) if speaks else None)
+
+    def _played(self, audio: Audio) -> Audio:
+        """What the loudspeaker plays during ``audio``."""
+        played = np.rint(self._speaker.read(audio.first_sample, self._size) * 32768.0)
+        samples = np.clip(played, -32768, 32767).astype(np.int16)[:, None]
+        return replace(audio, frame="loudspeaker", samples=samples, p_BM=np.zeros((0, 3)))
 
     def _emissions(self, before: SoundScene, after: SoundScene, share: float, X_WB: Pose2) -> list[Emission]:
         earlier = {sound.name: sound for sound in before.sounds}
@@ -157,7 +170,7 @@ class MicrophoneSimulator:
                     level=level,
                 )
             )
-        if self._speaker_gain > 0 and self._speaker.waiting_s > 0:
+        if self._speaks:
             place = _moved(X_WB.to_pose3(), self._p_BS)
             emissions.append(Emission(_LOUDSPEAKER, self._speaker, 0, place, self._speaker_gain, level=0.1))
         return emissions

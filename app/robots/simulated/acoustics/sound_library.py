@@ -19,8 +19,9 @@ from app.base.plain_file import check_plain
 from app.base.yaml_source import suggestion
 from app.robots.simulated.acoustics.activity import ACTIVITY_S, activity, pieces
 from app.robots.simulated.acoustics.bands import fast_length
-from app.robots.simulated.acoustics.espeak import NoSpeechSynthesis, speak
 from app.robots.simulated.acoustics.synthesis import MAKERS
+from app.speech.espeak import Espeak
+from app.speech.utterance import SpeechError
 
 Samples = NDArray[np.float32]
 TALKER_DB_SPL = 65.0
@@ -118,9 +119,10 @@ class ClipLibrary:
             return self._talk(*_read(Path(clip)))
         if " " in clip.strip():
             try:
-                return self._talk(*speak(clip, pitch=25 + 8 * variant))
-            except NoSpeechSynthesis as failure:
+                spoken = Espeak(pitch=25 + 8 * variant).synthesize(clip, "en")
+            except SpeechError as failure:
                 raise ConfigError(f"the text {clip!r} cannot be said: {failure}") from None
+            return self._talk(spoken.samples.astype(np.float32) / 32768.0, spoken.rate)
         raise ConfigError(f"there is no sound {clip!r}; {suggestion(clip, self.names)}")
 
     def _amplitude(self, db_spl: float) -> float:

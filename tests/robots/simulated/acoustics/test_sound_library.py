@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import os
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -11,9 +12,10 @@ import pytest
 import soundfile
 
 from app.base.errors import ConfigError
-from app.robots.simulated.acoustics import espeak, sound_library
+from app.robots.simulated.acoustics import sound_library
 from app.robots.simulated.acoustics.sound_library import MEAN_DB_SPL, PEAK_DB_SPL, RECORDINGS, SPEECH, ClipLibrary
 from app.robots.simulated.acoustics.synthesis import MAKERS
+from app.speech import espeak
 
 RATE = 48000
 SENSITIVITY_DB = -32.0
@@ -92,10 +94,8 @@ def test_what_there_is_not_is_said_in_a_sentence(library: ClipLibrary, tmp_path:
 def test_text_without_a_synthesizer_is_refused_with_the_remedy(
     library: ClipLibrary, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def missing() -> None:
-        raise espeak.NoSpeechSynthesis("speaking text needs espeak-ng: pip install 'hbba[speech]'")
-
-    monkeypatch.setattr(espeak, "_library", missing)
+    monkeypatch.setitem(sys.modules, "espeakng_loader", None)
+    espeak._library.cache_clear()
     with pytest.raises(ConfigError, match=r"'come here, robot' cannot be said.*hbba\[speech\]"):
         ClipLibrary(RATE, SENSITIVITY_DB).get("come here, robot")
 
