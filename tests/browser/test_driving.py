@@ -178,7 +178,7 @@ def test_a_frozen_runtime_stops(robot: Robot, page: Page) -> None:
         wait_for_rest(robot, page)
         next(rows for rows in wheels_until(robot, page) if rows[-1].monotonic_s > frozen + GUARD_S)
         assert not any(moving(row) for row in robot.wheels() if row.monotonic_s > frozen + GUARD_S)
-        page.locator("[data-testid=connection][data-phase=stale]").wait_for()
+        page.locator("[data-testid=connection]:is([data-phase=stale], [data-phase=lost])").wait_for()
     finally:
         robot.process.send_signal(signal.SIGCONT)
         page.keyboard.up("KeyW")
