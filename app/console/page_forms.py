@@ -15,12 +15,12 @@ from app.console.records.maps import LocalizationState, ZoneKind, ZoneList, Zone
 from app.messages import Desires, Landmarks, Localization, Zone, Zones
 
 
-def localization_report(message: Localization) -> messages.Localization:
+def localization_report(message: Localization) -> messages.LocalizationReport:
     """Where the robot is on the map."""
     variances = np.clip(np.diagonal(message.covariance), 0.0, None)
     x, y, theta = (_rounded(float(sigma)) for sigma in np.sqrt(variances))
     place = _place(message.X_MB)
-    return messages.Localization(
+    return messages.LocalizationReport(
         stamp=message.stamp,
         state=cast(LocalizationState, message.state),
         map=message.map,
@@ -50,14 +50,14 @@ def zone_reports(zones: Iterable[Zone]) -> ZoneList:
 
 #: By message type, the record of a message.
 FORMS: Mapping[type[Any], Callable[[Any], Any]] = {
-    Landmarks: lambda message: messages.Landmarks(reports.landmarks(message)),
+    Landmarks: lambda message: messages.LandmarkList(reports.landmarks(message)),
     Localization: localization_report,
     Zones: lambda message: zone_reports(message.zones),
 }
 #: The same of types that list what there is, before the first message: there is nothing.
 NOTHING: Mapping[type[Any], Any] = {
     Desires: Desires(0.0, ()),
-    Landmarks: messages.Landmarks(()),
+    Landmarks: messages.LandmarkList(()),
     Zones: ZoneList(()),
 }
 

@@ -19,7 +19,7 @@ LONGEST_S = 120.0
 _PAUSE_S = 0.2
 
 
-class Command:
+class CommandEngine:
     """Runs ``command``, without a shell; ``{file}`` is the WAV file to write, ``{language}`` the language's tag, and
     ``{text}`` the text, which comes by standard input where no argument has it. It ends within ``timeout_s``."""
 

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
-from app.speech.command import Command
+from app.speech.command import CommandEngine
 from app.speech.espeak import Espeak
 from app.speech.piper import Piper
 from app.speech.text_only import TextOnly
@@ -61,7 +61,7 @@ class CommandConfig(_EngineConfig):
 
     def make(self) -> SpeechEngine:
         """The engine."""
-        return Command(self.command, self.timeout_s)
+        return CommandEngine(self.command, self.timeout_s)
 
 
 class TextConfig(_EngineConfig):

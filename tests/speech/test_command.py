@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
-from app.speech.command import Command
+from app.speech.command import CommandEngine
 from app.speech.config import EngineConfig
 from app.speech.utterance import SpeechError
 
@@ -29,7 +29,7 @@ def program(tmp_path: Path) -> str:
 
 @pytest.mark.parametrize("arguments", [("{text}", "{file}"), ("{file}",)])
 def test_the_programs_file_is_the_utterance(program: str, arguments: tuple[str, ...]) -> None:
-    utterance = Command([sys.executable, program, *arguments]).synthesize("ten {file}", "en")
+    utterance = CommandEngine([sys.executable, program, *arguments]).synthesize("ten {file}", "en")
     assert utterance.rate == 16_000
     assert (utterance.samples != 0).sum() == 1600
     assert [utterance.text[word.begin : word.end] for word in utterance.words] == ["ten", "{file}"]
@@ -37,7 +37,7 @@ def test_the_programs_file_is_the_utterance(program: str, arguments: tuple[str, 
 
 
 def test_a_text_is_no_option(program: str) -> None:
-    utterance = Command([sys.executable, program, "{text}", "{file}"]).synthesize("--help", "en")
+    utterance = CommandEngine([sys.executable, program, "{text}", "{file}"]).synthesize("--help", "en")
     assert (utterance.samples != 0).sum() == 160 * len(" --help")
 
 
@@ -51,13 +51,13 @@ def test_a_text_is_no_option(program: str) -> None:
 )
 def test_what_fails_is_said_in_a_sentence(command: list[str], problem: str) -> None:
     with pytest.raises(SpeechError, match=problem):
-        Command(command).synthesize("hello", "en")
+        CommandEngine(command).synthesize("hello", "en")
 
 
 def test_a_program_that_does_not_end_is_ended() -> None:
     command = [sys.executable, "-c", "input()\nwhile True: pass", "{file}"]
     with pytest.raises(SpeechError, match="took longer than"):
-        Command(command, timeout_s=0.3).synthesize("hello\n", "en")
+        CommandEngine(command, timeout_s=0.3).synthesize("hello\n", "en")
 
 
 def test_engines_are_configured_by_name() -> None:

@@ -29,7 +29,7 @@ from app.console.live.page_channels import PageChannels
 from app.console.live.panel_feed import PanelFeed
 from app.console.live.protocol import CAMERA, COSTMAP, MAP, PANORAMA, PROTOCOL
 from app.console.live.sampler import Sampler
-from app.console.live.speech import Speech
+from app.console.live.speech import OperatorSpeech
 from app.console.live.viewer import Viewer
 from app.console.playback import PERIOD_S, playback_report
 from app.console.recordings import RecorderWatch
@@ -74,7 +74,7 @@ class Hub:
             partial(withdraw_all, system.workspace),
             recording=playback is not None,
         )
-        self.speech = Speech(
+        self.speech = OperatorSpeech(
             system.clock,
             system.link,
             system.graph.channels.get("operator_voice"),

@@ -134,7 +134,7 @@ class LanesHistory:
 
 
 @dataclass(frozen=True, slots=True)
-class Landmarks:
+class LandmarkList:
     """What was found, in `odom`."""
 
     landmarks: tuple[LandmarkReport, ...]
@@ -150,7 +150,7 @@ class Place:
 
 
 @dataclass(frozen=True, slots=True)
-class Localization:
+class LocalizationReport:
     """Where the robot is on the map (m and rad)."""
 
     stamp: Stamp
@@ -201,7 +201,7 @@ class Jump:
     stamp: Stamp
 
 
-class Message(NamedTuple):
+class FrameKind(NamedTuple):
     """A message from the robot: its record, and when and why it is sent."""
 
     record: type[Any]
@@ -209,28 +209,28 @@ class Message(NamedTuple):
 
 
 #: By ``type``, which goes before the record's members.
-FROM_ROBOT: dict[str, Message] = {
-    "hello": Message(Hello, "Once, first: what can be seen and done here."),
-    "status": Message(Status, "20 times a second: guard, pose, driver, freshness of every source."),
-    "lanes": Message(Lanes, "20 times a second: one row for each desire class."),
-    "lanes_history": Message(LanesHistory, "Once, before the first `lanes`, and after a `jump`: what they were."),
-    "desires": Message(Desires, "On change: every desire."),
-    "intention": Message(IntentionReport, "On change, from the first on: what attention chose."),
-    "events": Message(EventList, "As they come: events, oldest first."),
-    "load": Message(LoadReport, "Once a second: what the modules take of the computer."),
-    "recorder": Message(RecorderReport, "On change, and about once a second while it records: what the Recorder does."),
-    "landmarks": Message(Landmarks, "On change: what was found, in `odom`."),
-    "perceived": Message(PlacedPercepts, "On change: what the robot sees and hears."),
-    "speech": Message(Speech, "On change, up to 20 times a second: what the robot says, for subtitles."),
-    "localization": Message(Localization, "Up to 10 times a second: where the robot is on the map."),
-    "navigation": Message(NavigationModel, "On change: the goal and the state of navigation."),
-    "zones": Message(ZoneList, "On change: the zones of the map."),
-    "map_info": Message(GridInfo, "Right before each picture of kind 3 (map): what it shows."),
-    "costmap_info": Message(GridInfo, "Right before each picture of kind 4 (costmap): what it shows."),
-    "pong": Message(Pong, "The answer to `ping`."),
-    "notice": Message(Notice, "Something for this viewer, in words to show."),
-    "playback": Message(
+FROM_ROBOT: dict[str, FrameKind] = {
+    "hello": FrameKind(Hello, "Once, first: what can be seen and done here."),
+    "status": FrameKind(Status, "20 times a second: guard, pose, driver, freshness of every source."),
+    "lanes": FrameKind(Lanes, "20 times a second: one row for each desire class."),
+    "lanes_history": FrameKind(LanesHistory, "Once, before the first `lanes`, and after a `jump`: what they were."),
+    "desires": FrameKind(Desires, "On change: every desire."),
+    "intention": FrameKind(IntentionReport, "On change, from the first on: what attention chose."),
+    "events": FrameKind(EventList, "As they come: events, oldest first."),
+    "load": FrameKind(LoadReport, "Once a second: what the modules take of the computer."),
+    "recorder": FrameKind(RecorderReport, "On change, and once a second while it records: the Recorder."),
+    "landmarks": FrameKind(LandmarkList, "On change: what was found, in `odom`."),
+    "perceived": FrameKind(PlacedPercepts, "On change: what the robot sees and hears."),
+    "speech": FrameKind(Speech, "On change, up to 20 times a second: what the robot says, for subtitles."),
+    "localization": FrameKind(LocalizationReport, "Up to 10 times a second: where the robot is on the map."),
+    "navigation": FrameKind(NavigationModel, "On change: the goal and the state of navigation."),
+    "zones": FrameKind(ZoneList, "On change: the zones of the map."),
+    "map_info": FrameKind(GridInfo, "Right before each picture of kind 3 (map): what it shows."),
+    "costmap_info": FrameKind(GridInfo, "Right before each picture of kind 4 (costmap): what it shows."),
+    "pong": FrameKind(Pong, "The answer to `ping`."),
+    "notice": FrameKind(Notice, "Something for this viewer, in words to show."),
+    "playback": FrameKind(
         PlaybackReport, "On a recording, at every change and ten times a second while it plays: its transport."
     ),
-    "jump": Message(Jump, "On a recording, at a seek: what came before is of another time and to be forgotten."),
+    "jump": FrameKind(Jump, "On a recording, at a seek: what came before is of another time and to be forgotten."),
 }

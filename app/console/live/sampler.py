@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 PERIOD_S = 0.05
 
 
-class Audience(Protocol):
+class StatusAudience(Protocol):
     """Where frames go."""
 
     link_status: LinkStatus | None
@@ -29,7 +29,7 @@ class Audience(Protocol):
 class Sampler:
     """Samples the program: :meth:`run` while there are viewers."""
 
-    def __init__(self, system: System, audience: Audience) -> None:
+    def __init__(self, system: System, audience: StatusAudience) -> None:
         self._system = system
         self._audience = audience
         self._sequence = 0

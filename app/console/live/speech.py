@@ -44,7 +44,7 @@ class _Talk:
     notified: bool = False
 
 
-class Speech:
+class OperatorSpeech:
     """Takes the frames of every page. ``notify(session, level, text)`` reaches one page."""
 
     def __init__(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from app.console.live.speech import LATE_S, PAUSE_S, Speech
+from app.console.live.speech import LATE_S, PAUSE_S, OperatorSpeech
 from app.messages import Audio
 from app.runtime.channel import Channel
 from tests.console.live_client import voice
@@ -34,7 +34,7 @@ class Floor:
         self.spoken: list[Audio] = []
         self.channel.observe(self.spoken.append)
         self.notices: list[tuple[str, str]] = []
-        self.speech = Speech(
+        self.speech = OperatorSpeech(
             self.clock, Body(), self.channel, lambda session, _, text: self.notices.append((session, text)), **options
         )
         self.sequence = 0

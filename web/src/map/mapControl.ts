@@ -3,7 +3,7 @@
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
 import { typesText } from "../drive/driveController";
 import { inWords } from "../protocol/rest";
-import type { Desire, Localization, Place, Zone } from "../protocol/types";
+import type { Desire, LocalizationReport, Place, Zone } from "../protocol/types";
 import type { Session } from "../state/session";
 import type { MapPlace, Store } from "../state/store";
 import { around, freeOf } from "./fitting";
@@ -311,7 +311,7 @@ export class MapControl {
   }
 }
 
-function robotOn(localization: Localization | null, odometry: Pose | null): Pose | null {
+function robotOn(localization: LocalizationReport | null, odometry: Pose | null): Pose | null {
   if (!localization) return null;
   return odometry ? composed(localization.X_MO, odometry) : localization;
 }

@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import type { Desire, LaneRow, Localization, Navigation } from "../protocol/types";
+import type { Desire, LaneRow, LocalizationReport, Navigation } from "../protocol/types";
 import { emptyWords, goalOf, hintWords, lengthWords, placeWords, poseWords, wayWords } from "./mapText";
 import { AT_REST, type Tools } from "./mapTools";
 
@@ -40,7 +40,7 @@ const going = (some: Partial<Navigation>): Navigation => ({
   given_up: null,
   ...some,
 });
-const place = (some: Partial<Localization>): Localization => ({
+const place = (some: Partial<LocalizationReport>): LocalizationReport => ({
   stamp: 1,
   state: "tracking",
   map: "lab",
@@ -112,7 +112,7 @@ describe("the way", () => {
 
   test("is not stuck where the robot only does not know its place", () => {
     const turning = { state: "recovering", reason: "it is lost on the map: turning to find itself" } as const;
-    const words = (state: Localization["state"], recoveries = 1) =>
+    const words = (state: LocalizationReport["state"], recoveries = 1) =>
       wayWords(going({ ...turning, recoveries }), goal, [row({})], null, place({ state }));
     for (const astray of ["lost", "searching"] as const)
       expect(words(astray)).toEqual({

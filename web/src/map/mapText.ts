@@ -1,6 +1,6 @@
 /** Where the robot is, where it goes and why not, in plain words. Pure. */
 
-import type { Desire, GoalPlace, LaneRow, Localization, Navigation } from "../protocol/types";
+import type { Desire, GoalPlace, LaneRow, LocalizationReport, Navigation } from "../protocol/types";
 import { number, reasonText, sentence } from "../ui/format";
 import type { Tools } from "./mapTools";
 
@@ -66,7 +66,7 @@ export function wayWords(
   goal: Goal | null,
   rows: readonly LaneRow[],
   now: number | null = null,
-  place: Localization | null = null,
+  place: LocalizationReport | null = null,
 ): Phrase | null {
   if (!goal && navigation?.given_up) {
     const { goal: place, reason } = navigation.given_up;
@@ -123,7 +123,7 @@ export function wayWords(
  * Where the robot believes to be; `slam`: the lane of the class SLAM, whose filter is closed while SLAM is off; `name`: of
  * the map in use, where it is known better than by the last scan.
  */
-export function poseWords(localization: Localization, slam?: LaneRow, name: string = localization.map): Phrase {
+export function poseWords(localization: LocalizationReport, slam?: LaneRow, name: string = localization.map): Phrase {
   const map = name || "a new map";
   if (slam && slam.divisor === null)
     return { tone: "warn", text: `Last pose on ${map}`, more: "SLAM is off: the pose comes from odometry alone." };
@@ -158,7 +158,7 @@ export function emptyWords(
   live: boolean,
   replay: boolean,
   slam: LaneRow | undefined,
-  localization: Localization | null,
+  localization: LocalizationReport | null,
 ): { text: string; more: string; desire: boolean } {
   if (replay && !localization) return { text: "No map at this time of the recording.", more: "", desire: false };
   if (!live) return { text: "No map yet.", more: "The robot does not answer.", desire: false };

@@ -227,6 +227,11 @@ export interface KeptMap {
   problem: string | null;
 }
 
+/** What was found, in `odom`. */
+export interface LandmarkList {
+  landmarks: LandmarkReport[];
+}
+
 /** A QR code found, in `odom` (m). */
 export interface LandmarkReport {
   text: string;
@@ -239,11 +244,6 @@ export interface LandmarkReport {
   first_seen: number;
   /** Seconds of the robot's clock (Unix epoch). */
   last_seen: number;
-}
-
-/** What was found, in `odom`. */
-export interface Landmarks {
-  landmarks: LandmarkReport[];
 }
 
 /** A lane before now. */
@@ -312,7 +312,7 @@ export interface LoadReport {
 }
 
 /** Where the robot is on the map (m and rad). */
-export interface Localization {
+export interface LocalizationReport {
   /** Seconds of the robot's clock (Unix epoch). */
   stamp: number;
   state: "lost" | "mapping" | "searching" | "tracking";
@@ -985,16 +985,16 @@ export interface RobotMessages {
   events: EventList;
   /** Once a second: what the modules take of the computer. */
   load: LoadReport;
-  /** On change, and about once a second while it records: what the Recorder does. */
+  /** On change, and once a second while it records: the Recorder. */
   recorder: RecorderReport;
   /** On change: what was found, in `odom`. */
-  landmarks: Landmarks;
+  landmarks: LandmarkList;
   /** On change: what the robot sees and hears. */
   perceived: PlacedPercepts;
   /** On change, up to 20 times a second: what the robot says, for subtitles. */
   speech: Speech;
   /** Up to 10 times a second: where the robot is on the map. */
-  localization: Localization;
+  localization: LocalizationReport;
   /** On change: the goal and the state of navigation. */
   navigation: NavigationModel;
   /** On change: the zones of the map. */

@@ -12,7 +12,7 @@ from app.speech.visemes import Viseme
 FRAME_S = 0.04
 
 
-class Playback:
+class UtterancePlayback:
     """``utterance`` played from ``began`` (s) on, with samples times ``volume``."""
 
     def __init__(self, utterance: Utterance, began: float, volume: float = 1.0) -> None:

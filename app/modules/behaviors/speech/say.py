@@ -26,7 +26,7 @@ from app.attention.desires import DesireClass
 from app.attention.workspace import IntentionWorkspace
 from app.messages import Audio, Exploitation, SoundSources, Speech, read_only
 from app.modules.behaviors.speech.barge_in import BargeIn
-from app.modules.behaviors.speech.playback import Playback
+from app.modules.behaviors.speech.playback import UtterancePlayback
 from app.modules.behaviors.speech.speech_queue import SpeechRequest, next_request
 from app.runtime.module import Module, ModuleContext, Settings
 from app.speech.config import EngineConfig, EspeakConfig, Language
@@ -130,7 +130,7 @@ class Say(Module):
         #: Texts of which something was said, by the id of their desire.
         self._progress: dict[str, _Progress] = {}
         self._current: _Progress | None = None
-        self._playback: Playback | None = None
+        self._playback: UtterancePlayback | None = None
         #: The synthesis of the current text's sentence of that number.
         self._synthesis: tuple[int, asyncio.Task[tuple[Utterance, str]]] | None = None
         self._problems: set[str] = set()
@@ -218,7 +218,7 @@ class Say(Module):
             made = self._synthesized(current, current.next)
             if made is None:
                 return
-            self._playback = Playback(made, now, current.request.volume)
+            self._playback = UtterancePlayback(made, now, current.request.volume)
         if current.next + 1 < len(current.sentences):
             self._synthesized(current, current.next + 1)
         for samples in self._playback.frames_until(now + self.settings.ahead_s):
