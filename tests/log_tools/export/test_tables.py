@@ -60,6 +60,7 @@ def test_nested_fields_become_columns_with_their_units(tmp_path: Path) -> None:
         "twist.linear_mps": "0.1",
         "twist.angular_radps": "0.2",
         "limited": "",
+        "group": "base",
     }
 
 

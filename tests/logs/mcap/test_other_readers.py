@@ -69,7 +69,7 @@ def assert_agreement(path: Path) -> list[tuple[str, int, Any]]:
     max_examples=3,
     deadline=None,
     phases=[Phase.generate],
-    suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.large_base_example],
 )
 @given(messages=st.tuples(*[sequences(cls, min_size=2, max_size=2) for cls in message_classes()]))
 def test_every_topic_of_every_class_is_read_alike(

@@ -110,4 +110,4 @@ def test_what_the_body_plays_is_published_while_it_is_wanted() -> None:
             return drain(played)
 
     assert [audio.first_sample for audio in run_virtual(script())] == [7 * 320]
-    assert link.demands["loudspeaker"] == [False, True, False]
+    assert [rate_hz > 0 for rate_hz in link.demands["loudspeaker"]] == [False, True, False]
