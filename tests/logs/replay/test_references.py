@@ -9,6 +9,9 @@ from typing import Any
 
 import pytest
 
+from app.logs.open import open_log
+from app.logs.replay.headless import run_headless
+from app.logs.replay.options import ReplayOptions
 from app.messages import Exploitation, Image, QRCode, Twist
 from app.modules.perception import qr_code_detector
 from tests.references.figures import LOG, VALUES, Values, _Figures, compare, flat, load_values, measure, write_values
@@ -20,6 +23,16 @@ pytestmark = pytest.mark.blocking(reason="the virtual loop waits for threads by 
 def test_every_module_makes_of_the_reference_log_what_it_did() -> None:
     differences = compare(measure(LOG), load_values(VALUES))
     assert differences == [], "meant? `make references` writes them anew"
+
+
+def test_the_reference_log_is_replayed_by_its_own_configuration() -> None:
+    """As `hbba replay tests/references/lab.mcap` does: its files name the message types and modules there are."""
+    log = open_log(LOG)
+    try:
+        report = run_headless(log, ReplayOptions(only=("Kinect", "WheelOdometry"), desires=False), digests=False)
+    finally:
+        log.close()
+    assert report.end - report.begin == pytest.approx(60, abs=1)
 
 
 def test_the_references_hold_every_kind_of_output() -> None:
