@@ -12,7 +12,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -63,6 +63,7 @@ class Driver:
 
     def wait_driving(self) -> None:
         self.wait_for("the wheels turning", lambda rows: rows and rows[-1].linear_mps > 0.15)
+        self.wait_for("the head turning", lambda rows: _swing(row.setpoints[0] for row in rows) > 0.1)
 
     def assert_stops(self, fault_s: float) -> None:
         """Nothing but zeros is given to the wheels from ``LIMIT_S`` after the fault on, and the head brakes from then
@@ -79,8 +80,7 @@ class Driver:
         rows = self.rows()
         assert _is_zero(rows[-1])
         assert all(_is_zero(row) for row in rows if row.monotonic_s > limit_s)
-        pans = [row.setpoints[0] for row in rows if row.monotonic_s <= fault_s]
-        assert max(pans) - min(pans) > 0.1, "the head was moving"
+        assert _swing(row.setpoints[0] for row in rows if row.monotonic_s <= fault_s) > 0.02, "the head was moving"
         after = [row.setpoints for row in rows if row.monotonic_s > limit_s]
         if after:
             # A decision or two before the first one after the limit lie in the same stretch of time.
@@ -94,6 +94,11 @@ class Driver:
         self.process.wait()
         assert self.process.stdout is not None
         self.process.stdout.close()
+
+
+def _swing(pans: Iterable[float]) -> float:
+    known = list(pans)
+    return max(known) - min(known)
 
 
 def _is_zero(row: GuardRow) -> bool:
