@@ -78,8 +78,8 @@ def hold_fast(robot: Robot, page: Page) -> None:
 def take_control(page: Page, driver: Page) -> None:
     """Take the wheel from ``driver``'s page, and wait until ``page`` shows that it has it.
 
-    A page that is silent for a second, or holds nothing for ten, gives the wheel up: on a busy computer either may do so
-    before the other has asked or shown it. Then ``driver`` drives again, and is asked again.
+    A page that is silent for a second, or holds nothing for ten, gives the wheel up: on a busy computer either may do
+    so before the other has asked or shown it. Then ``driver`` drives again, and is asked again.
     """
     for _ in range(30):
         try:
