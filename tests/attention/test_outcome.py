@@ -10,7 +10,7 @@ from app.attention.desires import DesireClass, DesireClasses, Source
 from app.attention.ended_desires import KEPT
 from app.attention.outcome import outcome_of
 from app.attention.workspace import IntentionWorkspace, UnknownDesire
-from app.messages import Accomplishment
+from app.messages import Accomplishment, DesireReport
 
 CLASSES = DesireClasses([DesireClass("GoTo", "Go to", "", achievement=True), DesireClass("LookAt", "Look at", "")])
 
@@ -22,7 +22,7 @@ class Scene:
     def desire(self, cls: str = "GoTo") -> str:
         return self.workspace.add(cls, intensity=4, utility=1, source=Source("rest", "test")).id
 
-    def waiting(self, desire_id: str) -> asyncio.Task[object]:
+    def waiting(self, desire_id: str) -> asyncio.Task[DesireReport]:
         return asyncio.create_task(outcome_of(self.workspace, desire_id))
 
 
@@ -37,11 +37,11 @@ async def test_all_who_wait_are_answered_with_the_report_of_their_desire(cls: st
     scene.workspace.accomplish(Accomplishment(100.0, desire, "Drive", "done", "there"))
     for report in await asyncio.gather(*waiting):
         assert report == scene.workspace.report(desire)
-        assert (report.outcome, report.reason) == ("done", "there")  # type: ignore[attr-defined]
+        assert (report.outcome, report.reason) == ("done", "there")
     assert await outcome_of(scene.workspace, desire) == scene.workspace.report(desire), "a report of before"
     assert not others.done()
     scene.workspace.remove(other)
-    assert (await others).outcome == "withdrawn"  # type: ignore[attr-defined]
+    assert (await others).outcome == "withdrawn"
 
 
 async def test_who_waits_no_more_observes_no_more() -> None:
