@@ -198,3 +198,19 @@ def test_a_group_that_cannot_be_is_refused_with_file_and_line(
     assert refused.value.file == str(path)
     if "movable" in says:
         assert refused.value.line == 5
+
+
+@pytest.mark.parametrize(
+    ("lines", "problem"),
+    [
+        ("limits: {lateral_mps: 0.3}\n", "differential"),
+        ("base: {drive: holonomic}\n", "lateral_mps above 0"),
+        ("base: {drive: tracked}\n", "'differential' or 'holonomic'"),
+    ],
+)
+def test_only_a_holonomic_drive_has_a_sideways_speed(
+    tmp_path: Path, robot: RobotConfig, lines: str, problem: str
+) -> None:
+    path = write(tmp_path, f"model: {robot.model}\nworld: {robot.world}\n{lines}")
+    with pytest.raises(ConfigError, match=problem):
+        load_robot_config(path)
