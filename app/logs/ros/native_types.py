@@ -70,7 +70,7 @@ class OdometryConverter:
 
     def encode(self, message: Odometry, stamp_ns: int) -> list[Record]:
         pose = pose2_numbers(message.X_OB)
-        data = self._numbers.fill(stamp_ns, pose, (message.linear_mps, 0.0, 0.0, 0.0, 0.0, message.angular_radps))
+        data = self._numbers.fill(stamp_ns, pose, _velocity(message))
         return [Record(self.topics[0].name, self._TYPE, stamp_ns, data), self._transform.record(stamp_ns, pose)]
 
     def decode(self, parts: Mapping[str, bytes]) -> Odometry:
@@ -78,7 +78,8 @@ class OdometryConverter:
         position, turn = ros.pose.pose.position, ros.pose.pose.orientation
         twist = ros.twist.twist
         pose = Pose2(position.x, position.y, 2.0 * math.atan2(turn.z, turn.w))
-        return Odometry(typestore.seconds(ros.header.stamp), pose, twist.linear.x, twist.angular.z)
+        linear = twist.linear
+        return Odometry(typestore.seconds(ros.header.stamp), pose, linear.x, twist.angular.z, lateral_mps=linear.y)
 
 
 class TwistConverter:
@@ -92,12 +93,13 @@ class TwistConverter:
         self._numbers = Numbers(template, (6 * _NUMBER, 6))
 
     def encode(self, message: Twist, stamp_ns: int) -> list[Record]:
-        data = self._numbers.fill(stamp_ns, (message.linear_mps, 0.0, 0.0, 0.0, 0.0, message.angular_radps))
+        data = self._numbers.fill(stamp_ns, _velocity(message))
         return [Record(self.topics[0].name, self._TYPE, stamp_ns, data)]
 
     def decode(self, parts: Mapping[str, bytes]) -> Twist:
         ros = typestore.deserialise(self._TYPE, parts[MAIN])
-        return Twist(typestore.seconds(ros.header.stamp), ros.twist.linear.x, ros.twist.angular.z)
+        linear = ros.twist.linear
+        return Twist(typestore.seconds(ros.header.stamp), linear.x, ros.twist.angular.z, lateral_mps=linear.y)
 
 
 class JointStateConverter:
@@ -145,6 +147,11 @@ class LogLineConverter:
     def decode(self, parts: Mapping[str, bytes]) -> LogLine:
         ros = typestore.deserialise(self._TYPE, parts[MAIN])
         return LogLine(typestore.seconds(ros.stamp), ros.level, ros.name, ros.msg)
+
+
+def _velocity(message: Odometry | Twist) -> tuple[float, ...]:
+    """The six numbers of a ``geometry_msgs/Twist``."""
+    return (message.linear_mps, message.lateral_mps, 0.0, 0.0, 0.0, message.angular_radps)
 
 
 def _twist(linear: float, angular: float) -> Any:
