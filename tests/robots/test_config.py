@@ -214,3 +214,11 @@ def test_only_a_holonomic_drive_has_a_sideways_speed(
     path = write(tmp_path, f"model: {robot.model}\nworld: {robot.world}\n{lines}")
     with pytest.raises(ConfigError, match=problem):
         load_robot_config(path)
+
+
+def test_the_shipped_holonomic_body_moves_sideways() -> None:
+    config = load_robot_config(Path(__file__).parents[2] / "config" / "robots" / "irl1_holonomic.yaml")
+    assert config.base.drive == "holonomic"
+    description = create_link(config, 0.0).description
+    assert description.limits.holonomic
+    assert set(description.groups) == {"head"}
