@@ -24,10 +24,10 @@ _NUMBER = -8
 class GeneratedConverter:
     """Any message, as the definition made of its class."""
 
-    def __init__(self, channel: str, cls: type[Any], count: int | None = None) -> None:
-        """Reads records of the first ``count`` fields, from before there were others. Raises UnrecordableType."""
+    def __init__(self, channel: str, cls: type[Any], definition: str | None = None) -> None:
+        """Reads records of an earlier ``definition``, from before there were more fields. Raises UnrecordableType."""
         self._generated = generated(cls)
-        self._written = generated(cls, count)
+        self._written = None if definition is None else typestore.of_definition(self._generated.type, definition)
         self._topic = f"/{channel}"
         self.topics: tuple[RecordTopic, ...] = (RecordTopic(self._topic, self._generated.type),)
 
@@ -35,7 +35,9 @@ class GeneratedConverter:
         return [Record(self._topic, self._generated.type, stamp_ns, self._generated.encode(message))]
 
     def decode(self, parts: Mapping[str, bytes]) -> Any:
-        return self._written.decode(parts[MAIN])
+        if self._written is None:
+            return self._generated.decode(parts[MAIN])
+        return self._generated.from_ros(typestore.deserialise(self._generated.type, parts[MAIN], self._written))
 
 
 class OdometryConverter:
