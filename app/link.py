@@ -6,6 +6,7 @@ behind it, in another process. Implementations are in ``app/robots/``; modules k
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import StrEnum
@@ -21,12 +22,38 @@ class LinkFailed(Exception):
 
 @dataclass(frozen=True, slots=True)
 class BaseLimits:
-    """Limits of the mobile base: speeds (m/s, rad/s) and accelerations (m/s^2, rad/s^2), all positive."""
+    """Limits of the mobile base: speeds (m/s, rad/s) and accelerations (m/s^2, rad/s^2), all positive.
+
+    ``lateral_mps`` is the greatest speed sideways, 0 for a base that cannot move so (a differential drive). Forward and
+    sideways speeds are limited together, as a vector within the ellipse of both limits; its change is within
+    ``linear_mps2``.
+    """
 
     linear_mps: float
     angular_radps: float
     linear_mps2: float
     angular_radps2: float
+    lateral_mps: float = 0.0
+
+    @property
+    def holonomic(self) -> bool:
+        """Whether the base can move sideways."""
+        return self.lateral_mps > 0.0
+
+    def within_speeds(self, linear_mps: float, lateral_mps: float) -> tuple[float, float]:
+        """The velocity (forward, sideways; m/s) shortened into the limits, in its own direction where the base can."""
+        if not self.holonomic:
+            return min(max(linear_mps, -self.linear_mps), self.linear_mps), 0.0
+        share = math.hypot(linear_mps / self.linear_mps, lateral_mps / self.lateral_mps)
+        return (linear_mps, lateral_mps) if share <= 1.0 else (linear_mps / share, lateral_mps / share)
+
+    def ramped(self, before: tuple[float, float], target: tuple[float, float], elapsed_s: float) -> tuple[float, float]:
+        """The velocity (forward, sideways; m/s) on the straight line from ``before`` to ``target`` that the base's
+        acceleration allows after ``elapsed_s``."""
+        most = self.linear_mps2 * elapsed_s
+        x, y = target[0] - before[0], target[1] - before[1]
+        change = math.hypot(x, y)
+        return target if change <= most else (before[0] + x / change * most, before[1] + y / change * most)
 
 
 class SafeAction(StrEnum):
@@ -158,9 +185,10 @@ class RobotLink(Protocol):
     def command(self, command: Twist | JointCommand) -> None:
         """Give the base a velocity, or the joints of a group their set-points.
 
-        The guard clamps a velocity, ramps towards it, and keeps it for 200 ms. It clamps set-points to the joints'
-        limits, and approaches them within their speeds and accelerations; a command older than the group's timeout
-        ends in the group's safe action. A group or joint that the body does not have is ignored.
+        The guard clamps a velocity (forward and sideways as one vector), ramps towards it, and keeps it for 200 ms. It
+        clamps set-points to the joints' limits, and approaches them within their speeds and accelerations; a command
+        older than the group's timeout ends in the group's safe action. A group or joint that the body does not have is
+        ignored.
         """
         ...
 

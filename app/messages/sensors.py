@@ -74,6 +74,7 @@ class Odometry:
     X_OB: Pose2
     linear_mps: float
     angular_radps: float
+    lateral_mps: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,6 +94,7 @@ class GroundTruth:
     X_WB: Pose2
     linear_mps: float
     angular_radps: float
+    lateral_mps: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

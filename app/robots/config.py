@@ -40,10 +40,13 @@ class LimitsConfig(_Model):
     required_sensors: tuple[str, ...] = Field(
         default=("odometry",), description="streams without which the base must not drive"
     )
+    lateral_mps: NotNegative = Field(default=0.0, description="sideways; 0: the base cannot, as a differential drive")
 
     def base(self) -> BaseLimits:
         """Speeds and accelerations alone."""
-        return BaseLimits(self.linear_mps, self.angular_radps, self.linear_mps2, self.angular_radps2)
+        return BaseLimits(
+            self.linear_mps, self.angular_radps, self.linear_mps2, self.angular_radps2, lateral_mps=self.lateral_mps
+        )
 
     def guard(self) -> GuardLimits:
         """The limits as the guard uses them."""
@@ -164,13 +167,18 @@ class BodyConfig(_Model):
 
 
 class BaseConfig(_Model):
-    """Nominal geometry of the differential drive, and errors of wheels and encoders.
+    """Drive of the base, and its errors.
+
+    A ``differential`` drive turns its two wheels. A ``holonomic`` one moves at any velocity in the plane, by forces at
+    the floor; its wheels are those of the model, and roll freely. It measures its motion in ``odometry`` with the
+    errors of radius and track as those of length and turn.
 
     ``wheel_radius_m`` and ``track_m`` are the nominal values that odometry computes with. The errors are fractions of
     them (1-sigma, drawn once per start from the seed); ``slip`` is the 1-sigma fraction by which each wheel slips,
     wandering with the distance it rolls; ``encoder_ticks`` counts one turn of a wheel.
     """
 
+    drive: Literal["differential", "holonomic"] = "differential"
     left_wheel_joint: str = "left_wheel_joint"
     right_wheel_joint: str = "right_wheel_joint"
     wheel_radius_m: Positive = 0.10
@@ -320,6 +328,15 @@ class RobotConfig(BodyConfig):
     guard_log: Path | None = Field(
         default=None, description="record every step of the guard in this file (guard_log.py)"
     )
+
+    @model_validator(mode="after")
+    def _drive_has_its_limits(self) -> Self:
+        sideways = self.limits.lateral_mps > 0
+        if sideways and self.base.drive == "differential":
+            raise ValueError("limits: lateral_mps is 0 for a differential drive; or set base.drive to holonomic")
+        if not sideways and self.base.drive == "holonomic":
+            raise ValueError("limits: a holonomic drive has a lateral_mps above 0; or set base.drive to differential")
+        return self
 
     @model_validator(mode="after")
     def _wheels_are_the_bases(self) -> Self:

@@ -198,3 +198,27 @@ def test_a_group_that_cannot_be_is_refused_with_file_and_line(
     assert refused.value.file == str(path)
     if "movable" in says:
         assert refused.value.line == 5
+
+
+@pytest.mark.parametrize(
+    ("lines", "problem"),
+    [
+        ("limits: {lateral_mps: 0.3}\n", "differential"),
+        ("base: {drive: holonomic}\n", "lateral_mps above 0"),
+        ("base: {drive: tracked}\n", "'differential' or 'holonomic'"),
+    ],
+)
+def test_only_a_holonomic_drive_has_a_sideways_speed(
+    tmp_path: Path, robot: RobotConfig, lines: str, problem: str
+) -> None:
+    path = write(tmp_path, f"model: {robot.model}\nworld: {robot.world}\n{lines}")
+    with pytest.raises(ConfigError, match=problem):
+        load_robot_config(path)
+
+
+def test_the_shipped_holonomic_body_moves_sideways() -> None:
+    config = load_robot_config(Path(__file__).parents[2] / "config" / "robots" / "irl1_holonomic.yaml")
+    assert config.base.drive == "holonomic"
+    description = create_link(config, 0.0).description
+    assert description.limits.holonomic
+    assert set(description.groups) == {"head"}

@@ -80,7 +80,9 @@ class Driving:
         self.lease, actions = drive_lease.step(self.lease, now, event)
         for action in actions:
             match action:
-                case drive_lease.Command(operator, held, linear, angular, override) if self._channel is not None:
+                case drive_lease.Command(operator, held, linear, angular, override, lateral) if (
+                    self._channel is not None
+                ):
                     self._sequence += 1
                     self._channel.publish(
                         TeleopCommand(
@@ -91,6 +93,7 @@ class Driving:
                             linear=linear,
                             angular=angular,
                             override=override,
+                            lateral=lateral,
                         )
                     )
                 case drive_lease.PageNotice(session, level, text):

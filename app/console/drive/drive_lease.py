@@ -46,7 +46,7 @@ class KeepAlive:
 
 @dataclass(frozen=True, slots=True)
 class Drive:
-    """A drive command: ``linear`` and ``angular`` should be in [-1, 1]; ``override`` is held too, or not.
+    """A drive command: ``linear``, ``angular`` and ``lateral`` should be in [-1, 1]; ``override`` is held too, or not.
 
     ``cause``: why it may move nothing (a clause for people; "": it may), as one that comes too late; ``lasting``: that
     has been so for a while.
@@ -60,6 +60,7 @@ class Drive:
     override: bool = False
     cause: str = ""
     lasting: bool = False
+    lateral: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,6 +110,7 @@ class Command:
     linear: float
     angular: float
     override: bool = False
+    lateral: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -217,9 +219,10 @@ def _drive(lease: Lease, now: float, drive: Drive) -> Step:
             return lease, ()
         lease, actions = _stopped(lease)
         return replace(lease, last_drive=now, last_heard=now, sequence=drive.sequence), actions
-    if not _within_range(drive.linear) or not _within_range(drive.angular):
+    axes = (drive.linear, drive.angular, drive.lateral)
+    if not all(_within_range(axis) for axis in axes):
         stopped, actions = _stopped(lease) if session == lease.driver else (lease, ())
-        text = f"Drive commands go from -1 to 1, not {drive.linear:g} and {drive.angular:g}: refused."
+        text = "Drive commands go from -1 to 1, not {:g}, {:g} and {:g}: refused.".format(*axes)
         refused, notices = _refused(stopped, session, "error", text)
         return refused, (*actions, *notices)
     if drive.cause:
@@ -236,7 +239,9 @@ def _drive(lease: Lease, now: float, drive: Drive) -> Step:
     if session == lease.driver and lease.moving and drive.sequence <= lease.sequence:
         # A repeated or an older command: the newest counts.
         return lease, ()
-    command = Command(lease.operators[session], True, drive.linear, drive.angular, drive.override)
+    command = Command(
+        lease.operators[session], True, drive.linear, drive.angular, override=drive.override, lateral=drive.lateral
+    )
     held = replace(
         lease,
         driver=session,

@@ -75,6 +75,7 @@ def _take(text: str | bytes, viewer: Viewer, hub: Hub, clock: Clock) -> None:
                     linear=message.linear,
                     angular=message.angular,
                     override=message.override,
+                    lateral=message.lateral,
                     cause=judged.cause,
                     lasting=judged.lasting,
                 )

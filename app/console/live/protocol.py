@@ -45,13 +45,14 @@ class TimedMessage(msgspec.Struct):
 
 
 class DriveMessage(TimedMessage, tag="drive", kw_only=True):
-    """A drive command of the operator."""
+    """A drive command of the operator: shares of the body's limits, forward, turn left and sideways to the left."""
 
     seq: int
     held: bool
     linear: float
     angular: float
     override: bool = False
+    lateral: float = 0.0
 
 
 class EStopMessage(msgspec.Struct, tag="e_stop"):

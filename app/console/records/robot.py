@@ -27,10 +27,11 @@ class RobotFacts:
 
 @dataclass(frozen=True, slots=True)
 class Velocity:
-    """Forward m/s and turn rad/s (left positive)."""
+    """Forward m/s, turn rad/s and sideways m/s (left positive)."""
 
     linear_mps: float
     angular_radps: float
+    lateral_mps: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +54,7 @@ class OdometryReport:
     theta: float
     linear_mps: float
     angular_radps: float
+    lateral_mps: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -78,7 +78,8 @@ def odometry(message: Any, at: float) -> Odometry:
     """nav_msgs/Odometry."""
     pose, twist = message.pose.pose, message.twist.twist
     X_OB = Pose2(float(pose.position.x), float(pose.position.y), yaw(pose.orientation))
-    return Odometry(stamp_of(message, at), X_OB, float(twist.linear.x), float(twist.angular.z))
+    linear, angular, lateral = _planar(twist)
+    return Odometry(stamp_of(message, at), X_OB, linear, angular, lateral_mps=lateral)
 
 
 def joint_state(message: Any, at: float) -> JointState:
@@ -90,8 +91,13 @@ def joint_state(message: Any, at: float) -> JointState:
 def twist(message: Any, at: float) -> Twist:
     """geometry_msgs/Twist, which has no stamp of its own and takes its arrival ``at`` (s), or TwistStamped."""
     if hasattr(message, "header"):
-        return Twist(stamp_of(message, at), float(message.twist.linear.x), float(message.twist.angular.z))
-    return Twist(at, float(message.linear.x), float(message.angular.z))
+        return Twist(stamp_of(message, at), *_planar(message.twist))
+    return Twist(at, *_planar(message))
+
+
+def _planar(twist: Any) -> tuple[float, float, float]:
+    """Forward m/s, turn rad/s and sideways m/s of a geometry_msgs/Twist."""
+    return float(twist.linear.x), float(twist.angular.z), float(twist.linear.y)
 
 
 def laser_scan(message: Any, at: float, X_BL: Pose3) -> LaserScan:

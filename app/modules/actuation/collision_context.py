@@ -5,7 +5,7 @@ Pure on values and times: no event loop and no clock of its own.
 
 from __future__ import annotations
 
-import math
+import cmath
 
 from app.base.geometry import Pose2
 from app.base.pose_buffer import PoseBuffer
@@ -58,32 +58,32 @@ class CollisionContext:
         now = target.stamp
         if by_hand and self.overridden(now):
             return self._towards(
-                before, target, self._monitor.crawl(target.linear_mps, target.angular_radps), longest_s
+                before, target, self._monitor.crawl(_velocity(target), target.angular_radps), longest_s
             )
-        standing = before.linear_mps == 0.0 and before.angular_radps == 0.0
+        standing = _stands(before)
         allowed = self._judge(now, target, standing)
         twist, reason = self._towards(before, target, allowed, longest_s)
         if not _is_part(twist, allowed):
             # While the body accelerates or brakes, its arc differs from the arc of the target.
             now_allowed = self._judge(now, twist, standing=False)
             if now_allowed.reason:
-                return Twist(now, now_allowed.linear, now_allowed.angular), now_allowed.reason
+                return _twist(now, now_allowed), now_allowed.reason
         return twist, reason
 
     def _towards(self, before: Twist, target: Twist, allowed: Verdict, longest_s: float) -> tuple[Twist, str]:
-        wanted = Twist(target.stamp, allowed.linear, allowed.angular)
-        twist = approach(before, wanted, self._limits, longest_s)
+        twist = approach(before, _twist(target.stamp, allowed), self._limits, longest_s)
         if allowed.reason:
             twist = Twist(
                 target.stamp,
                 _no_faster(twist.linear_mps, allowed.linear),
                 _no_faster(twist.angular_radps, allowed.angular),
+                lateral_mps=_no_faster(twist.lateral_mps, allowed.lateral),
             )
         return twist, allowed.reason
 
     def _judge(self, now: float, twist: Twist, standing: bool) -> Verdict:
         scan, monitor = self._scan, self._monitor
-        if twist.linear_mps == 0.0 and twist.angular_radps == 0.0:
+        if _stands(twist):
             return Verdict(0.0, 0.0)
         # Written so that a NaN stamp is not fresh.
         if scan is None or not abs(now - scan.stamp) <= monitor.rules.stale_s:
@@ -91,7 +91,7 @@ class CollisionContext:
         if self._seen is None:
             self._seen = monitor.see(scan)
         moved = self._motion(self._seen.stamp, now)
-        return monitor.judge(self._seen, moved, twist.linear_mps, twist.angular_radps, standing=standing)
+        return monitor.judge(self._seen, moved, _velocity(twist), twist.angular_radps, standing=standing)
 
     def _motion(self, then: float, now: float) -> Pose2:
         """``X_SB``: motion of the base since ``then`` by odometry; None without odometry."""
@@ -100,18 +100,32 @@ class CollisionContext:
             return Pose2()
         since_s = min(max(now - odometry.stamp, 0.0), _CARRIED_S)
         turn = odometry.angular_radps * since_s
-        ahead = odometry.linear_mps * since_s
-        step = Pose2(ahead * math.cos(turn / 2), ahead * math.sin(turn / 2), turn)
-        return X_OS.inverse() @ odometry.X_OB @ step
+        chord = complex(odometry.linear_mps, odometry.lateral_mps) * since_s * cmath.rect(1.0, turn / 2)
+        return X_OS.inverse() @ odometry.X_OB @ Pose2(chord.real, chord.imag, turn)
+
+
+def _velocity(twist: Twist) -> complex:
+    return complex(twist.linear_mps, twist.lateral_mps)
+
+
+def _twist(stamp: float, allowed: Verdict) -> Twist:
+    return Twist(stamp, allowed.linear, allowed.angular, allowed.lateral)
+
+
+def _stands(twist: Twist) -> bool:
+    return twist.angular_radps == 0.0 and _velocity(twist) == 0.0
 
 
 def _is_part(twist: Twist, allowed: Verdict) -> bool:
     """Whether ``twist`` is the allowed twist, or the same arc at a lower speed."""
-    linear, angular = twist.linear_mps, twist.angular_radps
+    linear, angular, lateral = twist.linear_mps, twist.angular_radps, twist.lateral_mps
     return (
         linear * allowed.angular == angular * allowed.linear
+        and linear * allowed.lateral == lateral * allowed.linear
+        and lateral * allowed.angular == angular * allowed.lateral
         and _no_faster(linear, allowed.linear) == linear
         and _no_faster(angular, allowed.angular) == angular
+        and _no_faster(lateral, allowed.lateral) == lateral
     )
 
 

@@ -159,7 +159,7 @@ class MobileBaseControl(GroupArbiter[Twist]):
             self._zeros_left -= 1
         else:
             driver, wanted = choice
-            target = clamped(Twist(now, wanted.linear_mps, wanted.angular_radps), limits)
+            target = clamped(replace(wanted, stamp=now), limits)
             self._sent, self.limited = self._within_sight(driver, target, limits)
             self._zeros_left = PARTING_ZEROS
         self._link.command(replace(self._sent, stamp=now))

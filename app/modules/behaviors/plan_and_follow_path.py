@@ -288,7 +288,10 @@ class PlanAndFollowPath(Module):
         )
         if self._controller != self._controller_in_use:
             self._controller_in_use = self._controller
-            await self.compute(self._control.use_controller, self._controller)
+            try:
+                await self.compute(self._control.use_controller, self._controller)
+            except ValueError as error:
+                raise ModuleFailed(f"{self.name}: {error}") from None
         output = await self.compute(self._control.run, inputs, self.settings.period_s)
         if self._given is not goal:
             # The desire changed during the computation: the result is for another goal.
@@ -332,7 +335,8 @@ class PlanAndFollowPath(Module):
         if goal is None:
             self.twist.publish(Twist(now, 0.0, 0.0))
         else:
-            self.twist.publish(Twist(now, output.step.linear_mps, output.step.angular_radps))
+            step = output.step
+            self.twist.publish(Twist(now, step.linear_mps, step.angular_radps, step.lateral_mps))
             self._periods.commanded(self.clock.now())
         if answer is not None and answer.changed:
             self._plan = answer.plan

@@ -6,6 +6,7 @@ the laser (which looks at group 0) never sees its own body and the camera draws 
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -31,6 +32,9 @@ VISUAL_GROUP, COLLISION_GROUP = 1, 3
 _DRIVE_GAIN = 40.0
 _WHEEL_ARMATURE = 0.08
 _SERVO_ARMATURE = 0.05
+_CASTER_FRICTION = [0.01, 0.0001, 0.0001]
+_HOLONOMIC_GAIN = 50.0
+"""1/s: how fast a holonomic drive corrects its velocity, within its greatest force."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,13 +51,34 @@ class RobotSimulation:
     base_velocity: int
     base_body: int
     config: RobotConfig
+    #: Mass (kg) and moment of inertia about the base's vertical axis (kg m^2) of the whole robot, as built.
+    inertia: tuple[float, float]
 
     def drive(self, velocity: BaseVelocity) -> None:
-        """Set the wheels' drives to the speeds of ``velocity`` on the nominal base."""
+        """Set the drives to ``velocity``: the wheels to its speeds on the nominal base, or the forces of a holonomic
+        drive for this step. A differential drive ignores the sideways part."""
         base = self.config.base
+        if base.drive == "holonomic":
+            self._push(velocity)
+            return
         turn = velocity.angular_radps * base.track_m / 2
         self.data.ctrl[self.left_wheel] = (velocity.linear_mps - turn) / base.wheel_radius_m
         self.data.ctrl[self.right_wheel] = (velocity.linear_mps + turn) / base.wheel_radius_m
+
+    def _push(self, velocity: BaseVelocity) -> None:
+        """Apply at the floor, as wheels do, the force and torque towards ``velocity``, no more than brakes the robot
+        with ``emergency_mps2``."""
+        mass, inertia = self.inertia
+        most_mps2, now = self.config.limits.emergency_mps2, self.true_velocity()
+        error = complex(velocity.linear_mps - now.linear_mps, velocity.lateral_mps - now.lateral_mps)
+        push = error * min(_HOLONOMIC_GAIN, most_mps2 / max(abs(error), 1e-9))
+        push *= mass * cmath.rect(1.0, self.true_pose().theta)
+        most_radps2 = most_mps2 / (self.config.base.track_m / 2)
+        turn = _HOLONOMIC_GAIN * (velocity.angular_radps - now.angular_radps)
+        turn = inertia * min(max(turn, -most_radps2), most_radps2)
+        first = self.base_velocity
+        self.data.qfrc_applied[first : first + 2] = push.real, push.imag
+        self.data.qfrc_applied[first + 5] = turn
 
     def step(self) -> None:
         mujoco.mj_step(self.model, self.data)
@@ -73,11 +98,13 @@ class RobotSimulation:
         return Pose2(x, y, math.atan2(2 * (w * qz + qx * qy), 1 - 2 * (qy * qy + qz * qz)))
 
     def true_velocity(self) -> BaseVelocity:
-        """Forward and turning speed of the base in its own frame."""
+        """Velocity of the base in its own frame."""
         vx, vy = (float(v) for v in self.data.qvel[self.base_velocity : self.base_velocity + 2])
         heading = self.true_pose().theta
         return BaseVelocity(
-            vx * math.cos(heading) + vy * math.sin(heading), float(self.data.qvel[self.base_velocity + 5])
+            vx * math.cos(heading) + vy * math.sin(heading),
+            float(self.data.qvel[self.base_velocity + 5]),
+            vy * math.cos(heading) - vx * math.sin(heading),
         )
 
 
@@ -125,11 +152,19 @@ def build_simulation(
         base_velocity=int(free.dofadr[0]),
         base_body=int(free.bodyid[0]),
         config=robot,
+        inertia=_inertia(model, data, int(free.dofadr[0])),
     )
+
+
+def _inertia(model: mujoco.MjModel, data: mujoco.MjData, first: int) -> tuple[float, float]:
+    matrix = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, matrix)
+    return float(matrix[first, first]), float(matrix[first + 5, first + 5])
 
 
 def _tune(body: mujoco.MjSpec, robot: RobotConfig, base: TrueBase) -> None:
     """Contacts, groups, drives and servos; true wheels."""
+    differential = robot.base.drive == "differential"
     for geom in body.geoms:
         if geom.contype == 0:
             geom.group = VISUAL_GROUP
@@ -137,7 +172,7 @@ def _tune(body: mujoco.MjSpec, robot: RobotConfig, base: TrueBase) -> None:
         geom.group = COLLISION_GROUP
         geom.contype, geom.conaffinity = ROBOT_CONTACT, WORLD_CONTACT
         if geom.type == mujoco.mjtGeom.mjGEOM_SPHERE:  # ball casters: they carry, and roll any way
-            geom.friction = [0.01, 0.0001, 0.0001]
+            geom.friction = _CASTER_FRICTION
             geom.priority = 1
             geom.condim = 3
     wheels = {
@@ -148,7 +183,7 @@ def _tune(body: mujoco.MjSpec, robot: RobotConfig, base: TrueBase) -> None:
         actuator = body.add_actuator(name=joint.name, target=joint.name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
         if joint.name in wheels:
             radius, y = wheels[joint.name]
-            actuator.set_to_velocity(kv=_DRIVE_GAIN)
+            actuator.set_to_velocity(kv=_DRIVE_GAIN if differential else 0.0)
             joint.armature = _WHEEL_ARMATURE
             wheel = joint.parent
             # On the floor with the casters, however large: or these would carry the body, and the wheels spin.
@@ -156,7 +191,7 @@ def _tune(body: mujoco.MjSpec, robot: RobotConfig, base: TrueBase) -> None:
             for geom in wheel.geoms:
                 if geom.contype:
                     geom.size = [radius, geom.size[1], 0]
-                    geom.friction = [0.9, 0.005, 0.0001]
+                    geom.friction = [0.9, 0.005, 0.0001] if differential else _CASTER_FRICTION
                     geom.priority = 2
         else:
             actuator.set_to_position(kp=120.0, kv=12.0)

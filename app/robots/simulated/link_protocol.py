@@ -54,6 +54,7 @@ class DriveRequest:
     stamp: float
     linear_mps: float
     angular_radps: float
+    lateral_mps: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -114,7 +115,7 @@ def request(command: Twist | JointCommand) -> DriveRequest | JointCommand:
     """``command`` as it goes over the socket."""
     if isinstance(command, JointCommand):
         return command
-    return DriveRequest(command.stamp, command.linear_mps, command.angular_radps)
+    return DriveRequest(command.stamp, command.linear_mps, command.angular_radps, command.lateral_mps)
 
 
 def encode(frame: Any) -> bytes:

@@ -22,7 +22,7 @@ from app.robots.simulated.body import TIMESTEP_S, build_simulation
 from app.robots.simulated.camera_models import lenses
 from app.robots.simulated.joint_servos import JointServos
 from app.robots.simulated.laser import Laser
-from app.robots.simulated.odometry import EncoderOdometry, draw_true_base
+from app.robots.simulated.odometry import EncoderOdometry, HolonomicOdometry, draw_true_base
 from app.robots.simulated.renderer import WorldSnapshot, mocap_poses
 from app.robots.simulated.scenery.people import PersonBodies
 from app.robots.simulated.scenery.scenario_config import ScenarioConfig
@@ -100,7 +100,11 @@ class WorldSimulation:
         self._limits = robot.limits.guard()
         self.state = guard.GuardState(e_stop=e_stop)
         self.joints = JointServos(self.physics, robot.groups.values())
-        self._odometry = EncoderOdometry(robot.base, odometry_rng)
+        self._odometry: EncoderOdometry | HolonomicOdometry
+        if robot.base.drive == "holonomic":
+            self._odometry = HolonomicOdometry(robot.base, odometry_rng)
+        else:
+            self._odometry = EncoderOdometry(robot.base, odometry_rng)
         names = self.physics.joints
         self._wheel_joints = (names.index(robot.base.left_wheel_joint), names.index(robot.base.right_wheel_joint))
         rates = {
@@ -133,8 +137,9 @@ class WorldSimulation:
     def accept(self, frame: object) -> None:
         """Take one of ``link_protocol``'s commands to the guard or demands of streams; others are ignored."""
         match frame:
-            case link_protocol.DriveRequest(stamp, linear, angular):
-                self.state = guard.accept(self.state, guard.VelocityCommand(stamp, guard.BaseVelocity(linear, angular)))
+            case link_protocol.DriveRequest(stamp, linear, angular, lateral):
+                velocity = guard.BaseVelocity(linear, angular, lateral)
+                self.state = guard.accept(self.state, guard.VelocityCommand(stamp, velocity))
             case JointCommand():
                 self.joints.accept(frame)
             case link_protocol.EStopRequest(reason):
@@ -184,7 +189,7 @@ class WorldSimulation:
             reason=action.reason,
             e_stopped=self.state.e_stop is not None,
             command_age_s=guard.command_age(self.state, now),
-            applied=Twist(now, applied.linear_mps, applied.angular_radps),
+            applied=Twist(now, applied.linear_mps, applied.angular_radps, applied.lateral_mps),
             world_rate=world_rate(),
             groups=self.joints.status(now),
         )
@@ -247,7 +252,9 @@ class WorldSimulation:
             self.send("joints", JointState(stamp, self.physics.joints, positions), stamp)
         if "ground_truth" in wanted and schedules["ground_truth"].due(time_s):
             speed = self.physics.true_velocity()
-            truth = GroundTruth(stamp, self.physics.true_pose(), speed.linear_mps, speed.angular_radps)
+            truth = GroundTruth(
+                stamp, self.physics.true_pose(), speed.linear_mps, speed.angular_radps, lateral_mps=speed.lateral_mps
+            )
             self.send("ground_truth", truth, stamp)
         if "scene_truth" in wanted and schedules["scene_truth"].due(time_s):
             sounds = () if self.soundscape is None else self.soundscape.truth(time_s, stamp, self.scenario_state)
@@ -263,11 +270,15 @@ class WorldSimulation:
         return true + self.robot.streams.joints.noise_rad * self._joint_rng.standard_normal(true.size)
 
     def _send_odometry(self, stamp: float, time_s: float) -> None:
-        positions = self.physics.joint_positions()
-        left, right = (float(positions[index]) for index in self._wheel_joints)
-        if not (math.isfinite(left) and math.isfinite(right)):
-            return  # failed encoders: the guard sees the stream age
-        self._odometry.update(left, right, time_s - self._last_odometry_s)
+        measured, dt_s = self._odometry, time_s - self._last_odometry_s
+        if isinstance(measured, HolonomicOdometry):
+            measured.update(self.physics.true_pose(), dt_s)
+        else:
+            positions = self.physics.joint_positions()
+            left, right = (float(positions[index]) for index in self._wheel_joints)
+            if not (math.isfinite(left) and math.isfinite(right)):
+                return  # failed encoders: the guard sees the stream age
+            measured.update(left, right, dt_s)
         self._last_odometry_s = time_s
-        odometry = Odometry(stamp, self._odometry.X_OB, self._odometry.linear_mps, self._odometry.angular_radps)
-        self.send("odometry", odometry, stamp)
+        linear, angular, lateral = measured.linear_mps, measured.angular_radps, measured.lateral_mps
+        self.send("odometry", Odometry(stamp, measured.X_OB, linear, angular, lateral_mps=lateral), stamp)

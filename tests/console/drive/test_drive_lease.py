@@ -251,3 +251,12 @@ def test_whatever_happens_nothing_moves_without_a_fresh_hold(story: list[tuple[E
         assert lease.driver is None or lease.driver in lease.operators
         if before.driver != lease.driver and before.moving:
             assert any(not command.held for command in commands(actions))
+
+
+def test_a_sideways_command_goes_through_and_is_bounded_like_the_others() -> None:
+    story = Story()
+    assert story.do(Drive("a", 1, True, 0.0, 0.0, lateral=-0.5)) == (Command("Ann", True, 0.0, 0.0, lateral=-0.5),)
+    stop, notice = story.do(Drive("a", 2, True, 0.0, 0.0, lateral=1.5))
+    assert stop == Command("Ann", False, 0.0, 0.0)
+    assert isinstance(notice, PageNotice)
+    assert notice.text == "Drive commands go from -1 to 1, not 0, 0 and 1.5: refused."

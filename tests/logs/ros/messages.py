@@ -157,7 +157,7 @@ _SPECIAL: dict[type[Any], st.SearchStrategy[Any]] = {
     OccupancyGrid: _grids(),
     PlannedPath: _paths(),
     Odometry: st.builds(
-        Odometry, STAMPS, st.builds(Pose2, _LENGTHS, _LENGTHS, st.floats(-6.28, 6.28)), _FLOATS, _FLOATS
+        Odometry, STAMPS, st.builds(Pose2, _LENGTHS, _LENGTHS, st.floats(-6.28, 6.28)), _FLOATS, _FLOATS, _FLOATS
     ),
     LogLine: st.builds(LogLine, STAMPS, st.integers(0, 255), _TEXT, _TEXT),
     EncodedImage: st.builds(

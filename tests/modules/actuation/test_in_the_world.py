@@ -52,9 +52,9 @@ class Ride:
         self.link, self.clock, self.graph = link, clock, graph
         self.exploitations = graph.channel("exploitation").subscribe("test", capacity=10_000)
 
-    async def drive(self, linear: float, angular: float, seconds: float) -> None:
+    async def drive(self, linear: float, angular: float, seconds: float, lateral: float = 0.0) -> None:
         for _ in range(round(seconds / 0.05)):
-            self.graph.channel("hand").publish(Twist(self.clock.now(), linear, angular))
+            self.graph.channel("hand").publish(Twist(self.clock.now(), linear, angular, lateral))
             await self.clock.sleep(0.05)
 
     def limits(self) -> list[str]:
@@ -177,3 +177,30 @@ def test_out_of_a_tight_place_it_crawls_back_and_turns(robot: RobotConfig, hall:
         assert begun.link.contacts == ()
 
     ride(at(robot, 19.25, 10.0), hall, script)
+
+
+def test_a_holonomic_base_strafes_to_a_wall_and_stops_before_it(robot: RobotConfig, hall: WorldConfig) -> None:
+    """Its laser sees all around; the wall is 0.9 m to the left."""
+    limits = robot.limits.model_copy(update={"lateral_mps": 0.3})
+    base = robot.base.model_copy(update={"drive": "holonomic"})
+    assert robot.streams.hokuyo is not None
+    laser = robot.streams.hokuyo.model_copy(update={"fov_deg": 360.0})
+    streams = robot.streams.model_copy(update={"hokuyo": laser})
+    body = robot.model_copy(update={"limits": limits, "base": base, "streams": streams})
+
+    async def script(begun: Ride) -> None:
+        start = begun.link.true_pose()
+        await begun.drive(0.0, 0.0, 2.0, lateral=0.3)
+        went = begun.link.true_pose()
+        assert went.y - start.y > 0.3
+        assert abs(went.x - start.x) < 0.02
+        assert abs(went.theta) < 0.02
+        await begun.drive(0.0, 0.0, 6.0, lateral=0.3)
+        assert begun.limits()[-1].startswith("stopped: something 0.1 m to the left")
+        assert begun.link.contacts == ()
+        assert begun.link.true_pose().y < 20.0 - 0.28
+        await begun.drive(0.2, -0.5, 2.0, lateral=-0.2)
+        assert begun.link.true_pose().y < 19.6, "away from it nothing is in the way"
+        assert begun.link.contacts == ()
+
+    ride(at(body, 10, 19.1), hall, script)

@@ -1,7 +1,7 @@
 /** The touch stick: held while a finger or the mouse holds it, on Pointer Events. It also shows what other inputs do. */
 
 import { useRef } from "preact/hooks";
-import type { Axes } from "./axes";
+import { type Axes, CENTRE } from "./axes";
 import type { DriveController } from "./driveController";
 
 const DEADBAND = 0.08;
@@ -10,6 +10,7 @@ export function Stick({ drive, words }: { drive: DriveController; words: string 
   const disc = useRef<HTMLDivElement>(null);
   const pointer = useRef<number | null>(null);
   const { command, factor } = drive.state.value;
+  const strafes = drive.stickStrafes.value;
   const refused = drive.refusal.value !== null;
 
   const axesAt = (event: PointerEvent): Axes => {
@@ -18,9 +19,10 @@ export function Stick({ drive, words }: { drive: DriveController; words: string 
     const x = (event.clientX - box.left - box.width / 2) / reach;
     const y = (event.clientY - box.top - box.height / 2) / reach;
     const size = Math.hypot(x, y);
-    if (size < DEADBAND) return { linear: 0, angular: 0 };
+    if (size < DEADBAND) return CENTRE;
     const shrink = size > 1 ? 1 / size : 1;
-    return { linear: -y * shrink, angular: -x * shrink };
+    const aside = -x * shrink;
+    return { linear: -y * shrink, angular: strafes ? 0 : aside, lateral: strafes ? aside : 0 };
   };
   const end = (event: PointerEvent) => {
     if (event.pointerId !== pointer.current) return;
@@ -34,9 +36,10 @@ export function Stick({ drive, words }: { drive: DriveController; words: string 
   };
 
   // Where the hand is: the command without the speed preset, kept on the disc when two keys point to its corner.
-  const size = Math.max(factor, Math.hypot(command.linear, command.angular), 0.01);
+  const aside = strafes ? command.lateral : command.angular;
+  const size = Math.max(factor, Math.hypot(command.linear, aside), 0.01);
   const reach = command.held ? 36 / size : 0;
-  const knob = `translate(${-command.angular * reach}%, ${-command.linear * reach}%)`;
+  const knob = `translate(${-aside * reach}%, ${-command.linear * reach}%)`;
   return (
     <div
       ref={disc}

@@ -6,7 +6,7 @@ import type { Session } from "../state/session";
 import type { Store } from "../state/store";
 import type { Axes } from "./axes";
 import { type PadReading, readPads } from "./gamepad";
-import { DRIVE_KEYS, OVERRIDE_KEYS, SLOW_KEYS } from "./keys";
+import { DRIVE_KEYS, OVERRIDE_KEYS, SLOW_KEYS, STRAFE_KEYS } from "./keys";
 import { type DriveState, flush, type Input, initialDrive, step, TICK_MS } from "./machine";
 
 export const PRESETS = [
@@ -24,6 +24,8 @@ export type KeyboardPlace = "page" | "field" | "away";
 export class DriveController {
   readonly state = signal<DriveState>(initialDrive(readPreset()));
   readonly keyboard = signal<KeyboardPlace>("page");
+  /** The stick on screen, pushed sideways, moves a body sideways that can; else it turns. */
+  readonly stickStrafes = signal(false);
   /** Why driving is refused now, in words; null: it is not. */
   readonly refusal: ReadonlySignal<string | null>;
   private chosenPad: PadReading["chosen"] = null;
@@ -130,13 +132,17 @@ export class DriveController {
     if (event.code === "Space") this.space(event);
     else if (event.key === "?") this.store.help.value = !this.store.help.value;
     else if (!this.store.body.peek().drives) return;
-    else if (DRIVE_KEYS.has(event.code) && !(event.code.startsWith("Arrow") && ownsArrows(event.target))) {
+    else if (this.drives(event.code) && !(event.code.startsWith("Arrow") && ownsArrows(event.target))) {
       event.preventDefault();
       event.stopPropagation();
       if (!event.repeat && this.refusal.peek()) this.explain();
       this.input({ type: "key", code: event.code, down: true, repeat: event.repeat });
     } else if (SLOW_KEYS.has(event.code) || OVERRIDE_KEYS.has(event.code))
       this.input({ type: "key", code: event.code, down: true, repeat: event.repeat });
+  }
+
+  private drives(code: string): boolean {
+    return DRIVE_KEYS.has(code) || (STRAFE_KEYS.has(code) && this.store.body.peek().strafes);
   }
 
   /** Stops all driving: teleoperation and goal. While anything does, it presses no button, or "To start" might go on. */
@@ -198,7 +204,7 @@ export class DriveController {
     this.polling = true;
     const frame = () => {
       const pads = navigator.getGamepads();
-      const { chosen, axes, override, stop, home } = readPads(pads, this.chosenPad);
+      const { chosen, axes, override, stop, home } = readPads(pads, this.chosenPad, this.store.body.peek().strafes);
       if (this.chosenPad && !chosen) this.release();
       this.chosenPad = chosen;
       this.input({ type: "pad", axes: document.hasFocus() ? axes : null, override });

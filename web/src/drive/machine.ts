@@ -10,8 +10,8 @@
  * nothing, and a release ends it likewise.
  */
 
-import type { Axes } from "./axes";
-import { axesOfKeys, DRIVE_KEYS, OVERRIDE_KEYS, SLOW_KEYS } from "./keys";
+import { type Axes, CENTRE } from "./axes";
+import { axesOfKeys, DRIVE_KEYS, OVERRIDE_KEYS, SLOW_KEYS, STRAFE_KEYS } from "./keys";
 
 export type Source = "stick" | "gamepad" | "keyboard";
 
@@ -71,7 +71,7 @@ export function initialDrive(factor: number): DriveState {
     screenOverride: false,
     factor,
     source: null,
-    command: { seq: 0, held: false, linear: 0, angular: 0, override: false },
+    command: { seq: 0, held: false, ...CENTRE, override: false },
     farewells: 0,
   };
 }
@@ -119,7 +119,7 @@ function take(state: DriveState, input: Exclude<Input, { type: "tick" }>): Drive
 }
 
 function takeKey(state: DriveState, input: { code: string; down: boolean; repeat?: boolean }): DriveState {
-  if (![DRIVE_KEYS, SLOW_KEYS, OVERRIDE_KEYS].some((keys) => keys.has(input.code))) return state;
+  if (![DRIVE_KEYS, STRAFE_KEYS, SLOW_KEYS, OVERRIDE_KEYS].some((keys) => keys.has(input.code))) return state;
   if (input.down === state.keys.has(input.code)) return state;
   // A repeat of a key we do not know as held was pressed before a release: it must be pressed again.
   if (input.down && (input.repeat || !state.allowed)) return state;
@@ -153,7 +153,7 @@ function letGo(state: DriveState): DriveState {
 
 function settle(before: DriveState, taken: DriveState): Step {
   const source = chooseSource(taken);
-  const axes = source ? scale(axesOf(taken, source), factorOf(taken)) : { linear: 0, angular: 0 };
+  const axes = source ? scale(axesOf(taken, source), factorOf(taken)) : CENTRE;
   const held = source !== null;
   const override = held && overrides(taken);
   const { command: last } = before;
@@ -171,7 +171,7 @@ function tick(state: DriveState): Step {
 }
 
 function farewell(state: DriveState): Step {
-  const command = { seq: state.command.seq + 1, held: false, linear: 0, angular: 0, override: false };
+  const command = { seq: state.command.seq + 1, held: false, ...CENTRE, override: false };
   return { state: { ...state, command, farewells: state.farewells - 1 }, send: [command] };
 }
 
@@ -187,7 +187,7 @@ function axesOfSource(state: DriveState, source: Source): Axes | null {
 }
 
 function axesOf(state: DriveState, source: Source): Axes {
-  return axesOfSource(state, source) ?? { linear: 0, angular: 0 };
+  return axesOfSource(state, source) ?? CENTRE;
 }
 
 /** Whether any hand holds the override, whichever drives. */
@@ -201,11 +201,19 @@ function factorOf(state: DriveState): number {
 }
 
 function scale(axes: Axes, factor: number): Axes {
-  return { linear: round(axes.linear * factor), angular: round(axes.angular * factor) };
+  return {
+    linear: round(axes.linear * factor),
+    angular: round(axes.angular * factor),
+    lateral: round(axes.lateral * factor),
+  };
 }
 
 function clampAxes(axes: Axes): Axes {
-  return { linear: clamp(axes.linear, -1, 1), angular: clamp(axes.angular, -1, 1) };
+  return {
+    linear: clamp(axes.linear, -1, 1),
+    angular: clamp(axes.angular, -1, 1),
+    lateral: clamp(axes.lateral, -1, 1),
+  };
 }
 
 function clamp(value: number, low: number, high: number): number {
@@ -217,5 +225,5 @@ function round(value: number): number {
 }
 
 function same(a: Axes, b: Axes): boolean {
-  return a.linear === b.linear && a.angular === b.angular;
+  return a.linear === b.linear && a.angular === b.angular && a.lateral === b.lateral;
 }

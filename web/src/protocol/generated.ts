@@ -37,12 +37,17 @@ export interface AudioFacts {
   speak: boolean;
 }
 
-/** Limits of the mobile base: speeds (m/s, rad/s) and accelerations (m/s^2, rad/s^2), all positive. */
+/**
+ * Limits of the mobile base: speeds (m/s, rad/s) and accelerations (m/s^2, rad/s^2), all positive. ``lateral_mps`` is
+ * the greatest speed sideways, 0 for a base that cannot move so (a differential drive). Forward and sideways speeds are
+ * limited together, as a vector within the ellipse of both limits; its change is within ``linear_mps2``.
+ */
 export interface BaseLimits {
   linear_mps: number;
   angular_radps: number;
   linear_mps2: number;
   angular_radps2: number;
+  lateral_mps: number;
 }
 
 /**
@@ -470,6 +475,7 @@ export interface OdometryReport {
   theta: number;
   linear_mps: number;
   angular_radps: number;
+  lateral_mps: number;
 }
 
 /** A pose: m and rad. */
@@ -798,10 +804,11 @@ export interface TimelineEvent {
   data: Record<string, unknown>;
 }
 
-/** Forward m/s and turn rad/s (left positive). */
+/** Forward m/s, turn rad/s and sideways m/s (left positive). */
 export interface Velocity {
   linear_mps: number;
   angular_radps: number;
+  lateral_mps: number;
 }
 
 /** Every zone of the map. */
@@ -846,7 +853,7 @@ export interface DesireChange {
   ttl?: number | null;
 }
 
-/** A drive command of the operator. */
+/** A drive command of the operator: shares of the body's limits, forward, turn left and sideways to the left. */
 export interface DriveMessage {
   type: "drive";
   t?: number | null;
@@ -857,6 +864,7 @@ export interface DriveMessage {
   linear: number;
   angular: number;
   override?: boolean;
+  lateral?: number;
 }
 
 /** Latch the emergency stop. */

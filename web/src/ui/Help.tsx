@@ -8,6 +8,7 @@ type Rows = [string[], string][];
 
 const DRIVE: Rows = [
   [["W", "A", "S", "D"], "Hold to drive; the arrow keys work too"],
+  [["Q", "E"], "Hold: move sideways, where the robot can"],
   [["Shift"], "Hold: drive slowly"],
   [["O"], "Hold while driving: crawl without the collision monitor. It does not stop for obstacles: watch it"],
   [["Space"], "Stop driving and cancel the goal. Then release all keys and press again to drive"],
