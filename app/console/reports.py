@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from app.console.records.program import SourceState
-from app.console.records.robot import Guard, LandmarkReport, OdometryReport, RobotFacts, Velocity
-from app.messages import Exploitation, Landmarks, LinkStatus, Odometry
+from app.console.records.robot import GroupReport, Guard, LandmarkReport, OdometryReport, RobotFacts, Velocity
+from app.messages import Exploitation, JointCommand, Landmarks, LinkStatus, Odometry
 from app.runtime.freshness import Freshness, sources
 from app.runtime.graph import Graph
 
@@ -59,6 +59,35 @@ def guard(status: LinkStatus | None, now: float, rate: float = 1.0, problem: str
             0.0 if problem else round(status.applied.angular_radps, 4),
         ),
     )
+
+
+def groups(
+    status: LinkStatus | None, exploitations: Mapping[str, Exploitation], now: float, rate: float = 1.0
+) -> tuple[GroupReport, ...]:
+    """What the guard says of each group of joints; ``exploitations`` by group; ``rate`` as for :func:`guard`."""
+    if status is None:
+        return ()
+    silent = now - status.stamp > SILENT_AFTER_S * rate
+    return tuple(
+        GroupReport(
+            each.group,
+            state="silent" if silent else each.guard,
+            reason="" if silent else each.reason,
+            exploited=exploited(exploitations.get(each.group), now, rate),
+        )
+        for each in status.groups
+    )
+
+
+def turns_head(system: System) -> bool:
+    """Whether a strategy of Teleoperation opens an output of joint positions."""
+    outputs = {
+        f"{slot.name}.{port}"
+        for slot in system.graph.modules.values()
+        for port, channel in slot.spec.outputs.items()
+        if system.graph.channels[channel].message_type is JointCommand
+    }
+    return any(s.cls == "Teleoperation" and outputs & s.filters.keys() for s in system.table.strategies)
 
 
 def odometry_report(odometry: Odometry | None) -> OdometryReport | None:

@@ -11,9 +11,11 @@ from app.messages.actuation import GroupStatus
 class TeleopCommand:
     """An operator's command: ``linear`` and ``angular`` in [-1, 1] of the robot's limits (forward, left).
 
-    ``held`` is the dead-man: False means stop, whatever the other fields. ``stamp`` is the robot's clock at arrival,
-    ``sequence`` grows by one with each command of one operator session. ``override`` is a hold of its own: while it is
-    held, obstacles do not stop the robot, but only a crawl is allowed.
+    ``held`` is the dead-man: False means that the base stops, whatever the other fields. ``stamp`` is the robot's clock
+    at arrival, ``sequence`` grows by one with each command of one operator session. ``override`` is a hold of its own:
+    while it is held, obstacles do not stop the robot, but only a crawl is allowed. ``head_held`` is the dead-man of the
+    head, which is turned whether the base is driven or not: ``pan`` and ``tilt`` in [-1, 1] of its joints' speeds
+    (left, up).
     """
 
     stamp: float
@@ -23,6 +25,9 @@ class TeleopCommand:
     linear: float
     angular: float
     override: bool = False
+    head_held: bool = False
+    pan: float = 0.0
+    tilt: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

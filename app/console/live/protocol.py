@@ -45,13 +45,27 @@ class TimedMessage(msgspec.Struct):
 
 
 class DriveMessage(TimedMessage, tag="drive", kw_only=True):
-    """A drive command of the operator."""
+    """A drive command of the operator: of the base while ``held``, of the head while ``head_held``."""
 
     seq: int
     held: bool
     linear: float
     angular: float
     override: bool = False
+    head_held: bool = False
+    pan: float = 0.0
+    tilt: float = 0.0
+
+
+class LookMessage(TimedMessage, tag="look", kw_only=True):
+    """Turn the head to a place in the camera's picture.
+
+    ``stamp`` is the picture's (s); ``u`` and ``v`` are shares of its width and height, from its upper left.
+    """
+
+    stamp: float
+    u: float
+    v: float
 
 
 class EStopMessage(msgspec.Struct, tag="e_stop"):
@@ -100,6 +114,7 @@ class ListenMessage(msgspec.Struct, tag="listen"):
 
 FromPage = (
     DriveMessage
+    | LookMessage
     | EStopMessage
     | ClearEStopMessage
     | TakeControlMessage

@@ -34,14 +34,24 @@ class Sampler:
         self._audience = audience
         self._sequence = 0
         self._exploitation: Exploitation | None = None
+        #: The newest by group of joints.
+        self._exploitations: dict[str, Exploitation] = {}
         self._odometry: Odometry | None = None
 
     def channels(self) -> dict[str, Callable[[Any], None]]:
         """The channels to tap while it runs, with what takes their messages."""
-        return {"exploitation": self._on_exploitation, "odometry": self._on_odometry}
+        taps: dict[str, Callable[[Any], None]] = {
+            name: self._on_group
+            for name, channel in self._system.graph.channels.items()
+            if channel.message_type is Exploitation
+        }
+        return {**taps, "exploitation": self._on_exploitation, "odometry": self._on_odometry}
 
     def _on_exploitation(self, message: Exploitation) -> None:
         self._exploitation = message
+
+    def _on_group(self, message: Exploitation) -> None:
+        self._exploitations[message.group] = message
 
     def _on_odometry(self, message: Odometry) -> None:
         self._odometry = message
@@ -58,6 +68,7 @@ class Sampler:
     def clear(self) -> None:
         """Time has jumped."""
         self._exploitation = None
+        self._exploitations.clear()
         self._odometry = None
 
     def _sample(self, now: float) -> None:
@@ -76,6 +87,7 @@ class Sampler:
             speaker=None,
             exploited=reports.exploited(self._exploitation, now, speed),
             limited=reports.limited(self._exploitation, now, speed),
+            groups=reports.groups(status, self._exploitations, now, speed),
             waits="",
             sources=reports.source_states(self._system.graph, self._system.freshness.read(now)),
         )

@@ -6,6 +6,7 @@ import { number } from "../ui/format";
 import { KeyboardIcon, WheelIcon } from "../ui/icons";
 import { PRESETS } from "./driveController";
 import { heldWords } from "./driveText";
+import { Head, HeadHint } from "./Head";
 import { Limited } from "./Limited";
 import { Stick } from "./Stick";
 
@@ -65,8 +66,10 @@ export function DrivePad() {
         ) : (
           <Hint />
         )}
+        <HeadHint />
         <Limited />
       </div>
+      <Head />
     </section>
   );
 }
@@ -104,6 +107,11 @@ function Hint() {
     <p class="drive-hint">
       <span class="only-wide">
         Hold <kbd>W</kbd> <kbd>A</kbd> <kbd>S</kbd> <kbd>D</kbd> or arrows
+        {store.body.value.turnsHead && (
+          <>
+            ; head: <kbd>I</kbd> <kbd>J</kbd> <kbd>K</kbd> <kbd>L</kbd>
+          </>
+        )}
       </span>
       <span class="only-narrow">Hold and push the stick</span>
     </p>

@@ -4,8 +4,18 @@ import { bodyOf } from "./body";
 
 const EVERYTHING = { camera: true, panorama: true, map: true, costmap: true, scan: true, point_cloud: true };
 const kind = (name: string, served = true) => ({ name, served }) as DesireClass;
-const hello = (some: Partial<Hello>) => ({ drive: true, channels: EVERYTHING, classes: [], ...some }) as Hello;
-const ALL = { drives: true, maps: true, goes: true, scans: true, places: true, faces: true, voices: true };
+const hello = (some: Partial<Hello>) =>
+  ({ drive: true, head: true, channels: EVERYTHING, classes: [], ...some }) as Hello;
+const ALL = {
+  drives: true,
+  turnsHead: true,
+  maps: true,
+  goes: true,
+  scans: true,
+  places: true,
+  faces: true,
+  voices: true,
+};
 
 test("of a body that has not greeted, everything may be", () => {
   expect(bodyOf(null)).toEqual(ALL);
@@ -19,8 +29,16 @@ test("one that has it all can do it all", () => {
 test("a camera on a desk drives nowhere, maps nothing, and places nothing", () => {
   const classes = [kind("GoTo", false), kind("LocateFaces", true), kind("LocateVoices", false)];
   const channels = { ...EVERYTHING, map: false, scan: false, point_cloud: false };
-  const nothing = { drives: false, maps: false, goes: false, scans: false, places: false, voices: false };
-  expect(bodyOf(hello({ drive: false, classes, channels }))).toEqual({ ...nothing, faces: true });
+  const nothing = {
+    drives: false,
+    turnsHead: false,
+    maps: false,
+    goes: false,
+    scans: false,
+    places: false,
+    voices: false,
+  };
+  expect(bodyOf(hello({ drive: false, head: false, classes, channels }))).toEqual({ ...nothing, faces: true });
 });
 
 test("depth gives things a place without a laser", () => {

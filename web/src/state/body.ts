@@ -5,6 +5,8 @@ import type { Hello } from "../protocol/types";
 export interface BodySkills {
   /** Hands can drive it. */
   drives: boolean;
+  /** Hands can turn its head. */
+  turnsHead: boolean;
   /** It makes, or shows, a map. */
   maps: boolean;
   /** It goes by itself where it is sent. */
@@ -25,6 +27,7 @@ export function bodyOf(hello: Hello | null): BodySkills {
   const recorded = !!hello?.playback;
   return {
     drives: hello?.drive !== false,
+    turnsHead: hello?.head !== false,
     maps: map !== false,
     goes: serves("GoTo"),
     scans: scan !== false,

@@ -25,18 +25,23 @@ HEAD = ActuatorGroup(
 )
 
 
-def head_bench(behavior: str, inputs: Mapping[str, type[Any]] | None = None, **settings: Any) -> Bench:
+def bench_of(behavior: str, inputs: Mapping[str, type[Any]], **settings: Any) -> Bench:
     """``behavior``: file and class below ``gaze``."""
     link = FakeLink()
     link.description = replace(link.description, model_path=URDF, groups={"head": HEAD})
     return Bench(
         f"app.modules.behaviors.gaze.{behavior}",
-        inputs={"joints": JointState, "odometry": Odometry, **(inputs or {})},
+        inputs={"joints": JointState, **inputs},
         outputs={"command": JointCommand},
-        settings={"eye": EYE, **settings},
+        settings=settings,
         link=link,
         attended=("command",),
     )
+
+
+def head_bench(behavior: str, inputs: Mapping[str, type[Any]] | None = None, **settings: Any) -> Bench:
+    """Of one that looks by an eye, with odometry."""
+    return bench_of(behavior, {"odometry": Odometry, **(inputs or {})}, **{"eye": EYE, **settings})
 
 
 def desire(b: Bench, **parameters: Any) -> None:
