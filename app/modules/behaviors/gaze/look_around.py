@@ -3,6 +3,7 @@
     ┌──────────────────────────────────────────────────────────────────────────────────────┐
     │ LookAround  in   joints, odometry  as of every GazeBehavior                          │
     │             out  command           JointCommand of the group (rad), 10 Hz            │
+    │             out  accomplishments   Accomplishment, after its rounds                  │
     └──────────────────────────────────────────────────────────────────────────────────────┘
 
 A camera's picture is sharp, and a perception thinned by attention gets one, only while the head stands: so it stops.
@@ -12,8 +13,6 @@ A direction counts as reached once the joints are where they were commanded, als
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
@@ -55,28 +54,21 @@ LOOK_AROUND = DesireClass(
     title="Look around",
     description="Sweep the gaze over what is around, with a pause at each direction.",
     parameters=LookAroundParameters,
+    achievement=True,
 )
 
 
-class LookAround(GazeBehavior):
+class LookAround(GazeBehavior[LookAroundParameters]):
     """Sweeps the gaze."""
 
     title = "Look around"
-    desire_classes = (LOOK_AROUND,)
+    desire_class = LOOK_AROUND
     Settings = LookAroundSettings
     settings: LookAroundSettings
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
-        self._given: LookAroundParameters | None = None
         self._sweep: Sweep | None = None
-
-    def configure(self, parameters: Mapping[str, Any]) -> None:
-        """Take the width, the pause and the rounds from the desire; without any there is none."""
-        known = {key: parameters[key] for key in LookAroundParameters.model_fields if key in parameters}
-        given = LookAroundParameters.model_validate(known) if known else None
-        if given != self._given:
-            self._given, self._sweep = given, None
 
     def rest(self) -> None:
         """The next sweep begins at its first direction."""
@@ -84,7 +76,7 @@ class LookAround(GazeBehavior):
 
     def look(self, now: float) -> Look:
         """A point far off in the direction of the sweep."""
-        given = self._given
+        given = self.given
         if given is None:
             return Look(None)
         if self._sweep is None:
@@ -93,7 +85,7 @@ class LookAround(GazeBehavior):
             self._sweep = Sweep(stops, given.pause_s)
             bearing, elevation = self._sweep.step(now, reached=False)
         elif given.rounds is not None and self._sweep.round >= given.rounds:
-            return Look(None, "it has looked around")
+            return Look(None, "it has looked around", outcome="done")
         else:
             bearing, elevation = self._sweep.step(now, self.aim_error_rad < _REACHED_RAD)
         ahead = math.cos(elevation)

@@ -1,22 +1,22 @@
 """LookAt: turns the head so that a camera looks at a point, or at a place that the robot knows.
 
-    ┌──────────────────────────────────────────────────────────────────────────────────────────┐
-    │ LookAt    in   joints        JointState, 30 Hz; never filtered                           │
-    │           in   odometry      Odometry, X_OB in odom; never filtered                      │
-    │           in   localization  Localization, X_MO on the map: for points on the map        │
-    │           in   landmarks     Landmarks, in odom: for places by name                      │
-    │           out  command       JointCommand of the group (rad), 10 Hz while there is a point│
-    └──────────────────────────────────────────────────────────────────────────────────────────┘
+    ┌───────────────────────────────────────────────────────────────────────────────────────────────┐
+    │ LookAt    in   joints, odometry  as of every GazeBehavior                                     │
+    │           in   localization      Localization, X_MO on the map: for points on the map         │
+    │           in   landmarks         Landmarks, in odom: for places by name                       │
+    │           out  command           JointCommand of the group (rad), 10 Hz while there is a point│
+    │           out  accomplishments   Accomplishment, when the eye looks at the point              │
+    └───────────────────────────────────────────────────────────────────────────────────────────────┘
 
 The point comes with the desire LookAt: in ``base_link`` it turns with the robot; in ``odom`` or ``map`` the head
-follows it while the robot drives. A place is the text of a QR code that was found.
+follows it while the robot drives, so the desire stays once it is accomplished. A place is the text of a QR code that
+was found.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, Self
+from typing import Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,7 +65,8 @@ class LookAtParameters(BaseModel):
 LOOK_AT = DesireClass(
     name="LookAt",
     title="Look at a point",
-    description="Turn the head so that the camera looks at a point, or at a place that was found.",
+    description="Turn the head so that the camera looks at a point, or at a place that was found, as long as it is "
+    "desired.",
     parameters=LookAtParameters,
 )
 
@@ -88,11 +89,11 @@ class PointOfInterest:
         return np.asarray(X_FB.to_pose3().inverse().transform(self.p_FP))
 
 
-class LookAt(GazeBehavior):
+class LookAt(GazeBehavior[LookAtParameters]):
     """Looks at a point with the joints of the head."""
 
     title = "Look at"
-    desire_classes = (LOOK_AT,)
+    desire_class = LOOK_AT
     Settings = GazeSettings
     auxiliary_inputs = frozenset({"localization", "landmarks"})
 
@@ -102,7 +103,6 @@ class LookAt(GazeBehavior):
         self.landmarks = self.input("landmarks", Landmarks, wants="never")
         self.on(self.localization, self._take_localization)
         self.on(self.landmarks, self._take_landmarks)
-        self._given: LookAtParameters | None = None
         self._X_MO: Pose2 | None = None
         self._places: dict[str, NDArray[np.float64]] = {}
 
@@ -112,12 +112,6 @@ class LookAt(GazeBehavior):
         if self.landmarks.channel is not None and self.landmarks.channel.latest is not None:
             await self._take_landmarks(self.landmarks.channel.latest)
 
-    def configure(self, parameters: Mapping[str, Any]) -> None:
-        """Take the point or the place from the desire; without either there is none."""
-        known = {key: parameters[key] for key in LookAtParameters.model_fields if key in parameters}
-        asked = known.get("place") is not None or (known.get("x") is not None and known.get("y") is not None)
-        self._given = LookAtParameters.model_validate(known) if asked else None
-
     async def _take_localization(self, localization: Localization) -> None:
         self._X_MO = localization.X_MO if localization.state in _LOCALIZED else None
 
@@ -126,7 +120,7 @@ class LookAt(GazeBehavior):
 
     def look(self, now: float) -> Look:
         """The point of the desire, where the robot is now."""
-        given = self._given
+        given = self.given
         if given is None:
             return Look(None)
         if given.place is not None:

@@ -21,12 +21,12 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from app.attention.desires import DesireClass
+from app.attention.desires import DesireClass, NoParameters
 from app.base.geometry import Pose2
 from app.messages import Exploitation, Localization, PlannedPath
 from app.modules.behaviors.gaze.gaze_behavior import GazeBehavior, GazeSettings, Look
 from app.modules.behaviors.gaze.look_ahead import ahead_on_arc, ahead_on_path
-from app.runtime.module import ModuleContext
+from app.runtime.module import Caution, ModuleContext
 
 #: Slower than this (m/s, rad/s) the base stands.
 _STANDS = 0.02
@@ -51,11 +51,11 @@ class LookWhereGoingSettings(GazeSettings):
     path_behavior: str = Field("PlanAndFollowPath", description="the behavior that drives along `path`")
 
 
-class LookWhereGoing(GazeBehavior):
+class LookWhereGoing(GazeBehavior[NoParameters]):
     """Looks at the floor ahead while the base moves."""
 
     title = "Look where it goes"
-    desire_classes = (LOOK_WHERE_GOING,)
+    desire_class = LOOK_WHERE_GOING
     Settings = LookWhereGoingSettings
     settings: LookWhereGoingSettings
     auxiliary_inputs = frozenset({"path", "localization"})
@@ -83,6 +83,10 @@ class LookWhereGoing(GazeBehavior):
 
     async def _take_localization(self, localization: Localization) -> None:
         self._X_MO = localization.X_MO if localization.state in _LOCALIZED else None
+
+    def cautions(self) -> tuple[Caution, ...]:
+        """None for its reports: there is no end to it."""
+        return ()
 
     def look(self, now: float) -> Look:
         """The point on the floor; none while the base stands."""

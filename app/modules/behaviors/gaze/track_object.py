@@ -14,8 +14,6 @@ place; after ``give_up_s`` the head is left to others, with the reason in the lo
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 from pydantic import BaseModel, Field
@@ -58,28 +56,20 @@ TRACK_CODE = DesireClass(
 )
 
 
-class TrackFace(TrackPercept[Faces]):
+class TrackFace(TrackPercept[TrackFaceParameters, Faces]):
     """Tracks a face."""
 
     title = "Track a face"
-    desire_classes = (TRACK_FACE,)
+    desire_class = TRACK_FACE
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context, "faces", Faces)
-        self._given: TrackFaceParameters | None = None
-
-    def configure(self, parameters: Mapping[str, Any]) -> None:
-        """Take the number of the face from the desire."""
-        given = TrackFaceParameters(track=parameters["track"]) if "track" in parameters else None
-        if given != self._given:
-            self._given = given
-            self.restart()
 
     def begin(self, now: float) -> TargetChoice | None:
         """The face of the desire."""
-        if self._given is None:
+        if self.given is None:
             return None
-        wanted = "" if self._given.track is None else str(self._given.track)
+        wanted = "" if self.given.track is None else str(self.given.track)
         return TargetChoice("face" if wanted else "a face", wanted, self.rules(), now)
 
     def candidates(self, percepts: Faces, X_OB: Pose3) -> list[Candidate]:
@@ -87,28 +77,20 @@ class TrackFace(TrackPercept[Faces]):
         return [_candidate(str(face.track), face.p_BF, X_OB) for face in percepts.faces]
 
 
-class TrackCode(TrackPercept[QRCodes]):
+class TrackCode(TrackPercept[TrackCodeParameters, QRCodes]):
     """Tracks a QR code."""
 
     title = "Track a QR code"
-    desire_classes = (TRACK_CODE,)
+    desire_class = TRACK_CODE
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context, "codes", QRCodes)
-        self._given: TrackCodeParameters | None = None
-
-    def configure(self, parameters: Mapping[str, Any]) -> None:
-        """Take the text of the code from the desire."""
-        given = TrackCodeParameters(text=parameters["text"]) if "text" in parameters else None
-        if given != self._given:
-            self._given = given
-            self.restart()
 
     def begin(self, now: float) -> TargetChoice | None:
         """The code of the desire."""
-        if self._given is None:
+        if self.given is None:
             return None
-        wanted = self._given.text or ""
+        wanted = self.given.text or ""
         return TargetChoice("code" if wanted else "a code", wanted, self.rules(), now)
 
     def candidates(self, percepts: QRCodes, X_OB: Pose3) -> list[Candidate]:

@@ -12,7 +12,7 @@ from pydantic import Field
 
 from app.base.geometry import Pose3
 from app.messages import Faces, QRCodes, SoundSources
-from app.modules.behaviors.gaze.gaze_behavior import GazeBehavior, GazeSettings, Look
+from app.modules.behaviors.gaze.gaze_behavior import G, GazeBehavior, GazeSettings, Look
 from app.modules.behaviors.gaze.target_choice import Candidate, ChoiceRules, TargetChoice
 from app.runtime.module import ModuleContext
 
@@ -30,7 +30,7 @@ class TrackSettings(GazeSettings):
     smoothing_s: float = Field(0.15, ge=0, le=5, description="time constant of places; 0: none")
 
 
-class TrackPercept(GazeBehavior, Generic[P]):
+class TrackPercept(GazeBehavior[G], Generic[G, P]):
     """Looks at one of the percepts of messages of one type."""
 
     Settings = TrackSettings
@@ -42,7 +42,6 @@ class TrackPercept(GazeBehavior, Generic[P]):
         self.on(self.percepts, self._take_percepts)
         self._waiting: deque[P] = deque(maxlen=32)
         self._choice: TargetChoice | None = None
-        self._given_up = ""
 
     @abstractmethod
     def begin(self, now: float) -> TargetChoice | None:
@@ -57,13 +56,9 @@ class TrackPercept(GazeBehavior, Generic[P]):
         s = self.settings
         return ChoiceRules(s.keep_s, s.give_up_s, margin, s.smoothing_s)
 
-    def restart(self) -> None:
-        """Another desire: what was tracked is dropped."""
-        self._choice, self._given_up = None, ""
-
     def rest(self) -> None:
         """The next track begins with the percepts of its time."""
-        self.restart()
+        self._choice = None
         self._waiting.clear()
 
     def look(self, now: float) -> Look:
@@ -75,9 +70,7 @@ class TrackPercept(GazeBehavior, Generic[P]):
             return Look(None)
         self._place(choice, now)
         if problem := choice.problem(now):
-            self._given_up = problem
-            return Look(None, problem)
-        self._given_up = ""
+            return Look(None, problem, outcome="failed")
         if choice.target is None or self.X_OB is None:
             return Look(None, f"it waits: {choice.what} is not perceived yet")
         return Look(np.asarray(self.X_OB.to_pose3().inverse().transform(choice.target.p_OP)))

@@ -13,7 +13,6 @@ source without a known distance is taken to be ``range_m`` away: of a direction,
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from typing import Any, Literal
 
 import numpy as np
@@ -54,29 +53,20 @@ TRACK_SOUND = DesireClass(
 )
 
 
-class TrackSound(TrackPercept[SoundSources]):
+class TrackSound(TrackPercept[TrackSoundParameters, SoundSources]):
     """Tracks a sound."""
 
     title = "Track a sound"
-    desire_classes = (TRACK_SOUND,)
+    desire_class = TRACK_SOUND
     Settings = TrackSoundSettings
     settings: TrackSoundSettings
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context, "sources", SoundSources)
-        self._given: TrackSoundParameters | None = None
-
-    def configure(self, parameters: Mapping[str, Any]) -> None:
-        """Take the kind of sound from the desire."""
-        known = {key: parameters[key] for key in TrackSoundParameters.model_fields if key in parameters}
-        given = TrackSoundParameters.model_validate(known) if known else None
-        if given != self._given:
-            self._given = given
-            self.restart()
 
     def begin(self, now: float) -> TargetChoice | None:
         """The sound of the desire."""
-        given = self._given
+        given = self.given
         if given is None:
             return None
         what = "a voice" if given.sound == "voice" else "a sound"
@@ -93,7 +83,7 @@ class TrackSound(TrackPercept[SoundSources]):
 
     def _counts(self, source: SoundSource) -> bool:
         # What has not been judged yet is no voice: NaN is at least nothing.
-        return self._given is not None and (self._given.sound == "any" or source.speech >= self.settings.voice)
+        return self.given is not None and (self.given.sound == "any" or source.speech >= self.settings.voice)
 
     def _place_of(self, source: SoundSource, p_BA: tuple[float, float, float]) -> np.ndarray[Any, np.dtype[np.float64]]:
         range_m = source.range_m if math.isfinite(source.range_m) else self.settings.range_m

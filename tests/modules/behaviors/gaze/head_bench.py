@@ -10,10 +10,11 @@ from typing import Any
 
 import numpy as np
 
+from app.attention.workspace import IntentionWorkspace
 from app.base.geometry import Pose2
 from app.base.kinematic_model import load_model
 from app.link import ActuatorGroup, JointLimits
-from app.messages import JointCommand, JointState, Odometry
+from app.messages import Accomplishment, JointCommand, JointState, Odometry
 from tests.modules.fakes import Bench, FakeLink, drain
 
 URDF = Path(__file__).parents[4] / "config" / "robots" / "irl1_tr.urdf"
@@ -25,16 +26,19 @@ HEAD = ActuatorGroup(
 )
 
 
-def bench_of(behavior: str, inputs: Mapping[str, type[Any]], **settings: Any) -> Bench:
-    """``behavior``: file and class below ``gaze``."""
+def bench_of(
+    behavior: str, inputs: Mapping[str, type[Any]], *, workspace: IntentionWorkspace | None = None, **settings: Any
+) -> Bench:
+    """``behavior``: file and class below ``gaze``; with a ``workspace``, it reports accomplishments."""
     link = FakeLink()
     link.description = replace(link.description, model_path=URDF, groups={"head": HEAD})
     return Bench(
         f"app.modules.behaviors.gaze.{behavior}",
         inputs={"joints": JointState, **inputs},
-        outputs={"command": JointCommand},
+        outputs={"command": JointCommand} | ({} if workspace is None else {"accomplishments": Accomplishment}),
         settings=settings,
         link=link,
+        services={} if workspace is None else {IntentionWorkspace: workspace},
         attended=("command",),
     )
 

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import pytest
 
+from app.attention.desires import DesireClasses, Source
+from app.attention.workspace import IntentionWorkspace
 from app.messages import JointState
-from app.runtime.clock import in_virtual_time
+from app.modules.behaviors.gaze.look_around import LOOK_AROUND
+from app.runtime.clock import VirtualClock, in_virtual_time
 from tests.modules.behaviors.gaze.head_bench import HEAD, NAMES, commanded, desire, head_bench
 
 WIDE = {"width_deg": 90.0, "pause_s": 0.5, "rounds": None}
@@ -58,10 +62,16 @@ async def test_what_is_out_of_reach_is_looked_at_as_near_as_can_be_and_holds_not
 
 @in_virtual_time
 async def test_after_its_rounds_it_leaves_the_head_to_others() -> None:
-    async with head_bench("look_around:LookAround", elevations_deg=(0.0,)) as b:
-        desire(b, width_deg=90.0, pause_s=0.1, rounds=1)
+    params: dict[str, Any] = {"width_deg": 90.0, "pause_s": 0.1, "rounds": 1}
+    workspace = IntentionWorkspace(DesireClasses([LOOK_AROUND]), VirtualClock().now)
+    wanted = workspace.add("LookAround", intensity=5, utility=4, params=params, source=Source("rest", "a test")).id
+    async with head_bench("look_around:LookAround", workspace=workspace, elevations_deg=(0.0,)) as b:
+        b.graph.channel("accomplishments").observe(workspace.accomplish)
+        desire(b, **params)
         assert await commanded(b, 3.0) != []
         assert await commanded(b, 2.0) == []
+        assert workspace.report(wanted).outcome == "done"
+        assert workspace.desires() == (), "there is nothing left to do"
         desire(b, width_deg=60.0, pause_s=0.1, rounds=1)
         assert await commanded(b, 1.0) != [], "another desire"
 

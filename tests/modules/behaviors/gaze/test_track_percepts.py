@@ -7,9 +7,12 @@ import math
 import numpy as np
 import pytest
 
+from app.attention.desires import DesireClasses, Source
+from app.attention.workspace import IntentionWorkspace
 from app.base.geometry import Pose2, Pose3
 from app.messages import Face, Faces, QRCode, QRCodes, SoundSource, SoundSources, read_only
-from app.runtime.clock import in_virtual_time
+from app.modules.behaviors.gaze.track_object import TRACK_FACE
+from app.runtime.clock import VirtualClock, in_virtual_time
 from tests.modules.behaviors.gaze.head_bench import commanded, desire, head_bench, move_base, off_axis_deg
 from tests.modules.fakes import Bench
 
@@ -77,16 +80,23 @@ async def test_its_last_place_is_looked_at_for_a_while_then_it_gives_up_with_a_r
     caplog: pytest.LogCaptureFixture,
 ) -> None:
     caplog.set_level("INFO")
-    async with track_face(give_up_s=2.0) as b:
+    workspace = IntentionWorkspace(DesireClasses([TRACK_FACE]), VirtualClock().now)
+    wanted = workspace.add("TrackFace", intensity=5, utility=4, params={"track": 4}, source=Source("rest", "a test")).id
+    async with head_bench("track_object:TrackFace", {"faces": Faces}, workspace=workspace, give_up_s=2.0) as b:
+        b.graph.channel("accomplishments").observe(workspace.accomplish)
         desire(b, track=4)
         await commanded(b, 0.2, Pose2())
         b.feed("faces", faces(b.clock.now(), {4: (2.0, 0.5, 1.5)}))
         looked = await commanded(b, 4.0, Pose2())
         assert off_axis_deg(looked[-1], [2.0, 0.5, 1.5]) < 0.1
         assert looked[-1].stamp - looked[0].stamp == pytest.approx(2.0, abs=0.2)
-        assert "it gave up: face 4 has not been perceived for 2 s" in caplog.messages
+        reason = "it gave up: face 4 has not been perceived for 2 s"
+        assert reason in caplog.messages
+        report = workspace.report(wanted)
+        assert (report.outcome, report.reason, report.ended) == ("failed", reason, None)
         b.feed("faces", faces(b.clock.now(), {4: (2.0, -0.5, 1.5)}))
         assert off_axis_deg((await commanded(b, 0.5, Pose2()))[-1], [2.0, -0.5, 1.5]) < 0.1
+        assert workspace.report(wanted).outcome == "done"
 
 
 @in_virtual_time
