@@ -145,7 +145,7 @@ def test_what_is_seen_while_the_head_turns_is_where_it_truly_is(tmp_path: Path) 
             for face in message.faces:
                 if speeds.fast(message.stamp):
                     X_WB = link.true_pose()
-                    (truth,) = link.people()
+                    (truth,) = link.people
                     middle = np.array(truth.mouth) + np.array([0.0, 0.0, 0.02 * truth.height_m])
                     eye = in_world(X_WB, message.X_BC.translation)
                     seen.add(f"face, {message.frame}", angle_between(in_world(X_WB, face.p_BF) - eye, middle - eye))
