@@ -33,10 +33,10 @@ from tests.robots.conftest import needs_gl
 
 ME = Source("operator", "a test")
 POSTER, AT = "tour:robotics lab", np.array([11.1, 9.14, 1.25])
-PERSON = (12.5, 8.3)
+PERSON = (9.4, 8.7)
 #: Lower than the laser, to the left of the way to the goal.
-BOX, SIZE = (9.4, 8.0), (0.4, 0.3, 0.25)
-GOAL = {"x": 0.0, "y": 0.8}
+BOX, SIZE = (8.2, 7.6), (0.4, 0.3, 0.25)
+GOAL = {"x": 0.8, "y": 0.3}
 #: The head is taken to turn at full speed from this (rad/s) on: it is limited to 1.05.
 FAST = 0.95
 TWO_DEGREES = math.radians(2)
@@ -121,7 +121,7 @@ def test_what_is_seen_while_the_head_turns_is_where_it_truly_is(tmp_path: Path) 
     person = {"name": "Ann", "face": "pilot", "at": list(PERSON), "script": [{"wait": 600, "look": "robot"}]}
     scenario = tmp_path / "scenario.yaml"
     scenario.write_text(yaml.safe_dump({"name": "one", "people": [person]}))
-    start = robot.start.model_copy(update={"x": 11.0, "y": 7.7, "heading_deg": 90.0})
+    start = robot.start.model_copy(update={"x": 11.0, "y": 7.7, "heading_deg": 135.0})
     robot = robot.model_copy(update={"start": start, "scenario": scenario})
 
     async def script(run: WorldRun) -> Seen:
