@@ -52,6 +52,7 @@ class GroupReport:
     state: Annotated[str, doc("idle, moving, holding, yielding, refused or silent.")]
     reason: Annotated[str, doc("The same in words, where there is more to say.")]
     exploited: Annotated[str | None, doc("The behavior that moves it; null: none.")]
+    speed_radps: Annotated[float, doc("The fastest of its joints, as measured.")]
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,6 +16,7 @@ test("what the head does is said where it is not what the hand expects", () => {
     state,
     reason,
     exploited,
+    speed_radps: 0,
   });
   expect(headWords(null, true).text).toBe("");
   expect(headWords(head("idle"), false).text).toBe("");

@@ -198,6 +198,8 @@ export interface GroupReport {
   reason: string;
   /** The behavior that moves it; null: none. */
   exploited: string | null;
+  /** The fastest of its joints, as measured. */
+  speed_radps: number;
 }
 
 /** State of the guard. */
