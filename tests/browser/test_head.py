@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Iterator
 
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Page, Position, expect
 
 from tests.browser.running import Robot, running_robot
 from tests.patience import PATIENCE_S
@@ -118,7 +118,7 @@ def test_a_click_on_the_picture_turns_the_head_there(robot: Robot, page: Page) -
     left = begin < 0
     box = picture.bounding_box()
     assert box is not None
-    at = {"x": box["width"] * (0.1 if left else 0.9), "y": box["height"] * 0.5}
+    at: Position = {"x": box["width"] * (0.1 if left else 0.9), "y": box["height"] * 0.5}
 
     def clicked() -> bool:
         picture.click(position=at)
