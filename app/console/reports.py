@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from app.console.records.program import SourceState
-from app.console.records.robot import Guard, LandmarkReport, OdometryReport, RobotFacts, Velocity
-from app.messages import Exploitation, Landmarks, LinkStatus, Odometry
+from app.console.records.robot import GroupReport, Guard, LandmarkReport, OdometryReport, RobotFacts, Velocity
+from app.link import ActuatorGroup
+from app.messages import Exploitation, JointCommand, JointState, Landmarks, LinkStatus, Odometry
 from app.runtime.freshness import Freshness, sources
 from app.runtime.graph import Graph
 
@@ -60,6 +61,59 @@ def guard(status: LinkStatus | None, now: float, rate: float = 1.0, problem: str
             lateral_mps=0.0 if problem else round(status.applied.lateral_mps, 4),
         ),
     )
+
+
+def groups(
+    status: LinkStatus | None,
+    exploitations: Mapping[str, Exploitation],
+    speeds: Mapping[str, float],
+    now: float,
+    rate: float = 1.0,
+) -> tuple[GroupReport, ...]:
+    """What the guard says of each group of joints; ``exploitations`` and ``speeds`` (rad/s) by group; ``rate`` as for
+    :func:`guard`."""
+    if status is None:
+        return ()
+    silent = now - status.stamp > SILENT_AFTER_S * rate
+    return tuple(
+        GroupReport(
+            each.group,
+            state="silent" if silent else each.guard,
+            reason="" if silent else each.reason,
+            exploited=exploited(exploitations.get(each.group), now, rate),
+            speed_radps=round(speeds.get(each.group, 0.0), 3),
+        )
+        for each in status.groups
+    )
+
+
+def joint_speeds(
+    before: JointState | None, after: JointState | None, groups: Mapping[str, ActuatorGroup]
+) -> dict[str, float]:
+    """The greatest speed (rad/s) of the joints of each group between two messages; 0 without both."""
+    if before is None or after is None or not after.stamp > before.stamp:
+        return {}
+    old = dict(zip(before.names, before.positions, strict=True))
+    new = dict(zip(after.names, after.positions, strict=True))
+    lasted_s = after.stamp - before.stamp
+    return {
+        name: max(
+            (abs(new[j.name] - old[j.name]) / lasted_s for j in group.joints if j.name in old and j.name in new),
+            default=0.0,
+        )
+        for name, group in groups.items()
+    }
+
+
+def turns_head(system: System) -> bool:
+    """Whether a strategy of Teleoperation opens an output of joint positions."""
+    outputs = {
+        f"{slot.name}.{port}"
+        for slot in system.graph.modules.values()
+        for port, channel in slot.spec.outputs.items()
+        if system.graph.channels[channel].message_type is JointCommand
+    }
+    return any(s.cls == "Teleoperation" and outputs & s.filters.keys() for s in system.table.strategies)
 
 
 def odometry_report(odometry: Odometry | None) -> OdometryReport | None:

@@ -12,9 +12,11 @@ class TeleopCommand:
     """An operator's command: ``linear``, ``angular`` and ``lateral`` in [-1, 1] of the robot's limits (forward, turn
     left, sideways to the left).
 
-    ``held`` is the dead-man: False means stop, whatever the other fields. ``stamp`` is the robot's clock at arrival,
-    ``sequence`` grows by one with each command of one operator session. ``override`` is a hold of its own: while it is
-    held, obstacles do not stop the robot, but only a crawl is allowed.
+    ``held`` is the dead-man: False means that the base stops, whatever the other fields. ``stamp`` is the robot's clock
+    at arrival, ``sequence`` grows by one with each command of one operator session. ``override`` is a hold of its own:
+    while it is held, obstacles do not stop the robot, but only a crawl is allowed. ``head_held`` is the dead-man of the
+    head, which is turned whether the base is driven or not: ``pan`` and ``tilt`` in [-1, 1] of its joints' speeds
+    (left, up).
     """
 
     stamp: float
@@ -25,6 +27,9 @@ class TeleopCommand:
     angular: float
     override: bool = False
     lateral: float = 0.0
+    head_held: bool = False
+    pan: float = 0.0
+    tilt: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,12 +10,13 @@ import pytest
 from app.console import reports
 from app.console.playback import rate
 from app.console.records.program import SourceState
-from app.messages import Exploitation, LinkStatus, TimelineEvent, Twist
+from app.console.records.robot import GroupReport
+from app.messages import Exploitation, GroupStatus, JointState, LinkStatus, TimelineEvent, Twist
 from app.program.system import System
 from app.runtime.clock import RealClock
 from app.runtime.freshness import Freshness
 from app.runtime.replay_clock import ReplayClock
-from tests.console.program import Body, image
+from tests.console.program import HEAD, Body, image
 from tests.patience import PATIENCE_S
 
 
@@ -83,3 +84,21 @@ def test_only_a_recording_that_runs_fast_has_a_rate() -> None:
     assert [rate(c) for c in (RealClock(), clock)] == [1.0, 1.0]
     clock._state = clock._state._replace(rate=5.0)
     assert rate(clock) == 5.0
+
+
+def test_a_group_is_reported_with_its_guard_the_behavior_that_moves_it_and_its_speed() -> None:
+    still = Twist(100.0, 0.0, 0.0)
+    groups = (GroupStatus("head", "moving", "", 0.1), GroupStatus("arm", "refused", "no joint 'thumb'", None))
+    status = LinkStatus(100.0, "idle", "", False, None, still, 1.0, groups)
+    exploitations = {"head": Exploitation(100.0, "LookAt", still, group="head")}
+    names = ("pan_joint", "tilt_joint", "left_wheel_joint")
+    speeds = reports.joint_speeds(
+        JointState(99.9, names, (0.0, 0.1, 0.0)), JointState(100.0, names, (0.02, 0.05, 9.0)), {"head": HEAD}
+    )
+    assert reports.groups(status, exploitations, speeds, 100.1) == (
+        GroupReport("head", "moving", "", "LookAt", 0.5),
+        GroupReport("arm", "refused", "no joint 'thumb'", None, 0.0),
+    )
+    assert {each.state for each in reports.groups(status, exploitations, speeds, 101.0)} == {"silent"}
+    assert reports.groups(None, {}, {}, 100.0) == ()
+    assert reports.joint_speeds(None, JointState(100.0, names, (0.0, 0.0, 0.0)), {"head": HEAD}) == {}

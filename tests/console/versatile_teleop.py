@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from app.attention.desires import DesireClass
+from app.modules.behaviors.gaze.look_at import LOOK_AT
 from app.modules.behaviors.go_to import GO_TO
 from app.modules.behaviors.teleop import TELEOPERATION, Teleop
 from app.modules.perception.audio_stream import LISTEN
@@ -31,4 +32,5 @@ class VersatileTeleop(Teleop):
         TELEPRESENCE,
         LISTEN,
         RECORD,
+        LOOK_AT,
     )

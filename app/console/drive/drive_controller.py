@@ -10,6 +10,7 @@ from typing import Literal
 
 from app.console.drive import drive_lease
 from app.console.drive.command_age import Judgement
+from app.console.drive.look_here import LookHere
 from app.link import RobotLink
 from app.messages import LinkStatus, TeleopCommand
 from app.runtime.channel import Channel
@@ -38,7 +39,7 @@ class Driving:
     older goal, nor for one of the meantime.
 
     ``channel`` takes the driver's commands; None: this program drives nothing, and every page is refused the wheel, as
-    in a ``recording``.
+    in a ``recording``. ``look_here`` turns the head to where the picture is clicked, until the head is held by hand.
     """
 
     def __init__(
@@ -50,6 +51,7 @@ class Driving:
         stopped: Callable[[], None],
         *,
         recording: bool = False,
+        look_here: LookHere | None = None,
     ) -> None:
         self._clock = clock
         self._link = link
@@ -57,6 +59,7 @@ class Driving:
         self._notify = notify
         self._stopped = stopped
         self.recording = recording
+        self._look_here = look_here
         #: Who drives, and until when.
         self.lease = drive_lease.Lease()
         self._sequence = 0
@@ -74,26 +77,29 @@ class Driving:
         if self._channel is None and isinstance(event, drive_lease.Drive | drive_lease.TakeControl):
             self._refuse(event.session)
             return
-        if self._lost and isinstance(event, drive_lease.Drive) and event.held:
+        if self._lost and isinstance(event, drive_lease.Drive) and event.holds:
             event = replace(event, cause=LOST, lasting=True)
         now = self._clock.now()
         self.lease, actions = drive_lease.step(self.lease, now, event)
         for action in actions:
             match action:
-                case drive_lease.Command(operator, held, linear, angular, override, lateral) if (
-                    self._channel is not None
-                ):
+                case drive_lease.Command() if self._channel is not None:
                     self._sequence += 1
+                    if action.head_held and self._look_here is not None:
+                        self._look_here.withdraw()
                     self._channel.publish(
                         TeleopCommand(
                             now,
-                            operator,
+                            action.operator,
                             sequence=self._sequence,
-                            held=held,
-                            linear=linear,
-                            angular=angular,
-                            override=override,
-                            lateral=lateral,
+                            held=action.held,
+                            linear=action.linear,
+                            angular=action.angular,
+                            override=action.override,
+                            lateral=action.lateral,
+                            head_held=action.head_held,
+                            pan=action.pan,
+                            tilt=action.tilt,
                         )
                     )
                 case drive_lease.PageNotice(session, level, text):
@@ -136,6 +142,30 @@ class Driving:
             self._notify(session, "warning", f"{judged.cause}: the wheel stays where it is.")
         else:
             self.handle(drive_lease.TakeControl(session))
+
+    def look(self, session: str, judged: Judgement, *, stamp: float, u: float, v: float) -> None:
+        """A page asks to look at ``u``, ``v`` (shares of its width and height) of the picture taken at ``stamp``.
+
+        The head goes with the wheel: who does not drive while another does is refused.
+        """
+        if self._channel is None:
+            self._refuse(session)
+            return
+        driver = self.lease.driver
+        if self._look_here is None:
+            problem = "This robot has no head to turn."
+        elif judged.cause:
+            problem = f"{judged.cause}: the head stays."
+        elif driver not in (None, session):
+            problem = f"{self.lease.driver_name} drives; take control first to turn the head."
+        elif self.lease.e_stopped:
+            problem = "The emergency stop is latched: clear it, then click again to look there."
+        elif not (0 <= u <= 1 and 0 <= v <= 1):
+            problem = f"A place in the picture is from 0 to 1, not {u:g} and {v:g}."
+        else:
+            problem = self._look_here.look(self.lease.operators[session], stamp, u, v)
+        if problem:
+            self._notify(session, "warning", problem)
 
     def on_guard_status(self, status: LinkStatus) -> None:
         """Take over the state of the guard's latch."""

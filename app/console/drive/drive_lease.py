@@ -48,6 +48,8 @@ class KeepAlive:
 class Drive:
     """A drive command: ``linear``, ``angular`` and ``lateral`` should be in [-1, 1]; ``override`` is held too, or not.
 
+    ``head_held`` is the hold of the head, beside that of the base or alone, with ``pan`` and ``tilt`` in [-1, 1].
+
     ``cause``: why it may move nothing (a clause for people; "": it may), as one that comes too late; ``lasting``: that
     has been so for a while.
     """
@@ -61,6 +63,14 @@ class Drive:
     cause: str = ""
     lasting: bool = False
     lateral: float = 0.0
+    head_held: bool = False
+    pan: float = 0.0
+    tilt: float = 0.0
+
+    @property
+    def holds(self) -> bool:
+        """Whether anything is held."""
+        return self.held or self.head_held
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,6 +121,9 @@ class Command:
     angular: float
     override: bool = False
     lateral: float = 0.0
+    head_held: bool = False
+    pan: float = 0.0
+    tilt: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -213,16 +226,17 @@ def _refused(lease: Lease, session: str, level: Literal["info", "warning", "erro
 
 def _drive(lease: Lease, now: float, drive: Drive) -> Step:
     session = drive.session
-    if not drive.held:
+    if not drive.holds:
         lease = replace(lease, blocked=lease.blocked - {session})
         if session != lease.driver:
             return lease, ()
         lease, actions = _stopped(lease)
         return replace(lease, last_drive=now, last_heard=now, sequence=drive.sequence), actions
-    axes = (drive.linear, drive.angular, drive.lateral)
+    axes = (drive.linear, drive.angular, drive.lateral, drive.pan, drive.tilt)
     if not all(_within_range(axis) for axis in axes):
         stopped, actions = _stopped(lease) if session == lease.driver else (lease, ())
-        text = "Drive commands go from -1 to 1, not {:g}, {:g} and {:g}: refused.".format(*axes)
+        given = [axis for axis in axes if not _within_range(axis)]
+        text = f"Drive commands go from -1 to 1, not {' and '.join(f'{axis:g}' for axis in given)}: refused."
         refused, notices = _refused(stopped, session, "error", text)
         return refused, (*actions, *notices)
     if drive.cause:
@@ -239,8 +253,17 @@ def _drive(lease: Lease, now: float, drive: Drive) -> Step:
     if session == lease.driver and lease.moving and drive.sequence <= lease.sequence:
         # A repeated or an older command: the newest counts.
         return lease, ()
+    # What is not held is as good as released, whatever it says.
     command = Command(
-        lease.operators[session], True, drive.linear, drive.angular, override=drive.override, lateral=drive.lateral
+        lease.operators[session],
+        drive.held,
+        drive.linear if drive.held else 0.0,
+        drive.angular if drive.held else 0.0,
+        override=drive.held and drive.override,
+        lateral=drive.lateral if drive.held else 0.0,
+        head_held=drive.head_held,
+        pan=drive.pan if drive.head_held else 0.0,
+        tilt=drive.tilt if drive.head_held else 0.0,
     )
     held = replace(
         lease,

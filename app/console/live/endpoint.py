@@ -76,10 +76,16 @@ def _take(text: str | bytes, viewer: Viewer, hub: Hub, clock: Clock) -> None:
                     angular=message.angular,
                     override=message.override,
                     lateral=message.lateral,
+                    head_held=message.head_held,
+                    pan=message.pan,
+                    tilt=message.tilt,
                     cause=judged.cause,
                     lasting=judged.lasting,
                 )
             )
+        case protocol.LookMessage():
+            judged = viewer.age.judge(now, protocol.times(message))
+            driving.look(session, judged, stamp=message.stamp, u=message.u, v=message.v)
         case protocol.PingMessage():
             viewer.rtt_ms = message.rtt_ms
             viewer.age.judge(now, protocol.times(message))

@@ -21,6 +21,7 @@ from app.console.drive import drive_lease
 from app.console.drive.command_age import CommandAge
 from app.console.drive.drive_controller import Driving, teleop_channel
 from app.console.drive.goals import withdraw_all
+from app.console.drive.look_here import LookHere
 from app.console.drive.telepresence_desire import LISTEN, WATCH, Presence, Spectators
 from app.console.live import messages
 from app.console.live.feeds import GRIDS, PICTURES, SOUND_CHANNEL, Feeds, comes
@@ -66,6 +67,7 @@ class Hub:
         self._sampling: asyncio.Task[None] | None = None
         self._stale: set[str] = set()
         self.link_status: LinkStatus | None = None
+        self._look_here = LookHere(system.graph, system.workspace, PICTURES[CAMERA])
         self.driving = Driving(
             system.clock,
             system.link,
@@ -73,6 +75,7 @@ class Hub:
             self.notify,
             partial(withdraw_all, system.workspace),
             recording=playback is not None,
+            look_here=self._look_here,
         )
         self.speech = OperatorSpeech(
             system.clock,
@@ -152,6 +155,7 @@ class Hub:
         for session in self._viewers:
             self.notify(session, "error" if problem else "info", problem or REVIVED)
         if not problem:
+            self._look_here.clear()
             self._feeds.clear()
             self._channels.clear()
             for kind, text in self._channels.standing().items():
@@ -266,6 +270,8 @@ class Hub:
         system = self._system
         self._presence.attend(True)
         keep = self._watching.callback
+        if self._playback is None:
+            keep(self._look_here.open())
         if self._recorder.channel is not None:
             keep(Tap(self._recorder.channel, "console.recorder", lambda _: self._on_recorder()).close)
             for source in (system.workspace, system.translator, system.supervisor):
@@ -361,6 +367,7 @@ class Hub:
                     point_cloud=self._comes("point_cloud"),
                 ),
                 drive=self.driving.drivable,
+                head=self.driving.drivable and reports.turns_head(system),
                 audio=messages.AudioFacts(listen=self._comes(SOUND_CHANNEL), speak=not self.speech.in_vain),
                 playback=None if self._playback is None else playback_report(self._playback),
             ),

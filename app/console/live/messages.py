@@ -16,7 +16,7 @@ from app.console.records.maps import LocalizationState, ZoneList
 from app.console.records.navigation import NavigationModel
 from app.console.records.program import SourceState
 from app.console.records.recordings import PlaybackReport, RecorderReport
-from app.console.records.robot import Guard, LandmarkReport, OdometryReport, RobotFacts
+from app.console.records.robot import GroupReport, Guard, LandmarkReport, OdometryReport, RobotFacts
 from app.messages import (
     DesireClassReport,
     Desires,
@@ -67,6 +67,7 @@ class Hello:
     classes: tuple[DesireClassReport, ...]
     channels: Channels
     drive: Annotated[bool, doc("Whether an operator can drive here.")]
+    head: Annotated[bool, doc("Whether an operator can turn a head here.")]
     audio: AudioFacts
     playback: Annotated[PlaybackReport | None, doc("null: not a recording.")]
 
@@ -101,6 +102,7 @@ class Status:
     speaker: Speaker | None
     exploited: Annotated[str | None, doc("The behavior that drives.")]
     limited: Annotated[str, doc("Why the collision monitor slowed or stopped it, in words; empty: it did not.")]
+    groups: Annotated[tuple[GroupReport, ...], doc("The actuator groups but for the base.")]
     waits: Annotated[str, doc("Why this viewer's driving waits, its commands coming too late; empty: it does not.")]
     sources: tuple[SourceState, ...]
 

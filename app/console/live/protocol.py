@@ -45,7 +45,10 @@ class TimedMessage(msgspec.Struct):
 
 
 class DriveMessage(TimedMessage, tag="drive", kw_only=True):
-    """A drive command of the operator: shares of the body's limits, forward, turn left and sideways to the left."""
+    """A drive command of the operator: of the base while ``held``, of the head while ``head_held``.
+
+    Shares of the body's limits: forward, turn left, sideways to the left; the head left and up.
+    """
 
     seq: int
     held: bool
@@ -53,6 +56,20 @@ class DriveMessage(TimedMessage, tag="drive", kw_only=True):
     angular: float
     override: bool = False
     lateral: float = 0.0
+    head_held: bool = False
+    pan: float = 0.0
+    tilt: float = 0.0
+
+
+class LookMessage(TimedMessage, tag="look", kw_only=True):
+    """Turn the head to a place in the camera's picture.
+
+    ``stamp`` is the picture's (s); ``u`` and ``v`` are shares of its width and height, from its upper left.
+    """
+
+    stamp: float
+    u: float
+    v: float
 
 
 class EStopMessage(msgspec.Struct, tag="e_stop"):
@@ -101,6 +118,7 @@ class ListenMessage(msgspec.Struct, tag="listen"):
 
 FromPage = (
     DriveMessage
+    | LookMessage
     | EStopMessage
     | ClearEStopMessage
     | TakeControlMessage

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from app.console import reports
 from app.console.live import messages
 from app.console.playback import rate
-from app.messages import Exploitation, LinkStatus, Odometry
+from app.messages import Exploitation, JointState, LinkStatus, Odometry
 
 if TYPE_CHECKING:
     from app.program.system import System
@@ -34,14 +34,29 @@ class Sampler:
         self._audience = audience
         self._sequence = 0
         self._exploitation: Exploitation | None = None
+        #: The newest by group of joints.
+        self._exploitations: dict[str, Exploitation] = {}
         self._odometry: Odometry | None = None
+        #: The last two.
+        self._joints: tuple[JointState | None, JointState | None] = (None, None)
 
     def channels(self) -> dict[str, Callable[[Any], None]]:
         """The channels to tap while it runs, with what takes their messages."""
-        return {"exploitation": self._on_exploitation, "odometry": self._on_odometry}
+        taps: dict[str, Callable[[Any], None]] = {
+            name: self._on_group
+            for name, channel in self._system.graph.channels.items()
+            if channel.message_type is Exploitation
+        }
+        return {**taps, "exploitation": self._on_exploitation, "odometry": self._on_odometry, "joints": self._on_joints}
 
     def _on_exploitation(self, message: Exploitation) -> None:
         self._exploitation = message
+
+    def _on_group(self, message: Exploitation) -> None:
+        self._exploitations[message.group] = message
+
+    def _on_joints(self, message: JointState) -> None:
+        self._joints = (self._joints[1], message)
 
     def _on_odometry(self, message: Odometry) -> None:
         self._odometry = message
@@ -58,7 +73,9 @@ class Sampler:
     def clear(self) -> None:
         """Time has jumped."""
         self._exploitation = None
+        self._exploitations.clear()
         self._odometry = None
+        self._joints = (None, None)
 
     def _sample(self, now: float) -> None:
         self._sequence += 1
@@ -66,6 +83,7 @@ class Sampler:
 
     def _status(self, now: float) -> messages.Status:
         status, speed = self._audience.link_status, rate(self._system.clock)
+        speeds = reports.joint_speeds(*self._joints, self._system.link.description.groups)
         return messages.Status(
             seq=self._sequence,
             stamp=now,
@@ -76,6 +94,7 @@ class Sampler:
             speaker=None,
             exploited=reports.exploited(self._exploitation, now, speed),
             limited=reports.limited(self._exploitation, now, speed),
+            groups=reports.groups(status, self._exploitations, speeds, now, rate=speed),
             waits="",
             sources=reports.source_states(self._system.graph, self._system.freshness.read(now)),
         )

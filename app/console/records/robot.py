@@ -46,6 +46,17 @@ class Guard:
 
 
 @dataclass(frozen=True, slots=True)
+class GroupReport:
+    """State of the guard of one group of joints."""
+
+    group: Annotated[str, doc("Its name in the body's file, such as head.")]
+    state: Annotated[str, doc("idle, moving, holding, yielding, refused or silent.")]
+    reason: Annotated[str, doc("The same in words, where there is more to say.")]
+    exploited: Annotated[str | None, doc("The behavior that moves it; null: none.")]
+    speed_radps: Annotated[float, doc("The fastest of its joints, as measured.")]
+
+
+@dataclass(frozen=True, slots=True)
 class OdometryReport:
     """Pose in `odom` (m, rad) and measured velocity (m/s, rad/s)."""
 

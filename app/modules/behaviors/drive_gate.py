@@ -2,7 +2,7 @@
 
 A command with ``held`` False stops at once, also a late one. While ``held``, ``timeout_s`` without a command stops. An
 invalid stick position (not a number, beyond full stick) stops and is refused. A held command older than one already
-taken is ignored.
+taken is ignored. A command that holds the head alone says nothing of a base that is not driven.
 """
 
 from __future__ import annotations
@@ -42,7 +42,8 @@ class DriveGate:
         late = command.sequence <= self._sequence
         self._sequence = max(self._sequence, command.sequence)
         if not command.held:
-            return Decision(self._stop(command.stamp))
+            of_the_head = command.head_held and self._held_since is None
+            return Decision(None if of_the_head else self._stop(command.stamp))
         if late:
             return Decision(None)
         sticks = (command.linear, command.angular, command.lateral)

@@ -259,4 +259,44 @@ def test_a_sideways_command_goes_through_and_is_bounded_like_the_others() -> Non
     stop, notice = story.do(Drive("a", 2, True, 0.0, 0.0, lateral=1.5))
     assert stop == Command("Ann", False, 0.0, 0.0)
     assert isinstance(notice, PageNotice)
-    assert notice.text == "Drive commands go from -1 to 1, not 0, 0 and 1.5: refused."
+    assert notice.text == "Drive commands go from -1 to 1, not 1.5: refused."
+
+
+def hold_head(story: Story, pan: float, session: str = "a", held: bool = False, linear: float = 0.0) -> list[Action]:
+    story.sequence += 1
+    drive = Drive(session, story.sequence, held, linear, 0.0, head_held=True, pan=pan, tilt=-0.5)
+    return list(story.do(drive, 0.05))
+
+
+def test_holding_the_head_takes_the_wheel_and_moves_the_head_alone() -> None:
+    story = Story()
+    assert hold_head(story, 0.5) == [Command("Ann", False, 0.0, 0.0, head_held=True, pan=0.5, tilt=-0.5)]
+    assert story.lease.driver == "a"
+    refused = hold_head(story, 0.5, "b")
+    assert [type(action) for action in refused] == [PageNotice]
+    both = hold_head(story, 1.0, held=True, linear=0.7)
+    assert both == [Command("Ann", True, 0.7, 0.0, head_held=True, pan=1.0, tilt=-0.5)]
+    assert story.hold(linear=0.7) == [Command("Ann", True, 0.7, 0.0)], "the head is let go of, the base goes on"
+
+
+@pytest.mark.parametrize("end", [Disconnected("a"), TakeControl("b"), EmergencyStop(True), Garbled("a")])
+def test_whatever_ends_a_hold_ends_that_of_the_head(end: Event) -> None:
+    story = Story()
+    hold_head(story, 0.5)
+    assert commands(story.do(end)) == [STOP_ANN]
+
+
+def test_a_hold_of_the_head_that_is_not_renewed_ends() -> None:
+    story = Story()
+    hold_head(story, 0.5)
+    assert deadline(story.lease) == pytest.approx(story.now + HOLD_GAP_S)
+    assert commands(story.do(Tick(), HOLD_GAP_S)) == [STOP_ANN]
+
+
+def test_what_is_not_held_moves_nothing_whatever_it_says_and_what_is_beyond_the_stick_is_refused() -> None:
+    story = Story()
+    (command,) = commands(story.do(Drive("a", 1, True, 0.5, 0.0, head_held=False, pan=1.0)))
+    assert command == Command("Ann", True, 0.5, 0.0)
+    actions = story.do(Drive("a", 2, False, 0.0, 0.0, head_held=True, pan=math.nan))
+    assert commands(actions) == [STOP_ANN]
+    assert any(isinstance(each, PageNotice) and "from -1 to 1, not nan" in each.text for each in actions)

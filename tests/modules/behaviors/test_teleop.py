@@ -166,3 +166,14 @@ def test_a_refused_command_is_logged_once(caplog: pytest.LogCaptureFixture) -> N
 
     run_virtual(main())
     assert len([r for r in caplog.records if "refused" in r.message]) == 1
+
+
+def test_a_hold_of_the_head_alone_says_nothing_of_a_standing_base_and_stops_a_moving_one() -> None:
+    def turn_head(stamp: float, sequence: int) -> TeleopCommand:
+        return TeleopCommand(stamp, "anne", sequence, False, 0.0, 0.0, head_held=True, pan=1.0)
+
+    gate = DriveGate(LIMITS)
+    assert gate.take(turn_head(10.0, 0)).twist is None, "or the robot would leave its way to a goal"
+    gate.take(drive(10.05, 1, 1.0))
+    assert gate.take(turn_head(10.1, 2)).twist == Twist(10.1, 0.0, 0.0)
+    assert gate.take(turn_head(10.15, 3)).twist is None

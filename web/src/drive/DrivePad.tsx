@@ -7,12 +7,13 @@ import { number } from "../ui/format";
 import { KeyboardIcon, WheelIcon } from "../ui/icons";
 import { PRESETS } from "./driveController";
 import { heldWords } from "./driveText";
+import { Head, HeadHint } from "./Head";
 import { Limited } from "./Limited";
 import { Stick } from "./Stick";
 
 export function DrivePad() {
   const { drive, session, store } = useApp();
-  const { factor, source } = drive.state.value;
+  const { factor, source, command } = drive.state.value;
   const status = store.of("status").value;
   const applied = status?.guard.applied;
   const words = applied ? speedWords(applied) : "no figures";
@@ -73,7 +74,11 @@ export function DrivePad() {
           >
             <WheelIcon /> {`Take control from ${driver.operator}`}
           </button>
-        ) : driver?.mine && !source && drive.refusal.value === null && drive.keyboard.value === "page" ? (
+        ) : driver?.mine &&
+          !source &&
+          !command.head_held &&
+          drive.refusal.value === null &&
+          drive.keyboard.value === "page" ? (
           <button
             type="button"
             class="button quiet"
@@ -85,8 +90,10 @@ export function DrivePad() {
         ) : (
           <Hint />
         )}
+        <HeadHint />
         <Limited />
       </div>
+      <Head />
     </section>
   );
 }
@@ -127,6 +134,11 @@ function Hint() {
         {store.body.value.strafes && (
           <>
             , <kbd>Q</kbd> <kbd>E</kbd> sideways
+          </>
+        )}
+        {store.body.value.turnsHead && (
+          <>
+            ; head: <kbd>I</kbd> <kbd>J</kbd> <kbd>K</kbd> <kbd>L</kbd>
           </>
         )}
       </span>

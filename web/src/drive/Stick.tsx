@@ -1,57 +1,113 @@
-/** The touch stick: held while a finger or the mouse holds it, on Pointer Events. It also shows what other inputs do. */
+/** A touch stick: held while a finger or the mouse holds it, on Pointer Events. It also shows what other inputs do. */
 
 import { useRef } from "preact/hooks";
-import { type Axes, CENTRE } from "./axes";
 import type { DriveController } from "./driveController";
 
 const DEADBAND = 0.08;
 
+/** Where a stick is: up and left, −1…1. */
+interface Deflection {
+  up: number;
+  left: number;
+}
+
+/** The base's stick. */
 export function Stick({ drive, words }: { drive: DriveController; words: string }) {
-  const disc = useRef<HTMLDivElement>(null);
-  const pointer = useRef<number | null>(null);
   const { command, factor } = drive.state.value;
   const strafes = drive.stickStrafes.value;
-  const refused = drive.refusal.value !== null;
+  const axes = ({ up, left }: Deflection) => ({
+    linear: up,
+    angular: strafes ? 0 : left,
+    lateral: strafes ? left : 0,
+  });
+  return (
+    <Disc
+      testid="stick"
+      label="Drive stick: hold and push, or hold the arrow keys"
+      words={words}
+      held={command.held}
+      refused={drive.refusal.value !== null}
+      at={{ up: command.linear, left: strafes ? command.lateral : command.angular }}
+      factor={factor}
+      onGrasp={(at) => drive.grasp(axes(at))}
+      onMove={(at) => drive.input({ type: "stick-move", axes: axes(at) })}
+      onEnd={() => drive.input({ type: "stick-end" })}
+      onLose={() => drive.release()}
+    />
+  );
+}
 
-  const axesAt = (event: PointerEvent): Axes => {
+/** The head's stick. */
+export function HeadStick({ drive, words }: { drive: DriveController; words: string }) {
+  const { command, factor } = drive.state.value;
+  const axes = ({ up, left }: Deflection) => ({ tilt: up, pan: left });
+  return (
+    <Disc
+      testid="head-stick"
+      label="Head stick: hold and push, or hold the keys I, J, K and L"
+      words={words || "held"}
+      held={command.head_held}
+      refused={drive.refusal.value !== null}
+      at={{ up: command.tilt, left: command.pan }}
+      factor={factor}
+      onGrasp={(at) => drive.graspHead(axes(at))}
+      onMove={(at) => drive.input({ type: "head-move", axes: axes(at) })}
+      onEnd={() => drive.input({ type: "head-end" })}
+      onLose={() => drive.release()}
+    />
+  );
+}
+
+interface DiscProps {
+  testid: string;
+  label: string;
+  words: string;
+  held: boolean;
+  refused: boolean;
+  at: Deflection;
+  factor: number;
+  onGrasp(at: Deflection): void;
+  onMove(at: Deflection): void;
+  onEnd(): void;
+  onLose(): void;
+}
+
+function Disc({ testid, label, words, held, refused, at, factor, onGrasp, onMove, onEnd, onLose }: DiscProps) {
+  const disc = useRef<HTMLDivElement>(null);
+  const pointer = useRef<number | null>(null);
+
+  const deflection = (event: PointerEvent): Deflection => {
     const box = disc.current!.getBoundingClientRect();
     const reach = box.width * 0.36;
     const x = (event.clientX - box.left - box.width / 2) / reach;
     const y = (event.clientY - box.top - box.height / 2) / reach;
     const size = Math.hypot(x, y);
-    if (size < DEADBAND) return CENTRE;
+    if (size < DEADBAND) return { up: 0, left: 0 };
     const shrink = size > 1 ? 1 / size : 1;
-    const aside = -x * shrink;
-    return { linear: -y * shrink, angular: strafes ? 0 : aside, lateral: strafes ? aside : 0 };
+    return { up: -y * shrink, left: -x * shrink };
   };
-  const end = (event: PointerEvent) => {
+  const over = (event: PointerEvent, then: () => void) => {
     if (event.pointerId !== pointer.current) return;
     pointer.current = null;
-    drive.input({ type: "stick-end" });
-  };
-  const lose = (event: PointerEvent) => {
-    if (event.pointerId !== pointer.current) return;
-    pointer.current = null;
-    drive.release();
+    then();
   };
 
   // Where the hand is: the command without the speed preset, kept on the disc when two keys point to its corner.
-  const aside = strafes ? command.lateral : command.angular;
-  const size = Math.max(factor, Math.hypot(command.linear, aside), 0.01);
-  const reach = command.held ? 36 / size : 0;
-  const knob = `translate(${-aside * reach}%, ${-command.linear * reach}%)`;
+  const size = Math.max(factor, Math.hypot(at.up, at.left), 0.01);
+  const reach = held ? 36 / size : 0;
+  const knob = `translate(${-at.left * reach}%, ${-at.up * reach}%)`;
   return (
     <div
       ref={disc}
-      class={`stick ${command.held ? "held" : ""} ${refused ? "refused" : ""}`}
-      data-testid="stick"
+      class={`stick ${testid} ${held ? "held" : ""} ${refused ? "refused" : ""}`}
+      data-testid={testid}
       role="slider"
       tabIndex={0}
-      aria-label="Drive stick: hold and push, or hold the arrow keys"
+      aria-label={label}
       aria-orientation="vertical"
       aria-valuemin={-100}
       aria-valuemax={100}
-      aria-valuenow={Math.round(command.linear * 100)}
+      aria-valuenow={Math.round(at.up * 100)}
       aria-valuetext={words}
       aria-disabled={refused}
       onPointerDown={(event) => {
@@ -60,14 +116,14 @@ export function Stick({ drive, words }: { drive: DriveController; words: string 
         disc.current!.focus({ preventScroll: true });
         disc.current!.setPointerCapture(event.pointerId);
         pointer.current = event.pointerId;
-        drive.grasp(axesAt(event));
+        onGrasp(deflection(event));
       }}
       onPointerMove={(event) => {
-        if (event.pointerId === pointer.current) drive.input({ type: "stick-move", axes: axesAt(event) });
+        if (event.pointerId === pointer.current) onMove(deflection(event));
       }}
-      onPointerUp={end}
-      onPointerCancel={lose}
-      onLostPointerCapture={lose}
+      onPointerUp={(event) => over(event, onEnd)}
+      onPointerCancel={(event) => over(event, onLose)}
+      onLostPointerCapture={(event) => over(event, onLose)}
       onContextMenu={(event) => event.preventDefault()}
     >
       <svg viewBox="0 0 100 100" aria-hidden="true">

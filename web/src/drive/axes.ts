@@ -6,3 +6,9 @@ export interface Axes {
 }
 
 export const CENTRE: Axes = { linear: 0, angular: 0, lateral: 0 };
+
+/** Of the head: left and up, −1…1. */
+export interface HeadAxes {
+  pan: number;
+  tilt: number;
+}

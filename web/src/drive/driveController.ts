@@ -4,10 +4,10 @@ import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
 import type { PlaybackController } from "../playback/playbackController";
 import type { Session } from "../state/session";
 import type { Store } from "../state/store";
-import type { Axes } from "./axes";
+import type { Axes, HeadAxes } from "./axes";
 import { type PadReading, readPads } from "./gamepad";
-import { DRIVE_KEYS, OVERRIDE_KEYS, SLOW_KEYS, STRAFE_KEYS } from "./keys";
-import { type DriveState, flush, type Input, initialDrive, step, TICK_MS } from "./machine";
+import { DRIVE_KEYS, HEAD_KEYS, OVERRIDE_KEYS, SLOW_KEYS, STRAFE_KEYS } from "./keys";
+import { type DriveState, flush, holds, type Input, initialDrive, step, TICK_MS } from "./machine";
 
 export const PRESETS = [
   { name: "Slow", factor: 0.35 },
@@ -100,6 +100,17 @@ export class DriveController {
     else this.input({ type: "stick-start", axes });
   }
 
+  graspHead(axes: HeadAxes): void {
+    if (this.refusal.peek()) this.explain();
+    else this.input({ type: "head-start", axes });
+  }
+
+  /** Turns the head to `u`, `v` (shares of its width and height) of the camera's picture taken at `stamp`. */
+  lookHere(stamp: number, u: number, v: number): void {
+    if (this.refusal.peek()) this.explain();
+    else this.session.send({ type: "look", stamp, u, v });
+  }
+
   preset(factor: number): void {
     localStorage.setItem(PRESET_KEY, String(factor));
     this.input({ type: "preset", factor });
@@ -132,7 +143,7 @@ export class DriveController {
     if (event.code === "Space") this.space(event);
     else if (event.key === "?") this.store.help.value = !this.store.help.value;
     else if (!this.store.body.peek().drives) return;
-    else if (this.drives(event.code) && !(event.code.startsWith("Arrow") && ownsArrows(event.target))) {
+    else if (this.moves(event)) {
       event.preventDefault();
       event.stopPropagation();
       if (!event.repeat && this.refusal.peek()) this.explain();
@@ -141,14 +152,17 @@ export class DriveController {
       this.input({ type: "key", code: event.code, down: true, repeat: event.repeat });
   }
 
-  private drives(code: string): boolean {
-    return DRIVE_KEYS.has(code) || (STRAFE_KEYS.has(code) && this.store.body.peek().strafes);
+  /** Whether the key moves the base or the head of this body. */
+  private moves({ code, target }: KeyboardEvent): boolean {
+    if (HEAD_KEYS.has(code)) return this.store.body.peek().turnsHead;
+    if (STRAFE_KEYS.has(code)) return this.store.body.peek().strafes;
+    return DRIVE_KEYS.has(code) && !(code.startsWith("Arrow") && ownsArrows(target));
   }
 
   /** Stops all driving: teleoperation and goal. While anything does, it presses no button, or "To start" might go on. */
   private space(event: KeyboardEvent): void {
     if (!event.repeat) {
-      const { held } = this.state.peek().command;
+      const held = holds(this.state.peek().command);
       this.release();
       this.stopping = this.onStop() || held;
     }

@@ -224,6 +224,51 @@ describe("override", () => {
   });
 });
 
+describe("head", () => {
+  const head = (commands: Command[]) => commands.map((c) => [c.held, c.head_held, c.pan, c.tilt]);
+  const start: Input = { type: "head-start", axes: { pan: 0.5, tilt: -2 } };
+
+  test("its keys turn it alone, repeat each tick, and a release is said three times", () => {
+    expect(head(run([down("KeyJ"), down("KeyI"), tick, up("KeyJ"), up("KeyI"), tick, tick, tick]).sent)).toEqual([
+      [false, true, 1, 0],
+      [false, true, 1, 1],
+      [false, true, 1, 1],
+      [false, true, 0, 1],
+      [false, false, 0, 0],
+      [false, false, 0, 0],
+      [false, false, 0, 0],
+    ]);
+  });
+
+  test("it is turned while the base is driven, and each hold ends by itself", () => {
+    const { sent } = run([down("KeyW"), start, up("KeyW"), { type: "head-end" }]);
+    expect(head(sent)).toEqual([
+      [true, false, 0, 0],
+      [true, true, 0.5, -1],
+      [false, true, 0.5, -1],
+      [false, false, 0, 0],
+    ]);
+    expect(sent[2]!.linear).toBe(0);
+  });
+
+  test("the speed preset and shift are its, too", () => {
+    expect(head(run([{ type: "preset", factor: 0.5 }, down("KeyL"), down("ShiftLeft")]).sent)).toEqual([
+      [false, true, -0.5, 0],
+      [false, true, -0.4, 0],
+    ]);
+  });
+
+  test("a release lets go of it until it is grasped again, and before it is allowed it stays", () => {
+    const { sent, state } = run([start, { type: "release" }, { type: "head-move", axes: { pan: 1, tilt: 0 } }]);
+    expect(head(sent)).toEqual([
+      [false, true, 0.5, -1],
+      [false, false, 0, 0],
+    ]);
+    expect(state.headStick).toBeNull();
+    expect(run([start, down("KeyJ")], initialDrive(1)).sent).toEqual([]);
+  });
+});
+
 test("flush says every release still owed at once", () => {
   const { state } = run([down("KeyW"), { type: "release" }]);
   const { send, state: after } = flush(state);
@@ -246,6 +291,9 @@ test("whatever is pressed and lost: a release always ends in not held, with sequ
     { type: "pad", axes: { linear: 1, angular: 1, lateral: 0 } },
     { type: "pad", axes: null },
     { type: "override", held: true },
+    { type: "head-start", axes: { pan: 1, tilt: -1 } },
+    { type: "head-end" },
+    down("KeyJ"),
     down("KeyO"),
     { type: "allow", allowed: false },
     { type: "allow", allowed: true },
@@ -258,6 +306,7 @@ test("whatever is pressed and lost: a release always ends in not held, with sequ
     const chosen = Array.from({ length: 30 }, () => inputs[Math.floor(random() * inputs.length)]!);
     const { state, sent } = run([...chosen, { type: "release" }]);
     expect(state.command.held).toBe(false);
+    expect(state.command.head_held).toBe(false);
     expect(sent.every((command) => command.held || !command.override)).toBe(true);
     expect(state.source).toBeNull();
     sent.forEach((command, i) => expect(command.seq).toBe(i + 1));

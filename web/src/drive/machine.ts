@@ -8,17 +8,20 @@
  *
  * The override is a hold of its own beside the dead-man (a key, a trigger, a button on screen): by itself it does
  * nothing, and a release ends it likewise.
+ *
+ * The head is a hold of its own, too, by its keys or its stick, with the base or alone.
  */
 
-import { type Axes, CENTRE } from "./axes";
-import { axesOfKeys, DRIVE_KEYS, OVERRIDE_KEYS, SLOW_KEYS, STRAFE_KEYS } from "./keys";
+import { type Axes, CENTRE, type HeadAxes } from "./axes";
+import { axesOfKeys, DRIVE_KEYS, HEAD_KEYS, headAxesOfKeys, OVERRIDE_KEYS, SLOW_KEYS, STRAFE_KEYS } from "./keys";
 
 export type Source = "stick" | "gamepad" | "keyboard";
 
-export interface Command extends Axes {
+export interface Command extends Axes, HeadAxes {
   seq: number;
   held: boolean;
   override: boolean;
+  head_held: boolean;
 }
 
 export type Input =
@@ -26,6 +29,9 @@ export type Input =
   | { type: "stick-start"; axes: Axes }
   | { type: "stick-move"; axes: Axes }
   | { type: "stick-end" }
+  | { type: "head-start"; axes: HeadAxes }
+  | { type: "head-move"; axes: HeadAxes }
+  | { type: "head-end" }
   | { type: "pad"; axes: Axes | null; override?: boolean }
   | { type: "override"; held: boolean }
   | { type: "preset"; factor: number }
@@ -37,6 +43,7 @@ export interface DriveState {
   readonly allowed: boolean;
   readonly keys: ReadonlySet<string>;
   readonly stick: Axes | null;
+  readonly headStick: HeadAxes | null;
   readonly pad: Axes | null;
   /** The pad's dead-man was held through a release: it counts again once it has been let go. */
   readonly padSpent: boolean;
@@ -59,19 +66,21 @@ export interface Step {
 export const TICK_MS = 50;
 const SLOW_FACTOR = 0.4;
 const FAREWELLS = 3;
+const STILL = { held: false, ...CENTRE, override: false, head_held: false, pan: 0, tilt: 0 };
 
 export function initialDrive(factor: number): DriveState {
   return {
     allowed: false,
     keys: new Set(),
     stick: null,
+    headStick: null,
     pad: null,
     padSpent: false,
     padOverride: false,
     screenOverride: false,
     factor,
     source: null,
-    command: { seq: 0, held: false, ...CENTRE, override: false },
+    command: { seq: 0, ...STILL },
     farewells: 0,
   };
 }
@@ -102,6 +111,12 @@ function take(state: DriveState, input: Exclude<Input, { type: "tick" }>): Drive
       return state.stick ? { ...state, stick: clampAxes(input.axes) } : state;
     case "stick-end":
       return state.stick ? { ...state, stick: null } : state;
+    case "head-start":
+      return state.allowed ? { ...state, headStick: clampHead(input.axes) } : state;
+    case "head-move":
+      return state.headStick ? { ...state, headStick: clampHead(input.axes) } : state;
+    case "head-end":
+      return state.headStick ? { ...state, headStick: null } : state;
     case "pad":
       return takePad(state, input.axes, input.override ?? false);
     case "override":
@@ -119,7 +134,8 @@ function take(state: DriveState, input: Exclude<Input, { type: "tick" }>): Drive
 }
 
 function takeKey(state: DriveState, input: { code: string; down: boolean; repeat?: boolean }): DriveState {
-  if (![DRIVE_KEYS, STRAFE_KEYS, SLOW_KEYS, OVERRIDE_KEYS].some((keys) => keys.has(input.code))) return state;
+  if (![DRIVE_KEYS, HEAD_KEYS, STRAFE_KEYS, SLOW_KEYS, OVERRIDE_KEYS].some((keys) => keys.has(input.code)))
+    return state;
   if (input.down === state.keys.has(input.code)) return state;
   // A repeat of a key we do not know as held was pressed before a release: it must be pressed again.
   if (input.down && (input.repeat || !state.allowed)) return state;
@@ -144,6 +160,7 @@ function letGo(state: DriveState): DriveState {
     ...state,
     keys: new Set(),
     stick: null,
+    headStick: null,
     pad: null,
     padSpent: state.padSpent || state.pad !== null,
     padOverride: false,
@@ -156,22 +173,25 @@ function settle(before: DriveState, taken: DriveState): Step {
   const axes = source ? scale(axesOf(taken, source), factorOf(taken)) : CENTRE;
   const held = source !== null;
   const override = held && overrides(taken);
+  const head = headAxes(taken);
   const { command: last } = before;
-  if (held === last.held && override === last.override && same(axes, last))
+  const headSame = (head !== null) === last.head_held && sameHead(head ?? STILL, last);
+  if (held === last.held && override === last.override && same(axes, last) && headSame)
     return { state: { ...taken, source }, send: [] };
-  const command = { seq: last.seq + 1, held, ...axes, override };
-  const farewells = held ? 0 : FAREWELLS - 1;
+  const { pan, tilt } = head ?? STILL;
+  const command = { seq: last.seq + 1, held, ...axes, override, head_held: head !== null, pan, tilt };
+  const farewells = holds(command) ? 0 : FAREWELLS - 1;
   return { state: { ...taken, source, command, farewells }, send: [command] };
 }
 
 function tick(state: DriveState): Step {
-  if (!state.command.held) return state.farewells > 0 ? farewell(state) : { state, send: [] };
+  if (!holds(state.command)) return state.farewells > 0 ? farewell(state) : { state, send: [] };
   const command = { ...state.command, seq: state.command.seq + 1 };
   return { state: { ...state, command }, send: [command] };
 }
 
 function farewell(state: DriveState): Step {
-  const command = { seq: state.command.seq + 1, held: false, ...CENTRE, override: false };
+  const command = { seq: state.command.seq + 1, ...STILL };
   return { state: { ...state, command, farewells: state.farewells - 1 }, send: [command] };
 }
 
@@ -195,6 +215,18 @@ export function overrides(state: DriveState): boolean {
   return state.padOverride || state.screenOverride || [...OVERRIDE_KEYS].some((key) => state.keys.has(key));
 }
 
+/** Whether the command holds anything: the base or the head. */
+export function holds(command: Command): boolean {
+  return command.held || command.head_held;
+}
+
+/** Left and up of the hand that holds the head, by the speed preset; null: none does. */
+function headAxes(state: DriveState): HeadAxes | null {
+  const axes = state.headStick ?? headAxesOfKeys(state.keys);
+  const factor = factorOf(state);
+  return axes && { pan: round(axes.pan * factor), tilt: round(axes.tilt * factor) };
+}
+
 function factorOf(state: DriveState): number {
   for (const key of state.keys) if (SLOW_KEYS.has(key)) return Math.min(state.factor, SLOW_FACTOR);
   return state.factor;
@@ -216,12 +248,20 @@ function clampAxes(axes: Axes): Axes {
   };
 }
 
+function clampHead(axes: HeadAxes): HeadAxes {
+  return { pan: clamp(axes.pan, -1, 1), tilt: clamp(axes.tilt, -1, 1) };
+}
+
 function clamp(value: number, low: number, high: number): number {
   return Number.isFinite(value) ? Math.max(low, Math.min(high, value)) : 0;
 }
 
 function round(value: number): number {
   return Math.round(value * 1000) / 1000 + 0; // + 0: no negative zero on the wire
+}
+
+function sameHead(a: HeadAxes, b: HeadAxes): boolean {
+  return a.pan === b.pan && a.tilt === b.tilt;
 }
 
 function same(a: Axes, b: Axes): boolean {

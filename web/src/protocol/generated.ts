@@ -193,6 +193,20 @@ export interface GridInfo {
   height: number;
 }
 
+/** State of the guard of one group of joints. */
+export interface GroupReport {
+  /** Its name in the body's file, such as head. */
+  group: string;
+  /** idle, moving, holding, yielding, refused or silent. */
+  state: string;
+  /** The same in words, where there is more to say. */
+  reason: string;
+  /** The behavior that moves it; null: none. */
+  exploited: string | null;
+  /** The fastest of its joints, as measured. */
+  speed_radps: number;
+}
+
 /** State of the guard. */
 export interface Guard {
   /** idle, driving, stale_command, e_stopped, sensor_failure, waiting or silent. */
@@ -216,6 +230,8 @@ export interface Hello {
   channels: Channels;
   /** Whether an operator can drive here. */
   drive: boolean;
+  /** Whether an operator can turn a head here. */
+  head: boolean;
   audio: AudioFacts;
   /** null: not a recording. */
   playback: PlaybackReport | null;
@@ -771,6 +787,8 @@ export interface Status {
   exploited: string | null;
   /** Why the collision monitor slowed or stopped it, in words; empty: it did not. */
   limited: string;
+  /** The actuator groups but for the base. */
+  groups: GroupReport[];
   /** Why this viewer's driving waits, its commands coming too late; empty: it does not. */
   waits: string;
   sources: SourceState[];
@@ -853,7 +871,10 @@ export interface DesireChange {
   ttl?: number | null;
 }
 
-/** A drive command of the operator: shares of the body's limits, forward, turn left and sideways to the left. */
+/**
+ * A drive command of the operator: of the base while ``held``, of the head while ``head_held``. Shares of the body's
+ * limits: forward, turn left, sideways to the left; the head left and up.
+ */
 export interface DriveMessage {
   type: "drive";
   t?: number | null;
@@ -865,6 +886,9 @@ export interface DriveMessage {
   angular: number;
   override?: boolean;
   lateral?: number;
+  head_held?: boolean;
+  pan?: number;
+  tilt?: number;
 }
 
 /** Latch the emergency stop. */
@@ -901,6 +925,20 @@ export interface LoadRequest {
 /** The console's token. */
 export interface LoginRequest {
   token: string;
+}
+
+/**
+ * Turn the head to a place in the camera's picture. ``stamp`` is the picture's (s); ``u`` and ``v`` are shares of its
+ * width and height, from its upper left.
+ */
+export interface LookMessage {
+  type: "look";
+  t?: number | null;
+  heard?: number | null;
+  heard_t?: number | null;
+  stamp: number;
+  u: number;
+  v: number;
 }
 
 /** A desire to create. */
@@ -1071,6 +1109,7 @@ export type FromRobot = { [T in keyof RobotMessages]: { type: T } & RobotMessage
 
 export type ToRobot =
   | DriveMessage
+  | LookMessage
   | EStopMessage
   | ClearEStopMessage
   | TakeControlMessage

@@ -85,6 +85,7 @@ describe("what may move something", () => {
   const moving = [
     drive(true),
     { type: "clear_e_stop" },
+    { type: "look", stamp: 1000.2, u: 0.5, v: 0.25 },
     { type: "take_control" },
     { type: "ping", rtt_ms: null },
   ] as const;

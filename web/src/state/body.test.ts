@@ -4,10 +4,12 @@ import { bodyOf } from "./body";
 
 const EVERYTHING = { camera: true, panorama: true, map: true, costmap: true, scan: true, point_cloud: true };
 const kind = (name: string, served = true) => ({ name, served }) as DesireClass;
-const hello = (some: Partial<Hello>) => ({ drive: true, channels: EVERYTHING, classes: [], ...some }) as Hello;
+const hello = (some: Partial<Hello>) =>
+  ({ drive: true, head: true, channels: EVERYTHING, classes: [], ...some }) as Hello;
 const ALL = {
   drives: true,
   strafes: false,
+  turnsHead: true,
   maps: true,
   goes: true,
   scans: true,
@@ -31,13 +33,14 @@ test("a camera on a desk drives nowhere, maps nothing, and places nothing", () =
   const nothing = {
     drives: false,
     strafes: false,
+    turnsHead: false,
     maps: false,
     goes: false,
     scans: false,
     places: false,
     voices: false,
   };
-  expect(bodyOf(hello({ drive: false, classes, channels }))).toEqual({ ...nothing, faces: true });
+  expect(bodyOf(hello({ drive: false, head: false, classes, channels }))).toEqual({ ...nothing, faces: true });
 });
 
 test("depth gives things a place without a laser", () => {

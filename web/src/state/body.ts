@@ -7,6 +7,8 @@ export interface BodySkills {
   drives: boolean;
   /** It moves sideways. */
   strafes: boolean;
+  /** Hands can turn its head. */
+  turnsHead: boolean;
   /** It makes, or shows, a map. */
   maps: boolean;
   /** It goes by itself where it is sent. */
@@ -28,6 +30,7 @@ export function bodyOf(hello: Hello | null): BodySkills {
   return {
     drives: hello?.drive !== false,
     strafes: (hello?.robot?.limits.lateral_mps ?? 0) > 0,
+    turnsHead: hello?.head !== false,
     maps: map !== false,
     goes: serves("GoTo"),
     scans: scan !== false,

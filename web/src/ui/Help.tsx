@@ -13,6 +13,7 @@ const DRIVE: Rows = [
   [["O"], "Hold while driving: crawl without the collision monitor. It does not stop for obstacles: watch it"],
   [["Space"], "Stop driving and cancel the goal. Then release all keys and press again to drive"],
 ];
+const HEAD: Rows = [[["I", "J", "K", "L"], "Hold to turn the head; a click on the camera's picture turns it there"]];
 const STOP: Rows = [
   [
     ["Esc"],
@@ -61,10 +62,10 @@ export function Help() {
   const close = useRef<HTMLButtonElement>(null);
   const open = store.help.value;
   const replay = store.replay.value;
-  const { drives, maps, goes } = store.body.value;
+  const { drives, turnsHead, maps, goes } = store.body.value;
   const stop = drives || goes || maps ? STOP : STOP_ALONE;
   const speak = store.hello.value?.audio.speak === false ? [] : SPEAK;
-  const keys = [...(drives ? DRIVE : []), ...stop, ...speak, ...SHEET];
+  const keys = [...(drives ? DRIVE : []), ...(turnsHead ? HEAD : []), ...stop, ...speak, ...SHEET];
   useEffect(() => {
     if (open) close.current?.focus();
   }, [open]);

@@ -4,6 +4,7 @@ import { useEffect, useRef } from "preact/hooks";
 import { useApp } from "../state/context";
 import { number, reasonText } from "../ui/format";
 import { CameraIcon, CloseIcon, EnlargeIcon, ShrinkIcon } from "../ui/icons";
+import { pictureShare } from "./pictureShare";
 import { OVERLAYS } from "./registry";
 
 const OLD_S = 1;
@@ -11,7 +12,7 @@ const OLD_S = 1;
 const CLASS = "Telepresence";
 
 export function Camera() {
-  const { store, camera } = useApp();
+  const { store, camera, drive } = useApp();
   const canvas = useRef<HTMLCanvasElement>(null);
   const mode = store.camera.value;
   useEffect(() => {
@@ -36,6 +37,7 @@ export function Camera() {
   }
   const { text, old, empty } = useCameraState();
   const large = mode === "large";
+  const looks = !empty && store.body.value.turnsHead && !store.replay.value && camera.stamp.value !== null;
   return (
     <figure
       class={`camera ${mode} ${old ? "old" : ""} ${empty ? "empty" : ""}`}
@@ -45,10 +47,16 @@ export function Camera() {
     >
       <canvas
         ref={canvas}
+        class={looks ? "looks" : ""}
         width={640}
         height={480}
         role="img"
         aria-label={empty ? text : "What the robot's camera sees"}
+        title={looks ? "Click: the head turns there" : undefined}
+        onClick={(event) => {
+          const at = looks && placeOn(event.currentTarget, event);
+          if (at) drive.lookHere(camera.stamp.peek()!, at.u, at.v);
+        }}
       />
       {!empty && OVERLAYS.map(({ type, Frames }) => <Frames key={type} message={store.of(type).value} />)}
       {text && (
@@ -80,6 +88,13 @@ export function Camera() {
       </div>
     </figure>
   );
+}
+
+/** Where a click is in the picture, which is drawn as large as the canvas allows, in its middle; null: beside it. */
+function placeOn(canvas: HTMLCanvasElement, event: MouseEvent): { u: number; v: number } | null {
+  const box = canvas.getBoundingClientRect();
+  const at = pictureShare(box, canvas, event.clientX - box.left, event.clientY - box.top);
+  return at.u >= 0 && at.u <= 1 && at.v >= 0 && at.v <= 1 ? at : null;
 }
 
 function useCameraState(): { text: string; old: boolean; empty: boolean } {

@@ -8,7 +8,10 @@ import { codesOn, facesOn, type Trails, trailed } from "./faces";
 
 export function FaceFrames({ message: perceived }: { message: Perceived | null }) {
   const { store, camera } = useApp();
-  const turning = Math.abs(store.of("status").value?.odometry?.angular_radps ?? 0);
+  const status = store.of("status").value;
+  // The camera turns with the base, and with any joint that may carry it.
+  const joints = Math.max(0, ...(status?.groups ?? []).map(({ speed_radps }) => speed_radps));
+  const turning = Math.abs(status?.odometry?.angular_radps ?? 0) + joints;
   const seen = useRef<{ of: Perceived | null; trails: Trails }>({ of: null, trails: new Map() });
   if (seen.current.of !== perceived) seen.current = { of: perceived, trails: trailed(seen.current.trails, perceived) };
   const faces = facesOn(seen.current.trails, camera.stamp.value, turning);

@@ -18,13 +18,16 @@ test("only faces of the camera that is shown", () => {
   ]);
 });
 
-test("only with a picture of about the same time, the nearer the faster the robot turns", () => {
+test("only with a picture of about the same time, the nearer the faster the camera turns", () => {
   const all = message(face("kinect_optical_frame", 10));
   expect(facesOn(trailed(new Map(), all), 10.4, 0)).toHaveLength(1);
   expect(facesOn(trailed(new Map(), all), 10.8, 0)).toEqual([]);
   expect(facesOn(trailed(new Map(), all), 10.4, 0.5)).toEqual([]);
   expect(facesOn(trailed(new Map(), all), 10.05, 0.5)).toHaveLength(1);
   expect(facesOn(trailed(new Map(), all), null, 0)).toEqual([]);
+  // At 60°/s the next image of 15 a second is 4° on.
+  expect(facesOn(trailed(new Map(), all), 10 + 1 / 15, 1.05)).toEqual([]);
+  expect(facesOn(trailed(new Map(), all), 10, 1.05)).toHaveLength(1);
 });
 
 test("codes of the camera that is shown, and none without any", () => {

@@ -6,8 +6,11 @@ import type { Perceived, SeenCode, SeenFace } from "../protocol/types";
 const CAMERAS: ReadonlySet<string> = new Set(["kinect_optical_frame", "camera_optical_frame"]);
 /** Percepts and pictures are thinned by attention each in its own way: of so different stamps they go together, s. */
 const APART_S = 0.6;
-/** How far the robot may turn meanwhile for a frame to be still where the face is, rad. */
+/** How far the camera may turn meanwhile for a frame to be still where the face is, rad. */
 const TURNED = 0.06;
+
+/** A picture and what is seen in it have one stamp; less than this is rounding, s. */
+const LEAST_APART_S = 0.01;
 
 /** The sightings of a face are kept so long, and its velocity is estimated from them, s. */
 const KEPT_S = 2;
@@ -35,7 +38,7 @@ export function trailed(trails: Trails, perceived: Perceived | null): Trails {
 /**
  * The faces on the picture of `stamp`, each where it is there: between two sightings as far along as the picture is, after
  * the last one as it moved. Faces are found some tenths of a second after the picture is shown.
- * `turning`: how fast the robot turns, rad/s.
+ * `turning`: how fast the camera turns, rad/s.
  */
 export function facesOn(trails: Trails, stamp: number | null, turning: number): SeenFace[] {
   const newest = [...trails.values()].map((trail) => trail.at(-1)!);
@@ -71,7 +74,7 @@ function keyOf({ track, camera }: SeenFace): string {
   return `${track} ${camera}`;
 }
 
-/** `turning`: how fast the robot turns, rad/s. */
+/** `turning`: how fast the camera turns, rad/s. */
 export function codesOn(perceived: Perceived | null, stamp: number | null, turning: number): SeenCode[] {
   return together(perceived?.codes ?? [], stamp, turning);
 }
@@ -79,5 +82,5 @@ export function codesOn(perceived: Perceived | null, stamp: number | null, turni
 function together<T extends SeenFace | SeenCode>(seen: T[], stamp: number | null, turning: number): T[] {
   if (stamp === null) return [];
   const apart = Math.min(APART_S, turning > 0 ? TURNED / turning : APART_S);
-  return seen.filter((one) => CAMERAS.has(one.camera) && Math.abs(one.stamp - stamp) <= Math.max(0.1, apart));
+  return seen.filter((one) => CAMERAS.has(one.camera) && Math.abs(one.stamp - stamp) <= Math.max(LEAST_APART_S, apart));
 }

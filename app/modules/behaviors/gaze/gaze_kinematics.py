@@ -20,6 +20,8 @@ from app.link import JointLimits
 _ITERATIONS = 30
 _DIFFERENCE_RAD = 1e-6
 _DONE_RAD = 1e-5
+#: A step that gains less ends the descent: out of reach, steps shrink slowly while the angle stays.
+_GAIN_RAD = 1e-6
 #: Added to the squares of the Jacobian's singular values: looking along a joint's axis, its step must stay finite.
 _DAMPING = 1e-6
 
@@ -38,11 +40,14 @@ def aim(
     joints: Sequence[JointLimits],
     p_BP: NDArray[np.float64],
     measured: Mapping[str, float],
+    *,
+    either_way: bool = True,
 ) -> Gaze:
     """Positions of ``joints`` within their limits that bring the point ``p_BP`` (3,) m, in the model's root link, as
     near to the optical axis of the link ``eye`` (its z) as they can.
 
     ``measured``: positions by name of all joints of the model (missing ones are 0), from which the search begins.
+    ``either_way``: whether a point out of reach is tried from the middle of the joints' ranges, too.
     Raises KeyError for a link that the model does not have.
     """
     lower, upper = np.array([j.lower for j in joints]), np.array([j.upper for j in joints])
@@ -56,7 +61,7 @@ def aim(
     # Half a turn away the way round is not decided by the angle: then the middle of the joints' ranges may be better.
     middle = np.array([(j.lower + j.upper) / 2 if math.isfinite(j.upper - j.lower) else 0.0 for j in joints])
     best = np.clip(here, lower, upper)
-    for start in (here, middle):
+    for start in (here, middle) if either_way else (here,):
         found = _descend(beside, np.clip(start, lower, upper), lower, upper)
         if _angle(beside(found)) < _angle(beside(best)) - _DONE_RAD:
             best = found
@@ -92,6 +97,10 @@ def _descend(
     upper: NDArray[np.float64],
 ) -> NDArray[np.float64]:
     """Positions within ``lower`` and ``upper`` at a minimum of the angle of ``beside``, down from ``q``."""
+
+    def within(positions: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.clip(positions, lower, upper)
+
     off = beside(q)
     for _ in range(_ITERATIONS):
         if _angle(off) < _DONE_RAD:
@@ -105,8 +114,13 @@ def _descend(
             share /= 2
         if share <= 1e-3:
             break
-        q = np.clip(q + share * step, lower, upper)
-        off = beside(q)
+        # Beside a point far off the axis, the direction to it turns as fast as the angle shrinks, and steps are short.
+        while share >= 1 and _angle(beside(within(q + 2 * share * step))) < _angle(beside(within(q + share * step))):
+            share *= 2
+        q = within(q + share * step)
+        before, off = _angle(off), beside(q)
+        if before - _angle(off) < _GAIN_RAD:
+            break
     return q
 
 

@@ -290,3 +290,8 @@ _KINDS: dict[str, _Kind] = {
 
 KINDS = tuple(sorted(_KINDS))
 """Every kind of furniture there is."""
+
+
+def usual_size(kind: str) -> tuple[float, float, float]:
+    """Length, width and height (m) of a piece of this kind whose size is not given."""
+    return _KINDS[kind][1]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from app.base.kinematic_model import KinematicModel, load_model
@@ -54,6 +54,7 @@ def test_a_point_to_the_left_turns_the_head_to_the_left_and_one_above_up() -> No
 
 
 @settings(max_examples=60)
+@example(2.8125, 0.8125, 0.0, 0.0, 0.0)  # beside and below: many short steps
 @given(
     st.floats(-math.pi, math.pi),
     st.floats(0.8, 6.0),

@@ -3,45 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from app.attention.desires import DesireClasses, Source
+from app.attention.desires import DesireClasses, InvalidDesire, Source
 from app.attention.workspace import IntentionWorkspace
 from app.base.geometry import Pose2
-from app.base.kinematic_model import load_model
-from app.link import ActuatorGroup, JointLimits
-from app.messages import Accomplishment, JointCommand, JointState, Localization, Odometry
+from app.messages import JointCommand, JointState, Landmark, Landmarks, Localization, Odometry
 from app.modules.behaviors.gaze.look_at import LOOK_AT
 from app.runtime.clock import VirtualClock, in_virtual_time
-from tests.modules.fakes import Bench, FakeLink, drain
-
-URDF = Path(__file__).parents[4] / "config" / "robots" / "irl1_tr.urdf"
-MODEL = load_model(URDF)
-EYE = "kinect_optical_frame"
-NAMES = ("pan_joint", "tilt_joint")
-HEAD = ActuatorGroup(
-    "head", tuple(JointLimits(n, MODEL.joints[n].lower, MODEL.joints[n].upper, 1.0, 5.0) for n in NAMES)
-)
+from tests.modules.behaviors.gaze.head_bench import EYE, HEAD, NAMES, head_bench, off_axis_deg
+from tests.modules.fakes import Bench, drain
 
 
-def bench(eye: str = EYE, group: str = "head", services: Mapping[type[Any], Any] | None = None) -> Bench:
-    link = FakeLink()
-    link.description = replace(link.description, model_path=URDF, groups={"head": HEAD})
-    return Bench(
-        "app.modules.behaviors.gaze.look_at:LookAt",
-        inputs={"joints": JointState, "odometry": Odometry, "localization": Localization},
-        outputs={"command": JointCommand, "accomplishments": Accomplishment},
-        settings={"eye": eye, "group": group},
-        link=link,
-        services=services or {IntentionWorkspace: IntentionWorkspace(DesireClasses([LOOK_AT]), VirtualClock().now)},
-        attended=("command",),
-    )
+def bench(eye: str = EYE, group: str = "head", workspace: IntentionWorkspace | None = None) -> Bench:
+    inputs = {"localization": Localization, "landmarks": Landmarks}
+    return head_bench("look_at:LookAt", inputs, eye=eye, group=group, workspace=workspace)
 
 
 async def looked(b: Bench, seconds: float, **parameters: Any) -> list[JointCommand]:
@@ -52,12 +31,6 @@ async def looked(b: Bench, seconds: float, **parameters: Any) -> list[JointComma
     await b.clock.sleep(seconds)
     b.graph.channel("command").unsubscribe(given)
     return drain(given)
-
-
-def off_axis_deg(command: JointCommand, p_BP: list[float]) -> float:
-    pose = MODEL.pose(EYE, dict(zip(command.names, command.positions, strict=True)))
-    x, y, z = pose.inverse().transform(np.array(p_BP))
-    return math.degrees(math.atan2(math.hypot(x, y), z))
 
 
 def localized(b: Bench, X_MO: Pose2, state: str) -> Localization:
@@ -113,7 +86,7 @@ async def test_what_is_out_of_reach_is_looked_at_as_nearly_as_can_be_and_said_on
 @in_virtual_time
 async def test_the_point_is_looked_at_once_the_joints_are_there_and_stays_desired() -> None:
     workspace = IntentionWorkspace(DesireClasses([LOOK_AT]), VirtualClock().now)
-    b = bench(services={IntentionWorkspace: workspace})
+    b = bench(workspace=workspace)
     b.graph.channel("accomplishments").observe(workspace.accomplish)
     ahead = {"x": 1.5, "y": 1.0, "z": 1.0, "frame": "base_link"}
     behind = {"x": -3.0, "y": 0.3, "z": 1.2, "frame": "base_link"}
@@ -155,3 +128,20 @@ async def test_a_body_without_the_eye_or_the_group_is_refused() -> None:
         assert "cannot look by 'nose': the robot has no link 'nose'" in b.problem
     async with bench(group="tail") as b:
         assert "the group 'tail', which a test body does not have" in b.problem
+
+
+@in_virtual_time
+async def test_a_place_is_looked_at_once_its_code_was_found() -> None:
+    async with bench() as b:
+        b.feed("odometry", Odometry(b.clock.now(), Pose2(0.0, 0.0, math.pi / 2), 0.0, 0.0))
+        assert await looked(b, 0.5, place="the kitchen") == []
+        found = Landmark("the kitchen", (1.0, 2.0, 1.3), 0.02, sightings=3, first_seen=1.0, last_seen=2.0)
+        b.feed("landmarks", Landmarks(b.clock.now(), (found,)))
+        commands = await looked(b, 0.5, place="the kitchen")
+        assert off_axis_deg(commands[-1], [2.0, -1.0, 1.3]) < 0.01
+
+
+@pytest.mark.parametrize("params", [{}, {"x": 1.0}, {"x": 1.0, "y": 1.0, "place": "the kitchen"}])
+def test_a_desire_has_a_point_or_a_place(params: dict[str, Any]) -> None:
+    with pytest.raises(InvalidDesire, match="needs x and y, or a place, and not both"):
+        LOOK_AT.validated(params)
