@@ -163,7 +163,8 @@ class WorldSimulation:
             steps += 1
             self.state = guard.step(self.state, action, self._limits, TIMESTEP_S)
             simulation.drive(self.state.applied)
-            self.joints.step(TIMESTEP_S)
+            if steps % STEPS_PER_TURN == 1:
+                self.joints.step()
             simulation.step()
             if self._inhabited and self.scenario_state.advance(simulation.time_s, simulation.true_pose()):
                 self._people.pose(simulation.data)
