@@ -19,14 +19,16 @@ MODEL = load_model(URDF)
 PHYSICS = mujoco.MjSpec.from_file(str(URDF)).compile()
 
 
-@given(st.floats(-2.2, 2.2), st.floats(-0.29, 0.43), st.floats(-2.0, 0.0))
-def test_forward_kinematics_agrees_with_the_physics(pan: float, tilt: float, elbow: float) -> None:
-    positions = {"pan_joint": pan, "tilt_joint": tilt, "left_elbow_joint": elbow}
+@given(st.floats(-2.2, 2.2), st.floats(-0.29, 0.43), st.floats(-2.0, 0.0), st.floats(0.0, 0.04))
+def test_forward_kinematics_agrees_with_the_physics(pan: float, tilt: float, elbow: float, finger: float) -> None:
+    positions = {"pan_joint": pan, "tilt_joint": tilt, "left_elbow_joint": elbow, "left_gripper_joint": finger}
     data = mujoco.MjData(PHYSICS)
+    data.qpos[PHYSICS.joint("left_gripper_second_joint").qposadr[0]] = finger
     for name, position in positions.items():
         data.qpos[PHYSICS.joint(name).qposadr[0]] = position
     mujoco.mj_kinematics(PHYSICS, data)
-    for link in ("kinect_optical_frame", "left_forearm_link", "right_wheel_link", "hokuyo_link"):
+    links = ("kinect_optical_frame", "left_forearm_link", "right_wheel_link", "hokuyo_link", "left_hand_link")
+    for link in (*links, "left_finger_1_link", "left_finger_2_link"):
         pose = MODEL.pose(link, positions)
         np.testing.assert_allclose(pose.translation, data.body(link).xpos, atol=1e-9)
         np.testing.assert_allclose(pose.rotation, data.body(link).xmat.reshape(3, 3), atol=1e-9)
@@ -55,10 +57,17 @@ def test_a_link_names_the_joints_that_move_it() -> None:
         MODEL.moved_by("nose")
 
 
-def test_two_arms_of_four_joints() -> None:
+def test_two_arms_of_four_joints_and_a_gripper() -> None:
     for side in ("left", "right"):
         arm = [n for n in MODEL.joint_names if n.startswith(side) and "wheel" not in n]
-        assert len(arm) == 4
+        assert len(arm) == 5
+        assert arm[-1] == f"{side}_gripper_joint"
+
+
+def test_a_joint_that_follows_another_is_moved_by_it() -> None:
+    assert "left_gripper_second_joint" not in MODEL.joint_names
+    assert MODEL.moved_by("left_finger_2_link")[0] == "left_gripper_joint"
+    assert MODEL.position("left_gripper_second_joint", {"left_gripper_joint": 0.02}) == 0.02
 
 
 def test_an_unknown_link_is_named_with_those_there_are() -> None:
@@ -72,6 +81,13 @@ def test_an_unknown_link_is_named_with_those_there_are() -> None:
         ("<robot><link", "is no XML"),
         ("<robot><joint name='j' type='fixed'><parent link='a'/></joint></robot>", "has no <child>"),
         ("<robot><link name='a'/><link name='b'/></robot>", "one tree; these have no parent: a, b"),
+        (
+            (
+                "<robot><link name='a'/><link name='b'/><joint name='j' type='prismatic'><parent link='a'/>"
+                "<child link='b'/><mimic joint='k'/></joint></robot>"
+            ),
+            "j mimics 'k', which is no movable joint",
+        ),
     ],
 )
 def test_a_file_that_is_no_robot_is_refused_in_words(tmp_path: Path, text: str, complaint: str) -> None:

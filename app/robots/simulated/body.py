@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from app.base.errors import ConfigError
 from app.base.geometry import Pose2
-from app.base.kinematic_model import load_model
+from app.base.kinematic_model import KinematicModel, load_model
 from app.robots.config import RobotConfig
 from app.robots.guard import BaseVelocity
 from app.robots.simulated.kinect_noise import camera_model
@@ -92,7 +92,7 @@ def build_simulation(
     add_people(spec, people, world.seed)
     body = mujoco.MjSpec.from_file(str(robot.model))
     kinematics = load_model(robot.model)
-    _tune(body, robot, base)
+    _tune(body, robot, base, kinematics)
     _add_cameras(body, robot)
     X_WB = spec.worldbody.add_frame(
         pos=[robot.start.x, robot.start.y, 0.0],
@@ -128,7 +128,7 @@ def build_simulation(
     )
 
 
-def _tune(body: mujoco.MjSpec, robot: RobotConfig, base: TrueBase) -> None:
+def _tune(body: mujoco.MjSpec, robot: RobotConfig, base: TrueBase, kinematics: KinematicModel) -> None:
     """Contacts, groups, drives and servos; true wheels."""
     for geom in body.geoms:
         if geom.contype == 0:
@@ -145,6 +145,8 @@ def _tune(body: mujoco.MjSpec, robot: RobotConfig, base: TrueBase) -> None:
         robot.base.right_wheel_joint: (base.right_radius_m, -base.track_m / 2),
     }
     for joint in body.joints:
+        if joint.name not in kinematics.joint_names:
+            continue  # it follows another joint
         actuator = body.add_actuator(name=joint.name, target=joint.name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
         if joint.name in wheels:
             radius, y = wheels[joint.name]
