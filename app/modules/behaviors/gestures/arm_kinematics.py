@@ -1,8 +1,8 @@
 """Closed-form inverse kinematics of an arm of four joints, read from the body's model. Pure functions.
 
-The kind of arm: three joints whose axes meet in the shoulder (pitch, roll, and the twist of the upper arm about itself)
-and an elbow that is parallel to the first, so that the arm is straight when all joints are at 0. Which way it hangs, how
-long it is and which way the axes point is read from the model.
+The kind of arm: three joints whose axes meet in the shoulder (pitch, roll, and twist of the upper arm about itself), an
+elbow whose axis is parallel to the first; the arm is straight when all joints are at 0. Which way it hangs, how long it
+is and which way the axes point is read from the model.
 
 In the shoulder's frame S (x the roll axis, y the pitch axis, the straight arm along -z) the hand is at
 
@@ -77,6 +77,12 @@ class ArmKinematics:
         return self.upper_m + self.forearm_m
 
     @property
+    def nearest_m(self) -> float:
+        """The least distance of the hand from the shoulder, the elbow bent as far as it can be."""
+        bend = min(max(abs(self.joints[3].lower), abs(self.joints[3].upper)), math.pi)
+        return math.sqrt(self.upper_m**2 + self.forearm_m**2 + 2 * self.upper_m * self.forearm_m * math.cos(bend))
+
+    @property
     def lower(self) -> Vector:
         """Least positions (4,) rad."""
         return np.array([joint.lower for joint in self.joints])
@@ -97,8 +103,9 @@ class ArmKinematics:
         distance = float(np.linalg.norm(p))
         if distance > self.reach_m:
             raise OutOfReach(f"it is {distance:.2f} m from the shoulder, and the arm reaches {self.reach_m:.2f} m")
-        if distance < abs(self.upper_m - self.forearm_m):
-            raise OutOfReach(f"it is {distance:.2f} m from the shoulder, nearer than the arm can bend")
+        if distance < self.nearest_m - 1e-9:
+            bent = f"the bent arm comes no nearer than {self.nearest_m:.2f} m"
+            raise OutOfReach(f"it is {distance:.2f} m from the shoulder, and {bent}")
         for twists in _TWISTS:
             found = self._postures(p, distance, twists)
             inside = ((found >= self.lower - 1e-9) & (found <= self.upper + 1e-9)).all(axis=1)

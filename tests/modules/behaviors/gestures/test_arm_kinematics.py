@@ -75,7 +75,8 @@ def test_the_posture_nearest_to_the_one_asked_for_comes_first() -> None:
 
 
 @pytest.mark.parametrize(
-    ("beside", "problem"), [((0.56, 0.0, 0.0), "0.56 m from the shoulder.* reaches 0.55 m"), ((0.01, 0, 0), "nearer")]
+    ("beside", "problem"),
+    [((0.56, 0.0, 0.0), "0.56 m from the shoulder.* reaches 0.5[0-9] m"), ((0.1, 0, 0), "comes no nearer than 0.2")],
 )
 def test_points_too_far_and_too_near_are_refused_with_their_distance(
     beside: tuple[float, float, float], problem: str
@@ -88,7 +89,7 @@ def test_points_too_far_and_too_near_are_refused_with_their_distance(
 def test_a_point_that_only_another_posture_than_the_limits_allow_would_reach_is_refused() -> None:
     kinematics = arm("left")
     with pytest.raises(OutOfReach, match="limits"):
-        kinematics.reach(kinematics.X_BS.translation + np.array([-0.5, 0.0, 0.2]), NEAR)
+        kinematics.reach(kinematics.X_BS.translation + np.array([-0.45, 0.0, 0.2]), NEAR)
 
 
 def error_deg(kinematics: ArmKinematics, side: str, positions: np.ndarray, point: np.ndarray) -> float:
