@@ -55,7 +55,7 @@ class MovingShapes:
         """Where they are at joint ``positions`` (rad, m) by name; missing ones are 0."""
         poses = self._model.poses(self.links, positions)
         ends = [poses[link].transform(np.stack((begin, end))) for link, begin, end, _ in self._capsules]
-        return Capsules(np.array(ends).reshape(-1, 2, 3), self._radii)
+        return Capsules(np.array(ends, dtype=np.float64).reshape(-1, 2, 3), self._radii)
 
     def reaches(self) -> list[tuple[float, float, float]]:
         """Circles on the floor that no position of the joints leaves: x, y (m in ``base_link``) of the first joint

@@ -26,7 +26,7 @@ def self_filtered(image: Image, own: Capsules, margin_m: float = MARGIN_M) -> Im
     X_CB = image.X_BC.inverse()
     hit: NDArray[np.bool_] | None = None
     for (begin, end), radius in zip(own.ends, own.radii, strict=True):
-        middle = X_CB.transform(0.5 * (begin + end))
+        middle = np.asarray(X_CB.transform(0.5 * (begin + end)), dtype=np.float64)
         around = float(radius + 0.5 * np.linalg.norm(end - begin) + margin_m)
         window = _window(camera, middle, around)
         if window is None:
@@ -36,7 +36,7 @@ def self_filtered(image: Image, own: Capsules, margin_m: float = MARGIN_M) -> Im
         v, u = v + window[0].start, u + window[1].start
         points = camera.back_project(np.stack((u, v), axis=-1).astype(np.float64), depth[v, u] * 0.001)
         capsule = Capsules(np.stack((begin, end))[None], np.array([radius]))
-        inside = capsule.contains(image.X_BC.transform(points), margin_m)
+        inside = capsule.contains(np.asarray(image.X_BC.transform(points), dtype=np.float64), margin_m)
         if inside.any():
             hit = np.zeros(depth.shape, dtype=np.bool_) if hit is None else hit
             hit[v[inside], u[inside]] = True
