@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from app.base.errors import ConfigError
 from app.base.geometry import Pose2
-from app.base.kinematic_model import load_model
+from app.base.kinematic_model import KinematicModel, load_model
 from app.robots.config import RobotConfig
 from app.robots.guard import BaseVelocity
 from app.robots.simulated.kinect_noise import camera_model
@@ -39,12 +39,14 @@ _HOLONOMIC_GAIN = 50.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RobotSimulation:
-    """A compiled world with the robot in it; ``joint_addresses`` (n,) are the places of ``joints`` in qpos."""
+    """A compiled world with the robot in it; ``joint_addresses`` (n,) are the places of ``joints`` in qpos,
+    ``joint_velocities`` (n,) those in qvel."""
 
     model: mujoco.MjModel
     data: mujoco.MjData
     joints: tuple[str, ...]
     joint_addresses: NDArray[np.intp]
+    joint_velocities: NDArray[np.intp]
     left_wheel: int
     right_wheel: int
     base_address: int
@@ -92,6 +94,22 @@ class RobotSimulation:
         """True positions of ``joints`` (rad or m)."""
         return np.asarray(self.data.qpos[self.joint_addresses])
 
+    def joint_numbers(self, names: Iterable[str]) -> NDArray[np.intp]:
+        """The places (n,) in ``joints`` of those named."""
+        return np.array([self.joints.index(name) for name in names], dtype=np.intp)
+
+    def motor_efforts(self) -> NDArray[np.float64]:
+        """What the motors of ``joints`` exerted in the last step (N m, N where prismatic), without what compensates
+        the weight that they carry."""
+        return np.asarray(self.data.qfrc_actuator[self.joint_velocities])
+
+    def external_efforts(self) -> NDArray[np.float64]:
+        """What ``joints`` feel from outside (N m, N where prismatic): what neither motor nor damping accounts for, as
+        far as they do not accelerate; friction is part of it."""
+        dofs = self.joint_velocities
+        resisting = self.data.qfrc_actuator[dofs] - self.model.dof_damping[dofs] * self.data.qvel[dofs]
+        return np.asarray(-resisting)
+
     def true_pose(self) -> Pose2:
         """``X_WB`` in the plane."""
         x, y, _, w, qx, qy, qz = (float(v) for v in self.data.qpos[self.base_address : self.base_address + 7])
@@ -119,7 +137,7 @@ def build_simulation(
     add_people(spec, people, world.seed)
     body = mujoco.MjSpec.from_file(str(robot.model))
     kinematics = load_model(robot.model)
-    _tune(body, robot, base)
+    _tune(body, robot, base, kinematics)
     _add_cameras(body, robot)
     X_WB = spec.worldbody.add_frame(
         pos=[robot.start.x, robot.start.y, 0.0],
@@ -146,6 +164,7 @@ def build_simulation(
         data=data,
         joints=kinematics.joint_names,
         joint_addresses=np.array([model.joint(PREFIX + name).qposadr[0] for name in kinematics.joint_names]),
+        joint_velocities=np.array([model.joint(PREFIX + name).dofadr[0] for name in kinematics.joint_names]),
         left_wheel=model.actuator(PREFIX + wheels[0]).id,
         right_wheel=model.actuator(PREFIX + wheels[1]).id,
         base_address=int(free.qposadr[0]),
@@ -162,7 +181,7 @@ def _inertia(model: mujoco.MjModel, data: mujoco.MjData, first: int) -> tuple[fl
     return float(matrix[first, first]), float(matrix[first + 5, first + 5])
 
 
-def _tune(body: mujoco.MjSpec, robot: RobotConfig, base: TrueBase) -> None:
+def _tune(body: mujoco.MjSpec, robot: RobotConfig, base: TrueBase, kinematics: KinematicModel) -> None:
     """Contacts, groups, drives and servos; true wheels."""
     differential = robot.base.drive == "differential"
     for geom in body.geoms:
@@ -180,6 +199,8 @@ def _tune(body: mujoco.MjSpec, robot: RobotConfig, base: TrueBase) -> None:
         robot.base.right_wheel_joint: (base.right_radius_m, -base.track_m / 2),
     }
     for joint in body.joints:
+        if joint.name not in kinematics.joint_names:
+            continue  # it follows another joint
         actuator = body.add_actuator(name=joint.name, target=joint.name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
         if joint.name in wheels:
             radius, y = wheels[joint.name]

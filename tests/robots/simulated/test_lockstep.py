@@ -26,6 +26,7 @@ from app.messages import (
 )
 from app.robots.config import RobotConfig, load_robot_config
 from app.robots.simulated.camera_rendering import KinectRenderer
+from app.robots.simulated.contacts import Contact
 from app.robots.simulated.lockstep import LockstepLink
 from app.robots.simulated.renderer import WorldSnapshot
 from app.robots.simulated.scenery.scenario_config import ScenarioConfig
@@ -164,6 +165,17 @@ def test_two_runs_are_the_same_and_another_seed_is_not(robot: RobotConfig, hall:
     first = live(at(robot, 10, 10), hall, script, WALKING)
     assert live(at(robot, 10, 10), hall, script, WALKING) == first
     assert live(at(robot, 10, 10).model_copy(update={"seed": 2}), hall, script, WALKING) != first
+
+
+def test_a_loose_thing_on_a_table_is_no_contact_of_the_body(robot: RobotConfig) -> None:
+    table = {"kind": "box", "at": (12.0, 10.0), "size": (0.4, 0.4, 0.6)}
+    block = {"kind": "box", "at": (12.0, 10.0), "z": 0.6, "size": (0.04, 0.04, 0.12), "mass_kg": 0.1}
+
+    async def script(body: Body) -> tuple[Contact, ...]:
+        await body.clock.sleep(1.0)
+        return body.link.contacts
+
+    assert live(at(robot, 10, 10), make_hall(objects=[table, block]), script) == ()
 
 
 @pytest.mark.slow
@@ -318,10 +330,28 @@ def test_the_head_turns_within_its_speed_holds_without_commands_and_says_so(
     assert max(pan) < 1.2 + 0.005
     assert joints[-1].positions[joints[-1].names.index("tilt_joint")] == pytest.approx(0.4363, abs=0.005)
     assert pan[-1] == pytest.approx(1.2, abs=0.005), "without commands it is held"
-    (head,) = statuses[-1].groups
+    head = statuses[-1].groups[0]
     assert (head.group, head.guard) == ("head", "idle")
     assert head.command_age_s == pytest.approx(1.0, abs=0.2)
     assert {status.groups[0].guard for status in statuses} >= {"idle", "moving"}
+
+
+def test_the_efforts_of_the_motors_are_measured(robot: RobotConfig, hall: WorldConfig) -> None:
+    async def script(body: Body) -> tuple[JointState, JointState]:
+        simulation = body.link._simulation
+        assert simulation is not None
+        await body.clock.sleep(1.0)
+        idle = body.heard["joints"][-1]
+        data, joint = simulation.physics.data, simulation.physics.model.joint("robot/left_elbow_joint")
+        data.qfrc_applied[joint.dofadr[0]] = -3.0
+        await body.clock.sleep(2.0)
+        return idle, body.heard["joints"][-1]
+
+    idle, pushed = live(at(robot, 10, 10), hall, script)
+    assert all(abs(effort) < 0.3 for effort in idle.efforts), "at rest, but for noise: weight is compensated"
+    elbow = pushed.names.index("left_elbow_joint")
+    friction, noise = 0.1, 0.05
+    assert pushed.efforts[elbow] == pytest.approx(3.0, abs=friction + 5 * noise)
 
 
 def test_the_emergency_stop_covers_the_head(robot: RobotConfig, hall: WorldConfig) -> None:
