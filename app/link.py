@@ -6,6 +6,7 @@ behind it, in another process. Implementations are in ``app/robots/``; modules k
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import StrEnum
@@ -43,7 +44,8 @@ class SafeAction(StrEnum):
 @dataclass(frozen=True, slots=True)
 class JointLimits:
     """Limits of one joint: position ``lower`` to ``upper`` (rad, or m where prismatic), speed (rad/s), acceleration
-    (rad/s^2), both positive, and effort (N m, 0 where unknown)."""
+    (rad/s^2), both positive, effort (N m, N where prismatic; 0 where unknown), and ``contact``: the effort from outside
+    beyond which its group yields."""
 
     name: str
     lower: float
@@ -51,6 +53,7 @@ class JointLimits:
     velocity: float
     acceleration: float
     effort: float = 0.0
+    contact: float = math.inf
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +61,9 @@ class ActuatorGroup:
     """Joints that are commanded together: their limits, and the guard's rules for them.
 
     ``timeout_s``: the age (s) beyond which a command is stale. ``compliant``: whether its commands may set stiffness
-    and damping; ``stiffness`` (N m/rad) and ``damping`` (N m s/rad) are the values without.
+    and damping, within ``stiffness_range`` (N m/rad) and ``damping_range`` (N m s/rad); ``stiffness`` and ``damping``
+    are the values without. A contact (:attr:`JointLimits.contact`) that lasts ``contact_s`` makes the group yield for
+    ``contact_rest_s``, and until the next command then.
     """
 
     name: str
@@ -69,6 +74,10 @@ class ActuatorGroup:
     compliant: bool = False
     stiffness: float = 0.0
     damping: float = 0.0
+    stiffness_range: tuple[float, float] = (0.0, math.inf)
+    damping_range: tuple[float, float] = (0.0, math.inf)
+    contact_s: float = 0.1
+    contact_rest_s: float = 1.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -91,11 +91,31 @@ class ActuatorConfig(_Model):
     compliant: bool = Field(default=False, description="commands may set stiffness and damping")
     stiffness: NotNegative = Field(default=60.0, description="N m/rad, of a compliant group without a value given")
     damping: NotNegative = Field(default=6.0, description="N m s/rad, likewise")
+    stiffness_range: tuple[NotNegative, Positive] = Field(default=(0.0, 300.0), description="that commands may set")
+    damping_range: tuple[NotNegative, Positive] = Field(default=(0.5, 40.0), description="that commands may set")
+    contact: tuple[Positive, ...] = Field(
+        default=(), description="efforts from outside (N m), one for each joint, beyond which the group yields"
+    )
+    contact_s: Positive = Field(default=0.1, description="how long they must last")
+    contact_rest_s: Positive = Field(default=1.0, description="how long it yields, at least")
+
+    @model_validator(mode="after")
+    def _is_within_its_ranges(self) -> Self:
+        if self.contact and len(self.contact) != len(self.joints):
+            raise ValueError(f"contact has {len(self.contact)} efforts for {len(self.joints)} joints")
+        if not self.compliant:
+            return self
+        ranges = {"stiffness": (self.stiffness, self.stiffness_range), "damping": (self.damping, self.damping_range)}
+        for what, (value, (least, most)) in ranges.items():
+            if not least <= value <= most:
+                raise ValueError(f"{what} {value:g} lies outside its {what}_range, {least:g} to {most:g}")
+        return self
 
     def group(self, name: str, model: KinematicModel) -> ActuatorGroup:
         """The group's description. Raises ValueError for a joint that the model does not have or that cannot move."""
         limits: list[JointLimits] = []
-        for joint_name in self.joints:
+        contacts = self.contact or (math.inf,) * len(self.joints)
+        for joint_name, contact in zip(self.joints, contacts, strict=True):
             joint = model.joints.get(joint_name)
             if joint is None or not joint.moves:
                 allowed = ", ".join(model.joint_names)
@@ -104,11 +124,16 @@ class ActuatorConfig(_Model):
                 raise ValueError(f"the model's greatest velocity of {joint_name} is 0: it cannot move")
             speed = min(self.velocity, joint.velocity)
             limits.append(
-                JointLimits(joint.name, joint.lower, joint.upper, speed, self.acceleration, effort=joint.effort)
-            )
+                JointLimits(
+                    joint.name, joint.lower, joint.upper, velocity=speed, acceleration=self.acceleration,
+                    effort=joint.effort, contact=contact,
+                )
+            )  # fmt: skip
         return ActuatorGroup(
             name, tuple(limits), stale=self.stale, stop=self.stop, timeout_s=self.timeout_s,
             compliant=self.compliant, stiffness=self.stiffness, damping=self.damping,
+            stiffness_range=self.stiffness_range, damping_range=self.damping_range,
+            contact_s=self.contact_s, contact_rest_s=self.contact_rest_s,
         )  # fmt: skip
 
 

@@ -188,6 +188,11 @@ def test_a_groups_limits_are_the_models_and_the_files(tmp_path: Path, robot: Rob
         ("  head: {joints: [pan_joint]}\n  neck: {joints: [pan_joint]}\n", "pan_joint is in head already"),
         ("  wheels: {joints: [left_wheel_joint]}\n", "left_wheel_joint is a wheel of the base"),
         ("  base: {joints: [pan_joint]}\n", "base is the group of the wheels"),
+        ("  head: {joints: [pan_joint], contact: [8, 8]}\n", "contact has 2 efforts for 1 joints"),
+        (
+            "  head: {joints: [pan_joint], compliant: true, damping: 50}\n",
+            "damping 50 lies outside its damping_range, 0.5 to 40",
+        ),
     ],
 )
 def test_a_group_that_cannot_be_is_refused_with_file_and_line(

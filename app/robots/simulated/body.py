@@ -7,7 +7,7 @@ the laser (which looks at group 0) never sees its own body and the camera draws 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -35,12 +35,14 @@ _SERVO_ARMATURE = 0.05
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RobotSimulation:
-    """A compiled world with the robot in it; ``joint_addresses`` (n,) are the places of ``joints`` in qpos."""
+    """A compiled world with the robot in it; ``joint_addresses`` (n,) are the places of ``joints`` in qpos,
+    ``joint_velocities`` (n,) those in qvel."""
 
     model: mujoco.MjModel
     data: mujoco.MjData
     joints: tuple[str, ...]
     joint_addresses: NDArray[np.intp]
+    joint_velocities: NDArray[np.intp]
     left_wheel: int
     right_wheel: int
     base_address: int
@@ -66,6 +68,22 @@ class RobotSimulation:
     def joint_positions(self) -> NDArray[np.float64]:
         """True positions of ``joints`` (rad or m)."""
         return np.asarray(self.data.qpos[self.joint_addresses])
+
+    def joint_numbers(self, names: Iterable[str]) -> NDArray[np.intp]:
+        """The places (n,) in ``joints`` of those named."""
+        return np.array([self.joints.index(name) for name in names], dtype=np.intp)
+
+    def motor_efforts(self) -> NDArray[np.float64]:
+        """What the motors of ``joints`` exerted in the last step (N m, N where prismatic), without what compensates
+        the weight that they carry."""
+        return np.asarray(self.data.qfrc_actuator[self.joint_velocities])
+
+    def external_efforts(self) -> NDArray[np.float64]:
+        """What ``joints`` feel from outside (N m, N where prismatic): what neither motor nor damping accounts for, as
+        far as they do not accelerate; friction is part of it."""
+        dofs = self.joint_velocities
+        resisting = self.data.qfrc_actuator[dofs] - self.model.dof_damping[dofs] * self.data.qvel[dofs]
+        return np.asarray(-resisting)
 
     def true_pose(self) -> Pose2:
         """``X_WB`` in the plane."""
@@ -119,6 +137,7 @@ def build_simulation(
         data=data,
         joints=kinematics.joint_names,
         joint_addresses=np.array([model.joint(PREFIX + name).qposadr[0] for name in kinematics.joint_names]),
+        joint_velocities=np.array([model.joint(PREFIX + name).dofadr[0] for name in kinematics.joint_names]),
         left_wheel=model.actuator(PREFIX + wheels[0]).id,
         right_wheel=model.actuator(PREFIX + wheels[1]).id,
         base_address=int(free.qposadr[0]),

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterable
+
+import numpy as np
 
 from app.link import ActuatorGroup
 from app.messages import GroupStatus, JointCommand
@@ -16,7 +19,12 @@ class JointServos:
     """Guards and moves the joints of ``groups``; all others keep their place."""
 
     def __init__(self, physics: RobotSimulation, groups: Iterable[ActuatorGroup]) -> None:
+        self._physics = physics
         self._groups = {group.name: _GroupServos(physics, group) for group in groups}
+        watched = [limits for servos in self._groups.values() for limits in servos.group.joints]
+        self._joints = physics.joint_numbers(limits.name for limits in watched)
+        self._limits = np.array([limits.contact for limits in watched])
+        self._felt_s = physics.time_s
 
     def accept(self, command: JointCommand) -> None:
         """Take a command; one to a group that the body does not have is ignored."""
@@ -31,6 +39,7 @@ class JointServos:
 
     def decide(self, now: float, e_stop: str | None) -> None:
         """Run every group's guard at ``now`` (s, robot's clock); ``e_stop`` as :func:`joint_guard.decide` has it."""
+        self._feel(now)
         for servos in self._groups.values():
             servos.action = joint_guard.decide(now, servos.state, servos.group, e_stop)
 
@@ -38,6 +47,17 @@ class JointServos:
         """Move every set-point by one step of ``dt_s``."""
         for servos in self._groups.values():
             servos.step(dt_s)
+
+    def _feel(self, now: float) -> None:
+        """Give the groups what their joints have felt from outside since the last time."""
+        dt_s, self._felt_s = self._physics.time_s - self._felt_s, self._physics.time_s
+        external = self._physics.external_efforts()[self._joints]
+        if not (np.abs(external) > self._limits).any() and not any(s.state.pressed_s for s in self._groups.values()):
+            return
+        felt = iter(external.tolist())
+        for servos in self._groups.values():
+            own = tuple(itertools.islice(felt, len(servos.group.joints)))
+            servos.state = joint_guard.feel(now, servos.state, servos.group, own, dt_s)
 
     def setpoints(self) -> tuple[float, ...]:
         """The set-points (rad) of all groups' joints, in the order of the groups; NaN for a joint that yields."""

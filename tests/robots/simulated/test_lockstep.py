@@ -318,7 +318,7 @@ def test_the_head_turns_within_its_speed_holds_without_commands_and_says_so(
     assert max(pan) < 1.2 + 0.005
     assert joints[-1].positions[joints[-1].names.index("tilt_joint")] == pytest.approx(0.4363, abs=0.005)
     assert pan[-1] == pytest.approx(1.2, abs=0.005), "without commands it is held"
-    (head,) = statuses[-1].groups
+    head = statuses[-1].groups[0]
     assert (head.group, head.guard) == ("head", "idle")
     assert head.command_age_s == pytest.approx(1.0, abs=0.2)
     assert {status.groups[0].guard for status in statuses} >= {"idle", "moving"}
