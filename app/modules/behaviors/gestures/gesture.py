@@ -1,0 +1,146 @@
+"""What a gesture is made of: what it sees at one instant, what it gives, and moves of an arm. No clock, no channel."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.link import ActuatorGroup
+from app.messages import Accomplished, Exploitation, JointCommand
+from app.modules.behaviors.gestures.arms import Arm
+
+Vector = NDArray[np.float64]
+
+#: A joint so near (rad) to its goal is there.
+_THERE_RAD = 0.04
+#: A move that is refused for so long (s) has failed: until then what is in its way may leave it.
+_REFUSED_S = 1.0
+#: Beyond the time that it needs, a move may take so much longer (s): a person may hold the arm.
+_LATE_S = 4.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GestureView:
+    """What a gesture sees at ``now`` (s): positions (rad, m) of all joints as ``measured``, by name; the newest report
+    of each actuator group's arbiter; the point ``p_BP`` (3,) m in ``base_link``, None where none is known."""
+
+    now: float
+    measured: Mapping[str, float]
+    reports: Mapping[str, Exploitation]
+    p_BP: Vector | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class GestureStep:
+    """What a gesture gives: commands, how fast (rad/s, left positive) the base shall turn (None: as it likes), and the
+    outcome once it has ended. ``reason``: of the outcome, or what it waits for, in words."""
+
+    commands: tuple[JointCommand, ...] = ()
+    turn_radps: float | None = None
+    outcome: Accomplished | None = None
+    reason: str = ""
+
+
+class Gesture(ABC):
+    """One desire's gesture, asked ten times a second."""
+
+    @abstractmethod
+    def step(self, view: GestureView) -> GestureStep:
+        """What to do now."""
+
+
+def failed(reason: str) -> GestureStep:
+    """The last step of a gesture that cannot be made."""
+    return GestureStep(outcome="failed", reason=reason)
+
+
+@dataclass(frozen=True, slots=True)
+class Servo:
+    """How a group of joints is commanded for ``behavior``: with stiffness and damping, or (None) with its own."""
+
+    behavior: str
+    group: ActuatorGroup
+    impedance: tuple[float, float] | None
+
+    @property
+    def limp(self) -> bool:
+        """Whether it keeps no position."""
+        return self.impedance is not None and self.impedance[0] == 0.0
+
+    def command(self, now: float, names: tuple[str, ...], positions: tuple[float, ...]) -> JointCommand:
+        """The command of ``positions`` (rad, m) for joints ``names``."""
+        if self.impedance is None:
+            return JointCommand(now, self.group.name, names, positions)
+        stiffness, damping = ((value,) * len(names) for value in self.impedance)
+        return JointCommand(now, self.group.name, names, positions, stiffness, damping)
+
+    def drives(self, view: GestureView) -> bool:
+        """Whether no other behavior commands the group."""
+        report = view.reports.get(self.group.name)
+        return report is None or report.behavior in (None, self.behavior)
+
+    def refusal(self, view: GestureView) -> str:
+        """Why the check in front of the group refuses what this behavior commands; "" where it does not."""
+        report = view.reports.get(self.group.name)
+        return report.limited if report is not None and report.behavior == self.behavior else ""
+
+
+class ArmMove:
+    """A move of ``arm`` to the posture ``goal`` (4,) rad, begun at ``now`` (s) at the posture ``begin`` (4,)."""
+
+    def __init__(self, arm: Arm, servo: Servo, goal: Vector, *, begin: Vector, now: float) -> None:
+        self.arm = arm
+        self.goal = goal
+        self._servo = servo
+        speed = np.array([joint.velocity for joint in arm.kinematics.joints])
+        acceleration = np.array([joint.acceleration for joint in arm.kinematics.joints])
+        self._takes_s = float((np.abs(goal - begin) / speed + speed / acceleration).max()) + _LATE_S
+        self._began = now
+        self._free = now
+
+    def command(self, now: float) -> JointCommand:
+        """The command that makes the move, again and again."""
+        return self._servo.command(now, self.arm.names, tuple(self.goal.tolist()))
+
+    def there(self, view: GestureView) -> bool:
+        """Whether the arm is at its goal; at once for one that keeps no position."""
+        return self._servo.limp or bool(np.abs(self._off(view)).max() < _THERE_RAD)
+
+    def problem(self, view: GestureView) -> str:
+        """Why the move has failed, in words; "" while it has not."""
+        if not self._servo.drives(view):
+            self._began = self._free = view.now
+            return ""
+        refusal = self._servo.refusal(view)
+        if not refusal:
+            self._free = view.now
+        elif view.now - self._free >= _REFUSED_S:
+            return refusal
+        if view.now - self._began < self._takes_s or self.there(view):
+            return ""
+        off = self._off(view)
+        worst = int(np.argmax(np.abs(off)))
+        return f"{self.arm.names[worst]} stays {math.degrees(abs(off[worst])):.0f}° from where it should be"
+
+    def _off(self, view: GestureView) -> Vector:
+        return self.goal - self.arm.positions(view.measured)
+
+
+class Stay:
+    """Measures for how long something has been so."""
+
+    def __init__(self) -> None:
+        self._since: float | None = None
+
+    def lasted(self, now: float, so: bool) -> float:
+        """Seconds until ``now`` for which it has been ``so`` without a break."""
+        if not so:
+            self._since = None
+            return 0.0
+        self._since = now if self._since is None else self._since
+        return now - self._since
