@@ -40,7 +40,7 @@ from app.runtime.module import Caution, Module, ModuleContext, Settings
 Frame = Literal["base_link", "odom", "map"]
 
 #: States of localization whose pose is good enough to aim by.
-_LOCALIZED = ("mapping", "tracking")
+LOCALIZED = ("mapping", "tracking")
 #: Up to this angle (rad) beside the optical axis the point is looked at.
 _LOOKED_AT_RAD = math.radians(2)
 
@@ -157,7 +157,7 @@ class LookAt(Module):
         self._X_OB = odometry.X_OB
 
     async def _take_localization(self, localization: Localization) -> None:
-        self._X_MO = localization.X_MO if localization.state in _LOCALIZED else None
+        self._X_MO = localization.X_MO if localization.state in LOCALIZED else None
 
     def cautions(self) -> tuple[Caution, ...]:
         return self._accomplishments.cautions()
