@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+import itertools
+import math
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,9 +15,16 @@ from app.base.kinematic_model import load_model
 from app.base.self_collision import SelfCollision
 from app.link import ActuatorGroup, RobotDescription
 from app.modules.actuation.arm_way import MARGIN_M, touching, way
-from app.modules.behaviors.gestures.arm_kinematics import ArmKinematics, arm_kinematics
+from app.modules.behaviors.gestures.arm_kinematics import ArmKinematics, OutOfReach, Pointing, arm_kinematics
 
 Vector = NDArray[np.float64]
+
+POINTING_ERROR_RAD = math.radians(5)
+"""Greatest angle at the shoulder between an arm that points and the point."""
+#: Distances of the hand of a bent arm that points, as shares of the arm's reach.
+_BENT = (0.97, 0.9, 0.8)
+#: An arm that goes around its body is so far (rad) aside of its rest.
+_ASIDE_RAD = 0.4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,9 +53,52 @@ class Arm:
         clearances = self.collision.clearances(postures, measured)
         return postures[[clearance.distance_m >= MARGIN_M for clearance in clearances]]
 
-    def blocked(self, goal: Vector, measured: Mapping[str, float]) -> str:
-        """What the arm would touch on its way to the posture ``goal`` (4,), in words; "" where the way is free."""
-        return touching(self.collision, way(self.kinematics.joints, self.positions(measured), goal), measured)
+    def pointing(self, p_BP: Vector, measured: Mapping[str, float]) -> Pointing:
+        """The posture that points at ``p_BP`` (3,) m: straight, or bent where the straight arm would touch the body or
+        stay too far beside; as straight as can be where neither helps. Raises OutOfReach."""
+        straight = self.kinematics.point(p_BP, self.rest)
+        if straight.error_rad <= POINTING_ERROR_RAD and len(self.free(straight.positions[None], measured)):
+            return straight
+        shoulder = self.kinematics.X_BS.translation
+        direction = (p_BP - shoulder) / np.linalg.norm(p_BP - shoulder)
+        for share in _BENT:
+            try:
+                postures = self.kinematics.reach(shoulder + direction * share * self.kinematics.reach_m, self.rest)
+            except OutOfReach:
+                continue
+            if len(free := self.free(postures, measured)):
+                return Pointing(free[0], 0.0)
+        return straight
+
+    def route(self, goal: Vector, measured: Mapping[str, float]) -> list[Vector] | str:
+        """The postures (4,) rad by which the arm comes to ``goal`` without touching the body, ``goal`` the last; where
+        there are none, what it would touch on the straight way, in words.
+
+        Where the straight way is barred, the arm goes around with its roll further outwards, or by way of its rest.
+        """
+        here = self.positions(measured)
+        problem = self._touching([here, goal], measured)
+        if not problem:
+            return [goal]
+        for outwards in self._outwards():
+            lifted, beside = (np.array([q[0], outwards, q[2], q[3]]) for q in (here, goal))
+            for route in ([beside, goal], [lifted, goal], [lifted, beside, goal]):
+                if not self._touching([here, *route], measured):
+                    return route
+        return problem if self._touching([here, self.rest, goal], measured) else [self.rest, goal]
+
+    def _outwards(self) -> tuple[float, ...]:
+        """Positions (rad) of the roll joint at which the arm is away from the body: the side to which it moves
+        further."""
+        roll, rest = self.kinematics.joints[1], float(self.rest[1])
+        further = rest + math.copysign(_ASIDE_RAD, roll.upper + roll.lower)
+        return rest, min(max(further, roll.lower), roll.upper)
+
+    def _touching(self, postures: Sequence[Vector], measured: Mapping[str, float]) -> str:
+        for begin, goal in itertools.pairwise(postures):
+            if problem := touching(self.collision, way(self.kinematics.joints, begin, goal), measured):
+                return problem
+        return ""
 
 
 def load_arms(body: RobotDescription, sides: Collection[str] = ("left", "right")) -> dict[str, Arm]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -91,25 +91,30 @@ class Servo:
 
 
 class ArmMove:
-    """A move of ``arm`` to the posture ``goal`` (4,) rad, begun at ``now`` (s) at the posture ``begin`` (4,)."""
+    """A move of ``arm`` along ``route``, postures (4,) rad of which the last is its ``goal``, begun at ``view``."""
 
-    def __init__(self, arm: Arm, servo: Servo, goal: Vector, *, begin: Vector, now: float) -> None:
+    def __init__(self, arm: Arm, servo: Servo, route: Sequence[Vector], view: GestureView) -> None:
         self.arm = arm
-        self.goal = goal
+        self.goal = route[-1]
+        self._before = list(route[:-1])
         self._servo = servo
         speed = np.array([joint.velocity for joint in arm.kinematics.joints])
         acceleration = np.array([joint.acceleration for joint in arm.kinematics.joints])
-        self._takes_s = float((np.abs(goal - begin) / speed + speed / acceleration).max()) + _LATE_S
-        self._began = now
-        self._free = now
+        legs = np.abs(np.diff([arm.positions(view.measured), *route], axis=0))
+        self._takes_s = float((legs / speed + speed / acceleration).max(axis=1).sum()) + _LATE_S
+        self._began = view.now
+        self._free = view.now
 
-    def command(self, now: float) -> JointCommand:
-        """The command that makes the move, again and again."""
-        return self._servo.command(now, self.arm.names, tuple(self.goal.tolist()))
+    def command(self, view: GestureView) -> JointCommand:
+        """The command that makes the move, at each step."""
+        while self._before and self._near(self._before[0], view):
+            self._before.pop(0)
+        posture = self._before[0] if self._before else self.goal
+        return self._servo.command(view.now, self.arm.names, tuple(posture.tolist()))
 
     def there(self, view: GestureView) -> bool:
         """Whether the arm is at its goal; at once for one that keeps no position."""
-        return self._servo.limp or bool(np.abs(self._off(view)).max() < _THERE_RAD)
+        return self._servo.limp or (not self._before and self._near(self.goal, view))
 
     def problem(self, view: GestureView) -> str:
         """Why the move has failed, in words; "" while it has not."""
@@ -123,12 +128,12 @@ class ArmMove:
             return refusal
         if view.now - self._began < self._takes_s or self.there(view):
             return ""
-        off = self._off(view)
-        worst = int(np.argmax(np.abs(off)))
-        return f"{self.arm.names[worst]} stays {math.degrees(abs(off[worst])):.0f}° from where it should be"
+        off = np.abs(self.goal - self.arm.positions(view.measured))
+        worst = int(np.argmax(off))
+        return f"{self.arm.names[worst]} stays {math.degrees(off[worst]):.0f}° from where it should be"
 
-    def _off(self, view: GestureView) -> Vector:
-        return self.goal - self.arm.positions(view.measured)
+    def _near(self, posture: Vector, view: GestureView) -> bool:
+        return bool(np.abs(posture - self.arm.positions(view.measured)).max() < _THERE_RAD)
 
 
 class Stay:

@@ -4,19 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from app.messages import JointCommand
-from app.modules.behaviors.gestures.arm_kinematics import OutOfReach, Pointing
-from app.modules.behaviors.gestures.arms import Arm
+from app.modules.behaviors.gestures.arm_kinematics import OutOfReach
+from app.modules.behaviors.gestures.arms import POINTING_ERROR_RAD, Arm
 from app.modules.behaviors.gestures.gesture import ArmMove, Gesture, GestureStep, GestureView, Servo, Stay, failed
 
 Vector = NDArray[np.float64]
 
-ERROR_RAD = math.radians(5)
-"""Greatest angle at the shoulder between arm and point."""
 TURN_BEYOND_RAD = math.radians(60)
 """Points further beside than this are turned to."""
 #: ... until they are no further beside.
@@ -30,26 +28,39 @@ _ANOTHER_RAD = 0.2
 _TURNS_S = 20.0
 
 
-def better_arm(arms: Mapping[str, Arm], p_BP: Vector, measured: Mapping[str, float]) -> tuple[Arm, Pointing] | str:
-    """The arm of ``arms`` that points best at ``p_BP`` (3,) m on a way on which it touches nothing; of those that point
-    well, the one whose shoulder is nearest. The reason in words, where none can."""
-    found: list[tuple[float, float, Arm, Pointing]] = []
+@dataclass(frozen=True, slots=True, eq=False)
+class Aimed:
+    """The ``arm`` that points, and its ``route`` (postures (4,) rad)."""
+
+    arm: Arm
+    route: list[Vector]
+
+
+def better_arm(arms: Mapping[str, Arm], p_BP: Vector, measured: Mapping[str, float]) -> Aimed | str:
+    """The arm of ``arms`` with the nearest shoulder of those that point at ``p_BP`` (3,) m well enough, on a route on
+    which it touches nothing; the reasons in words, where none does."""
     reasons: list[str] = []
-    for arm in arms.values():
-        try:
-            pointing = arm.kinematics.point(p_BP, arm.rest)
-        except OutOfReach as failure:
-            reasons.append(str(failure))
+    for arm in sorted(arms.values(), key=lambda arm: float(np.linalg.norm(p_BP - arm.kinematics.X_BS.translation))):
+        posture = _posture(arm, p_BP, measured)
+        if isinstance(posture, str):
+            reasons.append(posture)
             continue
-        if problem := arm.blocked(pointing.positions, measured):
-            reasons.append(problem)
-            continue
-        error = 0.0 if pointing.error_rad <= ERROR_RAD else pointing.error_rad
-        distance = float(np.linalg.norm(p_BP - arm.kinematics.X_BS.translation))
-        found.append((error, distance, arm, pointing))
-    if not found:
-        return "; ".join(dict.fromkeys(reasons))
-    return min(found, key=lambda option: option[:2])[2:]
+        route = arm.route(posture, measured)
+        if not isinstance(route, str):
+            return Aimed(arm, route)
+        reasons.append(route)
+    return "; ".join(dict.fromkeys(reasons))
+
+
+def _posture(arm: Arm, p_BP: Vector, measured: Mapping[str, float]) -> Vector | str:
+    """The posture (4,) rad of an arm that points at a point well enough; the reason in words, where there is none."""
+    try:
+        pointing = arm.pointing(p_BP, measured)
+    except OutOfReach as failure:
+        return str(failure)
+    if pointing.error_rad > POINTING_ERROR_RAD:
+        return f"the {arm.side} arm would point {math.degrees(pointing.error_rad):.0f}° beside it"
+    return pointing.positions
 
 
 class PointingGesture(Gesture):
@@ -67,6 +78,8 @@ class PointingGesture(Gesture):
         self._turns = False
         self._pointing = Stay()
         self._move: ArmMove | None = None
+        #: The way back to rest of an arm that pointed before the base turns.
+        self._lowering: ArmMove | None = None
 
     def step(self, view: GestureView) -> GestureStep:
         """What to do now."""
@@ -79,48 +92,44 @@ class PointingGesture(Gesture):
                 return failed(f"the base does not turn to it; it is {math.degrees(beside):.0f}° beside")
             if self._turns:
                 return self._turn(view, beside)
+            self._lowering = None
         return self._point(view, view.p_BP)
 
     def _turn(self, view: GestureView, beside: float) -> GestureStep:
-        """Turn, with an arm that was raised at rest: stretched out, it would sweep the room."""
+        """Turn, once an arm that was raised is at rest: stretched out, it would sweep the room."""
         assert self._turn_radps is not None
         self._pointing.lasted(view.now, so=False)
         speed = min(max(_GAIN * (abs(beside) - _FACED_RAD), _LEAST_RADPS), self._turn_radps)
-        commands: tuple[JointCommand, ...] = ()
         if self._move is not None:
-            commands = (self._begin(self._move.arm, self._move.arm.rest, view).command(view.now),)
-        return GestureStep(commands, turn_radps=math.copysign(speed, beside), reason="the base turns to it")
+            arm = self._move.arm
+            self._lowering = ArmMove(arm, self._servos[arm.side], [arm.rest], view)
+            self._move = None
+        reason = "the base turns to it"
+        if self._lowering is not None and not self._lowering.there(view):
+            if problem := self._lowering.problem(view):
+                return failed(problem)
+            return GestureStep((self._lowering.command(view),), reason=reason)
+        return GestureStep(turn_radps=math.copysign(speed, beside), reason=reason)
 
     def _point(self, view: GestureView, p_BP: Vector) -> GestureStep:
-        choice = self._going_on(p_BP) or better_arm(self._arms, p_BP, view.measured)
-        if isinstance(choice, str):
-            return failed(choice)
-        arm, pointing = choice
-        if pointing.error_rad > ERROR_RAD:
-            beside = math.degrees(pointing.error_rad)
-            return failed(f"it is out of the arms' reach: the {arm.side} arm stays {beside:.0f}° beside it")
         move = self._move
-        if move is None or move.arm is not arm or np.abs(move.goal - pointing.positions).max() > _ANOTHER_RAD:
-            move = self._move = self._begin(arm, pointing.positions, view)
-        move.goal = pointing.positions
+        posture = None if move is None else _posture(move.arm, p_BP, view.measured)
+        if move is None or posture is None or isinstance(posture, str):
+            # An arm that points well goes on, even where the other were better.
+            aimed = better_arm(self._arms, p_BP, view.measured)
+            if isinstance(aimed, str):
+                return failed(aimed)
+            move = self._move = ArmMove(aimed.arm, self._servos[aimed.arm.side], aimed.route, view)
+        elif np.abs(move.goal - posture).max() > _ANOTHER_RAD:
+            route = move.arm.route(posture, view.measured)
+            if isinstance(route, str):
+                return failed(route)
+            move = self._move = ArmMove(move.arm, self._servos[move.arm.side], route, view)
+        else:
+            move.goal = posture
         if problem := move.problem(view):
             return failed(problem)
-        commands = (move.command(view.now),)
-        there = move.there(view)
+        commands, there = (move.command(view),), move.there(view)
         if self._pointing.lasted(view.now, there) < self._hold_s or not there:
             return GestureStep(commands)
-        return GestureStep(commands, outcome="done", reason=f"the {arm.side} arm pointed at it")
-
-    def _going_on(self, p_BP: Vector) -> tuple[Arm, Pointing] | None:
-        """The arm that points already, while it points well: that the other one were better is no reason to change."""
-        if self._move is None:
-            return None
-        try:
-            pointing = self._move.arm.kinematics.point(p_BP, self._move.arm.rest)
-        except OutOfReach:
-            return None
-        return (self._move.arm, pointing) if pointing.error_rad <= ERROR_RAD else None
-
-    def _begin(self, arm: Arm, goal: Vector, view: GestureView) -> ArmMove:
-        begin = arm.positions(view.measured)
-        return ArmMove(arm, self._servos[arm.side], goal, begin=begin, now=view.now)
+        return GestureStep(commands, outcome="done", reason=f"the {move.arm.side} arm pointed at it")

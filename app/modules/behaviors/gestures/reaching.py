@@ -14,7 +14,7 @@ from app.modules.behaviors.gestures.gesture import ArmMove, Gesture, GestureStep
 
 Vector = NDArray[np.float64]
 
-#: A point that has moved so far (m) is reached for anew.
+#: A point that has moved so far (m) is another one.
 _MOVED_M = 0.01
 #: Postures of one arm whose ways are tried.
 _WAYS = 6
@@ -22,9 +22,11 @@ _WAYS = 6
 _WAVE = ((0.45, 0.20, 0.45), (0.45, 0.65, 0.45))
 
 
-def reaching_posture(arms: Mapping[str, Arm], p_BP: Vector, measured: Mapping[str, float]) -> tuple[Arm, Vector] | str:
+def reaching_route(
+    arms: Mapping[str, Arm], p_BP: Vector, measured: Mapping[str, float]
+) -> tuple[Arm, list[Vector]] | str:
     """The arm of ``arms`` with the nearest shoulder of those that reach ``p_BP`` (3,) m without touching the body, and
-    its posture (4,) rad; the reason in words, where none does."""
+    the postures (4,) rad by which it does; the reason in words, where none does."""
     reasons: list[str] = []
     for arm in sorted(arms.values(), key=lambda arm: float(np.linalg.norm(p_BP - arm.kinematics.X_BS.translation))):
         try:
@@ -35,8 +37,10 @@ def reaching_posture(arms: Mapping[str, Arm], p_BP: Vector, measured: Mapping[st
         free = arm.free(postures, measured)
         problem = f"the {arm.side} arm would touch the body there"
         for posture in free[:_WAYS]:
-            if not (problem := arm.blocked(posture, measured)):
-                return arm, posture
+            route = arm.route(posture, measured)
+            if not isinstance(route, str):
+                return arm, route
+            problem = route
         reasons.append(problem)
     return "; ".join(reasons)
 
@@ -60,15 +64,14 @@ class ReachGesture(Gesture):
         if move is None or np.linalg.norm(move.arm.kinematics.hand(move.goal) - view.p_BP) > _MOVED_M:
             # An arm that is on its way stays the one.
             arms = self._arms if move is None else {move.arm.side: move.arm}
-            found = reaching_posture(arms, view.p_BP, view.measured)
+            found = reaching_route(arms, view.p_BP, view.measured)
             if isinstance(found, str):
                 return failed(found)
-            arm, posture = found
-            begin = arm.positions(view.measured)
-            move = self._move = ArmMove(arm, self._servos[arm.side], posture, begin=begin, now=view.now)
+            arm, route = found
+            move = self._move = ArmMove(arm, self._servos[arm.side], route, view)
         if problem := move.problem(view):
             return failed(problem)
-        commands, there = (move.command(view.now),), move.there(view)
+        commands, there = (move.command(view),), move.there(view)
         if self._staying.lasted(view.now, there) < self._hold_s or not there:
             return GestureStep(commands)
         return GestureStep(commands, outcome="done", reason=f"the {move.arm.side} hand is there")
@@ -89,11 +92,13 @@ class SequenceGesture(Gesture):
         if self._move is None or self._move.there(view):
             if not self._postures:
                 return GestureStep(outcome="done", reason=self._done)
-            begin = self._arm.positions(view.measured)
-            self._move = ArmMove(self._arm, self._servo, self._postures.pop(0), begin=begin, now=view.now)
+            route = self._arm.route(self._postures.pop(0), view.measured)
+            if isinstance(route, str):
+                return failed(route)
+            self._move = ArmMove(self._arm, self._servo, route, view)
         if problem := self._move.problem(view):
             return failed(problem)
-        return GestureStep((self._move.command(view.now),))
+        return GestureStep((self._move.command(view),))
 
 
 def waving_postures(arm: Arm, times: int) -> list[Vector]:
@@ -126,11 +131,12 @@ class RestGesture(Gesture):
     def step(self, view: GestureView) -> GestureStep:
         """What to do now."""
         if not self._moves:
-            self._moves = [
-                ArmMove(arm, self._servos[side], arm.rest, begin=arm.positions(view.measured), now=view.now)
-                for side, arm in self._arms.items()
-            ]
-        commands: tuple[JointCommand, ...] = tuple(move.command(view.now) for move in self._moves)
+            for side, arm in self._arms.items():
+                route = [arm.rest] if self._servos[side].limp else arm.route(arm.rest, view.measured)
+                if isinstance(route, str):
+                    return failed(route)
+                self._moves.append(ArmMove(arm, self._servos[side], route, view))
+        commands: tuple[JointCommand, ...] = tuple(move.command(view) for move in self._moves)
         if problem := next(filter(None, (move.problem(view) for move in self._moves)), ""):
             return failed(problem)
         there = all(move.there(view) for move in self._moves)
