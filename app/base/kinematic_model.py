@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -101,6 +101,25 @@ class KinematicModel:
         if (mimic := self.joints[name].mimic) is None:
             return positions.get(name, 0.0)
         return mimic.multiplier * positions.get(mimic.joint, 0.0) + mimic.offset
+
+    def jacobian(
+        self, link: str, joints: Sequence[str], positions: Mapping[str, float] | None = None
+    ) -> NDArray[np.float64]:
+        """How the origin of ``link`` moves (3, n) in the root link (m) for each unit of ``joints`` (rad, m), which move
+        by themselves, at ``positions`` by name; zero for those that do not move it. Raises KeyError as :meth:`pose`."""
+        positions = positions or {}
+        end = self.pose(link, positions).translation
+        columns = {name: np.zeros(3) for name in joints}
+        X_BP = Pose3.identity()
+        for joint in reversed(list(self._up(link))):
+            name, gain = (joint.mimic.joint, joint.mimic.multiplier) if joint.mimic else (joint.name, 1.0)
+            if name in columns:
+                X_BJ = X_BP @ joint.X_PJ
+                axis = X_BJ.rotation @ joint.axis
+                arm = axis if joint.kind == "prismatic" else np.cross(axis, end - X_BJ.translation)
+                columns[name] = columns[name] + gain * arm
+            X_BP = X_BP @ joint.pose(self.position(joint.name, positions))
+        return np.column_stack(list(columns.values())) if columns else np.zeros((3, 0))
 
     def moved_by(self, link: str) -> tuple[str, ...]:
         """The joints that move ``link`` in the root link, from the link up; raises KeyError as :meth:`pose`."""

@@ -10,7 +10,7 @@ microphones, Q a QR code, F a face, S a sound source.
 
 from __future__ import annotations
 
-from app.messages.actuation import GroupStatus, JointCommand
+from app.messages.actuation import ExternalForce, ExternalForces, GroupStatus, JointCommand
 from app.messages.attention import (
     Accomplished,
     Accomplishment,
@@ -112,6 +112,8 @@ __all__ = [
     "EncodedImage",
     "EventKind",
     "Exploitation",
+    "ExternalForce",
+    "ExternalForces",
     "Face",
     "Faces",
     "GivenUpGoal",

@@ -253,10 +253,11 @@ class OdometryConfig(_Model):
 
 
 class JointsConfig(_Model):
-    """Stream ``joints``: measured with ``noise_rad`` (1-sigma)."""
+    """Stream ``joints``: measured with ``noise_rad`` and ``noise_nm`` (1-sigma; m and N where prismatic)."""
 
     rate_hz: Positive = 30.0
     noise_rad: NotNegative = 0.0005
+    noise_nm: NotNegative = 0.05
 
 
 class HokuyoConfig(_Model):

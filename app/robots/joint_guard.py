@@ -25,6 +25,9 @@ from app.link import ActuatorGroup, JointLimits, SafeAction
 from app.messages import GroupStatus, JointCommand
 from app.robots.guard import FUTURE_TOLERANCE_S
 
+#: A joint that yields has moved when it is so far (rad, m) from where it was.
+RESTING = 1e-6
+
 
 class JointMode(StrEnum):
     """State of the guard of a group; the values of ``GroupStatus.guard``."""
@@ -252,8 +255,7 @@ def _step(
     dt_s: float,
 ) -> JointSetpoint:
     if safe is SafeAction.YIELD:
-        here = clamp(measured, limits) if math.isfinite(measured) else setpoint.position
-        return replace(setpoint, position=here, goal=here, velocity=0.0, stiffness=0.0, damping=group.damping)
+        return _yielding(setpoint, group, limits, measured)
     hold = safe is SafeAction.HOLD
     stiffness = group.stiffness if hold else setpoint.wanted_stiffness
     damping = group.damping if hold else setpoint.wanted_damping
@@ -273,6 +275,22 @@ def _step(
         velocity=velocity,
         stiffness=stiffness,
         damping=damping,
+        wanted_stiffness=setpoint.wanted_stiffness,
+        wanted_damping=setpoint.wanted_damping,
+    )
+
+
+def _yielding(setpoint: JointSetpoint, group: ActuatorGroup, limits: JointLimits, measured: float) -> JointSetpoint:
+    here = clamp(measured, limits) if math.isfinite(measured) else setpoint.position
+    resting = setpoint.goal == setpoint.position and abs(here - setpoint.position) < RESTING
+    if resting and setpoint.stiffness == 0.0 and setpoint.velocity == 0.0 and setpoint.damping == group.damping:
+        return setpoint
+    return JointSetpoint(
+        here,
+        here,
+        velocity=0.0,
+        stiffness=0.0,
+        damping=group.damping,
         wanted_stiffness=setpoint.wanted_stiffness,
         wanted_damping=setpoint.wanted_damping,
     )

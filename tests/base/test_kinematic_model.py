@@ -34,6 +34,25 @@ def test_forward_kinematics_agrees_with_the_physics(pan: float, tilt: float, elb
         np.testing.assert_allclose(pose.rotation, data.body(link).xmat.reshape(3, 3), atol=1e-9)
 
 
+@given(st.lists(st.floats(-0.1, 0.9), min_size=4, max_size=4), st.floats(0.0, 0.04))
+def test_the_jacobian_agrees_with_the_physics(shares: list[float], finger: float) -> None:
+    names = ("left_shoulder_pitch_joint", "left_shoulder_roll_joint", "left_upper_arm_joint", "left_elbow_joint")
+    joints = (*names, "left_gripper_joint", "pan_joint")
+    positions = dict(zip(names, shares, strict=True)) | {"left_gripper_joint": finger}
+    data = mujoco.MjData(PHYSICS)
+    for name, position in (positions | {"left_gripper_second_joint": finger}).items():
+        data.qpos[PHYSICS.joint(name).qposadr[0]] = position
+    mujoco.mj_kinematics(PHYSICS, data)
+    mujoco.mj_comPos(PHYSICS, data)
+    for link in ("left_hand_link", "left_finger_2_link"):
+        expected = np.zeros((3, PHYSICS.nv))
+        body = data.body(link)
+        mujoco.mj_jac(PHYSICS, data, expected, None, body.xpos, body.id)
+        columns = [expected[:, PHYSICS.joint(name).dofadr[0]].copy() for name in joints]
+        columns[4] += expected[:, PHYSICS.joint("left_gripper_second_joint").dofadr[0]]
+        np.testing.assert_allclose(MODEL.jacobian(link, joints, positions), np.column_stack(columns), atol=1e-9)
+
+
 def test_the_frames_the_sensors_need_are_where_the_thesis_has_them() -> None:
     laser = MODEL.pose("hokuyo_link")
     assert laser.translation[2] == pytest.approx(0.40)

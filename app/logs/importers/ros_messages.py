@@ -82,9 +82,11 @@ def odometry(message: Any, at: float) -> Odometry:
 
 
 def joint_state(message: Any, at: float) -> JointState:
-    """sensor_msgs/JointState; names without a position are left out."""
+    """sensor_msgs/JointState; names without a position are left out, and efforts unless there is one for each."""
     pairs = list(zip(message.name, message.position, strict=False))
-    return JointState(stamp_of(message, at), tuple(str(n) for n, _ in pairs), tuple(float(p) for _, p in pairs))
+    efforts = tuple(float(e) for e in message.effort) if len(message.effort) == len(pairs) else ()
+    names, positions = tuple(str(n) for n, _ in pairs), tuple(float(p) for _, p in pairs)
+    return JointState(stamp_of(message, at), names, positions, efforts)
 
 
 def twist(message: Any, at: float) -> Twist:

@@ -108,24 +108,28 @@ class JointStateConverter:
     def __init__(self, channel: str) -> None:
         self.topics = (RecordTopic(f"/{channel}", self._TYPE),)
         self._names: tuple[str, ...] = ()
+        self._has_efforts = False
         self._numbers = self._template(())
 
     def encode(self, message: JointState, stamp_ns: int) -> list[Record]:
-        if message.names != self._names:
-            self._names = message.names
-            self._numbers = self._template(message.names)
-        data = self._numbers.fill(stamp_ns, message.positions)
+        has_efforts = bool(message.efforts)
+        if message.names != self._names or has_efforts != self._has_efforts:
+            self._names, self._has_efforts = message.names, has_efforts
+            self._numbers = self._template(message.names, has_efforts)
+        data = self._numbers.fill(stamp_ns, message.positions, message.efforts)
         return [Record(self.topics[0].name, self._TYPE, stamp_ns, data)]
 
     def decode(self, parts: Mapping[str, bytes]) -> JointState:
         ros = typestore.deserialise(self._TYPE, parts[MAIN])
-        return JointState(typestore.seconds(ros.header.stamp), tuple(ros.name), tuple(ros.position.tolist()))
+        stamp = typestore.seconds(ros.header.stamp)
+        return JointState(stamp, tuple(ros.name), tuple(ros.position.tolist()), tuple(ros.effort.tolist()))
 
-    def _template(self, names: tuple[str, ...]) -> Numbers:
-        none = np.zeros(0)
-        data = typestore.serialise(self._TYPE, header(""), list(names), np.zeros(len(names)), none, none)
-        # Behind the positions stand the lengths, 0, of velocities and efforts.
-        return Numbers(data, ((len(names) + 1) * _NUMBER, len(names)))
+    def _template(self, names: tuple[str, ...], has_efforts: bool = False) -> Numbers:
+        count = len(names)
+        efforts = count if has_efforts else 0
+        data = typestore.serialise(self._TYPE, header(""), list(names), np.zeros(count), np.zeros(0), np.zeros(efforts))
+        # Between positions and efforts stand the lengths of velocities, 0, and efforts.
+        return Numbers(data, ((count + 1 + efforts) * _NUMBER, count), (efforts * _NUMBER or len(data), efforts))
 
 
 class LogLineConverter:

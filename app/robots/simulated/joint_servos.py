@@ -8,7 +8,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from app.link import ActuatorGroup
+from app.link import ActuatorGroup, SafeAction
 from app.messages import GroupStatus, JointCommand
 from app.robots import joint_guard
 from app.robots.joint_guard import JointAction, JointGuardState, JointSetpoint
@@ -24,7 +24,7 @@ class JointServos:
         watched = [limits for servos in self._groups.values() for limits in servos.group.joints]
         self._joints = physics.joint_numbers(limits.name for limits in watched)
         self._limits = np.array([limits.contact for limits in watched])
-        self._felt_s = physics.time_s
+        self._felt_s = self._stepped_s = physics.time_s
 
     def accept(self, command: JointCommand) -> None:
         """Take a command; one to a group that the body does not have is ignored."""
@@ -43,8 +43,9 @@ class JointServos:
         for servos in self._groups.values():
             servos.action = joint_guard.decide(now, servos.state, servos.group, e_stop)
 
-    def step(self, dt_s: float) -> None:
-        """Move every set-point by one step of ``dt_s``."""
+    def step(self) -> None:
+        """Move every set-point by the simulated time since the last call."""
+        dt_s, self._stepped_s = self._physics.time_s - self._stepped_s, self._physics.time_s
         for servos in self._groups.values():
             servos.step(dt_s)
 
@@ -88,12 +89,18 @@ class _GroupServos:
             (float(model.actuator_gainprm[u, 0]), -float(model.actuator_biasprm[u, 2])) for u in self._actuators
         ]
         self._applied: tuple[JointSetpoint, ...] = ()
+        #: The state and the safe action that a step left as they were.
+        self._settled: tuple[JointGuardState, SafeAction | None] | None = None
         self.state: JointGuardState = joint_guard.at_rest(group, self._measured())
         self.action: JointAction = joint_guard.decide(0.0, self.state, group, None)
 
     def step(self, dt_s: float) -> None:
         """Move the set-points, and give them to the servos."""
-        self.state = joint_guard.step(self.state, self.action, self.group, self._measured(), dt_s)
+        if self._settled is not None and self._settled[0] is self.state and self._settled[1] is self.action.safe:
+            return
+        before, self.state = self.state, joint_guard.step(self.state, self.action, self.group, self._measured(), dt_s)
+        if self.state is before and self.action.safe is not SafeAction.YIELD:
+            self._settled = before, self.action.safe
         if self.state.setpoints is self._applied:
             return
         control = self._physics.data.ctrl

@@ -74,7 +74,7 @@ class WorldSimulation:
         streams = robot.streams
         seeds = np.random.SeedSequence(robot.seed).spawn(8)
         rngs = [np.random.default_rng(s) for s in seeds]  # one each, in a fixed order: append new ones at the end
-        base_rng, odometry_rng, laser_rng, kinect_rng, self._joint_rng, panorama_rng = rngs[:6]
+        base_rng, odometry_rng, laser_rng, kinect_rng, self._joint_rng, panorama_rng, self._effort_rng = rngs[:7]
         self.robot = robot
         self.camera_rngs = {"kinect": kinect_rng, "panorama": panorama_rng}
         self.scenario_state = ScenarioState(scenario or ScenarioConfig(name="empty"))
@@ -163,7 +163,8 @@ class WorldSimulation:
             steps += 1
             self.state = guard.step(self.state, action, self._limits, TIMESTEP_S)
             simulation.drive(self.state.applied)
-            self.joints.step(TIMESTEP_S)
+            if steps % STEPS_PER_TURN == 1:
+                self.joints.step()
             simulation.step()
             if self._inhabited and self.scenario_state.advance(simulation.time_s, simulation.true_pose()):
                 self._people.pose(simulation.data)
@@ -243,8 +244,8 @@ class WorldSimulation:
         if schedules["odometry"].due(time_s):
             self._send_odometry(stamp, time_s)
         if schedules["joints"].due(time_s):
-            positions = tuple(float(p) for p in self._measured_joints())
-            self.send("joints", JointState(stamp, self.physics.joints, positions), stamp)
+            positions, efforts = tuple(self._measured_joints().tolist()), tuple(self._measured_efforts().tolist())
+            self.send("joints", JointState(stamp, self.physics.joints, positions, efforts), stamp)
         if "ground_truth" in wanted and schedules["ground_truth"].due(time_s):
             speed = self.physics.true_velocity()
             truth = GroundTruth(stamp, self.physics.true_pose(), speed.linear_mps, speed.angular_radps)
@@ -261,6 +262,10 @@ class WorldSimulation:
     def _measured_joints(self) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
         true = self.physics.joint_positions()
         return true + self.robot.streams.joints.noise_rad * self._joint_rng.standard_normal(true.size)
+
+    def _measured_efforts(self) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+        true = self.physics.motor_efforts()
+        return true + self.robot.streams.joints.noise_nm * self._effort_rng.standard_normal(true.size)
 
     def _send_odometry(self, stamp: float, time_s: float) -> None:
         positions = self.physics.joint_positions()

@@ -125,7 +125,8 @@ def _scans(draw: st.DrawFn) -> LaserScan:
 @st.composite
 def _joint_states(draw: st.DrawFn) -> JointState:
     names = draw(st.lists(_TEXT, max_size=5).map(tuple))
-    return JointState(draw(STAMPS), names, tuple(draw(_FLOATS) for _ in names))
+    efforts = tuple(draw(_FLOATS) for _ in names) if draw(st.booleans()) else ()
+    return JointState(draw(STAMPS), names, tuple(draw(_FLOATS) for _ in names), efforts)
 
 
 @st.composite

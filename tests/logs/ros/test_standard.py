@@ -188,6 +188,9 @@ def test_small_messages_are_what_ros_calls_them() -> None:
     assert (twist.header.frame_id, twist.twist.linear.x, twist.twist.angular.z) == ("base_link", 0.4, 0.1)
     joints = records_of(JointState(STAMP, ("pan", "tilt"), (0.5, -0.5)))["/channel"]
     assert (joints.name, joints.position.tolist(), len(joints.velocity)) == (["pan", "tilt"], [0.5, -0.5], 0)
+    assert len(joints.effort) == 0
+    felt = records_of(JointState(STAMP, ("pan", "tilt"), (0.5, -0.5), (1.5, 2.0)))["/channel"]
+    assert (felt.position.tolist(), felt.effort.tolist()) == ([0.5, -0.5], [1.5, 2.0])
     line = records_of(LogLine(STAMP, 30, "hbba.guard", "no command"))["/channel"]
     assert (line.level, line.name, line.msg) == (line.WARN, "hbba.guard", "no command")
 

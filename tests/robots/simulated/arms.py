@@ -45,9 +45,9 @@ class Arms:
                     )
                 )  # fmt: skip
             self.servos.decide(self.now, self.e_stop)
+            self.servos.step()
             for _ in range(STEPS_PER_TURN):
                 self._push()
-                self.servos.step(TIMESTEP_S)
                 self.physics.step()
             each()
 

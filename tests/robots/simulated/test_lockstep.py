@@ -324,6 +324,24 @@ def test_the_head_turns_within_its_speed_holds_without_commands_and_says_so(
     assert {status.groups[0].guard for status in statuses} >= {"idle", "moving"}
 
 
+def test_the_efforts_of_the_motors_are_measured(robot: RobotConfig, hall: WorldConfig) -> None:
+    async def script(body: Body) -> tuple[JointState, JointState]:
+        simulation = body.link._simulation
+        assert simulation is not None
+        await body.clock.sleep(1.0)
+        idle = body.heard["joints"][-1]
+        data, joint = simulation.physics.data, simulation.physics.model.joint("robot/left_elbow_joint")
+        data.qfrc_applied[joint.dofadr[0]] = -3.0
+        await body.clock.sleep(2.0)
+        return idle, body.heard["joints"][-1]
+
+    idle, pushed = live(at(robot, 10, 10), hall, script)
+    assert all(abs(effort) < 0.3 for effort in idle.efforts), "at rest, but for noise: weight is compensated"
+    elbow = pushed.names.index("left_elbow_joint")
+    friction, noise = 0.1, 0.05
+    assert pushed.efforts[elbow] == pytest.approx(3.0, abs=friction + 5 * noise)
+
+
 def test_the_emergency_stop_covers_the_head(robot: RobotConfig, hall: WorldConfig) -> None:
     async def script(body: Body) -> tuple[float, float, float, LinkStatus]:
         await turn_head(body, 0.5, 2.0, 0.0)
