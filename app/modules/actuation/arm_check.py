@@ -7,7 +7,7 @@ before it touches what has come in its way (the head, the other arm). No clock: 
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,17 +15,28 @@ from numpy.typing import NDArray
 from app.base.self_collision import SelfCollision
 from app.link import ActuatorGroup
 from app.messages import JointCommand, JointState
-from app.modules.actuation.arm_way import stopping, touching, way
+from app.modules.arm_way import STANDS_RADPS, stopping, touching, way
 
 #: Positions that are older (s) say nothing.
 _FRESH_S = 0.3
 #: From measured positions to braking joints (s): their period, and that of the control steps.
 _REACTION_S = 0.06
-#: A joint that is slower (rad/s) stands.
-_STANDS_RADPS = 0.05
+#: A joint that follows its set-point later (s) is hardly moved by it.
+_MOST_LAG_S = 0.3
+#: Joints of others count with where they are so much later (s).
+_AHEAD_S = 0.12
 #: A way is judged again when another joint has moved so far (rad).
 _MOVED_RAD = 0.02
 _ROUNDING_RAD = 1e-6
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Accepted:
+    """A way that was free: to ``goal`` (J,) rad, with all other joints at ``others``."""
+
+    goal: NDArray[np.float64]
+    others: Mapping[str, float]
+    from_rest: bool
 
 
 class ArmCheck:
@@ -42,13 +53,13 @@ class ArmCheck:
         self._velocities: Mapping[str, float] = {}
         #: Goals of joints that a command does not name are those given before.
         self._goals: dict[str, float] = {}
-        self._accepted: tuple[NDArray[np.float64], Mapping[str, float]] | None = None
+        self._accepted: _Accepted | None = None
         self._held: tuple[float, ...] | None = None
 
     @property
     def moving(self) -> bool:
         """Whether a joint of the arm moves."""
-        return any(abs(self._velocities.get(name, 0.0)) > _STANDS_RADPS for name in self._names)
+        return any(abs(self._velocities.get(name, 0.0)) > STANDS_RADPS for name in self._names)
 
     def take(self, joints: JointState) -> None:
         """Take the measured positions of all joints."""
@@ -98,24 +109,28 @@ class ArmCheck:
     def _touching(self, command: JointCommand) -> str:
         joints, measured = self._group.joints, self._measured
         here, speeds = self._of(measured), self._of(self._velocities)
-        soon = stopping(joints, here, speeds, _REACTION_S)
         others = {name: measured[name] for name in self._others if name in measured}
-        ahead = {name: others[name] + self._velocities.get(name, 0.0) * 2 * _REACTION_S for name in others}
-        others_move = any(abs(self._velocities.get(name, 0.0)) > _STANDS_RADPS for name in others)
-        # The first posture is the present one: what touches already may be left.
-        if (self.moving or others_move) and (problem := touching(self._collision, soon, ahead)):
-            return problem
         goal = self._of({**measured, **self._goals, **dict(zip(command.names, command.positions, strict=True))})
-        if self._accepted is not None and np.array_equal(self._accepted[0], goal) and self._alike(others):
+        judged = self._accepted is not None and np.array_equal(self._accepted.goal, goal) and self._alike(others)
+        if judged and self._accepted is not None and self._accepted.from_rest:
+            return ""
+        others_move = any(abs(self._velocities.get(name, 0.0)) > STANDS_RADPS for name in others)
+        if self.moving or others_move:
+            # The way of an arm that moves already is not the one from rest, which is judged below.
+            ahead = {name: others[name] + self._velocities.get(name, 0.0) * _AHEAD_S for name in others}
+            soon = stopping(joints, here, speeds, self._reaction_s(command), goal)
+            if problem := touching(self._collision, soon, ahead):
+                return problem
+        if judged:
             return ""
         if problem := touching(self._collision, way(joints, here, goal), others):
             return problem
-        self._accepted = goal, others
+        self._accepted = _Accepted(goal, others, from_rest=not self.moving)
         return ""
 
     def _alike(self, others: Mapping[str, float]) -> bool:
         assert self._accepted is not None
-        before = self._accepted[1]
+        before = self._accepted.others
         return all(abs(position - before.get(name, np.inf)) <= _MOVED_RAD for name, position in others.items())
 
     def _hold(self, command: JointCommand) -> JointCommand | None:
@@ -124,9 +139,16 @@ class ArmCheck:
             return None
         if self._held is None:
             here, speeds = self._of(self._measured), self._of(self._velocities)
-            self._held = tuple(stopping(self._group.joints, here, speeds, _REACTION_S)[-1].tolist())
+            self._held = tuple(stopping(self._group.joints, here, speeds, self._reaction_s(command))[-1].tolist())
             self._goals = dict(zip(self._names, self._held, strict=True))
         return replace(command, names=tuple(self._names), positions=self._held, stiffness=(), damping=())
+
+    def _reaction_s(self, command: JointCommand) -> float:
+        """From measured positions to braking set-points (s): a compliant joint follows its set-point late, by damping
+        over stiffness."""
+        group = self._group
+        stiffness, damping = (*command.stiffness, group.stiffness)[0], (*command.damping, group.damping)[0]
+        return _REACTION_S + (min(damping / stiffness, _MOST_LAG_S) if group.compliant and stiffness > 0 else 0.0)
 
     def _of(self, values: Mapping[str, float]) -> NDArray[np.float64]:
         return np.array([values.get(name, 0.0) for name in self._names])

@@ -33,6 +33,9 @@ from app.modules.stream_module import robot_link
 from app.runtime.errors import ModuleFailed
 from app.runtime.module import Caution, Module, ModuleContext, Settings
 
+#: Greatest age (s) of an arbiter's report.
+_FRESH_S = 0.5
+
 
 class ArmBehaviorSettings(Settings):
     """Settings of the behaviors of the arms."""
@@ -93,7 +96,9 @@ class ArmBehavior(Module, ABC):
 
     def view(self) -> GestureView:
         """What the gesture sees now."""
-        return GestureView(self.clock.now(), self._measured, dict(self._reports))
+        now = self.clock.now()
+        fresh = {group: report for group, report in self._reports.items() if now - report.stamp <= _FRESH_S}
+        return GestureView(now, self._measured, fresh)
 
     def give(self, step: GestureStep) -> None:
         """Publish the commands of ``step``."""

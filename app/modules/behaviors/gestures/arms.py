@@ -14,7 +14,7 @@ from app.base.collision_shapes import load_collision_shapes
 from app.base.kinematic_model import load_model
 from app.base.self_collision import SelfCollision
 from app.link import ActuatorGroup, RobotDescription
-from app.modules.actuation.arm_way import MARGIN_M, touching, way
+from app.modules.arm_way import PLANNING_MARGIN_M, touching, way
 from app.modules.behaviors.gestures.arm_kinematics import ArmKinematics, OutOfReach, Pointing, arm_kinematics
 
 Vector = NDArray[np.float64]
@@ -51,7 +51,7 @@ class Arm:
     def free(self, postures: Vector, measured: Mapping[str, float]) -> Vector:
         """Those of ``postures`` (N, 4) rad at which the arm touches nothing of the body."""
         clearances = self.collision.clearances(postures, measured)
-        return postures[[clearance.distance_m >= MARGIN_M for clearance in clearances]]
+        return postures[[clearance.distance_m >= PLANNING_MARGIN_M for clearance in clearances]]
 
     def pointing(self, p_BP: Vector, measured: Mapping[str, float]) -> Pointing:
         """The posture that points at ``p_BP`` (3,) m: straight, or bent where the straight arm would touch the body or
@@ -96,7 +96,8 @@ class Arm:
 
     def _touching(self, postures: Sequence[Vector], measured: Mapping[str, float]) -> str:
         for begin, goal in itertools.pairwise(postures):
-            if problem := touching(self.collision, way(self.kinematics.joints, begin, goal), measured):
+            postures = way(self.kinematics.joints, begin, goal)
+            if problem := touching(self.collision, postures, measured, PLANNING_MARGIN_M):
                 return problem
         return ""
 

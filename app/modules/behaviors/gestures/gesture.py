@@ -18,8 +18,10 @@ Vector = NDArray[np.float64]
 
 #: A joint so near (rad) to its goal is there.
 _THERE_RAD = 0.04
-#: A move that is refused for so long (s) has failed: until then what is in its way may leave it.
-_REFUSED_S = 1.0
+#: A move that is refused for so long (s) looks for another way, and has failed after so many. The arm stands by then:
+#: the way of one that moved before is not the one that was looked at.
+_REFUSED_S = 0.7
+_WAYS = 2
 #: Beyond the time that it needs, a move may take so much longer (s): a person may hold the arm.
 _LATE_S = 4.0
 
@@ -104,6 +106,7 @@ class ArmMove:
         self._takes_s = float((legs / speed + speed / acceleration).max(axis=1).sum()) + _LATE_S
         self._began = view.now
         self._free = view.now
+        self._ways = 0
 
     def command(self, view: GestureView) -> JointCommand:
         """The command that makes the move, at each step."""
@@ -124,13 +127,22 @@ class ArmMove:
         refusal = self._servo.refusal(view)
         if not refusal:
             self._free = view.now
-        elif view.now - self._free >= _REFUSED_S:
+        elif view.now - self._free >= _REFUSED_S and not self._turn_aside(view):
             return refusal
         if view.now - self._began < self._takes_s or self.there(view):
             return ""
         off = np.abs(self.goal - self.arm.positions(view.measured))
         worst = int(np.argmax(off))
         return f"{self.arm.names[worst]} stays {math.degrees(off[worst]):.0f}° from where it should be"
+
+    def _turn_aside(self, view: GestureView) -> bool:
+        """Take another way from here, if there is one."""
+        self._ways += 1
+        route = self.arm.route(self.goal, view.measured) if self._ways < _WAYS else ""
+        if isinstance(route, str):
+            return False
+        self._before, self._began, self._free = list(route[:-1]), view.now, view.now
+        return True
 
     def _near(self, posture: Vector, view: GestureView) -> bool:
         return bool(np.abs(posture - self.arm.positions(view.measured)).max() < _THERE_RAD)

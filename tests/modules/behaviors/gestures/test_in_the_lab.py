@@ -15,8 +15,10 @@ from app.base.kinematic_model import KinematicModel, load_model
 from app.experiments.world_run import WorldRun, run_in_world
 from app.messages import DesireReport
 from app.program.config import Configuration, load_configuration
-from app.robots.config import RobotConfig
+from app.robots.config import RobotConfig, StartPose
 from app.robots.factory import load_body
+from tests.modules.behaviors.gestures.ideal_arms import ARMS
+from tests.robots.conftest import make_hall
 
 ME = Source("operator", "a test")
 
@@ -156,3 +158,62 @@ def test_it_waves_with_the_hand_above_the_shoulder() -> None:
     swings = np.flatnonzero(np.diff(np.sign(raised[:, 1] - middle)))
     assert np.ptp(raised[:, 1]) > 0.15
     assert len(swings) >= 5, "three times to and fro"
+
+
+@pytest.mark.slow
+def test_a_gripper_closes_on_a_box_lifts_it_and_lets_it_go() -> None:
+    configuration, body, model = lab()
+    body = body.model_copy(update={"start": StartPose(x=5.0, y=10.0, heading_deg=0.0)})
+    pillar = {"kind": "box", "at": (5.42, 10.2), "size": (0.1, 0.12, 0.66)}
+    box = {"kind": "box", "at": (5.43, 10.2), "z": 0.661, "size": (0.04, 0.04, 0.12), "mass_kg": 0.2}
+    # Up before forward, or the hand hits the pillar.
+    folded, before, around, above = (
+        ARMS["left"].kinematics.hand(np.array([pitch, 0.0, 0.0, elbow]))
+        for pitch, elbow in ((0.0, -2.1), (-0.8, -2.1), (-0.8, -0.77), (-0.8, -1.4))
+    )
+
+    async def script(run: WorldRun) -> dict[str, Any]:
+        arms, clock, found = Arms(run, model), run.system.clock, {}
+
+        def lift() -> float:
+            simulation = run.link._simulation
+            assert simulation is not None
+            return float(simulation.physics.data.body("box1").xpos[2]) - 0.66
+
+        async def hold_at(point: NDArray[np.float64]) -> str:
+            """The desire that keeps the hand at ``point``, once it is there."""
+            place = dict(zip("xyz", (float(value) for value in point), strict=True))
+            desire = arms.desire("Reach", **place, frame="base_link", arm="left", hold_s=60.0)
+            while np.linalg.norm(arms.p_BL("left_hand_link") - point) > 0.02:
+                assert run.system.workspace.report(desire).ended is None, run.system.workspace.report(desire)
+                await clock.sleep(0.05)
+            return desire
+
+        await clock.sleep(1.0)
+        found["empty"] = await arms.ended(arms.desire("Hold", arm="left"))
+        found["open"] = await arms.ended(arms.desire("Release", arm="left"))
+        desire = ""
+        for point in (folded, before, around):
+            if desire:
+                run.system.workspace.remove(desire)
+            desire = await hold_at(point)
+        await clock.sleep(1.0)
+        found["untouched"] = lift()
+        found["held"] = await arms.ended(arms.desire("Hold", arm="left"))
+        run.system.workspace.remove(desire)
+        desire = await hold_at(above)
+        await clock.sleep(3.0)
+        found["lifted"] = lift()
+        await arms.ended(arms.desire("Release", arm="left"))
+        await clock.sleep(1.0)
+        found["dropped"] = lift()
+        return found
+
+    world = make_hall(objects=[pillar, box])
+    found = run_in_world(configuration, body, script, world=world, without=("SLAM2D",))
+    assert (found["empty"].outcome, found["empty"].reason) == ("failed", "nothing is between the fingers")
+    assert found["open"].outcome == "done"
+    assert abs(found["untouched"]) < 0.002
+    assert found["held"].outcome == "done", found
+    assert found["lifted"] > 0.1, found
+    assert found["dropped"] < 0.01, found

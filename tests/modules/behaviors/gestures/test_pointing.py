@@ -9,7 +9,7 @@ import re
 import numpy as np
 import pytest
 
-from app.modules.actuation.arm_way import touching, way
+from app.modules.arm_way import touching, way
 from app.modules.behaviors.gestures.pointing import PointingGesture, better_arm
 from tests.modules.behaviors.gestures.ideal_arms import ARMS, SERVOS, IdealBody, beside_deg, of
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.modules.actuation.arm_way import stopping, touching, way
+from app.modules.arm_way import stopping, touching, way
 from app.robots.joint_guard import advance
 from tests.modules.actuation.arms import COLLISION, INTO_THE_TORSO, LEFT, REST, RIGHT_CROSSING, RIGHT_NAMES
 
@@ -49,6 +49,10 @@ def test_a_moving_joint_stops_where_the_guard_brakes_it() -> None:
     while velocity:
         position, velocity = advance(position, velocity, stands, joint, STEP_S)
     assert position == pytest.approx(stands, abs=1e-6)
+    held = stopping(LEFT.joints, np.zeros(4), np.array([-1.2, 0, 0, 0]), 0.05, np.array([-0.2, 0, 0, 0]))[-1, 0]
+    assert held == -0.2, "the guard stops it at its goal"
+    passed = stopping(LEFT.joints, np.zeros(4), np.array([-1.2, 0, 0, 0]), 0.05, np.array([-0.1, 0, 0, 0]))[-1, 0]
+    assert passed <= stands, "which is too near to brake at"
     assert stopping(LEFT.joints, np.array([0.99, 0, 0, 0]), np.array([1.2, 0, 0, 0]), 0.05)[-1, 0] == joint.upper
 
 
