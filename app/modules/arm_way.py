@@ -66,7 +66,7 @@ def stopping(
         upper = np.where(stops, np.minimum(upper, np.maximum(goals, positions)), upper)
     braking = positions + (velocities + speeds) / 2 * after_s
     stands = braking + speeds * np.abs(speeds) / (2 * acceleration)
-    return np.clip(np.stack([positions, braking, stands]), lower, upper)
+    return np.asarray(np.clip(np.stack([positions, braking, stands]), lower, upper))
 
 
 def touching(

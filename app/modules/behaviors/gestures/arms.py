@@ -96,8 +96,8 @@ class Arm:
 
     def _touching(self, postures: Sequence[Vector], measured: Mapping[str, float]) -> str:
         for begin, goal in itertools.pairwise(postures):
-            postures = way(self.kinematics.joints, begin, goal)
-            if problem := touching(self.collision, postures, measured, PLANNING_MARGIN_M):
+            leg = way(self.kinematics.joints, begin, goal)
+            if problem := touching(self.collision, leg, measured, PLANNING_MARGIN_M):
                 return problem
         return ""
 

@@ -6,7 +6,8 @@ import pytest
 
 from app.modules.behaviors.gestures.gesture import GestureStep, Servo
 from app.modules.behaviors.gestures.gripping import GripGesture
-from tests.modules.behaviors.gestures.ideal_arms import GROUPS, PERIOD_S, IdealBody
+from tests.modules.actuation.arms import GROUPS
+from tests.modules.behaviors.gestures.ideal_arms import PERIOD_S, IdealBody
 
 GRIPPER = GROUPS["left_gripper"]
 JOINT = GRIPPER.joints[0]

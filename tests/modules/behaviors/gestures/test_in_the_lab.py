@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from app.attention.desires import Source
 from app.base import paths
+from app.base.geometry import FloatArray
 from app.base.kinematic_model import KinematicModel, load_model
 from app.experiments.world_run import WorldRun, run_in_world
 from app.messages import DesireReport
@@ -48,7 +49,7 @@ class Arms:
     def p_BL(self, link: str) -> NDArray[np.float64]:
         return np.asarray(self.model.pose(link, self.joints).translation)
 
-    def beside_deg(self, side: str, p_BP: NDArray[np.float64]) -> float:
+    def beside_deg(self, side: str, p_BP: FloatArray) -> float:
         """Angle at the shoulder between the hand and the point."""
         shoulder = self.p_BL(f"{side}_shoulder_link")
         to_hand, to_point = self.p_BL(f"{side}_hand_link") - shoulder, p_BP - shoulder
@@ -77,7 +78,8 @@ def test_it_points_within_five_degrees_and_turns_to_what_is_behind() -> None:
     configuration, body, model = lab()
 
     async def script(run: WorldRun) -> dict[str, tuple[str, str, float, float]]:
-        arms, found = Arms(run, model), {}
+        arms = Arms(run, model)
+        found: dict[str, tuple[str, str, float, float]] = {}
         await run.system.clock.sleep(1.0)
         for name, frame, point in (
             ("left", "base_link", [2.0, 1.0, 0.6]),
@@ -116,7 +118,8 @@ def test_a_hand_comes_to_a_point_and_what_cannot_be_reached_fails_with_the_reaso
     configuration, body, model = lab()
 
     async def script(run: WorldRun) -> dict[str, Any]:
-        arms, found = Arms(run, model), {}
+        arms = Arms(run, model)
+        found: dict[str, Any] = {}
         await run.system.clock.sleep(1.0)
         for point in ([0.35, 0.25, 0.9], [0.3, -0.3, 1.1]):
             report = await arms.ended(arms.desire("Reach", **dict(zip("xyz", point, strict=True)), frame="base_link"))
@@ -161,6 +164,42 @@ def test_it_waves_with_the_hand_above_the_shoulder() -> None:
 
 
 @pytest.mark.slow
+def test_gestures_that_interrupt_each_other_do_not_bring_the_arms_into_the_body() -> None:
+    configuration, body, model = lab()
+    random = np.random.default_rng(12)
+    boxes = {
+        "PointAt": ([0.8, -1.0, 0.0], [3.0, 1.0, 2.0]),
+        "Reach": ([0.05, -0.3, 0.6], [0.4, 0.3, 1.2]),
+    }
+
+    async def script(run: WorldRun) -> tuple[float, dict[str, int]]:
+        arms, clearance, outcomes = Arms(run, model), [np.inf], dict.fromkeys(("done", "failed", "withdrawn"), 0)
+
+        def measure(_: object) -> None:
+            for arm in ARMS.values():
+                (found,) = arm.collision.clearances(arm.positions(arms.joints)[None], arms.joints)
+                clearance[0] = min(clearance[0], found.distance_m)
+
+        run.link.attach("joints", measure)
+        await run.system.clock.sleep(1.0)
+        for number in range(40):
+            cls = "PointAt" if number % 3 == 0 else "Reach"
+            point = dict(zip("xyz", random.uniform(*boxes[cls]).tolist(), strict=True))
+            desire = arms.desire(cls, **point, frame="base_link", hold_s=2.0)
+            await run.system.clock.sleep(random.uniform(0.2, 2.5))
+            report = run.system.workspace.report(desire)
+            if report.ended is None:
+                run.system.workspace.remove(desire)
+            outcomes[report.outcome or "withdrawn"] += 1
+        return clearance[0], outcomes
+
+    clearance_m, outcomes = run_in_world(configuration, body, script, without=("SLAM2D",))
+    print(clearance_m, outcomes)
+    assert clearance_m > 0.0, outcomes
+    assert outcomes["withdrawn"] > 10, outcomes
+
+
+@pytest.mark.slow
 def test_a_gripper_closes_on_a_box_lifts_it_and_lets_it_go() -> None:
     configuration, body, model = lab()
     body = body.model_copy(update={"start": StartPose(x=5.0, y=10.0, heading_deg=0.0)})
@@ -173,7 +212,8 @@ def test_a_gripper_closes_on_a_box_lifts_it_and_lets_it_go() -> None:
     )
 
     async def script(run: WorldRun) -> dict[str, Any]:
-        arms, clock, found = Arms(run, model), run.system.clock, {}
+        arms, clock = Arms(run, model), run.system.clock
+        found: dict[str, Any] = {}
 
         def lift() -> float:
             simulation = run.link._simulation
