@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -96,6 +96,19 @@ class KinematicModel:
             pose = joint.pose(self.position(joint.name, positions)) @ pose
         return pose
 
+    def poses(self, links: Iterable[str], positions: Mapping[str, float]) -> dict[str, Pose3]:
+        """:meth:`pose` of each of ``links``, by name; what they have in common is computed once."""
+        known = {self.root: Pose3.identity()}
+        for link in links:
+            for joint in self.chain(link):
+                if joint.child not in known:
+                    known[joint.child] = known[joint.parent] @ joint.pose(self.position(joint.name, positions))
+        return {link: known[link] for link in links}
+
+    def chain(self, link: str) -> tuple[Joint, ...]:
+        """The joints from the root down to ``link``, fixed ones among them; raises KeyError as :meth:`pose`."""
+        return tuple(self._up(link))[::-1]
+
     def position(self, name: str, positions: Mapping[str, float]) -> float:
         """Position (rad or m) of the joint ``name`` at ``positions`` by name: of one that follows another, too."""
         if (mimic := self.joints[name].mimic) is None:
@@ -111,7 +124,7 @@ class KinematicModel:
         end = self.pose(link, positions).translation
         columns = {name: np.zeros(3) for name in joints}
         X_BP = Pose3.identity()
-        for joint in reversed(list(self._up(link))):
+        for joint in self.chain(link):
             name, gain = (joint.mimic.joint, joint.mimic.multiplier) if joint.mimic else (joint.name, 1.0)
             if name in columns:
                 X_BJ = X_BP @ joint.X_PJ

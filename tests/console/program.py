@@ -140,6 +140,7 @@ workspace: {type: Desires, latched: true, decimable: false, external: true, page
 intention: {type: IntentionReport, latched: true, decimable: false, external: true, page: {}}
 load: {type: LoadReport, decimable: false, external: true, page: {}}
 lanes: {type: Lanes, decimable: false, external: true, page: {every_hz: 20}}
+external_forces: {type: ExternalForces, rate_hz: 30, frame: base_link, external: true}
 """
 
 STRATEGIES = """\

@@ -1,4 +1,4 @@
-"""Context of the collision monitor: newest scan, odometry since, operator's override; limits a command by them.
+"""Context of the collision monitor: newest scan, odometry since, joints, operator's override; limits a command by them.
 
 Pure on values and times: no event loop and no clock of its own.
 """
@@ -6,24 +6,36 @@ Pure on values and times: no event loop and no clock of its own.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Mapping
 
 from app.base.geometry import Pose2
+from app.base.moving_shapes import BodyOutline
 from app.base.pose_buffer import PoseBuffer
 from app.link import BaseLimits
-from app.messages import LaserScan, Odometry, TeleopCommand, Twist
+from app.messages import JointState, LaserScan, Odometry, TeleopCommand, Twist
 from app.modules.actuation.arbitration import approach
 from app.modules.actuation.collision_monitor import CollisionMonitor, SeenPoints, Verdict
 
 #: Greatest age (s) of odometry that is extrapolated to now by its own twist.
 _CARRIED_S = 0.1
+#: Joints that moved less (rad, m) leave the outline as it is: 6 mm at the hand.
+_MOVED_RAD = 0.01
 
 
 class CollisionContext:
-    """Holds the newest scan, the odometry since, and the operator's hold; limits commands by them."""
+    """Holds the newest scan, the odometry since, the joints, and the operator's hold; limits commands by them."""
 
-    def __init__(self, monitor: CollisionMonitor, limits: BaseLimits, hold_s: float) -> None:
-        """``hold_s``: greatest age of an operator's command that still counts as a hold (s)."""
+    def __init__(
+        self, monitor: CollisionMonitor, limits: BaseLimits, hold_s: float, outline: BodyOutline | None = None
+    ) -> None:
+        """``hold_s``: greatest age of an operator's command that still counts as a hold (s). ``outline``: of a body
+        with joints that may reach beyond its footprint, which :meth:`posed` brings: it counts with them as they are,
+        and with its widest outline while they are not known."""
         self._monitor = monitor
+        self._outline = outline
+        self._joints: JointState | None = None
+        #: The joints that the monitor's outline is of; None: the widest.
+        self._fitted: Mapping[str, float] | None = {}
         self._limits = limits
         self._hold_s = hold_s
         self._scan: LaserScan | None = None
@@ -38,6 +50,10 @@ class CollisionContext:
     def moved(self, odometry: Odometry) -> None:
         self._odometry = odometry
         self._poses.add(odometry.stamp, odometry.X_OB)
+
+    def posed(self, joints: JointState) -> None:
+        """Take the joints' newest positions."""
+        self._joints = joints
 
     def commanded(self, drive: TeleopCommand) -> None:
         """Take the operator's newest command."""
@@ -88,10 +104,27 @@ class CollisionContext:
         # Written so that a NaN stamp is not fresh.
         if scan is None or not abs(now - scan.stamp) <= monitor.rules.stale_s:
             return monitor.blind(None if scan is None else now - scan.stamp)
+        self._fit(now)
         if self._seen is None:
             self._seen = monitor.see(scan)
         moved = self._motion(self._seen.stamp, now)
         return monitor.judge(self._seen, moved, twist.linear_mps, twist.angular_radps, standing=standing)
+
+    def _fit(self, now: float) -> None:
+        """Give the monitor the outline of the body as its joints are now."""
+        outline, joints = self._outline, self._joints
+        if outline is None:
+            return
+        # Written so that a NaN stamp is not fresh.
+        if joints is None or not abs(now - joints.stamp) <= self._monitor.rules.stale_s:
+            if self._fitted is not None:
+                self._fitted, self._seen = None, None
+                self._monitor.outline(outline.widest)
+            return
+        positions = dict(zip(joints.names, joints.positions, strict=True))
+        if self._fitted is None or _moved(outline.joints, self._fitted, positions):
+            self._fitted, self._seen = positions, None
+            self._monitor.outline(outline.at(positions))
 
     def _motion(self, then: float, now: float) -> Pose2:
         """``X_SB``: motion of the base since ``then`` by odometry; None without odometry."""
@@ -103,6 +136,10 @@ class CollisionContext:
         ahead = odometry.linear_mps * since_s
         step = Pose2(ahead * math.cos(turn / 2), ahead * math.sin(turn / 2), turn)
         return X_OS.inverse() @ odometry.X_OB @ step
+
+
+def _moved(names: Iterable[str], before: Mapping[str, float], now: Mapping[str, float]) -> bool:
+    return any(abs(now.get(name, 0.0) - before.get(name, 0.0)) > _MOVED_RAD for name in names)
 
 
 def _is_part(twist: Twist, allowed: Verdict) -> bool:

@@ -1,6 +1,7 @@
 """The collision monitor: limits a commanded twist by the newest laser scan.
 
-Its input is the command alone, no plan. The time to contact of the footprint, grown by a margin, with the scan's points
+Its input is the command alone, no plan. The time to contact of the footprint, with the arms as they are stretched out
+(``app.base.moving_shapes``), grown by a margin, with the scan's points
 along the commanded arc is computed exactly (``swept_footprint``). The command is scaled with its arc kept until
 
 - the body can stop before contact, with its true deceleration and after the reaction time of the whole chain;
@@ -71,20 +72,26 @@ class SeenPoints:
 
 
 class CollisionMonitor:
-    """Limits commands for one body: a pure function of its arguments, with a cached table of the scan's angles."""
+    """Limits commands for one body, of the outline that it was given last: a pure function of its arguments, with a
+    cached table of the scan's angles."""
 
     def __init__(self, corners: tuple[tuple[float, float], ...], limits: BaseLimits, rules: MonitorRules) -> None:
         """``corners`` as ``RobotDescription.footprint``. Raises ValueError for an invalid footprint."""
         self.rules = rules
         self._limits = limits
-        self._tight = Polygon.of(corners)
-        self._grown = Polygon.of(corners, rules.margin_m)
         slowest_stop = max(limits.linear_mps / limits.linear_mps2, limits.angular_radps / limits.angular_radps2)
         self._horizon_s = max(rules.contact_s, rules.reaction_s + slowest_stop / 2)
-        #: Greatest distance (m) from the base of a point that can matter, at the greatest age of a scan.
-        self.reach_m = self._grown.outer + limits.linear_mps * (self._horizon_s + rules.stale_s)
+        self.outline(corners)
         self._angles: tuple[int, float, float] | None = None
         self._cosines = self._sines = np.empty(0)
+
+    def outline(self, corners: tuple[tuple[float, float], ...]) -> None:
+        """Take ``corners`` for the footprint from now on. Points that were seen before may not reach as far: see the
+        scan again. Raises ValueError for an invalid footprint."""
+        self._tight = Polygon.of(corners)
+        self._grown = Polygon.of(corners, self.rules.margin_m)
+        #: Greatest distance (m) from the base of a point that can matter, at the greatest age of a scan.
+        self.reach_m = self._grown.outer + self._limits.linear_mps * (self._horizon_s + self.rules.stale_s)
 
     def see(self, scan: LaserScan) -> SeenPoints:
         """The points of ``scan`` within the distance that can matter."""

@@ -28,7 +28,7 @@ class ExternalForceEstimatorSettings(Settings):
     links: tuple[str, ...] = Field(
         min_length=1, description="links of the model at whose origins forces are looked for"
     )
-    least_nm: float = Field(1.0, gt=0, description="what a joint must feel, N m")
+    least_nm: float = Field(2.0, gt=0, description="what a joint must feel, N m")
 
 
 class ExternalForceEstimator(Module):

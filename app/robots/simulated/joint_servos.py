@@ -98,9 +98,10 @@ class _GroupServos:
         """Move the set-points, and give them to the servos."""
         if self._settled is not None and self._settled[0] is self.state and self._settled[1] is self.action.safe:
             return
-        before, self.state = self.state, joint_guard.step(self.state, self.action, self.group, self._measured(), dt_s)
-        if self.state is before and self.action.safe is not SafeAction.YIELD:
-            self._settled = before, self.action.safe
+        state = joint_guard.step(self.state, self.action, self.group, self._measured(), dt_s)
+        if state is self.state and self.action.safe is not SafeAction.YIELD:
+            self._settled = state, self.action.safe
+        self.state = state
         if self.state.setpoints is self._applied:
             return
         control = self._physics.data.ctrl

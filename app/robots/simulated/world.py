@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import zlib
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -125,7 +126,9 @@ class _Builder:
         size = [half[0], half[2], 0.0] if part.shape == "cylinder" else half
         X_PG = Pose3.from_translation_rpy(part.at, part.rpy)
         X_WG = X_WP @ X_PG if body is None else X_PG
-        look = {"material": part.material} if isinstance(part.material, str) else {"rgba": [*part.material, 1.0]}
+        look: dict[str, Any] = (
+            {"material": part.material} if isinstance(part.material, str) else {"rgba": [*part.material, 1.0]}
+        )
         if body is not None:
             look |= {"mass": mass_kg} | _GRASPABLE
         solid = (WORLD_CONTACT, ROBOT_CONTACT) if body is None else (_LOOSE_CONTACT, _LOOSE_CONTACT)

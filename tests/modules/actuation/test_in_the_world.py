@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 import pytest
 
 from app.link import RobotLink
-from app.messages import Exploitation, Twist
+from app.messages import Exploitation, JointCommand, Twist
 from app.robots.config import RobotConfig
 from app.robots.simulated.lockstep import LockstepLink
 from app.robots.simulated.scenery.scenario_config import ScenarioConfig
@@ -39,7 +39,7 @@ MODULES: dict[str, dict[str, Any]] = {
     },
     "MobileBaseControl": {
         "class": "app.modules.actuation.mobile_base_control:MobileBaseControl",
-        "inputs": {"teleop": "hand", "scans": "scan", "odometry": "odometry"},
+        "inputs": {"teleop": "hand", "scans": "scan", "odometry": "odometry", "joints": "joints"},
         "outputs": {"exploitation": "exploitation", "status": "link_status"},
     },
 }
@@ -141,6 +141,26 @@ def test_a_doorway_of_a_metre_is_driven_through(robot: RobotConfig, aside_m: flo
         assert not said if aside_m == 0.0 else all(text.startswith("slowed") for text in said)
 
     ride(at(robot, 9.25, 10.0 + aside_m), world, script)
+
+
+def test_an_arm_stretched_forward_stops_before_the_wall(robot: RobotConfig, hall: WorldConfig) -> None:
+    shoulder = ("left_shoulder_pitch_joint",)
+
+    async def script(begun: Ride) -> tuple[float, list[str]]:
+        for _ in range(30):
+            begun.link.command(JointCommand(begun.clock.now(), "left_arm", shoulder, (-1.57,)))
+            await begun.clock.sleep(0.1)
+        begun.limits()
+        for _ in range(60):
+            begun.link.command(JointCommand(begun.clock.now(), "left_arm", shoulder, (-1.57,)))
+            await begun.drive(0.3, 0.0, 0.1)
+        assert begun.link.contacts == ()
+        return begun.link.true_pose().x, begun.limits()
+
+    stood, limits = ride(at(robot, 18.5, 10), hall, script)
+    wall, hand = 19.9, 0.52
+    assert wall - 0.15 < stood + hand < wall
+    assert limits[-1].startswith("stopped: something")
 
 
 @pytest.mark.slow

@@ -96,6 +96,14 @@ def test_pushed_beyond_its_limit_it_yields_and_begins_again_with_a_later_command
     assert np.linalg.norm(arms.hand() - before) < 0.02
 
 
+def test_a_fast_move_in_the_open_is_no_contact(arms: Arms) -> None:
+    modes: set[str] = set()
+    for position in ((-2.4, 1.7, 1.5, -2.1), (0.9, -0.1, -1.5, 0.0)):
+        swing = left_arm(position, 300.0, 15.0)
+        arms.run(1.5, swing, each=lambda: modes.add(arms.status("left_arm").guard))
+    assert modes == {"moving"}
+
+
 def test_an_arm_that_meets_a_wall_does_not_press_on(standing: RobotConfig) -> None:
     wall = {"kind": "box", "at": (5.55, 10.0), "size": (0.1, 1.0, 1.4)}
     arms = Arms(standing, make_hall(objects=[wall]))

@@ -108,7 +108,8 @@ def test_the_start_pose_is_free(robot: RobotConfig, lab: WorldConfig) -> None:
         simulation.step()
     model, contacts = simulation.model, simulation.data.contact
     of_robot = model.body_rootid[model.geom_bodyid] == simulation.base_body
-    touched = {model.geom(a).name for a, b in contacts.geom[: simulation.data.ncon].tolist() if of_robot[b]}
+    pairs = [pair for pair in contacts.geom[: simulation.data.ncon].tolist() if of_robot[pair].any()]
+    touched = {model.geom(geom).name for pair in pairs for geom in pair if not of_robot[geom]}
     assert touched == {"floor"}
 
 
