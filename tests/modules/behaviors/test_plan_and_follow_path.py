@@ -82,7 +82,6 @@ class Drive:
                 "accomplishments": Accomplishment,
             },
             settings=settings,
-            link=DrivenLink(),
             services={IntentionWorkspace: self.workspace},
             link=link,
             attended=("twist",),

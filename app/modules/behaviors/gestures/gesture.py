@@ -79,7 +79,7 @@ class Servo:
         if self.impedance is None:
             return JointCommand(now, self.group.name, names, positions)
         stiffness, damping = ((value,) * len(names) for value in self.impedance)
-        return JointCommand(now, self.group.name, names, positions, stiffness, damping)
+        return JointCommand(now, self.group.name, names, positions, stiffness=stiffness, damping=damping)
 
     def drives(self, view: GestureView) -> bool:
         """Whether no other behavior commands the group."""

@@ -182,11 +182,11 @@ def test_gestures_that_interrupt_each_other_do_not_bring_the_arms_into_the_body(
 
         run.link.attach("joints", measure)
         await run.system.clock.sleep(1.0)
-        for number in range(40):
+        for number in range(15):
             cls = "PointAt" if number % 3 == 0 else "Reach"
             point = dict(zip("xyz", random.uniform(*boxes[cls]).tolist(), strict=True))
-            desire = arms.desire(cls, **point, frame="base_link", hold_s=2.0)
-            await run.system.clock.sleep(random.uniform(0.2, 2.5))
+            desire = arms.desire(cls, **point, frame="base_link", hold_s=0.0)
+            await run.system.clock.sleep(random.uniform(0.2, 3.5))
             report = run.system.workspace.report(desire)
             if report.ended is None:
                 run.system.workspace.remove(desire)
@@ -194,9 +194,8 @@ def test_gestures_that_interrupt_each_other_do_not_bring_the_arms_into_the_body(
         return clearance[0], outcomes
 
     clearance_m, outcomes = run_in_world(configuration, body, script, without=("SLAM2D",))
-    print(clearance_m, outcomes)
     assert clearance_m > 0.0, outcomes
-    assert outcomes["withdrawn"] > 10, outcomes
+    assert outcomes["withdrawn"] > 3, outcomes
 
 
 @pytest.mark.slow
