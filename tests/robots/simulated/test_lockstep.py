@@ -26,6 +26,7 @@ from app.messages import (
 )
 from app.robots.config import RobotConfig, load_robot_config
 from app.robots.simulated.camera_rendering import KinectRenderer
+from app.robots.simulated.contacts import Contact
 from app.robots.simulated.lockstep import LockstepLink
 from app.robots.simulated.renderer import WorldSnapshot
 from app.robots.simulated.scenery.scenario_config import ScenarioConfig
@@ -164,6 +165,17 @@ def test_two_runs_are_the_same_and_another_seed_is_not(robot: RobotConfig, hall:
     first = live(at(robot, 10, 10), hall, script, WALKING)
     assert live(at(robot, 10, 10), hall, script, WALKING) == first
     assert live(at(robot, 10, 10).model_copy(update={"seed": 2}), hall, script, WALKING) != first
+
+
+def test_a_loose_thing_on_a_table_is_no_contact_of_the_body(robot: RobotConfig) -> None:
+    table = {"kind": "box", "at": (12.0, 10.0), "size": (0.4, 0.4, 0.6)}
+    block = {"kind": "box", "at": (12.0, 10.0), "z": 0.6, "size": (0.04, 0.04, 0.12), "mass_kg": 0.1}
+
+    async def script(body: Body) -> tuple[Contact, ...]:
+        await body.clock.sleep(1.0)
+        return body.link.contacts
+
+    assert live(at(robot, 10, 10), make_hall(objects=[table, block]), script) == ()
 
 
 @pytest.mark.slow
