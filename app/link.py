@@ -107,6 +107,17 @@ class ActuatorGroup:
 
 
 @dataclass(frozen=True, slots=True)
+class ArmDescription:
+    """An arm: the ``group`` of its joints, the link ``hand`` that it reaches with, the group of its ``gripper`` ("":
+    none; one joint, closed at its least position), and the positions at ``rest`` (rad, in the group's order)."""
+
+    group: str
+    hand: str
+    gripper: str
+    rest: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class StreamDescription:
     """One sensor stream: its name, message type (a class of ``app.messages``) and nominal rate (Hz).
 
@@ -140,6 +151,8 @@ class RobotDescription:
     restartable: bool = False
     #: Groups of joints that take a :class:`JointCommand`, by name. The base is not one of them: it takes a Twist.
     groups: dict[str, ActuatorGroup] = field(default_factory=dict)
+    #: Arms by side: ``left``, ``right``.
+    arms: dict[str, ArmDescription] = field(default_factory=dict)
 
 
 class RobotLink(Protocol):

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.base.errors import ConfigError
-from app.base.geometry import Pose3
+from app.base.geometry import FloatArray, Pose3
 from app.base.plain_file import open_plain
 
 Kind = Literal["box", "cylinder", "sphere"]
@@ -27,13 +27,13 @@ class CollisionShape:
     X_LS: Pose3
     half: NDArray[np.float64]
 
-    def distance(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    def distance(self, points: FloatArray) -> NDArray[np.float64]:
         """Distances (...) m of ``points`` (..., 3), in the shape's own frame, from its surface; 0 inside."""
         if self.kind == "sphere":
-            return np.maximum(np.linalg.norm(points, axis=-1) - self.half[0], 0.0)
+            return np.asarray(np.maximum(np.linalg.norm(points, axis=-1) - self.half[0], 0.0))
         if self.kind == "cylinder":
             beside = np.maximum(np.hypot(points[..., 0], points[..., 1]) - self.half[0], 0.0)
-            return np.hypot(beside, np.maximum(np.abs(points[..., 2]) - self.half[2], 0.0))
+            return np.asarray(np.hypot(beside, np.maximum(np.abs(points[..., 2]) - self.half[2], 0.0)))
         return np.asarray(np.linalg.norm(np.maximum(np.abs(points) - self.half, 0.0), axis=-1))
 
     def capsule(self) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:

@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.base.collision_shapes import CollisionShape
-from app.base.geometry import Pose3
-from app.base.kinematic_model import Joint, KinematicModel
+from app.base.kinematic_model import KinematicModel
 
 Array = NDArray[np.float64]
 
@@ -40,7 +39,7 @@ class SelfCollision:
         self._joints = tuple(joints)
         moved = {shape.link: bool(set(model.moved_by(shape.link)).intersection(joints)) for shape in shapes}
         self._links = tuple(dict.fromkeys(shape.link for shape in shapes if moved[shape.link]))
-        self._chains = {link: _chain(model, link) for link in self._links}
+        self._chains = {link: model.chain(link) for link in self._links}
         self._spheres = {link: [_spheres(shape) for shape in shapes if shape.link == link] for link in self._links}
         self._others = tuple(shape for shape in shapes if not moved[shape.link])
         self._ignored: frozenset[tuple[str, str]] = frozenset()
@@ -63,7 +62,7 @@ class SelfCollision:
         distances: list[Array] = []
         pairs: list[tuple[str, str]] = []
         for link, spheres in self._spheres.items():
-            rotation, translation = _poses(self._chains[link], columns, measured, len(postures))
+            rotation, translation = self._poses(link, columns, measured, len(postures))
             for centres, radius in spheres:
                 p_B = np.einsum("nij,kj->nki", rotation, centres) + translation[:, None, :]
                 for shape, X_SB in others:
@@ -72,42 +71,31 @@ class SelfCollision:
                         pairs.append((link, shape.link))
         return np.array(distances).reshape(len(pairs), len(postures)), pairs
 
+    def _poses(
+        self, link: str, columns: Mapping[str, Array], measured: Mapping[str, float], number: int
+    ) -> tuple[Array, Array]:
+        """Rotations (N, 3, 3) and translations (N, 3) of ``link`` in the root link."""
+        rotation, translation = np.broadcast_to(np.eye(3), (number, 3, 3)), np.zeros((number, 3))
+        for joint in self._chains[link]:
+            if joint.name not in columns:
+                X_PC = joint.pose(self._model.position(joint.name, measured))
+                translation = translation + rotation @ X_PC.translation
+                rotation = rotation @ X_PC.rotation
+                continue
+            translation = translation + rotation @ joint.X_PJ.translation
+            rotation = rotation @ joint.X_PJ.rotation
+            if joint.kind == "prismatic":
+                translation = translation + (rotation @ joint.axis) * columns[joint.name][:, None]
+            else:
+                rotation = rotation @ _rotations(joint.axis, columns[joint.name])
+        return np.asarray(rotation), translation
+
 
 def _spheres(shape: CollisionShape) -> tuple[Array, float]:
     """Centres (K, 3) in the link and the radius (m) of spheres that cover the shape."""
     begin, end, radius = shape.capsule()
     number = 1 + int(np.ceil(np.linalg.norm(end - begin) / _SPACING_M))
     return np.linspace(begin, end, number), radius
-
-
-def _chain(model: KinematicModel, link: str) -> tuple[Joint, ...]:
-    """The joints from the root down to ``link``, fixed ones among them."""
-    above = {joint.child: joint for joint in model.joints.values()}
-    chain: list[Joint] = []
-    while link in above:
-        chain.append(above[link])
-        link = above[link].parent
-    return tuple(reversed(chain))
-
-
-def _poses(
-    chain: Sequence[Joint], columns: Mapping[str, Array], measured: Mapping[str, float], number: int
-) -> tuple[Array, Array]:
-    """Rotations (N, 3, 3) and translations (N, 3) of a chain's last link in the root link."""
-    rotation, translation = np.broadcast_to(np.eye(3), (number, 3, 3)), np.zeros((number, 3))
-    for joint in chain:
-        if joint.name not in columns:
-            fixed: Pose3 = joint.pose(measured.get(joint.name, 0.0))
-            translation = translation + rotation @ fixed.translation
-            rotation = rotation @ fixed.rotation
-            continue
-        translation = translation + rotation @ joint.X_PJ.translation
-        rotation = rotation @ joint.X_PJ.rotation
-        if joint.kind == "prismatic":
-            translation = translation + (rotation @ joint.axis) * columns[joint.name][:, None]
-        else:
-            rotation = rotation @ _rotations(joint.axis, columns[joint.name])
-    return np.asarray(rotation), translation
 
 
 def _rotations(axis: Array, angles: Array) -> Array:

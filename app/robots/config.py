@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, field_validator,
 
 from app.base.kinematic_model import KinematicModel, load_model
 from app.base.yaml_source import load_yaml
-from app.link import ActuatorGroup, BaseLimits, JointLimits, SafeAction
+from app.link import ActuatorGroup, ArmDescription, BaseLimits, JointLimits, SafeAction
 from app.robots.guard import GuardLimits
 
 Positive = Annotated[float, Field(gt=0)]
@@ -140,6 +140,38 @@ class ActuatorConfig(_Model):
         )  # fmt: skip
 
 
+class ArmConfig(_Model):
+    """One arm: which groups it is made of, and how it hangs at rest."""
+
+    group: str = Field(description="actuator group of its joints")
+    hand: str = Field(description="link of the model that it reaches with")
+    gripper: str = Field(
+        default="", description="actuator group of its gripper: one joint, closed at its least position"
+    )
+    rest: tuple[float, ...] = Field(
+        default=(), description="positions (rad) at rest, in the group's order; none: all 0"
+    )
+
+    def described(self, groups: Mapping[str, ActuatorGroup], model: KinematicModel) -> ArmDescription:
+        """The arm's description. Raises ValueError for a group or a link that there is not, and for a rest beyond the
+        joints' limits."""
+        for group in filter(None, (self.group, self.gripper)):
+            if group not in groups:
+                raise ValueError(f"there is no actuator group {group!r}; there are {', '.join(groups) or 'none'}")
+        joints = groups[self.group].joints
+        if self.hand not in model.links:
+            raise ValueError(f"the model has no link {self.hand!r}; it has {', '.join(model.links)}")
+        if self.gripper and len(groups[self.gripper].joints) != 1:
+            raise ValueError(f"{self.gripper} has {len(groups[self.gripper].joints)} joints; a gripper has one")
+        rest = self.rest or (0.0,) * len(joints)
+        if len(rest) != len(joints):
+            raise ValueError(f"rest has {len(rest)} positions for the {len(joints)} joints of {self.group}")
+        for joint, position in zip(joints, rest, strict=True):
+            if not joint.lower <= position <= joint.upper:
+                raise ValueError(f"rest: {position:g} of {joint.name} is not within {joint.lower:g} to {joint.upper:g}")
+        return ArmDescription(self.group, self.hand, self.gripper, rest)
+
+
 class BodyConfig(_Model):
     """Members of every body's file; each kind of body adds its own. Paths are relative to the file."""
 
@@ -156,7 +188,10 @@ class BodyConfig(_Model):
         default={}, description="groups of joints that behaviors command, by name (docs/bodies.md)"
     )
 
+    arms: dict[Literal["left", "right"], ArmConfig] = Field(default={}, description="its arms, by side (docs/arms.md)")
+
     _groups: dict[str, ActuatorGroup] = PrivateAttr(default_factory=dict)
+    _arms: dict[str, ArmDescription] = PrivateAttr(default_factory=dict)
 
     @field_validator("footprint")
     @classmethod
@@ -179,6 +214,11 @@ class BodyConfig(_Model):
     def groups(self) -> Mapping[str, ActuatorGroup]:
         """The actuator groups of joints with the model's limits, by name, as :func:`load_body_config` found them."""
         return self._groups
+
+    @property
+    def arm_descriptions(self) -> Mapping[str, ArmDescription]:
+        """The arms by side, as :func:`load_body_config` found them."""
+        return self._arms
 
     @property
     def standing_rates_hz(self) -> tuple[float, float, float]:
@@ -400,7 +440,7 @@ def load_body_config(path: Path | str, model: type[BodyT], *files: str) -> BodyT
             if not paths[key].is_file():
                 raise document.error(f"{key}: there is no file {paths[key]}", (key,))
     config = config.model_copy(update=paths)
-    if config.actuators:
+    if config.actuators or config.arms:
         kinematics = load_model(config.model)
         for name, actuator in config.actuators.items():
             try:
@@ -408,6 +448,11 @@ def load_body_config(path: Path | str, model: type[BodyT], *files: str) -> BodyT
             except ValueError as failure:
                 key_path = ("actuators", name, "joints")
                 raise document.error(f"{'.'.join(key_path)}: {failure}", key_path) from None
+        for side, arm in config.arms.items():
+            try:
+                config._arms[side] = arm.described(config.groups, kinematics)
+            except ValueError as failure:
+                raise document.error(f"arms.{side}: {failure}", ("arms", side)) from None
     return config
 
 

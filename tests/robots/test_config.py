@@ -12,6 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 from app.base.errors import ConfigError
+from app.link import ArmDescription
 from app.messages import GroundTruth, Image, LaserScan
 from app.robots.config import RobotConfig, StartPose, check_footprint, circle, load_robot_config
 from app.robots.factory import create_link
@@ -227,3 +228,43 @@ def test_the_shipped_holonomic_body_moves_sideways() -> None:
     description = create_link(config, 0.0).description
     assert description.limits.holonomic
     assert set(description.groups) == {"head"}
+
+
+ARM = """actuators:
+  arm: {joints: [left_shoulder_pitch_joint, left_elbow_joint]}
+  gripper: {joints: [left_gripper_joint]}
+arms:
+"""
+
+
+def test_an_arm_is_described_by_its_groups_its_hand_and_its_rest(tmp_path: Path, robot: RobotConfig) -> None:
+    left = "  left: {group: arm, hand: left_hand_link, gripper: gripper, rest: [0.1, -0.2]}\n"
+    right = "  right: {group: arm, hand: right_hand_link}\n"
+    path = write(tmp_path, f"model: {robot.model}\nworld: {robot.world}\n{ARM}{left}{right}")
+    assert create_link(load_robot_config(path), 0.0).description.arms == {
+        "left": ArmDescription("arm", "left_hand_link", "gripper", (0.1, -0.2)),
+        "right": ArmDescription("arm", "right_hand_link", "", (0.0, 0.0)),
+    }
+
+
+@pytest.mark.parametrize(
+    ("arm", "says"),
+    [
+        (
+            "left: {group: wing, hand: left_hand_link}",
+            "arms.left: there is no actuator group 'wing'; there are arm, grip",
+        ),
+        ("left: {group: arm, hand: paw}", "the model has no link 'paw'; it has base_link"),
+        ("left: {group: arm, hand: left_hand_link, gripper: arm}", "arm has 2 joints; a gripper has one"),
+        ("left: {group: arm, hand: left_hand_link, rest: [0]}", "rest has 1 positions for the 2 joints of arm"),
+        ("left: {group: arm, hand: left_hand_link, rest: [0, 1]}", "rest: 1 of left_elbow_joint is not within -2.2 to"),
+        ("third: {group: arm, hand: left_hand_link}", "third"),
+    ],
+)
+def test_an_arm_that_cannot_be_is_refused_with_file_and_line(
+    tmp_path: Path, robot: RobotConfig, arm: str, says: str
+) -> None:
+    path = write(tmp_path, f"model: {robot.model}\nworld: {robot.world}\n{ARM}  {arm}\n")
+    with pytest.raises(ConfigError, match=says) as refused:
+        load_robot_config(path)
+    assert (refused.value.file, refused.value.line) == (str(path), 7)

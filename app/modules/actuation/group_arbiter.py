@@ -44,11 +44,11 @@ class GroupArbiter(Module, ABC, Generic[C]):
 
     settings: ArbiterSettings
 
-    def __init__(self, context: ModuleContext, command_type: type[C]) -> None:
+    def __init__(self, context: ModuleContext, command_type: type[C], *, capacity: int = 1) -> None:
         super().__init__(context)
         self.exploitation = self.output("exploitation", Exploitation)
         for contender in self.settings.behaviors:
-            port = self.input(contender.input, command_type, always_open=True, moves=True)
+            port = self.input(contender.input, command_type, capacity=capacity, always_open=True, moves=True)
             self.on(port, partial(self._take, contender.input))
         self.every(self.settings.period_s, self._beat)
         self._commands: dict[str, C] = {}

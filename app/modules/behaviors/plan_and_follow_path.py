@@ -4,7 +4,7 @@
     │ PlanAndFollowPath  in   scans            LaserScan, 40 Hz / φ                                   │
     │                    in   images           Image with depth, 15 Hz / φ; not wired: no such camera │
     │                    in   odometry         Odometry, 100 Hz, X_OB in odom; never filtered         │
-    │                    in   joints        JointState, 30 Hz; never filtered. Not wired: no arms  │
+    │                    in   joints           JointState, 30 Hz; never filtered; not wired: no arms  │
     │                    in   localization     Localization, with each scan that SLAM takes           │
     │                    in   map              OccupancyGrid of the map, when it changes              │
     │                    in   zones            Zones of the map, when one changes                     │

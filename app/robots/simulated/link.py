@@ -234,6 +234,7 @@ def describe(robot: RobotConfig) -> RobotDescription:
         height_m=robot.height_m,
         restartable=True,
         groups=dict(robot.groups),
+        arms=dict(robot.arm_descriptions),
     )
 
 

@@ -99,7 +99,7 @@ class ArmKinematics:
     def reach(self, p_BP: Vector, near: Vector) -> Vector:
         """Joint positions (N, 4) rad within the limits with the hand at ``p_BP`` (3,) m, those nearest to the posture
         ``near`` (4,) first. Raises OutOfReach."""
-        p = self.X_BS.inverse().transform(p_BP)
+        p = self._in_shoulder(p_BP)
         distance = float(np.linalg.norm(p))
         if distance > self.reach_m:
             raise OutOfReach(f"it is {distance:.2f} m from the shoulder, and the arm reaches {self.reach_m:.2f} m")
@@ -118,14 +118,17 @@ class ArmKinematics:
         """The posture that points at ``p_BP`` (3,) m: the straight arm as nearly as limits let it; for a point within
         reach the hand on the line to it, before it, bent as is nearest to ``near`` (4,). Raises OutOfReach for a point
         so near that no hand fits between."""
-        p = self.X_BS.inverse().transform(p_BP)
+        p = self._in_shoulder(p_BP)
         distance = float(np.linalg.norm(p))
         if distance >= self.reach_m + _STANDOFF_M:
             return self._straight(p / distance)
         if distance <= _STANDOFF_M:
             raise OutOfReach("it is in the shoulder")
-        p_BH = self.X_BS.transform(p * (1.0 - _STANDOFF_M / distance))
+        p_BH = p_BP - self.X_BS.rotation @ p * (_STANDOFF_M / distance)
         return Pointing(self.reach(p_BH, near)[0], 0.0)
+
+    def _in_shoulder(self, p_BP: Vector) -> Vector:
+        return np.asarray(self.X_BS.rotation.T @ (p_BP - self.X_BS.translation))
 
     def _straight(self, direction: Vector) -> Pointing:
         x, y, z = (float(value) for value in direction)
