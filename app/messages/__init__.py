@@ -35,6 +35,7 @@ from app.messages.attention import (
 )
 from app.messages.base import Look, Message, PerceptKind, read_only
 from app.messages.driving import Exploitation, LinkStatus, TeleopCommand, Twist
+from app.messages.energy import BatteryState, DockingState, DockingStatus, DockSighting
 from app.messages.navigation import (
     GivenUpGoal,
     Localization,
@@ -95,12 +96,16 @@ from app.messages.speech import Speech, SpeechState
 __all__ = [
     "Alternative",
     "Audio",
+    "BatteryState",
     "Darkness",
     "Desire",
     "DesireClassReport",
     "Desires",
     "Divisor",
     "Divisors",
+    "DockSighting",
+    "DockingState",
+    "DockingStatus",
     "EncodedImage",
     "EventKind",
     "Exploitation",

@@ -31,6 +31,7 @@ EventKind = Literal[
     "stale",
     "goal",
     "percept",
+    "battery",
 ]
 
 Divisor = Annotated[float, doc("φ: one message in φ passes; null: none passes.", nullable=True)]

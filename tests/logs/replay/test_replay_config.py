@@ -41,6 +41,7 @@ def test_a_recording_brings_its_own_program(tmp_path: Path) -> None:
         "Recorder": "not asked for",
         "PanoramicCamera": "the log has no panorama",
         "Microphones": "the log has no microphones",
+        "Battery": "the log has no battery",
     }
     assert program.fed == ("teleop_command",)
     assert set(program.silent.values()) == {"panorama", "microphones"}

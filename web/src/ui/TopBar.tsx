@@ -4,6 +4,7 @@ import type { ComponentChildren } from "preact";
 import { Marker } from "../playback/Marker";
 import { RecordButton } from "../recordings/RecordButton";
 import { useApp } from "../state/context";
+import { Battery } from "./Battery";
 import { cautionWords } from "./cautions";
 import { driverName, driverWords } from "./driver";
 import { EStop } from "./EStop";
@@ -101,6 +102,7 @@ export function TopBar({ narrow }: { narrow: boolean }) {
             {millis(store.rttMs.value)}
           </Metric>
           {!replay && <LiveMetrics />}
+          <Battery />
         </dl>
       </div>
       <div class="bar-end">
