@@ -51,12 +51,18 @@ class NoParameters(BaseModel):
 
 @dataclass(frozen=True, slots=True)
 class DesireClass:
-    """A desire class: its name in configuration and REST, words for people, and its parameters as a pydantic model."""
+    """A desire class: its name in configuration and REST, words for people, and its parameters as a pydantic model.
+
+    ``achievement``: a desire of it leaves the Intention Workspace by itself once a behavior reports that it is done, or
+    that it cannot be done (a place to go to, a text to say). Else a report leaves it where it is: what it asks for is
+    maintained until it is withdrawn (a point to look at, a perception).
+    """
 
     name: str
     title: str
     description: str
     parameters: type[BaseModel] = NoParameters
+    achievement: bool = False
 
     def validated(self, params: Mapping[str, Any] | None) -> dict[str, Any]:
         """``params`` checked, completed with defaults and made JSON-able; raises InvalidDesire naming the parameter."""

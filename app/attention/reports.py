@@ -7,14 +7,19 @@ from collections.abc import Mapping
 from app.attention.desires import DesireClass
 from app.attention.intention import Intention
 from app.attention.strategies import Resource, Strategy, StrategyTable
+from app.attention.workspace import IntentionWorkspace
 from app.messages import (
     DesireClassReport,
+    Desires,
     IntentionReport,
     ResourceReport,
     ResourceUse,
     SelectedStrategy,
     StrategyReport,
 )
+
+#: Desires that left, in the list of desires.
+ENDED_SHOWN = 5
 
 
 def desire_class_report(desire_class: DesireClass, table: StrategyTable) -> DesireClassReport:
@@ -24,7 +29,19 @@ def desire_class_report(desire_class: DesireClass, table: StrategyTable) -> Desi
         desire_class.title,
         desire_class.description,
         desire_class.parameters.model_json_schema(),
-        desire_class.name in table.classes,
+        served=desire_class.name in table.classes,
+        achievement=desire_class.achievement,
+    )
+
+
+def desires_report(workspace: IntentionWorkspace, now: float, exploited: tuple[str, ...]) -> Desires:
+    """The desires there are at ``now``, and the last that left; ``exploited`` are ids."""
+    return Desires(
+        now,
+        workspace.desires(),
+        exploited,
+        accomplishments=workspace.accomplishments(),
+        ended=workspace.ended(ENDED_SHOWN),
     )
 
 

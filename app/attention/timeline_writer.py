@@ -11,6 +11,7 @@ from app.attention.intention import Intention
 from app.attention.strategies import CLOSED
 from app.attention.timeline import Timeline
 from app.attention.workspace import WorkspaceChange
+from app.messages import Accomplishment
 
 #: Kinds of sources with another word in sentences.
 _KINDS = {"rest": "REST client"}
@@ -25,6 +26,8 @@ def note_desires(timeline: Timeline, change: WorkspaceChange) -> bool:
         if msgspec.structs.replace(before, expires=after.expires) != after:
             moved = True
             _note_desire(timeline, "changed", after, f"desire for {after.cls} changed")
+    for desire, report in change.accomplished:
+        _note_accomplishment(timeline, desire, report)
     for removal in change.removed:
         desire = removal.desire
         _note_desire(timeline, removal.reason, desire, f"desire for {desire.cls} {removal.reason}")
@@ -76,6 +79,19 @@ def source_words(source: Source) -> str:
     """The author of a desire as sentences name it: kind and name, once where they are equal."""
     kind = _KINDS.get(source.kind, source.kind)
     return kind if source.name in ("", source.kind) else f"{kind} {source.name}"
+
+
+def _note_accomplishment(timeline: Timeline, desire: Desire, report: Accomplishment) -> None:
+    words = "is done" if report.outcome == "done" else "failed"
+    text = f"{desire.cls} of {source_words(desire.source)} {words}, as {report.behavior} reports"
+    data = {
+        "id": desire.id,
+        "class": desire.cls,
+        "behavior": report.behavior,
+        "outcome": report.outcome,
+        "reason": report.reason,
+    }
+    timeline.add("accomplishment", desire.cls, f"{text}: {report.reason}" if report.reason else text, data)
 
 
 def _note_desire(timeline: Timeline, what: str, desire: Desire, text: str) -> None:

@@ -10,14 +10,14 @@ import secrets
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any, Final, Literal
+from typing import Any, Final
 
 import msgspec
 
 from app.attention.desires import Desire, DesireClasses, InvalidDesire, Source, checked_number, strongest_first
+from app.attention.ended_desires import EndedDesires
 from app.base.observers import Observers
-
-RemovalReason = Literal["removed", "expired"]
+from app.messages import Accomplishment, DesireOutcome, DesireReport
 
 
 class _Unset:
@@ -33,37 +33,41 @@ class UnknownDesire(Exception):
 
     def __init__(self, desire_id: str) -> None:
         self.id = desire_id
-        super().__init__(f"no desire has the id {desire_id!r} (it may have expired or been removed)")
+        super().__init__(f"no desire has the id {desire_id!r}: it may have ended")
 
 
 @dataclass(frozen=True, slots=True)
 class Removal:
-    """A desire that left, and why."""
+    """A desire that left, and why: it was accomplished (``done``, ``failed``), ``withdrawn``, or it ``expired``."""
 
     desire: Desire
-    reason: RemovalReason
+    reason: DesireOutcome
 
 
 @dataclass(frozen=True, slots=True)
 class WorkspaceChange:
-    """The net effect of one transaction: what came, what changed (before, after), what left."""
+    """The net effect of one transaction: what came, what changed (before, after), what left, and what behaviors
+    reported of desires."""
 
     added: tuple[Desire, ...] = ()
     changed: tuple[tuple[Desire, Desire], ...] = ()
     removed: tuple[Removal, ...] = ()
+    accomplished: tuple[tuple[Desire, Accomplishment], ...] = ()
 
     def __bool__(self) -> bool:
-        return bool(self.added or self.changed or self.removed)
+        return bool(self.added or self.changed or self.removed or self.accomplished)
 
 
 @dataclass(frozen=True, slots=True)
 class WorkspaceStatistics:
-    """Counters since the start: ``desires`` there are now, and how many came, changed, were removed and expired."""
+    """Counters since the start: ``desires`` there are now, how many came and changed, and how many left, by reason."""
 
     desires: int
     added: int
     changed: int
-    removed: int
+    done: int
+    failed: int
+    withdrawn: int
     expired: int
 
 
@@ -93,12 +97,16 @@ class IntentionWorkspace:
         self._now = clock_now
         self._new_id = new_id
         self._desires: dict[str, Desire] = {}
-        self._expired: set[str] = set()
+        #: The last report on each desire that stays, by id.
+        self._reports: dict[str, Accomplishment] = {}
+        #: Desires that left in the transaction under way otherwise than withdrawn.
+        self._leaving: dict[str, DesireOutcome] = {}
+        self._ended = EndedDesires()
         self._observers: Observers[[WorkspaceChange]] = Observers("the Intention Workspace")
         self._depth = 0
         self._pending: list[WorkspaceChange] = []
         self._notifying = False
-        self._counts = {"added": 0, "changed": 0, "removed": 0, "expired": 0}
+        self._counts = dict.fromkeys(("added", "changed", "done", "failed", "withdrawn", "expired"), 0)
 
     # --- Reading ---------------------------------------------------------------------------------------------------
 
@@ -126,6 +134,24 @@ class IntentionWorkspace:
         """The strongest desire of class ``cls``; None where there is none, or one that inhibits it."""
         desire = self.strongest().get(cls)
         return desire if desire is not None and desire.utility > 0 else None
+
+    def report(self, desire_id: str) -> DesireReport:
+        """A desire and what became of it, also for a while after it left; raises UnknownDesire."""
+        desire = self._desires.get(desire_id)
+        if desire is not None:
+            return _report(desire, self._reports.get(desire_id))
+        ended = self._ended.find(desire_id, self._now())
+        if ended is None:
+            raise UnknownDesire(desire_id)
+        return ended
+
+    def accomplishments(self) -> tuple[Accomplishment, ...]:
+        """The last report on each desire there is a report on, of those that stay."""
+        return tuple(self._reports.values())
+
+    def ended(self, count: int) -> tuple[DesireReport, ...]:
+        """The last ``count`` desires that left, the newest first."""
+        return self._ended.newest(count, self._now())
 
     @property
     def next_expiry(self) -> float | None:
@@ -201,14 +227,30 @@ class IntentionWorkspace:
         )
         with self.transaction():
             self._desires[desire_id] = after
+            if after.params != before.params:
+                self._reports.pop(desire_id, None)
         return after
 
     def remove(self, desire_id: str) -> Desire:
-        """Remove a desire and return it; raises UnknownDesire."""
+        """Withdraw a desire and return it; raises UnknownDesire."""
         desire = self.get(desire_id)
         with self.transaction():
             del self._desires[desire_id]
         return desire
+
+    def accomplish(self, report: Accomplishment) -> None:
+        """Take a behavior's report. The desire leaves if its class is an achievement, else it stays.
+
+        A report on a desire that has left meanwhile is void.
+        """
+        desire = self._desires.get(report.desire_id)
+        if desire is None:
+            return
+        with self.transaction():
+            self._reports[desire.id] = report
+            if self.classes[desire.cls].achievement:
+                del self._desires[desire.id]
+                self._leaving[desire.id] = report.outcome
 
     def expire(self) -> tuple[Desire, ...]:
         """Remove expired desires in one transaction, and return them."""
@@ -217,7 +259,7 @@ class IntentionWorkspace:
         with self.transaction():
             for desire in over:
                 del self._desires[desire.id]
-                self._expired.add(desire.id)
+                self._leaving[desire.id] = "expired"
         return over
 
     @contextmanager
@@ -227,26 +269,28 @@ class IntentionWorkspace:
         A block that raises restores the workspace as it was at that block's begin; earlier edits of an enclosing block
         stay.
         """
-        before = dict(self._desires)
-        expired = set(self._expired)
+        before, reports, leaving = dict(self._desires), dict(self._reports), dict(self._leaving)
         self._depth += 1
         try:
             yield
         except BaseException:
-            self._desires, self._expired = before, expired
+            self._desires, self._reports, self._leaving = before, reports, leaving
             raise
         finally:
             self._depth -= 1
         if self._depth == 0:
-            change = self._difference(before)
-            self._expired.clear()
+            change = self._difference(before, reports)
+            self._leaving.clear()
             if change:
-                self._counts["added"] += len(change.added)
-                self._counts["changed"] += len(change.changed)
-                for removal in change.removed:
-                    self._counts[removal.reason] += 1
+                self._account(change)
+            self._reports = {key: report for key, report in self._reports.items() if key in self._desires}
+            if change:
                 self._pending.append(change)
                 self._notify()
+
+    def clear_ended(self) -> None:
+        """Time has jumped: what became of desires that left is of another time."""
+        self._ended.clear()
 
     def observe(self, callback: Observer) -> Callable[[], None]:
         """Call ``callback`` with every change from now on; returns a function that ends this.
@@ -258,17 +302,30 @@ class IntentionWorkspace:
 
     # --- Inside ----------------------------------------------------------------------------------------------------
 
-    def _difference(self, before: Mapping[str, Desire]) -> WorkspaceChange:
+    def _difference(self, before: Mapping[str, Desire], reports: Mapping[str, Accomplishment]) -> WorkspaceChange:
         after = self._desires
+        either = {**before, **after}
         return WorkspaceChange(
             added=tuple(d for key, d in after.items() if key not in before),
             changed=tuple((before[key], d) for key, d in after.items() if key in before and before[key] != d),
             removed=tuple(
-                Removal(d, "expired" if key in self._expired else "removed")
-                for key, d in before.items()
-                if key not in after
+                Removal(d, self._leaving.get(key, "withdrawn")) for key, d in before.items() if key not in after
+            ),
+            accomplished=tuple(
+                (either[key], report)
+                for key, report in self._reports.items()
+                if key in either and reports.get(key) != report
             ),
         )
+
+    def _account(self, change: WorkspaceChange) -> None:
+        """Count, and keep what became of the desires that left."""
+        now = self._now()
+        self._counts["added"] += len(change.added)
+        self._counts["changed"] += len(change.changed)
+        for desire, reason in ((removal.desire, removal.reason) for removal in change.removed):
+            self._counts[reason] += 1
+            self._ended.add(_report(desire, self._reports.get(desire.id), reason, now))
 
     def _notify(self) -> None:
         if self._notifying:
@@ -291,3 +348,12 @@ def _checked_ttl(ttl: object) -> float:
     if isinstance(ttl, bool) or not isinstance(ttl, int | float) or not math.isfinite(ttl) or ttl <= 0:
         raise InvalidDesire("ttl", f"must be a number of seconds greater than 0, not {ttl!r}")
     return float(ttl)
+
+
+def _report(
+    desire: Desire, report: Accomplishment | None, left: DesireOutcome | None = None, ended: float | None = None
+) -> DesireReport:
+    known = msgspec.structs.asdict(desire)
+    if report is None:
+        return DesireReport(**known, outcome=left, ended=ended)
+    return DesireReport(**known, outcome=report.outcome, behavior=report.behavior, reason=report.reason, ended=ended)

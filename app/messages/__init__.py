@@ -12,9 +12,13 @@ from __future__ import annotations
 
 from app.messages.actuation import GroupStatus, JointCommand
 from app.messages.attention import (
+    Accomplished,
+    Accomplishment,
     Alternative,
     Desire,
     DesireClassReport,
+    DesireOutcome,
+    DesireReport,
     Desires,
     Divisor,
     EventKind,
@@ -94,12 +98,16 @@ from app.messages.sensors import (
 from app.messages.speech import Speech, SpeechState
 
 __all__ = [
+    "Accomplished",
+    "Accomplishment",
     "Alternative",
     "Audio",
     "BatteryState",
     "Darkness",
     "Desire",
     "DesireClassReport",
+    "DesireOutcome",
+    "DesireReport",
     "Desires",
     "Divisor",
     "Divisors",

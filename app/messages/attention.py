@@ -32,7 +32,12 @@ EventKind = Literal[
     "goal",
     "percept",
     "battery",
+    "accomplishment",
 ]
+#: What a behavior reports of a desire.
+Accomplished = Literal["done", "failed"]
+#: What became of a desire: what a behavior reported last; else why it left the Intention Workspace.
+DesireOutcome = Literal["done", "failed", "withdrawn", "expired"]
 
 Divisor = Annotated[float, doc("φ: one message in φ passes; null: none passes.", nullable=True)]
 
@@ -60,6 +65,29 @@ class Desire(Struct, frozen=True, rename={"cls": "class"}):
 
 
 @dataclass(frozen=True, slots=True)
+class Accomplishment:
+    """A behavior's report that what a desire asks for is done, or that it cannot be done."""
+
+    stamp: Stamp
+    desire_id: Annotated[str, Meta(examples=["d-3f0c81a2b4"])]
+    behavior: Annotated[str, doc("Name of the module that reports it.")]
+    outcome: Accomplished
+    reason: Annotated[str, doc("In words: what was reached, or why it cannot be; may be empty.")] = ""
+
+
+class DesireReport(Desire, frozen=True, rename={"cls": "class"}):
+    """A desire, and what became of it."""
+
+    outcome: Annotated[
+        DesireOutcome | None,
+        doc("What a behavior reported last; without a report, why it left; null: nothing became of it yet."),
+    ] = None
+    behavior: Annotated[str, doc("Name of the module that reported the outcome; empty: none did.")] = ""
+    reason: Annotated[str, doc("Of the report, in words.")] = ""
+    ended: Annotated[float | None, doc("When it left (robot's clock, s); null: it is still desired.")] = None
+
+
+@dataclass(frozen=True, slots=True)
 class Desires:
     """Every desire in the Intention Workspace, in the order they came."""
 
@@ -68,6 +96,10 @@ class Desires:
     exploited: Annotated[
         tuple[str, ...], doc("Ids of those that a behavior serves by commands that its arbiter lets through now.")
     ] = ()
+    accomplishments: Annotated[
+        tuple[Accomplishment, ...], doc("The last report on each of `desires` on which there is one.")
+    ] = ()
+    ended: Annotated[tuple[DesireReport, ...], doc("The last that left, at most 5, the newest first.")] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,6 +224,7 @@ class DesireClassReport:
     served: Annotated[
         bool, doc("Whether a strategy of this program's modules serves it; else no desire for it is fulfilled.")
     ]
+    achievement: Annotated[bool, doc("Whether a desire for it leaves by itself once it is accomplished.")]
 
 
 class StrategyReport(Struct, frozen=True, rename={"cls": "class"}):

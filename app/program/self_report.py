@@ -13,12 +13,11 @@ from contextlib import ExitStack
 from typing import Any
 
 from app.attention.intention import Intention
-from app.attention.reports import intention_report
+from app.attention.reports import desires_report, intention_report
 from app.attention.timeline import Timeline
 from app.attention.translator import IntentionTranslator
 from app.attention.workspace import IntentionWorkspace
 from app.messages import (
-    Desires,
     Divisors,
     LoadReport,
     LogLine,
@@ -98,7 +97,7 @@ class SelfReport:
     def _desires(self) -> None:
         assert self._workspace is not None
         self._published_exploited = self._exploited()
-        self._publish("workspace", Desires(self._now(), self._workspace.desires(), self._published_exploited))
+        self._publish("workspace", desires_report(self._workspace, self._now(), self._published_exploited))
 
     def _event(self, event: TimelineEvent) -> None:
         self._publish("events", event)

@@ -32,7 +32,7 @@ from app.logs.recorder_service import RecorderService
 from app.maps.library import MapLibrary
 from app.maps.library import default_folder as default_maps_folder
 from app.maps.map_service import MapService
-from app.messages import BatteryState, Exploitation, LoadReport, PerceptEvent, PerceptKind
+from app.messages import Accomplishment, BatteryState, Exploitation, LoadReport, PerceptEvent, PerceptKind
 from app.program.attachments import snapshot
 from app.program.battery_watch import BatteryWatch
 from app.program.body_restart import BodyRestarter
@@ -173,6 +173,8 @@ class System:
             for channel in self.graph.channels.values():
                 if channel.message_type is PerceptEvent:
                     stack.callback(channel.observe(self._feed.percept))
+                if channel.message_type is Accomplishment:
+                    stack.callback(channel.observe(self.workspace.accomplish))
             if not self._reproducible:
                 await stack.enter_async_context(self.watchdog)
             await stack.enter_async_context(self.supervisor)
@@ -211,6 +213,7 @@ class System:
         await self.supervisor.stop_modules()
         self._clear_state()
         self.timeline.clear()
+        self.workspace.clear_ended()
         jump()
         self._report.again()
         self.supervisor.start_modules()

@@ -7,7 +7,8 @@ import pytest
 from app.attention.desires import Desire, Source
 from app.attention.timeline import Timeline
 from app.attention.timeline_writer import note_desires, source_words
-from app.attention.workspace import WorkspaceChange
+from app.attention.workspace import Removal, WorkspaceChange
+from app.messages import Accomplished, Accomplishment
 
 
 @pytest.mark.parametrize(
@@ -29,3 +30,27 @@ def test_the_author_of_a_desire_is_named_once(source: Source, words: str) -> Non
     (event,) = timeline.query()
     assert event.text == f"{words} desires Explore (intensity 8, utility 2)"
     assert event.data["source"] == {"kind": source.kind, "name": source.name}
+
+
+@pytest.mark.parametrize(
+    ("outcome", "reason", "text"),
+    [
+        ("done", "at (1, 2)", "GoTo of operator Ann is done, as Drive reports: at (1, 2)"),
+        ("failed", "", "GoTo of operator Ann failed, as Drive reports"),
+    ],
+)
+def test_an_accomplishment_is_noted_before_the_desire_leaves(outcome: Accomplished, reason: str, text: str) -> None:
+    timeline = Timeline(10, lambda: 1.0)
+    desire = Desire("d1", "GoTo", 8.0, 2.0, False, {}, Source("operator", "Ann"), 1.0, None)
+    report = Accomplishment(1.0, "d1", "Drive", outcome, reason)
+    note_desires(timeline, WorkspaceChange(removed=(Removal(desire, outcome),), accomplished=((desire, report),)))
+    noted, left = timeline.query()
+    assert (noted.kind, noted.subject, noted.text) == ("accomplishment", "GoTo", text)
+    assert noted.data == {"id": "d1", "class": "GoTo", "behavior": "Drive", "outcome": outcome, "reason": reason}
+    assert (left.kind, left.data["change"]) == ("desire", outcome)
+
+
+def test_a_report_alone_changes_no_selection() -> None:
+    desire = Desire("d1", "Look", 8.0, 2.0, False, {}, Source("operator", "Ann"), 1.0, None)
+    report = Accomplishment(1.0, "d1", "Look", "done")
+    assert not note_desires(Timeline(10, lambda: 1.0), WorkspaceChange(accomplished=((desire, report),)))

@@ -11,14 +11,16 @@ from hypothesis import strategies as st
 from pydantic import BaseModel
 
 from app.attention.desires import DesireClass, DesireClasses, InvalidDesire, Source, UnknownDesireClass
+from app.attention.ended_desires import KEPT_FOR_S
 from app.attention.workspace import IntentionWorkspace, UnknownDesire, WorkspaceChange
+from app.messages import Accomplished, Accomplishment
 
 
 class Goal(BaseModel):
     x: float = 0.0
 
 
-CLASSES = DesireClasses([DesireClass("GoTo", "Go to", "", Goal), DesireClass("SLAM", "SLAM", "")])
+CLASSES = DesireClasses([DesireClass("GoTo", "Go to", "", Goal, achievement=True), DesireClass("SLAM", "SLAM", "")])
 ME = Source("operator", "console")
 
 
@@ -32,6 +34,11 @@ class Setting:
 
     def add(self, cls: str = "GoTo", intensity: float = 4, **more: object) -> str:
         return self.workspace.add(cls, intensity=intensity, utility=1, source=ME, **more).id  # type: ignore[arg-type]
+
+    def report(self, desire: str, outcome: Accomplished = "done", reason: str = "there") -> Accomplishment:
+        report = Accomplishment(self.now, desire, "Drive", outcome, reason)
+        self.workspace.accomplish(report)
+        return report
 
 
 def test_add_change_remove() -> None:
@@ -47,9 +54,9 @@ def test_add_change_remove() -> None:
     assert s.workspace.desires() == ()
     assert [bool(c.added) for c in s.changes] == [True, False, False]
     assert s.changes[1].changed == ((added, changed),)
-    assert [(r.desire, r.reason) for r in s.changes[2].removed] == [(changed, "removed")]
+    assert [(r.desire, r.reason) for r in s.changes[2].removed] == [(changed, "withdrawn")]
     statistics = s.workspace.statistics()
-    assert (statistics.added, statistics.changed, statistics.removed, statistics.desires) == (1, 1, 1, 0)
+    assert (statistics.added, statistics.changed, statistics.withdrawn, statistics.desires) == (1, 1, 1, 0)
 
 
 def test_a_change_to_the_same_notifies_no_observer() -> None:
@@ -181,6 +188,97 @@ def test_expiry() -> None:
     assert s.workspace.next_expiry is None
 
 
+@pytest.mark.parametrize("outcome", ["done", "failed"])
+def test_an_achievement_leaves_once_it_is_accomplished(outcome: Accomplished) -> None:
+    s = Setting()
+    desire = s.workspace.get(s.add())
+    s.now = 101
+    report = s.report(desire.id, outcome)
+    change = s.changes[-1]
+    assert [(r.desire, r.reason) for r in change.removed] == [(desire, outcome)]
+    assert change.accomplished == ((desire, report),)
+    assert getattr(s.workspace.statistics(), outcome) == 1
+    (ended,) = s.workspace.ended(5)
+    assert (ended.outcome, ended.behavior, ended.reason, ended.ended) == (outcome, "Drive", "there", 101)
+    assert s.workspace.report(desire.id) == ended
+    with pytest.raises(UnknownDesire):
+        s.workspace.get(desire.id)
+    assert s.workspace.accomplishments() == ()
+
+
+def test_what_is_maintained_stays_and_keeps_its_report_until_its_parameters_change() -> None:
+    s = Setting()
+    classes = DesireClasses([DesireClass("Look", "Look", "", Goal)])
+    s.workspace = IntentionWorkspace(classes, lambda: s.now)
+    desire = s.add("Look", params={"x": 1})
+    assert s.workspace.report(desire).outcome is None
+    first, second = s.report(desire, "failed"), s.report(desire, "done")
+    assert first != second
+    assert s.workspace.accomplishments() == (second,)
+    s.workspace.change(desire, intensity=2)
+    assert (s.workspace.report(desire).outcome, s.workspace.report(desire).ended) == ("done", None)
+    s.workspace.change(desire, params={"x": 2})
+    assert s.workspace.report(desire).outcome is None
+    s.report(desire)
+    s.now = 102
+    s.workspace.remove(desire)
+    assert (s.workspace.report(desire).outcome, s.workspace.report(desire).ended) == ("done", 102)
+    assert s.workspace.accomplishments() == ()
+    assert s.workspace.statistics().withdrawn == 1
+
+
+def test_what_became_of_a_desire_is_kept_for_a_while() -> None:
+    s = Setting()
+    withdrawn, expired = s.add(), s.add(ttl=1)
+    s.workspace.remove(withdrawn)
+    s.now = 102
+    s.workspace.expire()
+    assert [s.workspace.report(each).outcome for each in (withdrawn, expired)] == ["withdrawn", "expired"]
+    assert [each.id for each in s.workspace.ended(5)] == [expired, withdrawn]
+    s.now = 100 + KEPT_FOR_S
+    with pytest.raises(UnknownDesire, match=repr(withdrawn)):
+        s.workspace.report(withdrawn)
+    assert s.workspace.report(expired).ended == 102
+    s.workspace.clear_ended()
+    with pytest.raises(UnknownDesire):
+        s.workspace.report(expired)
+
+
+def test_a_report_on_a_desire_that_has_left_is_void() -> None:
+    s = Setting()
+    desire = s.add()
+    s.workspace.remove(desire)
+    changes = len(s.changes)
+    s.report(desire)
+    assert s.workspace.report(desire).outcome == "withdrawn"
+    assert len(s.changes) == changes
+
+
+def test_a_report_in_a_transaction_that_raises_is_rolled_back() -> None:
+    s = Setting()
+    goal, slam = s.add(), s.add("SLAM")
+
+    def failing() -> None:
+        with s.workspace.transaction():
+            s.report(goal)
+            s.report(slam)
+            raise RuntimeError
+
+    with pytest.raises(RuntimeError):
+        failing()
+    assert [d.id for d in s.workspace.desires()] == [goal, slam]
+    assert s.workspace.report(goal).outcome is None
+    assert s.workspace.accomplishments() == ()
+
+
+def test_a_desire_that_came_and_was_accomplished_in_one_transaction_leaves_no_trace() -> None:
+    s = Setting()
+    with s.workspace.transaction():
+        s.report(s.add())
+    assert s.changes == []
+    assert (s.workspace.accomplishments(), s.workspace.ended(5)) == ((), ())
+
+
 def test_observers_may_edit_and_may_end() -> None:
     s = Setting()
     seen: list[int] = []
@@ -233,6 +331,10 @@ def test_an_observer_can_rebuild_the_workspace_from_its_news(seed: int) -> None:
     def follow(change: WorkspaceChange) -> None:
         for removal in change.removed:
             assert mirror.pop(removal.desire.id) == removal.desire
+            ended = s.workspace.report(removal.desire.id)
+            assert ended.ended == s.now
+            # What a behavior reported of one that stayed outlasts its end.
+            assert ended.outcome == removal.reason or ended.behavior
         for before, after in change.changed:
             assert mirror[before.id] == before
             mirror[after.id] = after
@@ -249,8 +351,10 @@ def test_an_observer_can_rebuild_the_workspace_from_its_news(seed: int) -> None:
                     ids = [d.id for d in s.workspace.desires()]
                     if not ids or rng.random() < 0.5:
                         s.add(rng.choice(["GoTo", "SLAM"]), rng.choice([1, 2, 3]), ttl=rng.choice([None, 3, 9]))
-                    elif rng.random() < 0.5:
+                    elif rng.random() < 0.3:
                         s.workspace.remove(rng.choice(ids))
+                    elif rng.random() < 0.5:
+                        s.report(rng.choice(ids), rng.choice(["done", "failed"]))
                     else:
                         s.workspace.change(rng.choice(ids), intensity=rng.choice([0, 4, 5]))
         except InvalidDesire:
@@ -258,3 +362,4 @@ def test_an_observer_can_rebuild_the_workspace_from_its_news(seed: int) -> None:
         s.now += rng.random()
         s.workspace.expire()
         assert mirror == {d.id: d for d in s.workspace.desires()}
+        assert {report.desire_id for report in s.workspace.accomplishments()} <= mirror.keys()

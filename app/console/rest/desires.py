@@ -8,7 +8,7 @@ from fastapi import APIRouter, Header, Path, Request
 from fastapi.responses import Response
 
 from app.attention.desires import SCALE, Desire, Source
-from app.attention.reports import desire_class_report
+from app.attention.reports import desire_class_report, desires_report
 from app.attention.workspace import KEEP
 from app.console.access.operators import operator_name
 from app.console.problems import Problem
@@ -73,7 +73,7 @@ def desires_router(system: System) -> APIRouter:
 
     @router.get("/desires", response_model=Desires, summary="List all desires")
     async def list_desires() -> Response:
-        return Json(Desires(system.clock.now(), workspace.desires(), system.exploited()))
+        return Json(desires_report(workspace, system.clock.now(), system.exploited()))
 
     @router.post(
         "/desires",

@@ -1,4 +1,4 @@
-"""The desire class GoTo, which PlanAndFollowPath and GoToward serve."""
+"""The desire class GoTo, which PlanAndFollowPath and GoToward serve, and their report of an arrival."""
 
 from __future__ import annotations
 
@@ -6,6 +6,9 @@ from pydantic import BaseModel, Field
 
 from app.attention.desires import DesireClass
 from app.maps.zones import FURTHEST_M
+from app.modules.behaviors.accomplishment_reporter import AccomplishmentReporter
+from app.modules.behaviors.navigation.tracking.desired_goal import goal_of
+from app.modules.behaviors.navigation.tracking.path_tracker import NavigationGoal
 
 
 class GoToParameters(BaseModel, extra="forbid", title="Go to a place", allow_inf_nan=False):
@@ -26,6 +29,17 @@ class GoToParameters(BaseModel, extra="forbid", title="Go to a place", allow_inf
 GO_TO = DesireClass(
     name="GoTo",
     title="Go to a place",
-    description="Drive to a place on the map, around obstacles.",
+    description="Drive to a place on the map, around obstacles; the desire ends with the arrival.",
     parameters=GoToParameters,
+    achievement=True,
 )
+
+
+def report_arrival(reporter: AccomplishmentReporter, goal: NavigationGoal, reason: str) -> None:
+    """Report that ``goal`` is reached, for every desire of exactly that goal.
+
+    ``reason`` is the path tracker's: why the robot is only as near as could be, "" where it is there. May be called in
+    every cycle after the arrival.
+    """
+    words = f"arrived; {reason}" if reason else f"arrived at ({goal.pose.x:.2f}, {goal.pose.y:.2f})"
+    reporter.report("done", words, lambda desire: goal_of(desire.params, goal) is goal)

@@ -1,13 +1,14 @@
 """GoToward: heads straight for a place, around what the laser sees just now: a rudimentary GoTo (thesis 4.5).
 
-    ┌─────────────────────────────────────────────────────────────────────────────────────┐
-    │ GoToward  in   scans         LaserScan, 40 Hz / φ                                    │
-    │           in   odometry      Odometry, 100 Hz, X_OB in odom; never filtered          │
-    │           in   localization  Localization, with each scan that SLAM takes            │
-    │           in   zones         Zones of the map, when one changes                      │
-    │           out  twist         Twist, each period while there is a goal                │
-    │           out  status        NavigationStatus, when it changes, or every 0.5 s       │
-    └─────────────────────────────────────────────────────────────────────────────────────┘
+    ┌───────────────────────────────────────────────────────────────────────────────────┐
+    │ GoToward  in   scans            LaserScan, 40 Hz / φ                              │
+    │           in   odometry         Odometry, 100 Hz, X_OB in odom; never filtered    │
+    │           in   localization     Localization, with each scan that SLAM takes      │
+    │           in   zones            Zones of the map, when one changes                │
+    │           out  twist            Twist, each period while there is a goal          │
+    │           out  status           NavigationStatus, when it changes, or every 0.5 s │
+    │           out  accomplishments  Accomplishment, at the goal                       │
+    └───────────────────────────────────────────────────────────────────────────────────┘
 
 No map, plan, memory or depth: every ``period_s`` the Dynamic Window Approach follows the straight line to the goal in a
 distance field of the newest scan alone. It costs little CPU and passes single obstacles. It does not leave a dead end
@@ -26,7 +27,8 @@ from pydantic import Field as Setting
 
 from app.base.geometry import FloatArray, Pose2
 from app.messages import LaserScan, Localization, NavigationStatus, Odometry, Twist, Zones
-from app.modules.behaviors.go_to import GO_TO
+from app.modules.behaviors.accomplishment_reporter import AccomplishmentReporter
+from app.modules.behaviors.go_to import GO_TO, report_arrival
 from app.modules.behaviors.navigation.controller import BodyModel, MotionState
 from app.modules.behaviors.navigation.costmap.scan_costmap import points_of, scan_field
 from app.modules.behaviors.navigation.costmap.zone_layer import speed_share
@@ -42,7 +44,7 @@ from app.modules.behaviors.navigation.tracking.sensor_health import unfit
 from app.modules.behaviors.navigation.tracking.status_publisher import StatusPublisher
 from app.modules.stream_module import robot_link
 from app.runtime.errors import ModuleFailed
-from app.runtime.module import Module, ModuleContext, Settings
+from app.runtime.module import Caution, Module, ModuleContext, Settings
 
 #: Period of a new straight line, s.
 _AIM_S = 1.0
@@ -71,6 +73,7 @@ class GoToward(Module):
         self.zones = self.input("zones", Zones)
         self.twist = self.output("twist", Twist)
         self.status = self.output("status", NavigationStatus)
+        self._accomplishments = AccomplishmentReporter(self, GO_TO.name)
         self._poses = LocalizationMonitor()
         self.on(self.scans, self._take_scan)
         self.on(self.odometry, self._poses.add_odometry)
@@ -99,6 +102,9 @@ class GoToward(Module):
     def configure(self, parameters: Mapping[str, Any]) -> None:
         """Take the goal from the desire; without ``x`` and ``y`` there is no goal."""
         self._goal = goal_of(parameters, self._goal)
+
+    def cautions(self) -> tuple[Caution, ...]:
+        return self._accomplishments.cautions()
 
     def last_word(self, port: str) -> Twist | None:
         return Twist(self.clock.now(), 0.0, 0.0) if port == "twist" else None
@@ -145,6 +151,8 @@ class GoToward(Module):
                 progress_stamp=path_tracker.progress_stamp,
             )
         )
+        if goal is not None and step.state == "arrived":
+            report_arrival(self._accomplishments, goal, step.reason)
 
     def _decide(
         self, now: float, goal: NavigationGoal, motion: MotionState, X_MO: Pose2, seen: FloatArray, zones: Zones

@@ -1,18 +1,19 @@
 """PlanAndFollowPath: drives to a place on the map, around obstacles (thesis 4.2).
 
-    ┌─────────────────────────────────────────────────────────────────────────────────────────────┐
-    │ PlanAndFollowPath  in   scans         LaserScan, 40 Hz / φ                                   │
-    │                    in   images        Image with depth, 15 Hz / φ; not wired: no such camera │
-    │                    in   odometry      Odometry, 100 Hz, X_OB in odom; never filtered         │
-    │                    in   localization  Localization, with each scan that SLAM takes           │
-    │                    in   map           OccupancyGrid of the map, when it changes              │
-    │                    in   zones         Zones of the map, when one changes                     │
-    │                    in   base          Exploitation, 10 Hz: what its command became; or none  │
-    │                    out  twist         Twist, each period while there is a goal               │
-    │                    out  path          PlannedPath (map), when another way is taken           │
-    │                    out  status        NavigationStatus, when it changes, or every 0.5 s      │
-    │                    out  costmap       OccupancyGrid (odom), at most 5 Hz, while subscribed   │
-    └─────────────────────────────────────────────────────────────────────────────────────────────┘
+    ┌─────────────────────────────────────────────────────────────────────────────────────────────────┐
+    │ PlanAndFollowPath  in   scans            LaserScan, 40 Hz / φ                                   │
+    │                    in   images           Image with depth, 15 Hz / φ; not wired: no such camera │
+    │                    in   odometry         Odometry, 100 Hz, X_OB in odom; never filtered         │
+    │                    in   localization     Localization, with each scan that SLAM takes           │
+    │                    in   map              OccupancyGrid of the map, when it changes              │
+    │                    in   zones            Zones of the map, when one changes                     │
+    │                    in   base             Exploitation, 10 Hz: what its command became; or none  │
+    │                    out  twist            Twist, each period while there is a goal               │
+    │                    out  path             PlannedPath (map), when another way is taken           │
+    │                    out  status           NavigationStatus, when it changes, or every 0.5 s      │
+    │                    out  costmap          OccupancyGrid (odom), at most 5 Hz, while subscribed   │
+    │                    out  accomplishments  Accomplishment, at the goal                            │
+    └─────────────────────────────────────────────────────────────────────────────────────────────────┘
 
 Every ``period_s`` (10 Hz as in the thesis), in the module's thread: the newest scan and image enter the costmap, and
 the controller chooses velocities along the path (``navigation/tracking/path_tracker.py``). Paths are planned in the
@@ -52,7 +53,8 @@ from app.messages import (
     Zones,
     read_only,
 )
-from app.modules.behaviors.go_to import GO_TO
+from app.modules.behaviors.accomplishment_reporter import AccomplishmentReporter
+from app.modules.behaviors.go_to import GO_TO, report_arrival
 from app.modules.behaviors.navigation.costmap.inflation import CostSettings
 from app.modules.behaviors.navigation.costmap.local_costmap import CostmapSettings
 from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import PersistentObstacleLayer
@@ -75,7 +77,7 @@ from app.modules.behaviors.navigation.tracking.path_tracker import NavigationGoa
 from app.modules.behaviors.navigation.tracking.status_publisher import StatusPublisher
 from app.modules.stream_module import robot_link
 from app.runtime.errors import ModuleFailed
-from app.runtime.module import Module, ModuleContext, Settings
+from app.runtime.module import Caution, Module, ModuleContext, Settings
 from app.runtime.realtime import raise_thread_priority
 
 #: Least period of published costmaps, s.
@@ -136,6 +138,7 @@ class PlanAndFollowPath(Module):
         self.path = self.output("path", PlannedPath)
         self.status = self.output("status", NavigationStatus)
         self.costmap = self.output("costmap", OccupancyGrid)
+        self._accomplishments = AccomplishmentReporter(self, GO_TO.name)
         self._poses = LocalizationMonitor()
         self.on(self.scans, self._take_scan)
         self.on(self.images, self._take_image)
@@ -217,6 +220,9 @@ class PlanAndFollowPath(Module):
         """Take the desire's goal, and the strategy's ``controller``; without ``x`` and ``y`` there is no goal."""
         self._controller = str(parameters.get("controller", self.settings.controller))
         self._goal = goal_of(parameters, self._goal)
+
+    def cautions(self) -> tuple[Caution, ...]:
+        return self._accomplishments.cautions()
 
     def last_word(self, port: str) -> Twist | None:
         return Twist(self.clock.now(), 0.0, 0.0) if port == "twist" else None
@@ -348,6 +354,8 @@ class PlanAndFollowPath(Module):
         if goal is None:
             self._planned_for = None
             self._clear_path(now)
+        elif output.step.state == "arrived":
+            report_arrival(self._accomplishments, goal, output.step.reason)
         if output.around is not None and self.costmap.wanted and now - self._costmap_at >= _COSTMAP_S - 1e-6:
             self._costmap_at = now
             self._costmap_version += 1

@@ -1,4 +1,4 @@
-"""Progress supervision: decides whether a goal is reached, and what to do without progress. Pure functions.
+"""Progress supervision: decides what to do for a goal without progress. Pure functions.
 
 *Distress* grows with the time without progress toward a goal. The robot first insists on the goal (raises its
 intensity), then inhibits competing desire classes, and finally gives the goal up and asks people for help. Progress
@@ -86,11 +86,6 @@ class DistressState:
 
 
 @dataclass(frozen=True, slots=True)
-class Arrived:
-    """The goal is reached: its desire is fulfilled and removed."""
-
-
-@dataclass(frozen=True, slots=True)
 class GiveUp:
     """The goal is given up, and why."""
 
@@ -112,7 +107,7 @@ class Restore:
     why: str
 
 
-Act = Arrived | GiveUp | Raise | Restore
+Act = GiveUp | Raise | Restore
 
 
 def same_goal(one: Pose2, other: Pose2) -> bool:
@@ -158,7 +153,7 @@ def decide(
     state = replace(before, by_hand=now) if by_hand else before
     status = goal_progress.status
     if status is not None and status.state == "arrived":
-        return DistressState(), (*_restored(state, "it has arrived"), Arrived())
+        return DistressState(), _restored(state, "it has arrived")
     if status is None or status.state not in UNDER_WAY | {"unreachable"}:
         # Attention has selected no behavior for this goal.
         since = now if state.unserved is None else state.unserved

@@ -1,4 +1,4 @@
-"""ProgressSupervisor: the motivation that removes reached goals, and acts on goals without progress.
+"""ProgressSupervisor: the motivation that acts on goals without progress.
 
     ┌─────────────────────────────────────────────────────────────────────────────────────────┐
     │ ProgressSupervisor  in   navigation    NavigationStatus, as they come                    │
@@ -7,11 +7,11 @@
     │                     edits desires of class GoTo, and inhibits others for a time          │
     └─────────────────────────────────────────────────────────────────────────────────────────┘
 
-A desire of class GoTo whose goal is reached is removed: it is fulfilled. Without progress (``distress.py``) the module
-first *insists*: the desire gets ``intensity`` and desired ``utility``, so that attention selects the best strategy for
-it. Then it *inhibits* the classes ``inhibits``, which compete for CPU, by desires of utility 0; security desires cannot
-be inhibited. Both measures end with progress or with the goal; the inhibiting desires also expire. Finally the goal is
-given up and people are asked for help. Manual driving is no distress.
+While a desire of class GoTo makes no progress (``distress.py``) the module first *insists*: the desire gets
+``intensity`` and desired ``utility``, so that attention selects the best strategy for it. Then it *inhibits* the
+classes ``inhibits``, which compete for CPU, by desires of utility 0; security desires cannot be inhibited. Both
+measures end with progress or with the goal; the inhibiting desires also expire. Finally the goal is given up: all
+desires for it have failed, and people are asked for help. Manual driving is no distress.
 """
 
 from __future__ import annotations
@@ -25,10 +25,9 @@ from app.attention.desires import SCALE, Desire, Source
 from app.attention.timeline import Timeline
 from app.attention.workspace import IntentionWorkspace, UnknownDesire
 from app.base.geometry import Pose2
-from app.messages import Exploitation, NavigationStatus
+from app.messages import Accomplishment, Exploitation, NavigationStatus
 from app.modules.motivations.distress import (
     Act,
-    Arrived,
     DistressState,
     DistressTimes,
     GiveUp,
@@ -149,12 +148,8 @@ class ProgressSupervisor(Module):
                 self._timeline.add("goal", GO_TO, f"Distress is over, {why}: desires are as they were before")
             case Raise(level, stuck_s) if desire is not None:
                 self._raise(level, stuck_s, desire)
-            case Arrived() if desire is not None:
-                self._remove_all(goal_of(desire))
-                text = f"Arrived at {place(desire)}: {desire.source.name}'s desire is fulfilled"
-                self._timeline.add("goal", GO_TO, text, {"desire": desire.id, "arrived": True})
             case GiveUp(why) if desire is not None:
-                self._remove_all(goal_of(desire))
+                self._fail_all(goal_of(desire), why)
                 text = f"Gave up going to {place(desire)}: {why}. Please help, or send it elsewhere"
                 self.log.warning("%s", text)
                 goal = {name: desire.params.get(name) for name in ("x", "y", "heading")}
@@ -205,12 +200,13 @@ class ProgressSupervisor(Module):
             if (now.intensity, now.utility) == (after.intensity, after.utility):
                 self._workspace.change(before.id, intensity=before.intensity, utility=before.utility)
 
-    def _remove_all(self, goal: Pose2) -> None:
-        """Remove all desires for this goal, whatever their source."""
+    def _fail_all(self, goal: Pose2, why: str) -> None:
+        """End all desires for this goal, whatever their source: it cannot be reached."""
+        now = self.clock.now()
         with self._workspace.transaction():
             for desire in self._workspace.desires():
                 if desire.cls == GO_TO and desire.utility > 0 and same_goal(goal_of(desire), goal):
-                    self._remove(desire.id)
+                    self._workspace.accomplish(Accomplishment(now, desire.id, self.name, "failed", why))
 
     def _remove(self, desire_id: str) -> None:
         try:

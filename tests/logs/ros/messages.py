@@ -73,7 +73,7 @@ def same(a: Any, b: Any) -> bool:
 
 def _values(name: str, hint: Any) -> st.SearchStrategy[Any]:
     origin, arguments = typing.get_origin(hint), typing.get_args(hint)
-    if origin is types.UnionType:
+    if origin in (types.UnionType, typing.Union):
         return st.one_of(*[st.none() if a is types.NoneType else _values(name, a) for a in arguments])
     if origin is tuple and arguments[1:] == (Ellipsis,):
         return st.lists(_values("", arguments[0]), max_size=5).map(tuple)

@@ -8,9 +8,12 @@ import numpy as np
 import pytest
 
 import app.modules.behaviors.go_toward  # noqa: F401  # not on the loop: it brings OpenCV and SciPy
+from app.attention.desires import DesireClasses, Source
+from app.attention.workspace import IntentionWorkspace
 from app.base.geometry import Pose2, wrap_angle
-from app.messages import LaserScan, Localization, NavigationStatus, Odometry, Twist, Zone, Zones
-from app.runtime.clock import in_virtual_time
+from app.messages import Accomplishment, LaserScan, Localization, NavigationStatus, Odometry, Twist, Zone, Zones
+from app.modules.behaviors.go_to import GO_TO
+from app.runtime.clock import VirtualClock, in_virtual_time
 from tests.modules.behaviors.driven_world import DrivenLink, DrivenWorld, Living, box, until
 from tests.modules.fakes import Bench, drain
 
@@ -20,14 +23,22 @@ ROOM = box(0.0, 0.0, 8.0, 5.0)
 class Drive:
     """GoToward in a world, sent to a goal: ``async with Drive(...) as drive``."""
 
-    def __init__(self, world: DrivenWorld, zones: tuple[Zone, ...] = (), **parameters: object) -> None:
+    def __init__(
+        self,
+        world: DrivenWorld,
+        zones: tuple[Zone, ...] = (),
+        *,
+        workspace: IntentionWorkspace | None = None,
+        **parameters: object,
+    ) -> None:
         self.world = world
         self.statuses: list[NavigationStatus] = []
         self.bench = Bench(
             "app.modules.behaviors.go_toward:GoToward",
             inputs={"scans": LaserScan, "odometry": Odometry, "localization": Localization, "zones": Zones},
-            outputs={"twist": Twist, "status": NavigationStatus},
+            outputs={"twist": Twist, "status": NavigationStatus, "accomplishments": Accomplishment},
             link=DrivenLink(),
+            services={IntentionWorkspace: workspace or IntentionWorkspace(DesireClasses([GO_TO]), VirtualClock().now)},
             attended=("twist",),
         )
         self._zones = zones
@@ -64,6 +75,24 @@ async def test_it_goes_straight_to_a_place_and_turns_to_the_heading_asked_for() 
     assert world.linear == pytest.approx(0, abs=0.05)
     assert world.driven_m < 1.15 * math.hypot(2.0, 1.5)
     assert drive.statuses[-1].goal == Pose2(3.0, 2.5, math.pi)
+
+
+@in_virtual_time
+async def test_at_the_goal_every_desire_for_just_it_is_done() -> None:
+    workspace = IntentionWorkspace(DesireClasses([GO_TO]), VirtualClock().now)
+
+    def desire(**params: float) -> str:
+        return workspace.add("GoTo", intensity=5, utility=1, params=params, source=Source("rest", "test")).id
+
+    mine, same = desire(x=2.0, y=1.0), desire(x=2.0, y=1.0)
+    stricter, elsewhere = desire(x=2.0, y=1.0, tolerance_m=0.05), desire(x=3.0, y=1.0)
+    async with Drive(DrivenWorld(ROOM, Pose2(1.0, 1.0, 0.0)), workspace=workspace, x=2.0, y=1.0) as drive:
+        drive.bench.graph.channel("accomplishments").observe(workspace.accomplish)
+        assert await drive.until("arrived", 15)
+    assert [desire.id for desire in workspace.desires()] == [stricter, elsewhere]
+    for desire_id in (mine, same):
+        report = workspace.report(desire_id)
+        assert (report.outcome, report.behavior, report.reason) == ("done", "Tested", "arrived at (2.00, 1.00)")
 
 
 @in_virtual_time

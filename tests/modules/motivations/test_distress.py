@@ -80,11 +80,11 @@ def test_progress_keeps_it_calm() -> None:
     assert story.acts == []
 
 
-def test_what_is_reached_is_fulfilled() -> None:
+def test_at_the_goal_there_is_nothing_to_do() -> None:
     story = Story()
     story.until(30, lambda now: status(now, progress=now))
-    story.until(31, lambda now: status(now, "arrived"))
-    assert next(story.said()) == (30.25, "Arrived")
+    story.until(500, lambda now: status(now, "arrived"))
+    assert story.acts == []
 
 
 def test_without_progress_it_insists_then_inhibits_then_gives_up() -> None:
@@ -133,7 +133,7 @@ def test_whatever_ends_the_errand_restores_everything(after: str) -> None:
     story.until(50)
     if after == "arrived":
         story.until(50.25, lambda now: status(now, "arrived"))
-        assert list(story.said())[2:] == [(50.25, "Restore"), (50.25, "Arrived")]
+        assert list(story.said())[2:] == [(50.25, "Restore")]
     elif after == "another":
         story.until(60, lambda now: None, goal=Pose2(1, 1, 0.0), given=GIVEN + 50)
         assert list(story.said())[2:] == [(50.25, "Restore")]

@@ -34,7 +34,7 @@ class Place(BaseModel):
 
 
 CLASSES = (
-    DesireClass("GoTo", "Go somewhere", "Go.", Place),
+    DesireClass("GoTo", "Go somewhere", "Go.", Place, achievement=True),
     DesireClass("LocateFaces", "Locate faces", "Faces."),
     DesireClass("FindQRCodes", "Find QR codes", "Codes."),
 )
@@ -86,40 +86,38 @@ class Life:
         return [event.text for event in self.timeline.query(kinds=["goal"])]
 
 
-@pytest.mark.parametrize("heading", [None, 1.5])
-@pytest.mark.parametrize("port", ["navigation", "going_toward"])
-def test_a_goal_that_is_reached_is_no_longer_desired(heading: float | None, port: str) -> None:
+def test_what_it_did_about_distress_is_undone_at_the_goal() -> None:
     async def main() -> None:
         life = Life()
         async with life.bench:
-            mine, same = life.go(heading=heading), life.go(heading=heading, intensity=2.0)
-            other = life.go(heading=0.7, intensity=1.0)
-            await life.pass_time(1, "following", mine, port=port)
-            life.say("arrived", mine, port=port)
+            goal = life.go()
+            await life.pass_time(6, "following", goal)
+            assert life.workspace.get(goal.id).utility == 8
+            life.say("arrived", goal)
             await life.bench.settle()
-            assert life.workspace.desires() == (other,), "whoever wanted the same has the same"
-            assert life.sentences == ["Arrived at (3.00, 4.00): ada's desire is fulfilled"]
-            assert same.id != mine.id
+            assert life.workspace.desires() == (goal,), "the behavior ends it, not the motivation"
+            assert life.sentences[-1] == "Distress is over, it has arrived: desires are as they were before"
 
     run_virtual(main())
 
 
-def test_what_was_reached_before_it_was_desired_is_not_reached() -> None:
+def test_an_arrival_from_before_the_goal_was_desired_is_none() -> None:
     async def main() -> None:
         life = Life()
         async with life.bench:
             first = life.go()
             life.say("arrived", first)
             await life.bench.settle()
+            life.workspace.remove(first.id)
             again = life.go()
-            await life.pass_time(1, None)
-            assert life.workspace.desires() == (again,)
+            await life.pass_time(6, "following", again)
+            assert life.workspace.get(again.id).utility == 8
             # A desire changed to another goal and back keeps its creation.
             life.workspace.change(again.id, params={"x": 0.0, "y": 0.0})
             life.say("arrived", life.workspace.get(again.id))
             life.workspace.change(again.id, params=again.params)
-            await life.pass_time(1, None)
-            assert [d.id for d in life.workspace.desires()] == [again.id]
+            await life.pass_time(6, "following", again)
+            assert life.workspace.get(again.id).utility == 8
 
     run_virtual(main())
 
@@ -179,11 +177,15 @@ def test_an_unreachable_goal_is_given_up_with_its_reason() -> None:
     async def main() -> None:
         life = Life()
         async with life.bench:
-            goal = life.go()
+            same, goal = life.go(intensity=2.0), life.go()
+            other = life.go(heading=0.7, intensity=1.0)
             await life.pass_time(1.5, "unreachable", goal, reason="walls all around")
-            assert life.workspace.desires() == (goal,)
+            assert life.workspace.desires() == (same, goal, other)
             await life.pass_time(1.5, "unreachable", goal, reason="walls all around")
-            assert life.workspace.desires() == ()
+            assert life.workspace.desires() == (other,), "all who desired the same are refused"
+            for desire in (same, goal):
+                ended = life.workspace.report(desire.id)
+                assert (ended.outcome, ended.behavior, ended.reason) == ("failed", "Tested", "walls all around")
             assert life.sentences == [
                 "Gave up going to (3.00, 4.00): walls all around. Please help, or send it elsewhere"
             ]
@@ -274,8 +276,8 @@ def test_a_program_without_a_straight_way_is_supervised_too() -> None:
         life = Life(inputs={"navigation": NavigationStatus})
         async with life.bench:
             goal = life.go()
-            life.say("arrived", goal)
-            await life.bench.settle()
-            assert life.workspace.desires() == ()
+            life.say("unreachable", goal, reason="walls all around")
+            await life.bench.clock.sleep(3)
+            assert life.workspace.report(goal.id).outcome == "failed"
 
     run_virtual(main())

@@ -5,6 +5,18 @@
 
 import type { JsonSchema } from "./jsonSchema";
 
+/** A behavior's report that what a desire asks for is done, or that it cannot be done. */
+export interface Accomplishment {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  desire_id: string;
+  /** Name of the module that reports it. */
+  behavior: string;
+  outcome: "done" | "failed";
+  /** In words: what was reached, or why it cannot be; may be empty. */
+  reason: string;
+}
+
 /** A change that would serve a desire better: more of a resource, or no desire for another class. */
 export interface Alternative {
   kind: "capacity" | "without";
@@ -109,6 +121,35 @@ export interface DesireClassReport {
   schema: JsonSchema;
   /** Whether a strategy of this program's modules serves it; else no desire for it is fulfilled. */
   served: boolean;
+  /** Whether a desire for it leaves by itself once it is accomplished. */
+  achievement: boolean;
+}
+
+/** A desire, and what became of it. */
+export interface DesireReport {
+  id: string;
+  class: string;
+  /** How much it is desired, over 0 and at most 8. */
+  intensity: number;
+  /** Utility desired, 0 to 8; 0 inhibits the class. */
+  utility: number;
+  /** Whether it must be fulfilled. */
+  security: boolean;
+  /** Parameters as the class declares them. */
+  params: Record<string, unknown>;
+  source: Source;
+  /** Seconds of the robot's clock (Unix epoch). */
+  created: number;
+  /** When it expires (robot's clock, s); null: never. */
+  expires: number | null;
+  /** What a behavior reported last; without a report, why it left; null: nothing became of it yet. */
+  outcome: "done" | "expired" | "failed" | "withdrawn" | null;
+  /** Name of the module that reported the outcome; empty: none did. */
+  behavior: string;
+  /** Of the report, in words. */
+  reason: string;
+  /** When it left (robot's clock, s); null: it is still desired. */
+  ended: number | null;
 }
 
 /** Every desire in the Intention Workspace, in the order they came. */
@@ -118,6 +159,10 @@ export interface Desires {
   desires: Desire[];
   /** Ids of those that a behavior serves by commands that its arbiter lets through now. */
   exploited: string[];
+  /** The last report on each of `desires` on which there is one. */
+  accomplishments: Accomplishment[];
+  /** The last that left, at most 5, the newest first. */
+  ended: DesireReport[];
 }
 
 /** Who has the wheel. */
@@ -748,6 +793,7 @@ export interface TimelineEvent {
   /** Seconds of the robot's clock (Unix epoch). */
   stamp: number;
   kind:
+    | "accomplishment"
     | "battery"
     | "capacity"
     | "desire"

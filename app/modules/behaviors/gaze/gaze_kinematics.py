@@ -65,6 +65,12 @@ def aim(
     return Gaze(dict(zip(names, best.tolist(), strict=True)), _angle(beside(best)))
 
 
+def gaze_error(model: KinematicModel, eye: str, p_BP: NDArray[np.float64], measured: Mapping[str, float]) -> float:
+    """Angle (rad) between the optical axis of the link ``eye`` and the point ``p_BP`` (3,) m, in the model's root link,
+    with the joints at ``measured``. Raises KeyError for a link that the model does not have."""
+    return _angle(_off_axis(model.pose(eye, measured).inverse().transform(p_BP).astype(np.float64)))
+
+
 def _off_axis(p_EP: NDArray[np.float64]) -> NDArray[np.float64]:
     """Angles (2,) rad right and down by which a point of the eye's optical frame lies off its axis: the direction of
     the shortest turn times its angle."""

@@ -1,14 +1,16 @@
 """LookAt: turns the head so that a camera looks at a point.
 
-    ┌──────────────────────────────────────────────────────────────────────────────────────────┐
-    │ LookAt    in   joints        JointState, 30 Hz; never filtered                           │
-    │           in   odometry      Odometry, X_OB in odom; never filtered                      │
-    │           in   localization  Localization, X_MO on the map: for points on the map        │
-    │           out  command       JointCommand of the group (rad), 10 Hz while there is a point│
-    └──────────────────────────────────────────────────────────────────────────────────────────┘
+    ┌───────────────────────────────────────────────────────────────────────────────────────────────┐
+    │ LookAt    in   joints           JointState, 30 Hz; never filtered                             │
+    │           in   odometry         Odometry, X_OB in odom; never filtered                        │
+    │           in   localization     Localization, X_MO on the map: for points on the map          │
+    │           out  command          JointCommand of the group (rad), 10 Hz while there is a point │
+    │           out  accomplishments  Accomplishment, when the eye looks at the point               │
+    └───────────────────────────────────────────────────────────────────────────────────────────────┘
 
 The point comes with the desire LookAt: in ``base_link`` it turns with the robot; in ``odom`` or ``map`` the head
-follows it while the robot drives. Where the joints cannot reach it, the head looks as near to it as they can.
+follows it while the robot drives, so the desire stays once it is accomplished. Where the joints cannot reach it, the
+head looks as near to it as they can, and the desire has failed for the time being.
 """
 
 from __future__ import annotations
@@ -29,17 +31,18 @@ from app.base.kinematic_model import KinematicModel, load_model
 from app.link import ActuatorGroup
 from app.maps.zones import FURTHEST_M
 from app.messages import JointCommand, JointState, Localization, Odometry
-from app.modules.behaviors.gaze.gaze_kinematics import aim
+from app.modules.behaviors.accomplishment_reporter import AccomplishmentReporter
+from app.modules.behaviors.gaze.gaze_kinematics import Gaze, aim, gaze_error
 from app.modules.stream_module import robot_link
 from app.runtime.errors import ModuleFailed
-from app.runtime.module import Module, ModuleContext, Settings
+from app.runtime.module import Caution, Module, ModuleContext, Settings
 
 Frame = Literal["base_link", "odom", "map"]
 
 #: States of localization whose pose is good enough to aim by.
 _LOCALIZED = ("mapping", "tracking")
-#: Beyond this angle (rad) beside the optical axis the point counts as out of reach.
-_OUT_OF_REACH_RAD = math.radians(2)
+#: Up to this angle (rad) beside the optical axis the point is looked at.
+_LOOKED_AT_RAD = math.radians(2)
 
 
 class LookAtSettings(Settings):
@@ -68,7 +71,7 @@ class LookAtParameters(BaseModel):
 LOOK_AT = DesireClass(
     name="LookAt",
     title="Look at a point",
-    description="Turn the head so that the camera looks at a point.",
+    description="Turn the head so that the camera looks at a point, as long as it is desired.",
     parameters=LookAtParameters,
 )
 
@@ -109,10 +112,12 @@ class LookAt(Module):
         self.odometry = self.input("odometry", Odometry, always_open=True)
         self.localization = self.input("localization", Localization)
         self.command = self.output("command", JointCommand)
+        self._accomplishments = AccomplishmentReporter(self, LOOK_AT.name)
         self.on(self.joints, self._take_joints)
         self.on(self.odometry, self._take_odometry)
         self.on(self.localization, self._take_localization)
         self.every(self.settings.period_s, self._beat)
+        self._given: Mapping[str, Any] = {}
         self._point: PointOfInterest | None = None
         self._measured: Mapping[str, float] = {}
         self._aimed: Mapping[str, float] = {}
@@ -140,6 +145,7 @@ class LookAt(Module):
             given = LookAtParameters.model_validate(
                 {key: parameters[key] for key in LookAtParameters.model_fields if key in parameters}
             )
+            self._given = given.model_dump(mode="json")
             self._point = PointOfInterest(np.array([given.x, given.y, given.z]), given.frame)
         else:
             self._point = None
@@ -153,6 +159,9 @@ class LookAt(Module):
     async def _take_localization(self, localization: Localization) -> None:
         self._X_MO = localization.X_MO if localization.state in _LOCALIZED else None
 
+    def cautions(self) -> tuple[Caution, ...]:
+        return self._accomplishments.cautions()
+
     async def _beat(self) -> None:
         if self._point is None or not self.command.wanted:
             self._aimed = {}
@@ -162,13 +171,24 @@ class LookAt(Module):
         if p_BP is None:
             self._say(f"it waits: where the robot is in {self._point.frame} is not known")
             return
-        begin = {**self._measured, **self._aimed}
-        gaze = await self.compute(aim, self._model, self.settings.eye, self._group.joints, p_BP, begin)
+        given, measured = self._given, self._measured
+        gaze, error_rad = await self.compute(self._aim, p_BP, measured, {**measured, **self._aimed})
         self._aimed = gaze.positions
-        out_of_reach = gaze.error_rad > _OUT_OF_REACH_RAD
-        self._say(f"the point is out of the {self._group.name}'s reach" if out_of_reach else "")
+        problem = f"the point is out of the {self._group.name}'s reach" if gaze.error_rad > _LOOKED_AT_RAD else ""
+        self._say(problem)
         names, positions = tuple(gaze.positions), tuple(gaze.positions.values())
         self.command.publish(JointCommand(self.clock.now(), self._group.name, names, positions))
+        if problem:
+            self._accomplishments.report("failed", problem, lambda desire: desire.params == given)
+        elif measured.keys() >= gaze.positions.keys() and error_rad <= _LOOKED_AT_RAD:
+            self._accomplishments.report("done", "", lambda desire: desire.params == given)
+
+    def _aim(
+        self, p_BP: NDArray[np.float64], measured: Mapping[str, float], begin: Mapping[str, float]
+    ) -> tuple[Gaze, float]:
+        """Where to look, and the angle (rad) from the axis to the point as the joints were ``measured``."""
+        eye = self.settings.eye
+        return aim(self._model, eye, self._group.joints, p_BP, begin), gaze_error(self._model, eye, p_BP, measured)
 
     def _say(self, problem: str) -> None:
         if problem != self._problem:

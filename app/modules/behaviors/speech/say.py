@@ -1,16 +1,17 @@
 """Say: the behavior that says what is desired to be said.
 
-    ┌─────────────────────────────────────────────────────────────────────────────────────────┐
-    │ Say    in   exploitation  Exploitation of the voice: another that is heard; may be absent │
-    │        in   sources       SoundSources: who talks meanwhile; may be absent                │
-    │        out  audio         Audio, one channel, frames of 40 ms as they are played          │
-    │        out  speech        Speech, with each change of word, mouth or state                │
-    └─────────────────────────────────────────────────────────────────────────────────────────┘
+    ┌──────────────────────────────────────────────────────────────────────────────────────────────┐
+    │ Say    in   exploitation     Exploitation of the voice: another that is heard; may be absent │
+    │        in   sources          SoundSources: who talks meanwhile; may be absent                │
+    │        out  audio            Audio, one channel, frames of 40 ms as they are played          │
+    │        out  speech           Speech, with each change of word, mouth or state                │
+    │        out  accomplishments  Accomplishment, when a text has been said                       │
+    └──────────────────────────────────────────────────────────────────────────────────────────────┘
 
 Each desire of class Say is a text; the queue (``speech_queue.py``) decides which is said. It is said sentence by
 sentence while attention has the output ``audio`` open. A sentence that was interrupted (by a text of greater priority,
 by another behavior at the loudspeaker, by a person, by attention) is said again from its beginning. A desire whose text
-has been said is removed: it is fulfilled; removing a desire silences it.
+has been said is done, or has failed where no engine could say it; removing a desire silences it.
 """
 
 from __future__ import annotations
@@ -24,11 +25,12 @@ from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 from app.attention.desires import DesireClass
 from app.attention.workspace import IntentionWorkspace
-from app.messages import Audio, Exploitation, SoundSources, Speech, read_only
+from app.messages import Accomplished, Audio, Exploitation, SoundSources, Speech, read_only
+from app.modules.behaviors.accomplishment_reporter import AccomplishmentReporter
 from app.modules.behaviors.speech.barge_in import BargeIn
 from app.modules.behaviors.speech.playback import UtterancePlayback
 from app.modules.behaviors.speech.speech_queue import SpeechRequest, next_request
-from app.runtime.module import Module, ModuleContext, Settings
+from app.runtime.module import Caution, Module, ModuleContext, Settings
 from app.speech.config import EngineConfig, EspeakConfig, Language
 from app.speech.text_only import TextOnly
 from app.speech.text_spans import sentences_of
@@ -70,6 +72,7 @@ SAY = DesireClass(
     title="Say something",
     description="Say a text through the loudspeaker, with subtitles; the desire ends when it has been said.",
     parameters=SayParameters,
+    achievement=True,
 )
 
 
@@ -93,11 +96,12 @@ class SaySettings(Settings):
 
 @dataclass(slots=True)
 class _Progress:
-    """How far a text has been said: ``next`` of its ``sentences``."""
+    """How far a text has been said: ``next`` of its ``sentences``. ``problem``: why one was shown in writing alone."""
 
     request: SpeechRequest
     sentences: tuple[str, ...]
     next: int = 0
+    problem: str = ""
 
     @property
     def over(self) -> bool:
@@ -120,6 +124,7 @@ class Say(Module):
         self.sources = self.input("sources", SoundSources, wants="never")
         self.audio = self.output("audio", Audio)
         self.speech = self.output("speech", Speech)
+        self._accomplishments = AccomplishmentReporter(self, SAY.name)
         self.on(self.exploitation, self._take_exploitation)
         self.on(self.sources, self._take_sources)
         self.every(_BEAT_S, self._beat)
@@ -145,6 +150,9 @@ class Say(Module):
         """End the synthesis."""
         self._leave()
 
+    def cautions(self) -> tuple[Caution, ...]:
+        return self._accomplishments.cautions()
+
     async def _take_exploitation(self, exploitation: Exploitation) -> None:
         self._heard = exploitation
 
@@ -156,6 +164,9 @@ class Say(Module):
         now = self.clock.now()
         requests = {request.desire: request for request in self._requests()}
         self._progress = {key: known for key, known in self._progress.items() if requests.get(key) == known.request}
+        requests = {
+            key: each for key, each in requests.items() if key not in self._progress or not self._progress[key].over
+        }
         chosen = self._chosen(requests, now)
         if (None if self._current is None else self._current.request) != chosen:
             self._turn_to(chosen)
@@ -212,7 +223,8 @@ class Say(Module):
             current.next += 1
         if current.over:
             self._leave()
-            self._accomplished(current.request)
+            outcome: Accomplished = "failed" if current.problem else "done"
+            self._accomplishments.report(outcome, current.problem, lambda d: d.id == current.request.desire)
             return
         if self._playback is None:
             made = self._synthesized(current, current.next)
@@ -235,9 +247,11 @@ class Say(Module):
         if not task.done():
             return None
         utterance, problem = task.result()
+        if problem:
+            current.problem = f"{problem}; it is shown in writing alone"
         if problem and problem not in self._problems:
             self._problems.add(problem)
-            self.log.warning("%s; it is shown in writing alone", problem)
+            self.log.warning("%s", current.problem)
         return utterance
 
     def _publish(self, samples: np.ndarray[tuple[int, int], np.dtype[np.int16]], rate: int, now: float) -> None:
@@ -245,11 +259,6 @@ class Say(Module):
             Audio(now, "speech", read_only(samples), rate=rate, first_sample=self._samples, p_BM=_NOWHERE)
         )
         self._samples += len(samples)
-
-    def _accomplished(self, request: SpeechRequest) -> None:
-        """The text has been said: its desire is fulfilled."""
-        self._progress.pop(request.desire, None)
-        self._workspace.remove(request.desire)
 
     def _show(self, now: float, wanted: int) -> None:
         before = self._shown

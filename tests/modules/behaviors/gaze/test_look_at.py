@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -10,11 +11,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from app.attention.desires import DesireClasses, Source
+from app.attention.workspace import IntentionWorkspace
 from app.base.geometry import Pose2
 from app.base.kinematic_model import load_model
 from app.link import ActuatorGroup, JointLimits
-from app.messages import JointCommand, JointState, Localization, Odometry
-from app.runtime.clock import in_virtual_time
+from app.messages import Accomplishment, JointCommand, JointState, Localization, Odometry
+from app.modules.behaviors.gaze.look_at import LOOK_AT
+from app.runtime.clock import VirtualClock, in_virtual_time
 from tests.modules.fakes import Bench, FakeLink, drain
 
 URDF = Path(__file__).parents[4] / "config" / "robots" / "irl1_tr.urdf"
@@ -26,15 +30,16 @@ HEAD = ActuatorGroup(
 )
 
 
-def bench(eye: str = EYE, group: str = "head") -> Bench:
+def bench(eye: str = EYE, group: str = "head", services: Mapping[type[Any], Any] | None = None) -> Bench:
     link = FakeLink()
     link.description = replace(link.description, model_path=URDF, groups={"head": HEAD})
     return Bench(
         "app.modules.behaviors.gaze.look_at:LookAt",
         inputs={"joints": JointState, "odometry": Odometry, "localization": Localization},
-        outputs={"command": JointCommand},
+        outputs={"command": JointCommand, "accomplishments": Accomplishment},
         settings={"eye": eye, "group": group},
         link=link,
+        services=services or {IntentionWorkspace: IntentionWorkspace(DesireClasses([LOOK_AT]), VirtualClock().now)},
         attended=("command",),
     )
 
@@ -103,6 +108,36 @@ async def test_what_is_out_of_reach_is_looked_at_as_nearly_as_can_be_and_said_on
         pan, _ = commands[-1].positions
         assert pan == pytest.approx(HEAD.joints[0].upper)
     assert [r.getMessage() for r in caplog.records].count("the point is out of the head's reach") == 1
+
+
+@in_virtual_time
+async def test_the_point_is_looked_at_once_the_joints_are_there_and_stays_desired() -> None:
+    workspace = IntentionWorkspace(DesireClasses([LOOK_AT]), VirtualClock().now)
+    b = bench(services={IntentionWorkspace: workspace})
+    b.graph.channel("accomplishments").observe(workspace.accomplish)
+    ahead = {"x": 1.5, "y": 1.0, "z": 1.0, "frame": "base_link"}
+    behind = {"x": -3.0, "y": 0.3, "z": 1.2, "frame": "base_link"}
+    async with b:
+
+        def desire(params: dict[str, Any]) -> str:
+            source = Source("rest", "test")
+            return workspace.add("LookAt", intensity=5, utility=4, params=params, source=source).id
+
+        def becomes(desire_id: str) -> tuple[str | None, str, float | None]:
+            report = workspace.report(desire_id)
+            return report.outcome, report.reason, report.ended
+
+        one, other = desire(ahead), desire(behind)
+        command = (await looked(b, 0.5, **ahead))[-1]
+        assert becomes(one) == (None, "", None), "where the joints are is not known"
+        for share, outcome in ((0.9, None), (1.0, "done")):
+            positions = tuple(share * position for position in command.positions)
+            b.feed("joints", JointState(b.clock.now(), command.names, positions))
+            await looked(b, 0.5, **ahead)
+            assert becomes(one) == (outcome, "", None)
+        assert becomes(other) == (None, "", None), "a point that is not looked at"
+        await looked(b, 0.5, **behind)
+        assert becomes(other) == ("failed", "the point is out of the head's reach", None)
 
 
 @in_virtual_time

@@ -11,7 +11,7 @@ import pytest
 
 from app.attention.desires import DesireClasses, InvalidDesire, Source
 from app.attention.workspace import IntentionWorkspace
-from app.messages import Audio, Exploitation, SoundSource, SoundSources, Speech, Twist
+from app.messages import Accomplishment, Audio, Exploitation, SoundSource, SoundSources, Speech, Twist
 from app.modules.behaviors.speech.say import SAY
 from app.runtime.clock import VirtualClock, run_virtual
 from app.speech.config import EspeakConfig
@@ -69,17 +69,19 @@ def _tone(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(EspeakConfig, "make", lambda _: Tone())
 
 
-def on_stage(script: Callable[[Stage], Awaitable[T]], **settings: Any) -> T:
+def on_stage(script: Callable[[Stage], Awaitable[T]], *, followed: bool = True, **settings: Any) -> T:
     async def main() -> T:
         workspace = IntentionWorkspace(DesireClasses([SAY]), VirtualClock().now)
         bench = Bench(
             MODULE,
             inputs={"exploitation": Exploitation, "sources": SoundSources},
-            outputs={"audio": Audio, "speech": Speech},
+            outputs={"audio": Audio, "speech": Speech, "accomplishments": Accomplishment},
             settings=settings,
             services={IntentionWorkspace: workspace},
             attended=("audio",),
         )
+        if followed:
+            bench.graph.channel("accomplishments").observe(workspace.accomplish)
         async with bench:
             bench.graph.filters.apply({"Tested.audio": 1})
             result = await script(Stage(bench, workspace))
@@ -91,9 +93,11 @@ def on_stage(script: Callable[[Stage], Awaitable[T]], **settings: Any) -> T:
 
 def test_a_text_is_said_by_sentences_and_its_desire_ends() -> None:
     async def script(stage: Stage) -> None:
-        stage.say("One two. Three!")
+        desire = stage.say("One two. Three!")
         await stage.wait(2.0)
         assert stage.workspace.desires() == ()
+        report = stage.workspace.report(desire)
+        assert (report.outcome, report.behavior, report.reason) == ("done", "Tested", "")
         frames = drain(stage.audio)
         assert sum(len(frame.samples) for frame in frames) == RATE * LETTER_S * len("One two.Three!")
         assert all(frame.samples.shape[1] == 1 and len(frame.samples) <= 0.04 * RATE for frame in frames)
@@ -144,6 +148,17 @@ def test_removing_the_desire_silences_it() -> None:
         assert drain(stage.speech)[-1].state == "silent"
 
     on_stage(script)
+
+
+def test_a_text_is_said_once_though_nothing_ends_its_desire() -> None:
+    async def script(stage: Stage) -> None:
+        stage.say("Hello.")
+        stage.say("World.")
+        await stage.wait(5.0)
+        assert stage.said() == ["Hello.", "World."]
+        assert len(stage.workspace.desires()) == 2
+
+    on_stage(script, followed=False)
 
 
 def test_an_interrupted_text_goes_on_at_its_sentence() -> None:
@@ -210,11 +225,13 @@ def test_what_the_engine_cannot_say_is_shown(caplog: pytest.LogCaptureFixture) -
     caplog.set_level(logging.WARNING, "hbba.Tested")
 
     async def script(stage: Stage) -> None:
-        stage.say("Bonjour. Merci.", language="fr")
+        desire = stage.say("Bonjour. Merci.", language="fr")
         await stage.wait(5.0)
         assert stage.said() == ["Bonjour.", "Merci."]
         assert drain(stage.audio) == []
         assert stage.workspace.desires() == ()
+        report = stage.workspace.report(desire)
+        assert (report.outcome, report.reason) == ("failed", "no French here; it is shown in writing alone")
 
     on_stage(script)
     assert [record.message for record in caplog.records] == ["no French here; it is shown in writing alone"]
