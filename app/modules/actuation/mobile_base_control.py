@@ -5,6 +5,7 @@
     │                    in   scans             LaserScan, each one; never filtered            │
     │                    in   odometry          Odometry; never filtered                       │
     │                    in   operator          TeleopCommand: the override; never filtered    │
+    │                    in   dock              DockSighting while docking; or none            │
     │                    out  exploitation      Exploitation, 10 Hz and when the driver changes│
     │                    out  status            LinkStatus, 20 Hz, as the guard reports        │
     └─────────────────────────────────────────────────────────────────────────────────────────┘
@@ -16,7 +17,8 @@ body's accelerations, then given to the robot link. Without a fresh command, zer
 
 On a body with a laser the collision monitor (``collision_monitor.py``) limits every command, of an operator or a
 behavior: without a fresh scan the base stands still. Only the operator can override it, at a crawl, while both dead-man
-and override are held. A program that does not wire the scans of such a body is refused, unless its configuration says
+and override are held. The behavior ``docking`` may, at a crawl, come near the dock that it sees (``dock``): its outline
+alone does not limit it. A program that does not wire the scans of such a body is refused, unless its configuration says
 ``collision_monitor: off``.
 """
 
@@ -30,7 +32,7 @@ from typing import Literal, TypeVar
 from pydantic import Field
 
 from app.link import BaseLimits, RobotDescription, RobotLink
-from app.messages import Exploitation, LaserScan, LinkStatus, Message, Odometry, TeleopCommand, Twist
+from app.messages import DockSighting, Exploitation, LaserScan, LinkStatus, Message, Odometry, TeleopCommand, Twist
 from app.modules.actuation.arbitration import Contender, approach, clamped, twist_is_finite
 from app.modules.actuation.collision_context import CollisionContext
 from app.modules.actuation.collision_monitor import CollisionMonitor, MonitorRules
@@ -48,10 +50,11 @@ PARTING_ZEROS = 3
 class MobileBaseControlSettings(ArbiterSettings):
     """Settings of MobileBaseControl."""
 
-    own_inputs = frozenset({"scans", "odometry", "operator"})
+    own_inputs = frozenset({"scans", "odometry", "operator", "dock"})
 
     behaviors: tuple[Contender, ...] = (Contender(input="teleop", behavior="Teleop", priority=1),)
     by_hand: str = Field("Teleop", description="the behavior that the operator drives by, who alone may override")
+    docking: str = Field("Docking", description="the behavior that drives into a dock, whose outline alone it may near")
     collision_monitor: Literal["on", "off"] = Field("on", description="off: nothing keeps it from hitting things")
     monitor: MonitorRules = Field(MonitorRules(), description="the collision monitor, for bodies with a laser")
 
@@ -72,6 +75,7 @@ class MobileBaseControl(GroupArbiter[Twist]):
         # Read when a command is limited, not on arrival.
         self._odometry = self.input("odometry", Odometry, capacity=128, always_open=True)
         self._operator = self.input("operator", TeleopCommand, capacity=8, always_open=True)
+        self._dock = self.input("dock", DockSighting, always_open=True)
         self._collision_context: CollisionContext | None = None
         self._sent = Twist(0.0, 0.0, 0.0)
         self._zeros_left = PARTING_ZEROS
@@ -141,6 +145,9 @@ class MobileBaseControl(GroupArbiter[Twist]):
         for drive in _waiting(self._operator):
             if collision_context is not None:
                 collision_context.commanded(drive)
+        for dock in _waiting(self._dock):
+            if collision_context is not None:
+                collision_context.sighted(dock)
 
     def usable(self, command: Twist) -> bool:
         """Whether its speeds are finite."""
@@ -171,8 +178,10 @@ class MobileBaseControl(GroupArbiter[Twist]):
     def _within_sight(self, driver: str, target: Twist, limits: BaseLimits) -> tuple[Twist, str]:
         if self._collision_context is None:
             return approach(self._sent, target, limits, self.settings.period_s), ""
-        by_hand = driver == self.settings.by_hand
-        return self._collision_context.limit(self._sent, target, self.settings.period_s, by_hand=by_hand)
+        by_hand, docking = driver == self.settings.by_hand, driver == self.settings.docking
+        return self._collision_context.limit(
+            self._sent, target, self.settings.period_s, by_hand=by_hand, docking=docking
+        )
 
 
 def _has_laser(body: RobotDescription) -> bool:

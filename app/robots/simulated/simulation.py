@@ -46,6 +46,10 @@ class Schedule:
     def ready(self, time_s: float) -> bool:
         return time_s + 1e-9 >= self._next_s
 
+    def expire(self) -> None:
+        """Make it due now."""
+        self._next_s = -math.inf
+
     def due(self, time_s: float) -> bool:
         """Whether it is due now; then the next time is a period later (a stream that fell behind skips periods)."""
         if not self.ready(time_s):
@@ -261,6 +265,8 @@ class WorldSimulation:
         load_w += (self.physics.motor_power_w() + rolling_w) / load.efficiency
         load_w += sum(watts for stream, watts in load.sensors_w.items() if stream in self.wanted)
         charging = touches(self.physics.true_pose(), self._docks, config.plate_m)
+        if charging != self.battery.charging:
+            self._schedules["battery"].expire()  # a charger that comes on is noticed at once
         self.battery.advance(seconds, load_w, charging=charging)
 
     def _sense(self, stamp: float) -> None:

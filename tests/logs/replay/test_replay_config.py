@@ -44,7 +44,7 @@ def test_a_recording_brings_its_own_program(tmp_path: Path) -> None:
         "Battery": "the log has no battery",
     }
     assert program.fed == ("teleop_command",)
-    assert set(program.silent.values()) == {"panorama", "microphones"}
+    assert set(program.silent.values()) == {"panorama", "microphones", "battery"}
 
 
 def test_what_the_log_has_nothing_for_stays_out(tmp_path: Path) -> None:
