@@ -11,9 +11,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from app.base.geometry import FloatArray, Pose2, wrap_angle
+from app.base.geometry import Pose2, wrap_angle
 from app.messages import LaserScan
+
+Floats = NDArray[np.float64]
 
 _ITERATIONS = 8
 _HEADING_STEP = math.radians(6)
@@ -45,7 +48,7 @@ class DetectorRules:
     bins: int = 8
 
 
-def scan_points(scan: LaserScan) -> FloatArray:
+def scan_points(scan: LaserScan) -> Floats:
     """Points (N, 2) m of ``scan`` in ``base_link`` at the middle of its sweep."""
     angles = scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))
     measured = np.isfinite(scan.ranges) & (scan.ranges >= scan.range_min) & (scan.ranges < scan.range_max)
@@ -55,7 +58,7 @@ def scan_points(scan: LaserScan) -> FloatArray:
 
 
 def find_dock(
-    points: FloatArray,
+    points: Floats,
     expected: Pose2,
     shape: DockShape,
     rules: DetectorRules,
@@ -78,7 +81,7 @@ def find_dock(
     return found
 
 
-def _best_candidate(points: FloatArray, expected: Pose2, shape: DockShape, rules: DetectorRules) -> Pose2:
+def _best_candidate(points: Floats, expected: Pose2, shape: DockShape, rules: DetectorRules) -> Pose2:
     """The pose, of those with their origin on a point, whose outline lies on the most points."""
     points = points[:: max(1, math.ceil(len(points) / _MOST_POINTS))]
     offsets = points - np.array([expected.x, expected.y])
@@ -96,7 +99,7 @@ def _best_candidate(points: FloatArray, expected: Pose2, shape: DockShape, rules
     return best
 
 
-def _by_plate(relative: FloatArray, heading: float, shape: DockShape) -> tuple[FloatArray, FloatArray]:
+def _by_plate(relative: Floats, heading: float, shape: DockShape) -> tuple[Floats, Floats]:
     """Of points (..., 2) relative to the origin: how far along the nearer plate, and how far beside it (m)."""
     c, s = math.cos(heading), math.sin(heading)
     x = c * relative[..., 0] + s * relative[..., 1]
@@ -107,7 +110,7 @@ def _by_plate(relative: FloatArray, heading: float, shape: DockShape) -> tuple[F
     return along, beside
 
 
-def _refined(points: FloatArray, begin: Pose2, shape: DockShape, rules: DetectorRules) -> Pose2 | None:
+def _refined(points: Floats, begin: Pose2, shape: DockShape, rules: DetectorRules) -> Pose2 | None:
     pose, half = begin, shape.opening_rad / 2
     normals = np.array([[-math.sin(half), math.cos(half)], [-math.sin(half), -math.cos(half)]])
     for iteration in range(_ITERATIONS):
@@ -134,7 +137,7 @@ def _is_near(found: Pose2, expected: Pose2, rules: DetectorRules) -> bool:
     return apart <= rules.reach_m and abs(wrap_angle(found.theta - expected.theta)) <= rules.turn_rad
 
 
-def _is_dock(points: FloatArray, pose: Pose2, shape: DockShape, rules: DetectorRules) -> bool:
+def _is_dock(points: Floats, pose: Pose2, shape: DockShape, rules: DetectorRules) -> bool:
     local = pose.inverse().transform(points)
     along, beside = _by_plate(local, 0.0, shape)
     on_line = np.abs(beside) < rules.near_m

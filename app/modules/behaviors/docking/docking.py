@@ -192,7 +192,7 @@ class Docking(Module):
             now,
             X_OB,
             wanted=wanted,
-            leave=called_away,
+            leave=called_away or self._workspace.wanted(UNDOCK.name) is not None,
             charging=self._charging,
             at_staging=at_staging,
             X_OD=self._filter.estimate if self._filter.is_sure else None,
@@ -268,17 +268,23 @@ class Docking(Module):
             self._state_goal(desire, self._staging(X_MD))
         else:
             self._withdraw_goal()
-        standing = {each.id for each in self._workspace.desires()}
-        if self._undock is not None and self._undock not in standing:
+        self._follow_undocking()
+
+    def _follow_undocking(self) -> None:
+        """State the desire that opens the output for undocking, and end those that are done."""
+        asked = [each.id for each in self._workspace.desires() if each.cls == UNDOCK.name and each.utility > 0]
+        if self._undock is not None and self._undock not in asked:
             self._undock = None
             self._sequence.abort()  # people stopped the robot
-        if self._sequence.state == "undocking" and self._undock is None:
-            source = Source("motivation", self.name)
-            self._undock = self._workspace.add(UNDOCK.name, intensity=SCALE, utility=1.0, source=source).id
-        elif self._sequence.state != "undocking" and self._undock is not None:
-            done = Accomplishment(self.clock.now(), self._undock, self.name, "done", "undocked")
-            self._workspace.accomplish(done)
+        if self._sequence.state == "undocking":
+            if self._undock is None:
+                source = Source("motivation", self.name)
+                self._undock = self._workspace.add(UNDOCK.name, intensity=SCALE, utility=1.0, source=source).id
+        elif self._sequence.state != "docked":
             self._undock = None
+            for desire_id in asked:
+                done = Accomplishment(self.clock.now(), desire_id, self.name, "done", "it stands in no dock")
+                self._workspace.accomplish(done)
 
     def _state_goal(self, desire: Desire, place: Pose2) -> None:
         if self._goal is None:

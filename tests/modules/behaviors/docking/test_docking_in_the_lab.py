@@ -91,7 +91,9 @@ def test_without_power_it_backs_off_and_tries_again_twice() -> None:
         statuses = await docking(run, "failed")
         await run.system.clock.sleep(0.5)
         assert run.link.contacts == ()
-        tries = [(status.state, status.attempt) for status in statuses if status.state in ("approaching", "backing")]
+        tries: list[tuple[str, int]] = [
+            (status.state, status.attempt) for status in statuses if status.state in ("approaching", "backing")
+        ]
         return tries, run.system.workspace.report(desire).reason
 
     tries, reason = in_the_lab(STARTS[1], script, plate_m=0.15)  # too far back for the dock's contacts
@@ -126,6 +128,26 @@ def test_it_leaves_the_dock_backwards_before_it_turns_for_another_place() -> Non
         if math.dist((pose.x, pose.y), (begin.x, begin.y)) < 0.45:
             assert abs(wrap_angle(pose.theta - begin.theta)) < math.radians(5)
     assert poses[-1].y - X_WD.y >= 1.3
+
+
+def test_people_can_have_it_undock() -> None:
+    async def script(run: WorldRun) -> tuple[float, str | None]:
+        await run.system.clock.sleep(1.0)
+        desire = dock(run)
+        await docking(run, "docked")
+        run.system.workspace.remove(desire)
+        await run.system.clock.sleep(1.0)
+        before = run.link.true_pose()
+        undock = run.system.workspace.add("Undock", intensity=5, utility=1, source=ME).id
+        await docking(run, "idle")
+        await run.system.clock.sleep(1.0)
+        after = run.link.true_pose()
+        assert "Undock" not in run.system.workspace.strongest()
+        return math.dist((before.x, before.y), (after.x, after.y)), run.system.workspace.report(undock).outcome
+
+    driven, outcome = in_the_lab(Pose2(11.1, 2.0, -math.pi / 2), script)
+    assert driven == pytest.approx(0.5, abs=0.05)
+    assert outcome == "done"
 
 
 def test_a_low_battery_takes_the_robot_to_the_dock_by_itself() -> None:
