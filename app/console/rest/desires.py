@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated
 
-from fastapi import APIRouter, Header, Path, Request
+from fastapi import APIRouter, Header, Path, Query, Request
 from fastapi.responses import Response
 
 from app.attention.desires import SCALE, Desire, Source
@@ -16,8 +16,9 @@ from app.console.records.attention import DesireClassList
 from app.console.rest.answers import Json, problems
 from app.console.rest.idempotency import KEY_LIMITS, IdempotencyStore
 from app.console.rest.models import DesireChange, NewDesire
+from app.console.rest.outcome_waits import LONGEST_WAIT_S, OutcomeWaits
 from app.console.rest.routing import router as api_router
-from app.messages import DesireClassReport, Desires, Scale
+from app.messages import DesireClassReport, DesireReport, Desires, Scale
 
 if TYPE_CHECKING:
     from app.program.system import System
@@ -70,6 +71,7 @@ def desires_router(system: System) -> APIRouter:
     router = api_router("desires")
     workspace = system.workspace
     store = IdempotencyStore(system.pace.now)
+    waits = OutcomeWaits(workspace)
 
     @router.get("/desires", response_model=Desires, summary="List all desires")
     async def list_desires() -> Response:
@@ -129,9 +131,29 @@ def desires_router(system: System) -> APIRouter:
         store.remember(idempotency_key, body, location, desire)
         return Json(desire, status_code=201, headers={"Location": location})
 
-    @router.get("/desires/{desire_id}", response_model=Desire, summary="One desire", responses=problems(404))
-    async def get_desire(desire_id: DesireId) -> Response:
-        return Json(workspace.get(desire_id))
+    @router.get(
+        "/desires/{desire_id}",
+        response_model=DesireReport,
+        summary="One desire, and what became of it",
+        responses=problems(404, 422),
+    )
+    async def get_desire(
+        desire_id: DesireId,
+        request: Request,
+        wait: Annotated[
+            float,
+            Query(
+                ge=0,
+                le=LONGEST_WAIT_S,
+                allow_inf_nan=False,
+                description="Seconds to wait for its outcome; the answer comes as soon as there is one.",
+                examples=[30],
+            ),
+        ] = 0,
+    ) -> Response:
+        """A desire that left is kept for ten minutes, of the last 2000. Where more than 24 requests wait, the one that
+        has waited longest is answered at once."""
+        return Json(await waits.report(desire_id, wait, request))
 
     @router.patch(
         "/desires/{desire_id}",

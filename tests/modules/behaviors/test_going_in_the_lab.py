@@ -11,7 +11,6 @@ from app.base import paths
 from app.base.geometry import Pose2, wrap_angle
 from app.base.yaml_source import parse
 from app.experiments.world_run import WorldRun, run_in_world
-from app.messages import NavigationStatus
 from app.program.config import load_configuration
 from app.robots.config import RobotConfig
 from app.robots.factory import load_body
@@ -42,12 +41,10 @@ def test_through_a_door_and_around_a_box_that_the_laser_looks_over() -> None:
     others = tuple(thing for thing in world.objects if thing.kind != "suitcase")
     world = world.model_copy(update={"objects": (*others, BOX)})
 
-    async def script(run: WorldRun) -> tuple[Pose2, list[NavigationStatus], tuple[Contact, ...], float]:
-        said: list[NavigationStatus] = []
-        run.system.graph.channels["navigation"].observe(said.append)
+    async def script(run: WorldRun) -> tuple[Pose2, tuple[Contact, ...], float]:
         await run.system.clock.sleep(1.0)
         goal = START.inverse() @ GOAL
-        run.system.workspace.add(
+        desire = run.system.workspace.add(
             "GoTo",
             intensity=8,
             utility=1,
@@ -59,12 +56,15 @@ def test_through_a_door_and_around_a_box_that_the_laser_looks_over() -> None:
             await run.system.clock.sleep(0.1)
             pose = run.link.true_pose()
             nearest = min(nearest, math.dist((pose.x, pose.y), BOX.at))
-            if said[-1].state == "arrived":
+            if run.system.workspace.report(desire.id).outcome is not None:
                 break
-        return run.link.true_pose(), said, run.link.contacts, nearest
+        report = run.system.workspace.report(desire.id)
+        assert (report.outcome, report.behavior) == ("done", "PlanAndFollowPath")
+        (event,) = run.system.timeline.query(kinds=["accomplishment"])
+        assert event.subject == "GoTo"
+        return run.link.true_pose(), run.link.contacts, nearest
 
-    pose, said, contacts, nearest = run_in_world(configuration, body, script, world=world, cameras=True)
-    assert said[-1].state == "arrived", said[-1]
+    pose, contacts, nearest = run_in_world(configuration, body, script, world=world, cameras=True)
     assert not contacts
     assert math.dist((pose.x, pose.y), (GOAL.x, GOAL.y)) <= 0.25 + 0.05
     assert abs(wrap_angle(pose.theta - GOAL.theta)) <= 0.2 + 0.02

@@ -1,26 +1,60 @@
-/** The desires there are: changed in place, removed, with who asked and how long they last. */
+/** The desires there are: changed in place, removed, with who asked, how long they last and what became of them. */
 
 import { useSignal } from "@preact/signals";
 import { Problem } from "../protocol/rest";
-import type { Desire } from "../protocol/types";
+import type { Accomplishment, Desire, DesireReport } from "../protocol/types";
 import { useApp } from "../state/context";
-import { left, number, spaced } from "../ui/format";
+import { ago, clockTime, left, number, spaced } from "../ui/format";
 import { LockIcon, TrashIcon } from "../ui/icons";
 import { Stepper } from "../ui/Stepper";
 
-export function DesireList({ desires }: { desires: readonly Desire[] | null }) {
+interface Props {
+  desires: readonly Desire[] | null;
+  /** The last reports on some of them. */
+  accomplishments: readonly Accomplishment[];
+}
+
+export function DesireList({ desires, accomplishments }: Props) {
   if (desires === null) return <p class="empty">Waiting for the robot's desires…</p>;
   if (desires.length === 0) return <p class="empty">No desires. Add one to give the robot something to attend to.</p>;
   return (
     <ul class="desires">
       {desires.map((desire) => (
-        <Row key={desire.id} desire={desire} />
+        <Row
+          key={desire.id}
+          desire={desire}
+          report={accomplishments.find((report) => report.desire_id === desire.id) ?? null}
+        />
       ))}
     </ul>
   );
 }
 
-function Row({ desire }: { desire: Desire }) {
+/** The desires that left last, the newest first. */
+export function EndedList({ ended }: { ended: readonly DesireReport[] }) {
+  const now = useApp().store.seconds.value;
+  if (ended.length === 0) return null;
+  return (
+    <ul class="ended-desires" aria-label="Ended" data-testid="ended-desires">
+      {ended.map((report) => (
+        <li key={`${report.id}@${report.ended}`} data-id={report.id} data-outcome={report.outcome}>
+          <b>{spaced(report.class)}</b>
+          <OutcomeTag outcome={report.outcome ?? "withdrawn"} />
+          <time title={clockTime(report.ended!)}>
+            {now === null ? clockTime(report.ended!) : ago(now - report.ended!)}
+          </time>
+          <p class="desire-by">{[sourceWords(report.source), report.reason].filter(Boolean).join(" · ")}</p>
+        </li>
+      ))}
+    </ul>
+  );
+}
+
+function OutcomeTag({ outcome }: { outcome: string }) {
+  return <span class={`tag ${outcome}`}>{outcome}</span>;
+}
+
+function Row({ desire, report }: { desire: Desire; report: Accomplishment | null }) {
   const { store, session } = useApp();
   const problem = useSignal("");
   const scale = store.hello.value?.scale ?? { intensity: 8, utility: 8 };
@@ -58,6 +92,7 @@ function Row({ desire }: { desire: Desire }) {
             security
           </span>
         )}
+        {report && <OutcomeTag outcome={report.outcome} />}
         <TimeLeft expires={desire.expires} />
         <button
           type="button"
@@ -69,7 +104,7 @@ function Row({ desire }: { desire: Desire }) {
           <TrashIcon />
         </button>
       </div>
-      <p class="desire-by">{sourceWords(desire.source)}</p>
+      <p class="desire-by">{[sourceWords(desire.source), report?.reason].filter(Boolean).join(" · ")}</p>
       {params.length > 0 && (
         <p class="desire-params">
           {params

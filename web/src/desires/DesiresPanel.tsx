@@ -1,9 +1,9 @@
-/** The desires there are, and the form for one more. */
+/** The desires there are, those that ended last, and the form for one more. */
 
 import { panel } from "../panels/panel";
 import type { Message } from "../state/latest";
 import { DesireForm } from "./DesireForm";
-import { DesireList } from "./DesireList";
+import { DesireList, EndedList } from "./DesireList";
 
 export const desiresPanel = panel({ type: "desires", tab: "Attention", Card: Desires, offered: () => true });
 
@@ -13,7 +13,8 @@ function Desires({ message }: { message: Message<"desires"> | null }) {
       <h2>
         Desires <span class="count">{message?.desires.length ?? 0}</span>
       </h2>
-      <DesireList desires={message?.desires ?? null} />
+      <DesireList desires={message?.desires ?? null} accomplishments={message?.accomplishments ?? []} />
+      <EndedList ended={message?.ended ?? []} />
       <DesireForm />
     </section>
   );

@@ -8,7 +8,7 @@ import type { LaneSample } from "./history";
 import { edges, INITIAL, TRAIL_S, type Viewport } from "./viewport";
 
 /** Kinds of events that are marked: what changes the attention, and what disturbs it. */
-const MARKED = new Set(["desire", "intention", "overload", "module", "restart", "stale"]);
+const MARKED = new Set(["desire", "accomplishment", "intention", "overload", "module", "restart", "stale"]);
 const NEAR_PX = 7;
 
 export interface Hit {

@@ -14,6 +14,8 @@ export const COLORS = {
   grid: "#27303d",
   axis: "#a3b1c2",
   mark: "#e5c07b",
+  done: "#52d18c",
+  failed: "#ff6464",
   cursor: "#e9eef5",
   unfulfilled: "#ff6464",
   degraded: "#52d18c",
@@ -179,10 +181,14 @@ export class LanePainter {
   private marks(scene: Scene, height: number): void {
     const { context: c } = this;
     const perSecond = scene.width / (scene.to - scene.from);
-    c.fillStyle = COLORS.mark;
     for (const event of scene.marks) {
       const x = (event.stamp - scene.from) * perSecond;
       const row = markRow(event, scene.classes);
+      if (event.kind === "accomplishment") {
+        if (row >= 0) this.accomplishment(event, x, (row + 1) * scene.rowHeight - 1);
+        continue;
+      }
+      c.fillStyle = COLORS.mark;
       const top = row < 0 ? 0 : row * scene.rowHeight;
       if (row >= 0 || event.kind === "intention") {
         c.globalAlpha = row < 0 ? 0.3 : 0.8;
@@ -196,6 +202,21 @@ export class LanePainter {
       c.lineTo(x + 0.5, top + 6);
       c.fill();
     }
+  }
+
+  /** At the foot of its lane: at the head, the end of the desire has its mark at the same moment. */
+  private accomplishment(event: RobotEvent, x: number, foot: number): void {
+    const { context: c } = this;
+    c.fillStyle = COLORS[event.data["outcome"] === "failed" ? "failed" : "done"];
+    c.beginPath();
+    c.moveTo(x - 4, foot);
+    c.lineTo(x + 5, foot);
+    c.lineTo(x + 0.5, foot - 6);
+    c.fill();
+    c.font = "600 9px system-ui, sans-serif";
+    c.textAlign = "left";
+    c.textBaseline = "bottom";
+    c.fillText("ACC", x + 7, foot + 1);
   }
 
   private cursor(scene: Scene, height: number): void {

@@ -25,7 +25,7 @@ function page(desires: Desire[], setGoal = async () => ({})) {
     removeDesire: vi.fn(async (id: string) => void said.push(`remove ${id}`)),
   };
   const store = createStore();
-  store.latest.put({ type: "desires", stamp: 1, exploited: [], desires });
+  store.latest.put({ type: "desires", stamp: 1, exploited: [], accomplishments: [], ended: [], desires });
   store.link.value = { phase: "live", retryAt: 0 };
   const map = new MapControl(store, { rest: rest as unknown as Rest } as Session);
   const sent = () =>

@@ -10,6 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 from app.attention.desires import Source
+from app.attention.outcome import outcome_of
 from app.base import paths
 from app.base.kinematic_model import load_model
 from app.experiments.world_run import WorldRun, run_in_world
@@ -60,6 +61,9 @@ def test_the_camera_looks_at_points_within_two_degrees_and_the_head_stays_within
             ("odom", [3.0, -1.0, 1.2]),
         ):
             desire = look(frame, point)
+            report = await outcome_of(system.workspace, desire)
+            assert (report.outcome, report.behavior, report.ended) == ("done", "LookAt", None)
+            assert true_angle_deg(run, in_world(run, frame, point)) < 3.0, "the head still comes to rest"
             await system.clock.sleep(4.0)
             assert system.exploited() == (desire,)
             angles[f"{frame} {point}"] = true_angle_deg(run, in_world(run, frame, point))
@@ -73,6 +77,7 @@ def test_the_camera_looks_at_points_within_two_degrees_and_the_head_stays_within
             system.workspace.remove(desire)
             await system.clock.sleep(1.0)
             assert system.exploited() == ()
+        assert len(system.timeline.query(kinds=["accomplishment"])) == 3
         events = [(event.text, event.data["classes"]) for event in system.timeline.query(kinds=["exploitation"])]
         return angles, events, moved
 
