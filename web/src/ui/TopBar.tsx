@@ -88,6 +88,7 @@ export function TopBar({ narrow }: { narrow: boolean }) {
           </p>
         )}
         <dl class="metrics">
+          <Battery />
           <Metric
             id="rtt"
             label="Link"
@@ -102,7 +103,6 @@ export function TopBar({ narrow }: { narrow: boolean }) {
             {millis(store.rttMs.value)}
           </Metric>
           {!replay && <LiveMetrics />}
-          <Battery />
         </dl>
       </div>
       <div class="bar-end">
