@@ -8,6 +8,7 @@ import pytest
 
 from app.messages import BatteryState, Twist
 from app.robots.config import RobotConfig
+from app.robots.simulated.link_protocol import ComputerLoad
 from app.robots.simulated.lockstep import LockstepLink
 from app.robots.simulated.world_config import WorldConfig
 from app.runtime.clock import VirtualClock, run_virtual
@@ -17,8 +18,10 @@ from tests.robots.conftest import make_hall
 HALL = make_hall(objects=[{"kind": "dock", "at": (10, 10), "yaw_deg": -90}])
 
 
-def powers(robot: RobotConfig, world: WorldConfig, linear_mps: float, *, sensor: str = "") -> list[BatteryState]:
-    """States of the battery while the robot drives for four seconds, once a second."""
+def powers(
+    robot: RobotConfig, world: WorldConfig, linear_mps: float, *, sensor: str = "", cores: float = 0.0
+) -> list[BatteryState]:
+    """States of the battery while the robot drives for four seconds, once a second; so many ``cores`` are busy."""
 
     async def run() -> list[BatteryState]:
         clock = VirtualClock()
@@ -27,6 +30,7 @@ def powers(robot: RobotConfig, world: WorldConfig, linear_mps: float, *, sensor:
         link.attach("battery", states.append)
         await link.start()
         try:
+            link._send(ComputerLoad(cores))
             for stream in filter(None, ("battery", sensor)):
                 link.demand(stream, math.inf)
             for _ in range(80):
@@ -57,6 +61,8 @@ def test_driving_and_each_sensor_draw_their_power(robot: RobotConfig, hall: Worl
     assert still[-1].charge < still[0].charge <= robot.battery.charge
     scanning = powers(at(robot, 5.0), hall, 0.0, sensor="hokuyo")
     assert watts(scanning[-1]) - watts(still[-1]) == pytest.approx(load.sensors_w["hokuyo"], abs=0.2)
+    computing = powers(at(robot, 5.0), hall, 0.0, cores=1.5)
+    assert watts(computing[-1]) - watts(still[-1]) == pytest.approx(1.5 * load.core_w, abs=0.2)
     driving = powers(at(robot, 5.0), hall, 0.4)
     assert watts(driving[-1]) - watts(still[-1]) > 0.9 * load.friction_n * 0.4 / load.efficiency
 

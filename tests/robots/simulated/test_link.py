@@ -19,7 +19,7 @@ import pytest
 
 from app.base.geometry import FisheyeModel
 from app.link import LinkFailed
-from app.messages import GroundTruth, Image, LaserScan, LinkStatus, Odometry, Twist
+from app.messages import BatteryState, GroundTruth, Image, LaserScan, LinkStatus, Odometry, Twist
 from app.robots.config import RobotConfig
 from app.robots.simulated import link as link_module
 from app.robots.simulated.gl import MISSING_EGL
@@ -319,3 +319,17 @@ async def test_a_world_that_cannot_be_built_fails_the_start_with_its_reason(
     assert "bad.urdf" in str(failed.value)
     assert not caplog.records, "the caller gets the error, and logs it once"
     assert link.process_id is None
+
+
+async def test_the_programs_own_cpu_time_draws_on_the_battery(blind: Listener, robot: RobotConfig) -> None:
+    assert robot.battery is not None
+    load = robot.battery.load
+    blind.link.demand("battery", math.inf)
+    at_rest = load.idle_w + load.computer_w + 0.5  # half a watt: a twentieth of a core
+
+    def busy() -> bool:
+        sum(range(200_000))  # this process is the robot's computer
+        states: list[BatteryState] = blind.messages["battery"]
+        return any(state.voltage_v * -state.current_a > at_rest for state in states)
+
+    await blind.until(busy)
