@@ -39,6 +39,7 @@ from app.messages.attention import (
 )
 from app.messages.base import Look, Message, PerceptKind, read_only
 from app.messages.driving import Exploitation, LinkStatus, TeleopCommand, Twist
+from app.messages.energy import BatteryState, DockingState, DockingStatus, DockSighting
 from app.messages.navigation import (
     GivenUpGoal,
     Localization,
@@ -101,6 +102,7 @@ __all__ = [
     "Accomplishment",
     "Alternative",
     "Audio",
+    "BatteryState",
     "Darkness",
     "Desire",
     "DesireClassReport",
@@ -109,6 +111,9 @@ __all__ = [
     "Desires",
     "Divisor",
     "Divisors",
+    "DockSighting",
+    "DockingState",
+    "DockingStatus",
     "EncodedImage",
     "EventKind",
     "Exploitation",

@@ -12,6 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, field_validator,
 from app.base.kinematic_model import KinematicModel, load_model
 from app.base.yaml_source import load_yaml
 from app.link import ActuatorGroup, ArmDescription, BaseLimits, JointLimits, SafeAction
+from app.robots.battery_config import BatteryConfig
 from app.robots.guard import GuardLimits
 
 Positive = Annotated[float, Field(gt=0)]
@@ -387,6 +388,7 @@ class RobotConfig(BodyConfig):
     base: BaseConfig = BaseConfig()
     streams: StreamsConfig = StreamsConfig()
     loudspeaker: LoudspeakerConfig | None = None
+    battery: BatteryConfig | None = Field(default=None, description="null: a body without stream battery")
     scenario: Path | None = Field(default=None, description="who and what else is in the world (config/scenarios)")
     ground_truth: bool = Field(default=False, description="offer the true pose, for tests and experiments only")
     seed: int = 1

@@ -131,7 +131,8 @@ def test_going_somewhere_pulls_in_slam_and_gets_cheaper_where_the_computer_is_wa
     workspace = IntentionWorkspace(CLASSES, lambda: 0.0)
 
     def chosen(capacity: float) -> set[str]:
-        return set(solve(SelectionProblem(workspace.strongest(), table.strategies, {"cpu": capacity})).strategies)
+        capacities = {**table.capacities(), "cpu": capacity}
+        return set(solve(SelectionProblem(workspace.strongest(), table.strategies, capacities)).strategies)
 
     workspace.add("GoTo", intensity=8, utility=1, params={"x": 1, "y": 2}, source=Source("operator", "ada"))
     assert chosen(40) == {"plan-and-follow-1", "slam-40"}, "nobody desires SLAM, but a pose is needed"

@@ -18,6 +18,7 @@ from app.console.records.program import SourceState
 from app.console.records.recordings import PlaybackReport, RecorderReport
 from app.console.records.robot import GroupReport, Guard, LandmarkReport, OdometryReport, RobotFacts
 from app.messages import (
+    BatteryState,
     DesireClassReport,
     Desires,
     Divisor,
@@ -224,6 +225,7 @@ FROM_ROBOT: dict[str, FrameKind] = {
     "landmarks": FrameKind(LandmarkList, "On change: what was found, in `odom`."),
     "perceived": FrameKind(PlacedPercepts, "On change: what the robot sees and hears."),
     "speech": FrameKind(Speech, "On change, up to 20 times a second: what the robot says, for subtitles."),
+    "battery": FrameKind(BatteryState, "Once a second, of a body with a battery: its charge."),
     "localization": FrameKind(LocalizationReport, "Up to 10 times a second: where the robot is on the map."),
     "navigation": FrameKind(NavigationModel, "On change: the goal and the state of navigation."),
     "zones": FrameKind(ZoneList, "On change: the zones of the map."),

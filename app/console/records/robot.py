@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Annotated, Literal
 
 from app.link import BaseLimits
+from app.messages import BatteryState
 from app.messages.base import Stamp, doc
 from app.runtime.module import Caution
 
@@ -94,6 +95,7 @@ class RobotReport:
     driver: Annotated[str | None, doc("The operator who drives.")]
     exploited: Annotated[str | None, doc("The behavior that drives the base.")]
     landmarks: tuple[LandmarkReport, ...]
+    battery: Annotated[BatteryState | None, doc("null: the body has none, or has not reported it yet.")]
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,5 @@
-"""Context of the collision monitor: newest scan, odometry since, joints, operator's override; limits a command by them.
+"""Context of the collision monitor: newest scan, odometry since, joints, operator's override, a dock; it limits a
+command by them.
 
 Pure on values and times: no event loop and no clock of its own.
 """
@@ -7,14 +8,16 @@ from __future__ import annotations
 
 import cmath
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
 from app.base.geometry import Pose2
 from app.base.moving_shapes import BodyOutline
 from app.base.pose_buffer import PoseBuffer
 from app.link import BaseLimits
-from app.messages import JointState, LaserScan, Odometry, TeleopCommand, Twist
+from app.messages import DockSighting, JointState, LaserScan, Odometry, TeleopCommand, Twist
 from app.modules.actuation.arbitration import approach
 from app.modules.actuation.collision_monitor import CollisionMonitor, SeenPoints, Verdict
+from app.modules.actuation.dock_exemption import FRESH_S, LONGEST_PLATE_M, without_dock
 
 #: Greatest age (s) of odometry that is extrapolated to now by its own twist.
 _CARRIED_S = 0.1
@@ -43,6 +46,7 @@ class CollisionContext:
         self._odometry: Odometry | None = None
         self._poses = PoseBuffer(span_s=2.0)
         self._operator: TeleopCommand | None = None
+        self._dock: DockSighting | None = None
 
     def scanned(self, scan: LaserScan) -> None:
         self._scan, self._seen = scan, None
@@ -59,29 +63,40 @@ class CollisionContext:
         """Take the operator's newest command."""
         self._operator = drive
 
+    def sighted(self, dock: DockSighting) -> None:
+        """Take the newest sighting of a dock that the robot drives into."""
+        self._dock = dock
+
     def overridden(self, now: float) -> bool:
         """Whether an operator holds the override now."""
         drive = self._operator
         return drive is not None and drive.held and drive.override and abs(now - drive.stamp) <= self._hold_s
 
-    def limit(self, before: Twist, target: Twist, longest_s: float, *, by_hand: bool) -> tuple[Twist, str]:
+    def limit(
+        self, before: Twist, target: Twist, longest_s: float, *, by_hand: bool, docking: bool = False
+    ) -> tuple[Twist, str]:
         """The twist to give to the wheels at the stamp of ``target``, and the reason where it is less than ``target``
         (else "").
 
         ``before``: the twist given last; the result approaches ``target`` with the body's accelerations, but a
         reduction by the monitor applies at once. ``by_hand``: an operator drives and may use the override.
+        ``docking``: the docking behavior drives: at a crawl, the dock that it has just seen does not limit it.
         """
         now = target.stamp
+        dock = self._exempt(now) if docking else None
+        if dock is not None:
+            # Faster motion from before ends at once, as where the monitor reduces it.
+            before, target = self._crawling(before), self._crawling(target)
         if by_hand and self.overridden(now):
             return self._towards(
                 before, target, self._monitor.crawl(_velocity(target), target.angular_radps), longest_s
             )
         standing = _stands(before)
-        allowed = self._judge(now, target, standing)
+        allowed = self._judge(now, target, standing, dock)
         twist, reason = self._towards(before, target, allowed, longest_s)
         if not _is_part(twist, allowed):
             # While the body accelerates or brakes, its arc differs from the arc of the target.
-            now_allowed = self._judge(now, twist, standing=False)
+            now_allowed = self._judge(now, twist, standing=False, dock=dock)
             if now_allowed.reason:
                 return _twist(now, now_allowed), now_allowed.reason
         return twist, reason
@@ -97,7 +112,19 @@ class CollisionContext:
             )
         return twist, allowed.reason
 
-    def _judge(self, now: float, twist: Twist, standing: bool) -> Verdict:
+    def _crawling(self, twist: Twist) -> Twist:
+        allowed = self._monitor.crawl(_velocity(twist), twist.angular_radps)
+        return _twist(twist.stamp, allowed)
+
+    def _exempt(self, now: float) -> DockSighting | None:
+        """The dock that does not limit the docking behavior now; None where it was not seen just before."""
+        dock = self._dock
+        # Written so that a NaN is neither fresh nor short.
+        if dock is None or not abs(now - dock.stamp) <= FRESH_S or not 0 < dock.plate_m <= LONGEST_PLATE_M:
+            return None
+        return dock
+
+    def _judge(self, now: float, twist: Twist, standing: bool, dock: DockSighting | None) -> Verdict:
         scan, monitor = self._scan, self._monitor
         if _stands(twist):
             return Verdict(0.0, 0.0)
@@ -107,8 +134,11 @@ class CollisionContext:
         self._fit(now)
         if self._seen is None:
             self._seen = monitor.see(scan)
-        moved = self._motion(self._seen.stamp, now)
-        return monitor.judge(self._seen, moved, _velocity(twist), twist.angular_radps, standing=standing)
+        seen, moved = self._seen, self._motion(self._seen.stamp, now)
+        X_OS = None if dock is None else self._poses.at(seen.stamp)
+        if dock is not None and X_OS is not None:
+            seen = replace(seen, points=without_dock(seen.points, dock, X_OS))
+        return monitor.judge(seen, moved, _velocity(twist), twist.angular_radps, standing=standing)
 
     def _fit(self, now: float) -> None:
         """Give the monitor the outline of the body as its joints are now."""

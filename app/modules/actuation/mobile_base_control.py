@@ -6,6 +6,7 @@
     │                    in   odometry          Odometry; never filtered                       │
     │                    in   joints            JointState: where the arms are; never filtered │
     │                    in   operator          TeleopCommand: the override; never filtered    │
+    │                    in   dock              DockSighting while docking; or none            │
     │                    out  exploitation      Exploitation, 10 Hz and when the driver changes│
     │                    out  status            LinkStatus, 20 Hz, as the guard reports        │
     └─────────────────────────────────────────────────────────────────────────────────────────┘
@@ -18,8 +19,9 @@ body's accelerations, then given to the robot link. Without a fresh command, zer
 On a body with a laser the collision monitor (``collision_monitor.py``) limits every command, of an operator or a
 behavior: without a fresh scan the base stands still. Its outline includes what joints stretch out over the floor;
 while they are not known it is the widest that they can make. Only the operator can override the monitor, at a crawl,
-while both dead-man and override are held. A program that does not wire the scans of such a body is refused, unless its
-configuration says ``collision_monitor: off``.
+while both dead-man and override are held. The behavior ``docking`` may, at a crawl, come near the dock that it sees
+(``dock``): its outline alone does not limit it. A program that does not wire the scans of such a body is refused,
+unless its configuration says ``collision_monitor: off``.
 """
 
 from __future__ import annotations
@@ -34,7 +36,17 @@ from pydantic import Field
 from app.base.errors import ConfigError
 from app.base.moving_shapes import BodyOutline
 from app.link import BaseLimits, RobotDescription, RobotLink
-from app.messages import Exploitation, JointState, LaserScan, LinkStatus, Message, Odometry, TeleopCommand, Twist
+from app.messages import (
+    DockSighting,
+    Exploitation,
+    JointState,
+    LaserScan,
+    LinkStatus,
+    Message,
+    Odometry,
+    TeleopCommand,
+    Twist,
+)
 from app.modules.actuation.arbitration import Contender, approach, clamped, twist_is_finite
 from app.modules.actuation.collision_context import CollisionContext
 from app.modules.actuation.collision_monitor import CollisionMonitor, MonitorRules
@@ -53,10 +65,11 @@ PARTING_ZEROS = 3
 class MobileBaseControlSettings(ArbiterSettings):
     """Settings of MobileBaseControl."""
 
-    own_inputs = frozenset({"scans", "odometry", "joints", "operator"})
+    own_inputs = frozenset({"scans", "odometry", "joints", "operator", "dock"})
 
     behaviors: tuple[Contender, ...] = (Contender(input="teleop", behavior="Teleop", priority=1),)
     by_hand: str = Field("Teleop", description="the behavior that the operator drives by, who alone may override")
+    docking: str = Field("Docking", description="the behavior that drives into a dock, whose outline alone it may near")
     collision_monitor: Literal["on", "off"] = Field("on", description="off: nothing keeps it from hitting things")
     monitor: MonitorRules = Field(MonitorRules(), description="the collision monitor, for bodies with a laser")
 
@@ -78,6 +91,7 @@ class MobileBaseControl(GroupArbiter[Twist]):
         self._odometry = self.input("odometry", Odometry, capacity=128, always_open=True)
         self._operator = self.input("operator", TeleopCommand, capacity=8, always_open=True)
         self._joints = self.input("joints", JointState, capacity=2, always_open=True)
+        self._dock = self.input("dock", DockSighting, always_open=True)
         self._collision_context: CollisionContext | None = None
         self._sent = Twist(0.0, 0.0, 0.0)
         self._zeros_left = PARTING_ZEROS
@@ -161,6 +175,9 @@ class MobileBaseControl(GroupArbiter[Twist]):
         for drive in _waiting(self._operator):
             if collision_context is not None:
                 collision_context.commanded(drive)
+        for dock in _waiting(self._dock):
+            if collision_context is not None:
+                collision_context.sighted(dock)
 
     def usable(self, command: Twist) -> bool:
         """Whether its speeds are finite."""
@@ -191,8 +208,10 @@ class MobileBaseControl(GroupArbiter[Twist]):
     def _within_sight(self, driver: str, target: Twist, limits: BaseLimits) -> tuple[Twist, str]:
         if self._collision_context is None:
             return approach(self._sent, target, limits, self.settings.period_s), ""
-        by_hand = driver == self.settings.by_hand
-        return self._collision_context.limit(self._sent, target, self.settings.period_s, by_hand=by_hand)
+        by_hand, docking = driver == self.settings.by_hand, driver == self.settings.docking
+        return self._collision_context.limit(
+            self._sent, target, self.settings.period_s, by_hand=by_hand, docking=docking
+        )
 
 
 def _has_laser(body: RobotDescription) -> bool:

@@ -110,6 +110,11 @@ class RobotSimulation:
         resisting = self.data.qfrc_actuator[dofs] - self.model.dof_damping[dofs] * self.data.qvel[dofs]
         return np.asarray(-resisting)
 
+    def motor_power_w(self) -> float:
+        """Mechanical power (W) that the motors of wheels and joints put out now; what they brake is lost."""
+        power = self.data.actuator_force * self.data.actuator_velocity
+        return float(np.maximum(power, 0.0).sum())
+
     def true_pose(self) -> Pose2:
         """``X_WB`` in the plane."""
         x, y, _, w, qx, qy, qz = (float(v) for v in self.data.qpos[self.base_address : self.base_address + 7])

@@ -48,6 +48,13 @@ class Demand:
 
 
 @dataclass(frozen=True, slots=True)
+class ComputerLoad:
+    """Program to link: how many ``cores`` of the robot's computer are busy, on average since the last."""
+
+    cores: float
+
+
+@dataclass(frozen=True, slots=True)
 class DriveRequest:
     """Program to link: a commanded velocity, at ``stamp`` (s, robot's clock)."""
 

@@ -18,8 +18,10 @@ from app.robots.config import RobotConfig
 from app.robots.simulated import link_protocol
 from app.robots.simulated.acoustics.ipc import MicrophoneFrame
 from app.robots.simulated.acoustics.soundscape import Soundscape
+from app.robots.simulated.battery import Battery
 from app.robots.simulated.body import TIMESTEP_S, build_simulation
 from app.robots.simulated.camera_models import lenses
+from app.robots.simulated.dock import dock_poses, touches
 from app.robots.simulated.joint_servos import JointServos
 from app.robots.simulated.laser import Laser
 from app.robots.simulated.odometry import EncoderOdometry, HolonomicOdometry, draw_true_base
@@ -43,6 +45,10 @@ class Schedule:
 
     def ready(self, time_s: float) -> bool:
         return time_s + 1e-9 >= self._next_s
+
+    def expire(self) -> None:
+        """Make it due now."""
+        self._next_s = -math.inf
 
     def due(self, time_s: float) -> bool:
         """Whether it is due now; then the next time is a period later (a stream that fell behind skips periods)."""
@@ -123,6 +129,12 @@ class WorldSimulation:
             if camera is not None:
                 rates[stream] = camera.rate_hz
         self._camera_frames = {stream: frame for stream, (frame, _) in lenses(robot).items()}
+        self.battery: Battery | None = None
+        if robot.battery is not None:
+            self.battery = Battery(robot.battery)
+            rates["battery"] = robot.battery.rate_hz
+        self._docks = dock_poses(world)
+        self._busy_cores = 0.0
         self._schedules = {name: Schedule(rate) for name, rate in rates.items()}
         self._thinning = {name: Thinning(rates[name]) for name in self._camera_frames}
         self._last_odometry_s = 0.0
@@ -147,6 +159,8 @@ class WorldSimulation:
             case link_protocol.ClearEStop():
                 self.state = guard.clear_e_stop(self.state)
                 self.joints.clear_e_stop()
+            case link_protocol.ComputerLoad(cores):
+                self._busy_cores = cores
             case link_protocol.Demand(stream, rate_hz):
                 self.demand(stream, rate_hz)
 
@@ -175,6 +189,8 @@ class WorldSimulation:
                 self._people.pose(simulation.data)
             self._sense(stamp)
             also(stamp)
+        if steps:
+            self._draw_power(steps * TIMESTEP_S)
         if steps == 0 and action.immediate:  # a stop must not wait for the next step
             self.state = guard.step(self.state, action, self._limits, 0.0)
             simulation.drive(self.state.applied)
@@ -244,6 +260,21 @@ class WorldSimulation:
             name: now - self._last_seen[name] for name in self.robot.limits.required_sensors if name in self._last_seen
         }
 
+    def _draw_power(self, seconds: float) -> None:
+        """Charge or discharge the battery by what runs, over the last ``seconds``."""
+        config = self.robot.battery
+        if self.battery is None or config is None:
+            return
+        load = config.load
+        rolling_w = load.friction_n * abs(self.physics.true_velocity().linear_mps)
+        load_w = load.idle_w + load.computer_w + load.core_w * self._busy_cores
+        load_w += (self.physics.motor_power_w() + rolling_w) / load.efficiency
+        load_w += sum(watts for stream, watts in load.sensors_w.items() if stream in self.wanted)
+        charging = touches(self.physics.true_pose(), self._docks, config.plate_m)
+        if charging != self.battery.charging:
+            self._schedules["battery"].expire()  # a charger that comes on is noticed at once
+        self.battery.advance(seconds, load_w, charging=charging)
+
     def _sense(self, stamp: float) -> None:
         time_s, schedules, wanted = self.physics.time_s, self._schedules, self.wanted
         if schedules["odometry"].due(time_s):
@@ -251,6 +282,8 @@ class WorldSimulation:
         if schedules["joints"].due(time_s):
             positions, efforts = tuple(self._measured_joints().tolist()), tuple(self._measured_efforts().tolist())
             self.send("joints", JointState(stamp, self.physics.joints, positions, efforts), stamp)
+        if self.battery is not None and "battery" in wanted and schedules["battery"].due(time_s):
+            self.send("battery", self.battery.state(stamp), stamp)
         if "ground_truth" in wanted and schedules["ground_truth"].due(time_s):
             speed = self.physics.true_velocity()
             truth = GroundTruth(

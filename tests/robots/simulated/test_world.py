@@ -81,8 +81,9 @@ def test_there_are_low_things_under_the_lasers_plane(lab: WorldConfig) -> None:
 
 
 def test_four_posters_hang_on_walls_beside_doors(lab: WorldConfig, probe: Callable[..., float]) -> None:
-    assert len({poster.text for poster in lab.posters}) == 4
-    for poster in lab.posters:
+    posters = [poster for poster in lab.posters if poster.text.startswith("tour:")]
+    assert len({poster.text for poster in posters}) == 4
+    for poster in posters:
         facing = math.radians(poster.facing_deg)
         c, s = math.cos(facing), math.sin(facing)
         x, y, z = poster.p_WQ

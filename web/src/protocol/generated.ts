@@ -50,6 +50,22 @@ export interface BaseLimits {
   lateral_mps: number;
 }
 
+/** State of the body's battery. */
+export interface BatteryState {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  /** Share of the capacity that is left, 0 to 1. */
+  charge: number;
+  /** At its terminals, V. */
+  voltage_v: number;
+  /** Into the battery, A: negative while it discharges. */
+  current_a: number;
+  /** Whether a charger supplies power, also once the battery is full. */
+  charging: boolean;
+  /** Time until it is empty, or full while it charges, at the mean power of the last minute; null: neither. */
+  remaining_s: number | null;
+}
+
 /**
  * A warning about a program's configuration: a ``title`` of a few words, and a ``text`` of one sentence with the reason
  * and the remedy. ``where``: file and line, "" if unknown.
@@ -802,6 +818,7 @@ export interface TimelineEvent {
   stamp: number;
   kind:
     | "accomplishment"
+    | "battery"
     | "capacity"
     | "desire"
     | "exploitation"
@@ -1085,6 +1102,8 @@ export interface RobotMessages {
   perceived: PlacedPercepts;
   /** On change, up to 20 times a second: what the robot says, for subtitles. */
   speech: Speech;
+  /** Once a second, of a body with a battery: its charge. */
+  battery: BatteryState;
   /** Up to 10 times a second: where the robot is on the map. */
   localization: LocalizationReport;
   /** On change: the goal and the state of navigation. */
