@@ -27,7 +27,8 @@ class Joint:
     """One joint: ``X_PJ`` is its frame in the parent link at position 0; ``axis`` (3,) a unit vector in that frame.
 
     ``lower`` and ``upper`` bound its position (rad or m), ``velocity`` its speed (rad/s or m/s); infinite where the
-    file says none. ``effort`` bounds its torque or force (N m or N; 0 where the file says none).
+    file says none. ``effort`` bounds its torque or force (N m or N; 0 where the file says none). ``mimic`` names the
+    joint that it follows ("": none): its position is then ``multiplier`` times that one's, plus ``offset``.
     """
 
     name: str
@@ -40,17 +41,26 @@ class Joint:
     upper: float
     velocity: float = math.inf
     effort: float = 0.0
+    mimic: str = ""
+    multiplier: float = 1.0
+    offset: float = 0.0
 
     @property
     def moves(self) -> bool:
-        """Whether it is movable."""
-        return self.kind in MOVING_TYPES
+        """Whether it is movable by itself: it is not fixed, and follows no other joint."""
+        return self.kind in MOVING_TYPES and not self.mimic
+
+    def position(self, positions: Mapping[str, float]) -> float:
+        """Its position (rad or m) where joints have ``positions`` by name; 0 where that is missing."""
+        if self.mimic:
+            return self.multiplier * positions.get(self.mimic, 0.0) + self.offset
+        return positions.get(self.name, 0.0)
 
     def pose(self, position: float) -> Pose3:
         """``X_PC``: pose of the child link in the parent link at ``position`` (rad or m)."""
         if self.kind == "prismatic":
             return self.X_PJ @ Pose3(np.eye(3), self.axis * position)
-        if self.moves:
+        if self.kind in MOVING_TYPES:
             return self.X_PJ @ Pose3(rotation_about(self.axis, position), np.zeros(3))
         return self.X_PJ
 
@@ -81,12 +91,13 @@ class KinematicModel:
         positions = positions or {}
         pose = Pose3.identity()
         for joint in self._up(link):
-            pose = joint.pose(positions.get(joint.name, 0.0)) @ pose
+            pose = joint.pose(joint.position(positions)) @ pose
         return pose
 
     def moved_by(self, link: str) -> tuple[str, ...]:
         """The joints that move ``link`` in the root link, from the link up; raises KeyError as :meth:`pose`."""
-        return tuple(joint.name for joint in self._up(link) if joint.moves)
+        leaders = (joint.mimic or joint.name for joint in self._up(link) if joint.kind in MOVING_TYPES)
+        return tuple(dict.fromkeys(leaders))
 
     def _up(self, link: str) -> Iterator[Joint]:
         if link != self.root and link not in self._joint_above:
@@ -123,7 +134,11 @@ def load_model(path: Path) -> KinematicModel:
         raise ConfigError(
             f"its links must form one tree; these have no parent: {', '.join(roots) or 'none'}", str(path)
         )
-    return KinematicModel(roots[0], joints)
+    model = KinematicModel(roots[0], joints)
+    for joint in joints:
+        if joint.mimic and joint.mimic not in model.joint_names:
+            raise ConfigError(f"joint {joint.name!r} mimics {joint.mimic!r}, which is no movable joint", str(path))
+    return model
 
 
 def _joint(element: ElementTree.Element) -> Joint:
@@ -132,7 +147,7 @@ def _joint(element: ElementTree.Element) -> Joint:
     rpy = _vector(origin.get("rpy", "0 0 0") if origin is not None else "0 0 0")
     axis_element = element.find("axis")
     axis = np.array(_vector(axis_element.attrib["xyz"] if axis_element is not None else "1 0 0"))
-    limit = element.find("limit")
+    limit, mimic = element.find("limit"), element.find("mimic")
     return Joint(
         name=element.attrib["name"],
         kind=element.attrib["type"],
@@ -144,6 +159,9 @@ def _joint(element: ElementTree.Element) -> Joint:
         upper=float(limit.get("upper", "inf")) if limit is not None else math.inf,
         velocity=float(limit.get("velocity", "inf")) if limit is not None else math.inf,
         effort=float(limit.get("effort", "0")) if limit is not None else 0.0,
+        mimic=mimic.attrib["joint"] if mimic is not None else "",
+        multiplier=float(mimic.get("multiplier", "1")) if mimic is not None else 1.0,
+        offset=float(mimic.get("offset", "0")) if mimic is not None else 0.0,
     )
 
 

@@ -91,6 +91,15 @@ class ActuatorConfig(_Model):
     compliant: bool = Field(default=False, description="commands may set stiffness and damping")
     stiffness: NotNegative = Field(default=60.0, description="N m/rad, of a compliant group without a value given")
     damping: NotNegative = Field(default=6.0, description="N m s/rad, likewise")
+    kinematic: bool = Field(
+        default=False, description="in the simulated world its joints are where the guard sets them, without physics"
+    )
+
+    @model_validator(mode="after")
+    def _compliance_is_of_physics(self) -> Self:
+        if self.kinematic and self.compliant:
+            raise ValueError("a kinematic group has no forces, so it cannot be compliant")
+        return self
 
     def group(self, name: str, model: KinematicModel) -> ActuatorGroup:
         """The group's description. Raises ValueError for a joint that the model does not have or that cannot move."""
@@ -332,6 +341,11 @@ class RobotConfig(BodyConfig):
     def standing_rates_hz(self) -> tuple[float, float, float]:
         """How often the streams that every body has come: odometry, joints, status."""
         return self.streams.odometry.rate_hz, self.streams.joints.rate_hz, self.streams.status.rate_hz
+
+    @property
+    def kinematic_joints(self) -> tuple[str, ...]:
+        """The joints of all groups that take no part in the physics."""
+        return tuple(joint for actuator in self.actuators.values() if actuator.kinematic for joint in actuator.joints)
 
     @property
     def files(self) -> tuple[Path, ...]:

@@ -57,8 +57,34 @@ def test_a_link_names_the_joints_that_move_it() -> None:
 
 def test_two_arms_of_four_joints() -> None:
     for side in ("left", "right"):
-        arm = [n for n in MODEL.joint_names if n.startswith(side) and "wheel" not in n]
-        assert len(arm) == 4
+        assert sorted(MODEL.moved_by(f"{side}_forearm_link")) == [
+            f"{side}_{name}_joint" for name in ("elbow", "shoulder_pitch", "shoulder_roll", "upper_arm")
+        ]
+
+
+def test_a_joint_that_mimics_another_follows_it_and_is_none_of_its_own(tmp_path: Path) -> None:
+    assert "right_eye_pan_joint" not in MODEL.joint_names
+    assert MODEL.moved_by("right_eye_link") == ("eyes_pan_joint", "eyes_tilt_joint", "tilt_joint", "pan_joint")
+    looking = {"eyes_pan_joint": 0.3, "eyes_tilt_joint": -0.2}
+    left, right = (MODEL.pose(f"{side}_eye_link", looking).rotation for side in ("left", "right"))
+    np.testing.assert_allclose(left, right)
+    np.testing.assert_allclose(left[:, 0], [math.cos(0.3) * math.cos(0.2), math.sin(0.3), -0.2 * 0.95], atol=0.01)
+    pairs = {
+        PHYSICS.joint(a).name: PHYSICS.joint(b).name for a, b in zip(PHYSICS.eq_obj1id, PHYSICS.eq_obj2id, strict=True)
+    }
+    assert pairs == {name: joint.mimic for name, joint in MODEL.joints.items() if joint.mimic}
+    path = tmp_path / "half.urdf"
+    path.write_text(_MIMIC.format(of="first"))
+    assert load_model(path).joints["second"].position({"first": 0.4}) == pytest.approx(-0.1)
+    path.write_text(_MIMIC.format(of="third"))
+    with pytest.raises(ConfigError, match="joint 'second' mimics 'third', which is no movable joint"):
+        load_model(path)
+
+
+_MIMIC = """<robot name="r"><link name="a"/><link name="b"/><link name="c"/>
+<joint name="first" type="revolute"><parent link="a"/><child link="b"/></joint>
+<joint name="second" type="revolute"><parent link="b"/><child link="c"/>
+<mimic joint="{of}" multiplier="-0.5" offset="0.1"/></joint></robot>"""
 
 
 def test_an_unknown_link_is_named_with_those_there_are() -> None:

@@ -187,6 +187,7 @@ def test_a_groups_limits_are_the_models_and_the_files(tmp_path: Path, robot: Rob
         ("  head: {joints: [pan_joint]}\n  neck: {joints: [pan_joint]}\n", "pan_joint is in head already"),
         ("  wheels: {joints: [left_wheel_joint]}\n", "left_wheel_joint is a wheel of the base"),
         ("  base: {joints: [pan_joint]}\n", "base is the group of the wheels"),
+        ("  face: {joints: [eyes_pan_joint], kinematic: true, compliant: true}\n", "a kinematic group has no forces"),
     ],
 )
 def test_a_group_that_cannot_be_is_refused_with_file_and_line(
@@ -198,3 +199,10 @@ def test_a_group_that_cannot_be_is_refused_with_file_and_line(
     assert refused.value.file == str(path)
     if "movable" in says:
         assert refused.value.line == 5
+
+
+def test_a_sensor_cannot_be_on_a_joint_without_physics(tmp_path: Path, robot: RobotConfig) -> None:
+    group = "actuators:\n  head: {joints: [pan_joint, tilt_joint], kinematic: true}\n"
+    path = write(tmp_path, f"model: {robot.model}\nworld: {robot.world}\n{group}")
+    with pytest.raises(ConfigError, match="moves 'kinect_optical_frame' by the joint 'pan_joint'; a sensor"):
+        create_link(load_robot_config(path), 0.0)

@@ -81,11 +81,11 @@ class BodyNodes:
             if name in self._frames and abs(position - self._positions.get(name, 0.0)) > LEAST_MOVE
         }
         self._positions |= changed
-        self._place(changed)
+        self._place(name for name, joint in self._joints.items() if (joint.mimic or name) in changed)
         return bool(changed)
 
     def _place(self, names: Iterable[str]) -> None:
         for name in names:
-            X_PC = self._joints[name].pose(self._positions.get(name, 0.0))
+            X_PC = self._joints[name].pose(self._joints[name].position(self._positions))
             self._frames[name].wxyz = X_PC.quaternion_wxyz()
             self._frames[name].position = X_PC.translation

@@ -1,13 +1,14 @@
 """The body in the world: the URDF attached with a free joint, its drives, servos and camera, and their addresses.
 
-Contacts are between robot and world only; the robot's visual shapes are group 1, its collision shapes group 3, so that
-the laser (which looks at group 0) never sees its own body and the camera draws the visual shapes alone.
+Links that joints of kinematic groups carry are left out: they have no mass, no contact, and no camera of the robot
+draws them. Contacts are between robot and world only; the robot's visual shapes are group 1, its collision shapes group
+3, so that the laser (which looks at group 0) never sees its own body and the camera draws the visual shapes alone.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 
 from app.base.errors import ConfigError
 from app.base.geometry import Pose2
-from app.base.kinematic_model import load_model
+from app.base.kinematic_model import KinematicModel, load_model
 from app.robots.config import RobotConfig
 from app.robots.guard import BaseVelocity
 from app.robots.simulated.kinect_noise import camera_model
@@ -35,7 +36,10 @@ _SERVO_ARMATURE = 0.05
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RobotSimulation:
-    """A compiled world with the robot in it; ``joint_addresses`` (n,) are the places of ``joints`` in qpos."""
+    """A compiled world with the robot in it; ``joint_addresses`` (n,) are the places of ``joints`` in qpos.
+
+    ``joints`` are those with physics; ``kinematic_joints`` of the robot are not among them.
+    """
 
     model: mujoco.MjModel
     data: mujoco.MjData
@@ -92,6 +96,7 @@ def build_simulation(
     add_people(spec, people, world.seed)
     body = mujoco.MjSpec.from_file(str(robot.model))
     kinematics = load_model(robot.model)
+    _leave_out(body, kinematics, robot.kinematic_joints)
     _tune(body, robot, base)
     _add_cameras(body, robot)
     X_WB = spec.worldbody.add_frame(
@@ -114,11 +119,12 @@ def build_simulation(
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     free = model.joint("base")
+    joints = tuple(name for name in kinematics.joint_names if name not in robot.kinematic_joints)
     return RobotSimulation(
         model=model,
         data=data,
-        joints=kinematics.joint_names,
-        joint_addresses=np.array([model.joint(PREFIX + name).qposadr[0] for name in kinematics.joint_names]),
+        joints=joints,
+        joint_addresses=np.array([model.joint(PREFIX + name).qposadr[0] for name in joints]),
         left_wheel=model.actuator(PREFIX + wheels[0]).id,
         right_wheel=model.actuator(PREFIX + wheels[1]).id,
         base_address=int(free.qposadr[0]),
@@ -126,6 +132,13 @@ def build_simulation(
         base_body=int(free.bodyid[0]),
         config=robot,
     )
+
+
+def _leave_out(body: mujoco.MjSpec, kinematics: KinematicModel, joints: Collection[str]) -> None:
+    """Remove the links that ``joints``, or joints that mimic them, carry, with all that is on them."""
+    left_out = {name for name, joint in kinematics.joints.items() if name in joints or joint.mimic in joints}
+    while (carrier := next((joint for joint in body.joints if joint.name in left_out), None)) is not None:
+        body.delete(carrier.parent)
 
 
 def _tune(body: mujoco.MjSpec, robot: RobotConfig, base: TrueBase) -> None:
@@ -144,7 +157,10 @@ def _tune(body: mujoco.MjSpec, robot: RobotConfig, base: TrueBase) -> None:
         robot.base.left_wheel_joint: (base.left_radius_m, base.track_m / 2),
         robot.base.right_wheel_joint: (base.right_radius_m, -base.track_m / 2),
     }
+    followers = {equality.name1 for equality in body.equalities}
     for joint in body.joints:
+        if joint.name in followers:
+            continue  # MuJoCo's constraint moves a joint that mimics another
         actuator = body.add_actuator(name=joint.name, target=joint.name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
         if joint.name in wheels:
             radius, y = wheels[joint.name]

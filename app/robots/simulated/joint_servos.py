@@ -1,4 +1,7 @@
-"""The servos of the body's actuator groups: the joint guard's set-points and stiffness, written into the physics."""
+"""The servos of the body's actuator groups: the joint guard's set-points and stiffness, written into the physics.
+
+Kinematic groups have none: their joints are where the set-points are.
+"""
 
 from __future__ import annotations
 
@@ -11,12 +14,23 @@ from app.robots import joint_guard
 from app.robots.joint_guard import JointAction, JointGuardState, JointSetpoint
 from app.robots.simulated.body import PREFIX, RobotSimulation
 
+_KINEMATIC_PERIOD_S = 0.01
+"""Between two steps of a kinematic group's set-points: their profile is exact for steps of any length."""
+
 
 class JointServos:
     """Guards and moves the joints of ``groups``; all others keep their place."""
 
     def __init__(self, physics: RobotSimulation, groups: Iterable[ActuatorGroup]) -> None:
-        self._groups = {group.name: _GroupServos(physics, group) for group in groups}
+        actuators = physics.config.actuators
+        self._kinematic: list[_KinematicServos] = []
+        self._groups: dict[str, _GroupServos | _KinematicServos] = {}
+        for group in groups:
+            if actuators[group.name].kinematic:
+                self._kinematic.append(_KinematicServos(group))
+                self._groups[group.name] = self._kinematic[-1]
+            else:
+                self._groups[group.name] = _GroupServos(physics, group)
 
     def accept(self, command: JointCommand) -> None:
         """Take a command; one to a group that the body does not have is ignored."""
@@ -47,11 +61,37 @@ class JointServos:
             for setpoint in servos.state.setpoints
         )
 
+    def kinematic_positions(self) -> dict[str, float]:
+        """Positions (rad, m) by name of the joints that are outside the physics."""
+        return {
+            joint.name: setpoint.position
+            for servos in self._kinematic
+            for joint, setpoint in zip(servos.group.joints, servos.state.setpoints, strict=True)
+        }
+
     def status(self, now: float) -> tuple[GroupStatus, ...]:
         """The state of each group."""
         return tuple(
             joint_guard.status(now, servos.state, servos.group, servos.action) for servos in self._groups.values()
         )
+
+
+class _KinematicServos:
+    """A group outside the physics: its guard's state alone."""
+
+    def __init__(self, group: ActuatorGroup) -> None:
+        self.group = group
+        self.state: JointGuardState = joint_guard.at_rest(group, (0.0,) * len(group.joints))
+        self.action: JointAction = joint_guard.decide(0.0, self.state, group, None)
+        self._elapsed_s = 0.0
+
+    def step(self, dt_s: float) -> None:
+        """Move the set-points, of several steps at once."""
+        self._elapsed_s += dt_s
+        if self._elapsed_s + 1e-9 >= _KINEMATIC_PERIOD_S:
+            positions = tuple(setpoint.position for setpoint in self.state.setpoints)
+            self.state = joint_guard.step(self.state, self.action, self.group, positions, self._elapsed_s)
+            self._elapsed_s = 0.0
 
 
 class _GroupServos:

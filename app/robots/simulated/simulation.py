@@ -243,8 +243,9 @@ class WorldSimulation:
         if schedules["odometry"].due(time_s):
             self._send_odometry(stamp, time_s)
         if schedules["joints"].due(time_s):
-            positions = tuple(float(p) for p in self._measured_joints())
-            self.send("joints", JointState(stamp, self.physics.joints, positions), stamp)
+            kinematic = self.joints.kinematic_positions()
+            positions = (*(float(p) for p in self._measured_joints()), *kinematic.values())
+            self.send("joints", JointState(stamp, (*self.physics.joints, *kinematic), positions), stamp)
         if "ground_truth" in wanted and schedules["ground_truth"].due(time_s):
             speed = self.physics.true_velocity()
             truth = GroundTruth(stamp, self.physics.true_pose(), speed.linear_mps, speed.angular_radps)

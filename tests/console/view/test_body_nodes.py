@@ -51,3 +51,11 @@ def test_what_hardly_moves_is_not_sent() -> None:
     assert len(frames[moving].sets) == 2
     nodes.move({moving: 1.5 * LEAST_MOVE})
     assert len(frames[moving].sets) == 4
+
+
+def test_a_joint_that_mimics_another_moves_with_it() -> None:
+    nodes, frames = drawn()
+    nodes.move({"eyes_pan_joint": 0.4})
+    for name in ("eyes_pan_joint", "right_eye_pan_joint"):
+        expected = MODEL.joints[name].pose(0.4).quaternion_wxyz()
+        np.testing.assert_allclose(np.asarray(dict(frames[name].sets)["wxyz"]), expected)
