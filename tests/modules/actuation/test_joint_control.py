@@ -20,7 +20,7 @@ BEHAVIORS = [
 def bench(group: str = "head", behaviors: list[dict[str, Any]] = BEHAVIORS) -> Bench:
     return Bench(
         MODULE,
-        inputs={"look": JointCommand, "nod": JointCommand},
+        inputs={behavior["input"]: JointCommand for behavior in behaviors},
         outputs={"exploitation": Exploitation},
         settings={"group": group, "behaviors": behaviors},
     )
@@ -96,3 +96,20 @@ def test_a_group_that_the_body_does_not_have_is_refused() -> None:
 def test_two_behaviors_cannot_share_an_input() -> None:
     with pytest.raises(WiringError, match="an input of its own"):
         bench(behaviors=[BEHAVIORS[0], {**BEHAVIORS[1], "input": "look"}])
+
+
+@in_virtual_time
+async def test_what_is_unattended_moves_without_a_strategy_and_exploits_none() -> None:
+    calm = {"input": "calm", "behavior": "CalmFace", "priority": 0, "unattended": True}
+    async with bench(behaviors=[*BEHAVIORS, calm]) as b:
+        moving = {port.name for port in b.slot.context.inputs.values() if port.moves}
+        assert moving == {"look", "nod"}
+        reported = b.listen("exploitation")
+        b.feed("calm", command(b, 0.1))
+        await b.settle()
+        assert [c.positions for c in b.link.joint_commands] == [(0.1,)]
+        assert {report.behavior for report in drain(reported)} <= {None}
+        b.feed("look", command(b, 0.5))
+        await b.settle()
+        assert b.link.joint_commands[-1].positions == (0.5,)
+        assert drain(reported)[-1].behavior == "LookAt"
