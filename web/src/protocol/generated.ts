@@ -118,6 +118,14 @@ export interface EventList {
   events: TimelineEvent[];
 }
 
+/** The robot's face. */
+export interface FaceReport {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  /** Positions (rad) of the actuator group `face`, by joint. */
+  joints: Record<string, number>;
+}
+
 /** A goal that the robot has given up. */
 export interface GivenUpModel {
   stamp: number;
@@ -1014,6 +1022,16 @@ export interface RobotMessages {
 }
 
 export type FromRobot = { [T in keyof RobotMessages]: { type: T } & RobotMessages[T] }[keyof RobotMessages];
+
+/** The messages to a page that shows the face, by `type`. */
+export interface FaceMessages {
+  /** 30 times a second: where the joints of the face are. */
+  face: FaceReport;
+  /** On change, up to 20 times a second: what the robot says, for subtitles. */
+  speech: Speech;
+}
+
+export type ToFace = { [T in keyof FaceMessages]: { type: T } & FaceMessages[T] }[keyof FaceMessages];
 
 export type ToRobot =
   | DriveMessage
