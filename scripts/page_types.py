@@ -10,14 +10,14 @@ from __future__ import annotations
 import json
 import sys
 import textwrap
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 from typing import get_args
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from app.console import schema
-from app.console.live.messages import FROM_ROBOT, TO_FACE, FrameKind
+from app.console.live.messages import FROM_ROBOT, FaceReport
 from app.console.live.protocol import FromPage, TimedMessage
 from app.console.records.maps import MapList
 from app.console.records.recordings import RecordingList, ReplayReport, Saved
@@ -29,8 +29,8 @@ from app.console.rest.session import LoginRequest
 
 ROOT = Path(__file__).resolve().parents[1]
 FILE = ROOT / "web" / "src" / "protocol" / "generated.ts"
-#: Answers of REST that the page reads and that are no messages of the live stream.
-ANSWERS = (MapList, RecordingList, ReplayReport, Saved)
+#: Answers of REST, and of the stream of the face, that a page reads and that are no messages of the live stream.
+ANSWERS = (FaceReport, MapList, RecordingList, ReplayReport, Saved)
 #: Bodies of requests to REST that the page makes.
 REQUESTS = (
     DesireChange,
@@ -54,25 +54,22 @@ HEADER = """/**
 
 def generate() -> str:
     """The text of ``generated.ts``."""
-    sent = (FROM_ROBOT | TO_FACE).values()
-    records = schema.sent([*(message.record for message in sent), *ANSWERS], "{name}")
+    records = schema.sent([*(message.record for message in FROM_ROBOT.values()), *ANSWERS], "{name}")
     commands = schema.received([*get_args(FromPage), TimedMessage, *REQUESTS], "{name}")
     parts = [HEADER, 'import type { JsonSchema } from "./jsonSchema";\n']
     parts += [interface(name, records[name]) for name in sorted(records)]
     parts += [interface(name, commands[name]) for name in sorted(commands)]
-    for name, about, union, kinds in (
-        ("RobotMessages", "The robot's messages", "FromRobot", FROM_ROBOT),
-        ("FaceMessages", "The messages to a page that shows the face,", "ToFace", TO_FACE),
-    ):
-        parts.append(_by_type(name, about, _rows(kinds)))
-        parts.append(f"export type {union} = {{ [T in keyof {name}]: {{ type: T }} & {name}[T] }}[keyof {name}];\n")
+    parts.append(_by_type("RobotMessages", "The robot's messages", _from_robot()))
+    parts.append(
+        "export type FromRobot = { [T in keyof RobotMessages]: { type: T } & RobotMessages[T] }[keyof RobotMessages];\n"
+    )
     of_page = [struct.__name__ for struct in get_args(FromPage)]
     parts.append("\n  | ".join(["export type ToRobot =", *of_page]) + ";\n")
     return "\n".join(parts)
 
 
-def _rows(kinds: Mapping[str, FrameKind]) -> Iterator[tuple[str, str, str]]:
-    for kind, message in kinds.items():
+def _from_robot() -> Iterator[tuple[str, str, str]]:
+    for kind, message in FROM_ROBOT.items():
         yield kind, message.record.__name__, message.about
 
 

@@ -10,11 +10,13 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any, Final
 
+import msgspec
 from fastapi import WebSocket
 
 from app.console import reports
+from app.console.live import protocol
 from app.console.live.endpoint import send_from
-from app.console.live.messages import FaceReport
+from app.console.live.messages import FaceReport, Pong
 from app.console.live.outbox import Outbox
 from app.console.taps import Tap
 from app.console.wire import frame
@@ -46,6 +48,14 @@ async def face(websocket: WebSocket, system: System) -> None:
     def say(speech: Speech) -> None:
         outbox.put("speech", frame("speech", speech))
 
+    def answer(text: str) -> None:
+        try:
+            message = protocol.decode(text)
+        except msgspec.DecodeError:
+            return  # such a page can do nothing wrong
+        if isinstance(message, protocol.PingMessage):
+            outbox.put("pong", frame("pong", Pong(message.t, system.clock.now())))
+
     handlers: dict[str, Callable[[Any], None]] = {"joints": show, "speech": say}
     sending = asyncio.create_task(send_from(outbox, websocket), name="face")
     with ExitStack() as taps:
@@ -55,8 +65,8 @@ async def face(websocket: WebSocket, system: System) -> None:
                     handler(latest)
                 taps.callback(Tap(system.graph.channel(channel), f"console.face.{channel}", handler).close)
         try:
-            while (await websocket.receive())["type"] != "websocket.disconnect":
-                pass  # such a page has nothing to say
+            while (received := await websocket.receive())["type"] != "websocket.disconnect":
+                answer(received.get("text") or "")
         finally:
             sending.cancel()
             await asyncio.wait({sending})

@@ -247,4 +247,5 @@ FROM_ROBOT: dict[str, FrameKind] = {
 TO_FACE: dict[str, FrameKind] = {
     "face": FrameKind(FaceReport, "30 times a second: where the joints of the face are."),
     "speech": FROM_ROBOT["speech"],
+    "pong": FROM_ROBOT["pong"],
 }

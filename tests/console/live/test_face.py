@@ -64,6 +64,11 @@ async def test_a_face_gets_its_nine_joints_and_what_is_said_and_is_no_viewer(
         assert face["stamp"] == pytest.approx(sent.stamp)
         system.graph.channel("speech").publish(said(system, "Hello."))
         assert (await received(screen, "speech"))["text"] == "Hello."
+        await screen.send("nonsense")
+        await screen.send(json.dumps({"type": "ping", "t": 7.0}))
+        assert (await received(screen, "pong"))["t"] == 7.0
+        await screen.send(json.dumps({"type": "e_stop"}))
+        assert body.stops == [], "it shows, and does nothing"
         assert hub.viewers == ()
         assert not [desire for desire in system.workspace.desires() if desire.cls == "Telepresence"]
         assert system.graph.channel("speech").wanted

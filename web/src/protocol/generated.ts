@@ -1023,16 +1023,6 @@ export interface RobotMessages {
 
 export type FromRobot = { [T in keyof RobotMessages]: { type: T } & RobotMessages[T] }[keyof RobotMessages];
 
-/** The messages to a page that shows the face, by `type`. */
-export interface FaceMessages {
-  /** 30 times a second: where the joints of the face are. */
-  face: FaceReport;
-  /** On change, up to 20 times a second: what the robot says, for subtitles. */
-  speech: Speech;
-}
-
-export type ToFace = { [T in keyof FaceMessages]: { type: T } & FaceMessages[T] }[keyof FaceMessages];
-
 export type ToRobot =
   | DriveMessage
   | EStopMessage
