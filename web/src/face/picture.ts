@@ -3,12 +3,12 @@
 import { type Eye, JOINTS, type Pose, shapesOf } from "./shape";
 
 const SVG = "http://www.w3.org/2000/svg";
-const IRIS = 54;
+const IRIS = 60;
 
 export class FacePicture {
   readonly svg = make("svg", {
     class: "face",
-    viewBox: "150 60 700 560",
+    viewBox: "140 14 720 616",
     role: "img",
     "aria-label": "The robot's face",
     "data-testid": "face",
@@ -58,15 +58,16 @@ class EyePicture {
   constructor(svg: SVGElement, side: string) {
     const clip = add(add(add(svg, "defs", {}), "clipPath", { id: `${side}-eye` }), "path", {});
     const white = add(svg, "path", { class: "white" });
+    const edge = add(svg, "path", { class: "edge" });
     const inside = add(svg, "g", { "clip-path": `url(#${side}-eye)` });
     this.iris = add(inside, "g", {});
     add(this.iris, "circle", { class: "iris", r: `${IRIS}` });
-    add(this.iris, "circle", { class: "pupil", r: "27" });
+    add(this.iris, "circle", { class: "pupil", r: "31" });
     add(this.iris, "circle", { class: "light", cx: "-18", cy: "-22", r: "13" });
     add(this.iris, "circle", { class: "light faint", cx: "16", cy: "20", r: "7" });
     this.lid = add(svg, "path", { class: "lid" });
     this.brow = add(svg, "path", { class: "brow" });
-    this.outlines = [clip, white];
+    this.outlines = [clip, white, edge];
   }
 
   draw(eye: Eye): void {

@@ -21,7 +21,7 @@ export const CALM: Pose = {
   right_eyebrow_joint: 0.12,
   eyes_pan_joint: 0,
   eyes_tilt_joint: 0,
-  eyelids_joint: 0.2,
+  eyelids_joint: 0.26,
   left_mouth_corner_joint: 0.18,
   right_mouth_corner_joint: 0.18,
   upper_lip_joint: 0.02,
@@ -55,35 +55,39 @@ export interface Shapes {
 /** Position of the open eyes' middle beside the face's, and their half axes. */
 const EYE = { beside: 165, y: 270, rx: 96, ry: 108 };
 const LIDS_CLOSED = 1.2;
-const BROW = { above: 52, half: 84, bow: 26, lift: 90, turn: 0.75 };
-const MOUTH = { x: 500, y: 492, half: 118, corner: 92, wide: 46, upper: 150, lower: 210 };
+const BROW = { above: 36, half: 84, bow: 24, lift: 70, turn: 0.8 };
+const MOUTH = { x: 500, y: 490, half: 128, corner: 96, wide: 50, upper: 150, lower: 215 };
+/** A smile raises the lower lids by this share of the eye's height. */
+const SMILE = 0.34;
 /** A cubic curve's middle lies at three quarters of the way to its control points. */
 const FULL = 4 / 3;
 
 export function shapesOf(pose: Pose): Shapes {
   const closed = clamp(pose.eyelids_joint / LIDS_CLOSED, 0, 1);
+  const smile = clamp((pose.left_mouth_corner_joint + pose.right_mouth_corner_joint - 0.4) / 0.9, 0, 1);
   const gaze = { x: 62 * Math.sin(pose.eyes_pan_joint), y: -62 * Math.sin(pose.eyes_tilt_joint) };
   return {
-    left: eye(1, closed, gaze, pose.left_eyebrow_joint),
-    right: eye(-1, closed, gaze, pose.right_eyebrow_joint),
+    left: eye(1, { closed, smile, gaze, brow: pose.left_eyebrow_joint }),
+    right: eye(-1, { closed, smile, gaze, brow: pose.right_eyebrow_joint }),
     ...mouth(pose),
-    cheeks: clamp((pose.left_mouth_corner_joint + pose.right_mouth_corner_joint - 0.4) / 0.9, 0, 1),
+    cheeks: smile,
   };
 }
 
 /** `side`: 1 on the right of the picture, -1 on its left. */
-function eye(side: number, closed: number, gaze: Point, brow: number): Eye {
+function eye(side: number, of: { closed: number; smile: number; gaze: Point; brow: number }): Eye {
+  const { closed, gaze } = of;
   const x = 500 + side * EYE.beside;
   const corner = EYE.y + 0.34 * EYE.ry * closed;
   const upper = corner + FULL * (mix(EYE.y - EYE.ry, EYE.y + 0.52 * EYE.ry, closed) - corner);
-  const lower = corner + FULL * (mix(EYE.y + EYE.ry, EYE.y + 0.56 * EYE.ry, closed) - corner);
+  const lower = corner + FULL * (mix(EYE.y + EYE.ry * (1 - SMILE * of.smile), EYE.y + 0.56 * EYE.ry, closed) - corner);
   const [begin, end] = [x - EYE.rx, x + EYE.rx];
   const lid = `M${n(begin)} ${n(corner)}C${n(begin)} ${n(upper)} ${n(end)} ${n(upper)} ${n(end)} ${n(corner)}`;
   return {
     outline: `${lid}C${n(end)} ${n(lower)} ${n(begin)} ${n(lower)} ${n(begin)} ${n(corner)}Z`,
     lid,
     iris: { x: x + gaze.x, y: EYE.y + 8 + gaze.y + 10 * closed },
-    brow: eyebrow(side, x, brow),
+    brow: eyebrow(side, x, of.brow),
   };
 }
 
@@ -97,8 +101,9 @@ function eyebrow(side: number, x: number, position: number): string {
 
 function mouth(pose: Pose): Pick<Shapes, "mouth" | "tongue"> {
   const [left, right] = [pose.left_mouth_corner_joint, pose.right_mouth_corner_joint];
-  const a = { x: MOUTH.x - MOUTH.half - MOUTH.wide * right, y: MOUTH.y - MOUTH.corner * Math.sin(right) };
-  const b = { x: MOUTH.x + MOUTH.half + MOUTH.wide * left, y: MOUTH.y - MOUTH.corner * Math.sin(left) };
+  const half = (corner: number) => MOUTH.half + MOUTH.wide * (corner > 0 ? corner : 0.5 * corner);
+  const a = { x: MOUTH.x - half(right), y: MOUTH.y - MOUTH.corner * Math.sin(right) };
+  const b = { x: MOUTH.x + half(left), y: MOUTH.y - MOUTH.corner * Math.sin(left) };
   const base = MOUTH.y + 0.28 * MOUTH.corner * Math.sin((left + right) / 2);
   const upper = base - MOUTH.upper * Math.max(pose.upper_lip_joint, -0.02);
   const lower = Math.max(base + MOUTH.lower * pose.lower_lip_joint, upper);

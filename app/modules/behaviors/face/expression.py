@@ -47,14 +47,14 @@ def _pose(*positions: float) -> FacePose:
     return pose
 
 
-CALM: Final = _pose(0.12, 0.12, 0, 0, 0.20, 0.18, 0.18, 0.02, 0.03)
+CALM: Final = _pose(0.12, 0.12, 0, 0, 0.26, 0.18, 0.18, 0.02, 0.03)
 VARIANTS: Final[Mapping[Expression, tuple[FacePose, FacePose]]] = {
     "attractive": (
-        _pose(0.30, -0.08, 0, 0, 0.45, 0.50, 0.22, 0.03, 0.05),
-        _pose(-0.08, 0.30, 0, 0, 0.45, 0.22, 0.50, 0.03, 0.05),
+        _pose(0.34, -0.06, 0, 0, 0.54, 0.52, 0.26, 0.03, 0.05),
+        _pose(-0.06, 0.34, 0, 0, 0.54, 0.26, 0.52, 0.03, 0.05),
     ),
     "happy": (
-        _pose(0.28, 0.28, 0, 0, 0.08, 0.68, 0.68, 0.10, 0.20),
+        _pose(0.28, 0.28, 0, 0, 0.18, 0.68, 0.68, 0.10, 0.20),
         _pose(0.16, 0.16, 0, 0, 0.40, 0.58, 0.58, 0.04, 0.07),
     ),
     "sad": (
@@ -62,13 +62,13 @@ VARIANTS: Final[Mapping[Expression, tuple[FacePose, FacePose]]] = {
         _pose(0.42, 0.42, 0.12, -0.24, 0.58, -0.40, -0.40, 0.03, 0.02),
     ),
     "angry": (
-        _pose(-0.44, -0.44, 0, 0, 0.26, -0.36, -0.36, -0.03, -0.03),
-        _pose(-0.34, -0.48, 0, 0, 0.42, -0.46, -0.22, 0.14, 0.10),
+        _pose(-0.46, -0.46, 0, 0, 0.46, -0.34, -0.34, -0.03, -0.03),
+        _pose(-0.36, -0.48, 0, 0, 0.56, -0.40, -0.20, 0.12, 0.10),
     ),
 }
 """The two variants of each expression."""
 
-_REACTION: Final = _pose(0.26, 0.26, 0, 0, -0.20, 0, 0, 0.03, 0.06)
+_REACTION: Final = _pose(0.24, 0.24, 0, 0, -0.22, 0, 0, 0.03, 0.06)
 #: By viseme (``app.speech.visemes``): how far the upper and the lower lip are open, and the corners up (rad).
 _MOUTHS: Final[Mapping[str, tuple[float, float, float]]] = {
     "closed": (0.00, 0.00, 0.00),
@@ -77,8 +77,8 @@ _MOUTHS: Final[Mapping[str, tuple[float, float, float]]] = {
     "spread": (0.06, 0.13, 0.12),
     "mid": (0.07, 0.20, 0.00),
     "open": (0.11, 0.38, 0.00),
-    "round": (0.09, 0.30, -0.22),
-    "pursed": (0.06, 0.16, -0.30),
+    "round": (0.10, 0.30, -0.20),
+    "pursed": (0.07, 0.16, -0.26),
 }
 _CORNERS_WHILE_SPEAKING = 0.6
 """Share of an expression that the corners of a speaking mouth keep."""
