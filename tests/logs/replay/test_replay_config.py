@@ -126,6 +126,7 @@ def test_modules_that_would_hear_nothing_stay_out_with_their_strategies() -> Non
         "PlanAndFollowPath.images ",
         "PlanAndFollowPath.base ",
         "LookAt.joints ",
+        "Face.",
         "ProgressSupervisor.exp",
         "Say.sources ",
     )
