@@ -35,7 +35,7 @@ export interface Point {
 }
 
 export interface Eye {
-  /** The outline of what is open of it, and the edge of its upper lid. */
+  /** The outline of what is open of it, and the edge of its upper lid, thickest in the middle. */
   outline: string;
   lid: string;
   iris: Point;
@@ -53,7 +53,7 @@ export interface Shapes {
 }
 
 /** Position of the open eyes' middle beside the face's, and their half axes. */
-const EYE = { beside: 165, y: 270, rx: 96, ry: 108 };
+const EYE = { beside: 165, y: 270, rx: 96, ry: 108, lid: 20 };
 const LIDS_CLOSED = 1.2;
 const BROW = { above: 36, half: 84, bow: 24, lift: 70, turn: 0.8 };
 const MOUTH = { x: 500, y: 490, half: 128, corner: 96, wide: 50, upper: 150, lower: 215 };
@@ -82,10 +82,11 @@ function eye(side: number, of: { closed: number; smile: number; gaze: Point; bro
   const upper = corner + FULL * (mix(EYE.y - EYE.ry, EYE.y + 0.52 * EYE.ry, closed) - corner);
   const lower = corner + FULL * (mix(EYE.y + EYE.ry * (1 - SMILE * of.smile), EYE.y + 0.56 * EYE.ry, closed) - corner);
   const [begin, end] = [x - EYE.rx, x + EYE.rx];
-  const lid = `M${n(begin)} ${n(corner)}C${n(begin)} ${n(upper)} ${n(end)} ${n(upper)} ${n(end)} ${n(corner)}`;
+  const edge = `M${n(begin)} ${n(corner)}C${n(begin)} ${n(upper)} ${n(end)} ${n(upper)} ${n(end)} ${n(corner)}`;
+  const above = upper - EYE.lid;
   return {
-    outline: `${lid}C${n(end)} ${n(lower)} ${n(begin)} ${n(lower)} ${n(begin)} ${n(corner)}Z`,
-    lid,
+    outline: `${edge}C${n(end)} ${n(lower)} ${n(begin)} ${n(lower)} ${n(begin)} ${n(corner)}Z`,
+    lid: `${edge}C${n(end)} ${n(above)} ${n(begin)} ${n(above)} ${n(begin)} ${n(corner)}Z`,
     iris: { x: x + gaze.x, y: EYE.y + 8 + gaze.y + 10 * closed },
     brow: eyebrow(side, x, of.brow),
   };
