@@ -132,7 +132,9 @@ async def test_weights_blend_and_strength_weakens() -> None:
     [
         lambda b: b.feed("noises", LoudNoise(b.clock.now(), 9.0, -20.0)),
         lambda b: b.feed("faces", faces(b, 1)),
-        lambda b: b.feed("codes", QRCodes(0.0, "k", 9, 9, Pose3.identity(), (QRCode("a", np.zeros((4, 2)), None),))),
+        lambda b: b.feed(
+            "codes", QRCodes(0.0, "k", 9, 9, Pose3.identity(), (QRCode("a", np.zeros((4, 2), np.float32), None),))
+        ),
         lambda b: b.feed("events", event(b, "dark")),
     ],
     ids=["noise", "face", "code", "darkness"],
