@@ -65,21 +65,34 @@ def test_it_blinks_expresses_speaks_and_comes_back(browser: Browser, robot: Robo
     assert robot.request("DELETE", f"/desires/{desire['id']}")[0] == 204
     until(page, "left_mouth_corner_joint", 0.25, above=False)
 
-    said = {"class": "Say", "intensity": 8, "utility": 4, "params": {"text": "Aha. I am a robot, and I am happy."}}
-    assert robot.request("POST", "/desires", said)[0] == 201
+    text = 60 * "Aha, I am a robot. "  # until it has been seen, however seldom a busy computer draws
+    said = {"class": "Say", "intensity": 8, "utility": 4, "params": {"text": text}}
+    status, _, desire = robot.request("POST", "/desires", said)
+    assert status == 201
     expect(page.get_by_test_id("subtitles").locator("mark")).not_to_be_empty()
     until(page, "lower_lip_joint", 0.15, above=True)
+    assert robot.request("DELETE", f"/desires/{desire['id']}")[0] == 204
     until(page, "lower_lip_joint", 0.05, above=False)
     expect(page.get_by_test_id("subtitles")).to_be_empty()
 
+    page.evaluate("window.links = []")
     streams[0].close()
     page.wait_for_function("window.links.includes('lost')")
     page.locator("body[data-link=live]").wait_for()
     assert len(streams) >= 2
-    context.close()
     assert errors == []
     assert all(url.startswith((robot.url, "data:")) for url in asked), asked
     assert not any(d["class"] == "Telepresence" for d in robot.get("/desires")["desires"]), "a face is no viewer"
+
+    console = context.new_page()
+    console.set_viewport_size({"width": 1000, "height": 640})  # a phone has no sheet of shortcuts
+    console.goto(f"{robot.url}/?scene=off")
+    console.locator("[data-testid=connection][data-phase=live]").wait_for()
+    console.get_by_test_id("help").click()
+    with context.expect_page() as opened:
+        console.get_by_test_id("face-link").click()
+    opened.value.locator("body[data-link=live]").wait_for()
+    context.close()
 
 
 def test_a_screen_elsewhere_logs_in_by_its_address(

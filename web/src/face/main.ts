@@ -55,6 +55,7 @@ const live = new LiveConnection(
     roundTrip: () => undefined,
     lost: (everOpened) => {
       open = false;
+      watch();
       // A refused handshake looks like a robot that is off: ask which it is.
       if (!everOpened) void enter();
     },
