@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -18,14 +17,12 @@ from app.link import RobotLink
 from app.modules.motivations.scenario_coordinator import USUAL
 from app.program.config import load_configuration
 from app.program.desire_classes import desire_classes
-from app.robots.config import load_robot_config
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.clock import VirtualClock, run_virtual
 from app.runtime.graph import Graph, ModuleSpec
 from tests.modules.fakes import FakeLink
 
 CONFIG = Path(__file__).parents[2] / "config"
-GROUPS = dict(load_robot_config(CONFIG / "robots" / "irl1_tr.yaml").groups)
 CLASSES = desire_classes(load_configuration(CONFIG / "lab.yaml"))
 
 
@@ -33,14 +30,12 @@ def lab_graph() -> Graph:
     lab = load_yaml(CONFIG / "lab.yaml").data
     channels = load_yaml(CONFIG / "channels.yaml").data
     clock = VirtualClock()
-    link = FakeLink()
-    link.description = replace(link.description, groups=GROUPS)
     return Graph(
         clock=clock,
         channels={name: ChannelSpec.model_validate(spec) for name, spec in channels.items()},
         modules={name: ModuleSpec.model_validate(spec) for name, spec in lab["modules"].items()},
         services={
-            RobotLink: link,
+            RobotLink: FakeLink(),
             IntentionWorkspace: IntentionWorkspace(CLASSES, clock.now),
         },
     )
