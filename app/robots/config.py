@@ -102,6 +102,9 @@ class ActuatorConfig(_Model):
     )
     contact_s: Positive = Field(default=0.1, description="how long they must last")
     contact_rest_s: Positive = Field(default=1.0, description="how long it yields, at least")
+    kinematic: bool = Field(
+        default=False, description="in the simulated world its joints are where the guard sets them, without physics"
+    )
 
     @model_validator(mode="after")
     def _is_within_its_ranges(self) -> Self:
@@ -113,6 +116,12 @@ class ActuatorConfig(_Model):
         for what, (value, (least, most)) in ranges.items():
             if not least <= value <= most:
                 raise ValueError(f"{what} {value:g} lies outside its {what}_range, {least:g} to {most:g}")
+        return self
+
+    @model_validator(mode="after")
+    def _compliance_is_of_physics(self) -> Self:
+        if self.kinematic and self.compliant:
+            raise ValueError("a kinematic group has no forces, so it cannot be compliant")
         return self
 
     def group(self, name: str, model: KinematicModel) -> ActuatorGroup:
@@ -417,6 +426,11 @@ class RobotConfig(BodyConfig):
     def standing_rates_hz(self) -> tuple[float, float, float]:
         """How often the streams that every body has come: odometry, joints, status."""
         return self.streams.odometry.rate_hz, self.streams.joints.rate_hz, self.streams.status.rate_hz
+
+    @property
+    def kinematic_joints(self) -> tuple[str, ...]:
+        """The joints of all groups that take no part in the physics."""
+        return tuple(joint for actuator in self.actuators.values() if actuator.kinematic for joint in actuator.joints)
 
     @property
     def files(self) -> tuple[Path, ...]:

@@ -83,6 +83,14 @@ def test_two_arms_of_four_joints_and_a_gripper() -> None:
         assert arm[-1] == f"{side}_gripper_joint"
 
 
+def test_eyes_turn_together() -> None:
+    assert "right_eye_pan_joint" not in MODEL.joint_names
+    assert MODEL.moved_by("right_eye_link") == ("eyes_pan_joint", "eyes_tilt_joint", "tilt_joint", "pan_joint")
+    looking = {"eyes_pan_joint": 0.3, "eyes_tilt_joint": -0.2}
+    left, right = (MODEL.pose(f"{side}_eye_link", looking).rotation for side in ("left", "right"))
+    np.testing.assert_allclose(left, right)
+
+
 def test_a_joint_that_follows_another_is_moved_by_it() -> None:
     assert "left_gripper_second_joint" not in MODEL.joint_names
     assert MODEL.moved_by("left_finger_2_link")[0] == "left_gripper_joint"

@@ -18,6 +18,7 @@ from app.link import ActuatorGroup, BaseLimits, JointLimits, LinkFailed, RobotDe
 from app.logs.library import RecordingLibrary
 from app.maps.library import MapLibrary
 from app.messages import Audio, Image, JointCommand, JointState, LaserScan, LinkStatus, Odometry, Twist
+from app.modules.behaviors.face.expression import JOINTS as FACE_JOINTS
 from app.program.config import load_configuration
 from app.program.system import System
 from app.robots.config import load_robot_config
@@ -26,6 +27,7 @@ from app.runtime.clock import Clock
 MODEL = paths.config_dir() / "robots" / "irl1_tr.urdf"
 IRL1 = load_robot_config(paths.config_dir() / "robots" / "irl1_tr.yaml")
 HEAD = ActuatorGroup("head", (JointLimits("pan_joint", -2, 2, 1, 5), JointLimits("tilt_joint", -0.3, 0.4, 1, 5)))
+FACE = ActuatorGroup("face", tuple(JointLimits(name, -0.5, 1.2, 10, 100) for name in FACE_JOINTS))
 STREAMS = {
     name: StreamDescription(name, message_type, rate_hz)
     for name, message_type, rate_hz in (
@@ -177,7 +179,7 @@ class Body:
         limits = BaseLimits(0.40, 1.00, 0.40, 4.00)
         self.description = RobotDescription(
             "a test body", MODEL, limits, STREAMS, simulated=True, loudspeaker=True,
-            groups={**IRL1.groups, "head": HEAD}, arms=dict(IRL1.arm_descriptions),
+            groups={**IRL1.groups, "head": HEAD, "face": FACE}, arms=dict(IRL1.arm_descriptions),
         )  # fmt: skip
         self.receivers: dict[str, list[Callable[[Any], None]]] = {name: [] for name in STREAMS}
         self.stops: list[str] = []

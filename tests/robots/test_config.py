@@ -193,6 +193,7 @@ def test_a_groups_limits_are_the_models_and_the_files(tmp_path: Path, robot: Rob
             "  head: {joints: [pan_joint], compliant: true, damping: 50}\n",
             "damping 50 lies outside its damping_range, 0.5 to 40",
         ),
+        ("  face: {joints: [eyes_pan_joint], kinematic: true, compliant: true}\n", "a kinematic group has no forces"),
     ],
 )
 def test_a_group_that_cannot_be_is_refused_with_file_and_line(
@@ -268,3 +269,10 @@ def test_an_arm_that_cannot_be_is_refused_with_file_and_line(
     with pytest.raises(ConfigError, match=says) as refused:
         load_robot_config(path)
     assert (refused.value.file, refused.value.line) == (str(path), 7)
+
+
+def test_a_sensor_cannot_be_on_a_joint_without_physics(tmp_path: Path, robot: RobotConfig) -> None:
+    group = "actuators:\n  head: {joints: [pan_joint, tilt_joint], kinematic: true}\n"
+    path = write(tmp_path, f"model: {robot.model}\nworld: {robot.world}\n{group}")
+    with pytest.raises(ConfigError, match="moves 'kinect_optical_frame' by the joint 'pan_joint'; a sensor"):
+        create_link(load_robot_config(path), 0.0)

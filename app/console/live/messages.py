@@ -182,6 +182,14 @@ class GridInfo:
 
 
 @dataclass(frozen=True, slots=True)
+class FaceReport:
+    """The robot's face."""
+
+    stamp: Stamp
+    joints: Annotated[Mapping[str, float], doc("Positions (rad) of the actuator group `face`, by joint.")]
+
+
+@dataclass(frozen=True, slots=True)
 class Pong:
     """The answer to `ping`."""
 
@@ -237,4 +245,11 @@ FROM_ROBOT: dict[str, FrameKind] = {
         PlaybackReport, "On a recording, at every change and ten times a second while it plays: its transport."
     ),
     "jump": FrameKind(Jump, "On a recording, at a seek: what came before is of another time and to be forgotten."),
+}
+
+#: The same of the stream for a page that shows the face.
+TO_FACE: dict[str, FrameKind] = {
+    "face": FrameKind(FaceReport, "30 times a second: where the joints of the face are."),
+    "speech": FROM_ROBOT["speech"],
+    "pong": FROM_ROBOT["pong"],
 }

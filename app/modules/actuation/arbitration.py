@@ -26,6 +26,9 @@ class Contender(BaseModel, frozen=True, extra="forbid"):
     input: str = Field(min_length=1, description="name of the input port its commands come in by")
     behavior: str = Field(min_length=1, description="name of the behavior, as exploitation reports it")
     priority: int = Field(description="the highest priority among those with a fresh command wins")
+    unattended: bool = Field(
+        False, description="its commands need no strategy and exploit none: for what always moves, as a calm face"
+    )
 
 
 def arbitrate(

@@ -1,14 +1,15 @@
 """The body in the world: the URDF attached with a free joint, its drives, servos and camera, and their addresses.
 
-Contacts are between robot and world only; the robot's visual shapes are group 1, its collision shapes group 3, so that
-the laser (which looks at group 0) never sees its own body and the camera draws the visual shapes alone.
+Links that joints of kinematic groups carry are left out: they have no mass, no contact, and no camera of the robot
+draws them. Contacts are between robot and world only; the robot's visual shapes are group 1, its collision shapes group
+3, so that the laser (which looks at group 0) never sees its own body and the camera draws the visual shapes alone.
 """
 
 from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -40,7 +41,10 @@ _HOLONOMIC_GAIN = 50.0
 @dataclass(frozen=True, slots=True, eq=False)
 class RobotSimulation:
     """A compiled world with the robot in it; ``joint_addresses`` (n,) are the places of ``joints`` in qpos,
-    ``joint_velocities`` (n,) those in qvel."""
+    ``joint_velocities`` (n,) those in qvel.
+
+    ``joints`` are those with physics; ``kinematic_joints`` of the robot are not among them.
+    """
 
     model: mujoco.MjModel
     data: mujoco.MjData
@@ -142,6 +146,7 @@ def build_simulation(
     add_people(spec, people, world.seed)
     body = mujoco.MjSpec.from_file(str(robot.model))
     kinematics = load_model(robot.model)
+    _leave_out(body, kinematics, robot.kinematic_joints)
     _tune(body, robot, base, kinematics)
     _add_cameras(body, robot)
     X_WB = spec.worldbody.add_frame(
@@ -164,12 +169,13 @@ def build_simulation(
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     free = model.joint("base")
+    joints = tuple(name for name in kinematics.joint_names if name not in robot.kinematic_joints)
     return RobotSimulation(
         model=model,
         data=data,
-        joints=kinematics.joint_names,
-        joint_addresses=np.array([model.joint(PREFIX + name).qposadr[0] for name in kinematics.joint_names]),
-        joint_velocities=np.array([model.joint(PREFIX + name).dofadr[0] for name in kinematics.joint_names]),
+        joints=joints,
+        joint_addresses=np.array([model.joint(PREFIX + name).qposadr[0] for name in joints]),
+        joint_velocities=np.array([model.joint(PREFIX + name).dofadr[0] for name in joints]),
         left_wheel=model.actuator(PREFIX + wheels[0]).id,
         right_wheel=model.actuator(PREFIX + wheels[1]).id,
         base_address=int(free.qposadr[0]),
@@ -184,6 +190,17 @@ def _inertia(model: mujoco.MjModel, data: mujoco.MjData, first: int) -> tuple[fl
     matrix = np.zeros((model.nv, model.nv))
     mujoco.mj_fullM(model, data, matrix)
     return float(matrix[first, first]), float(matrix[first + 5, first + 5])
+
+
+def _leave_out(body: mujoco.MjSpec, kinematics: KinematicModel, joints: Collection[str]) -> None:
+    """Remove the links that ``joints``, or joints that mimic them, carry, with all that is on them."""
+    left_out = {
+        name
+        for name, joint in kinematics.joints.items()
+        if name in joints or (joint.mimic is not None and joint.mimic.joint in joints)
+    }
+    while (carrier := next((joint for joint in body.joints if joint.name in left_out), None)) is not None:
+        body.delete(carrier.parent)
 
 
 def _tune(body: mujoco.MjSpec, robot: RobotConfig, base: TrueBase, kinematics: KinematicModel) -> None:
@@ -205,7 +222,7 @@ def _tune(body: mujoco.MjSpec, robot: RobotConfig, base: TrueBase, kinematics: K
     }
     for joint in body.joints:
         if joint.name not in kinematics.joint_names:
-            continue  # it follows another joint
+            continue  # MuJoCo's constraint moves a joint that mimics another
         actuator = body.add_actuator(name=joint.name, target=joint.name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
         if joint.name in wheels:
             radius, y = wheels[joint.name]

@@ -280,8 +280,10 @@ class WorldSimulation:
         if schedules["odometry"].due(time_s):
             self._send_odometry(stamp, time_s)
         if schedules["joints"].due(time_s):
-            positions, efforts = tuple(self._measured_joints().tolist()), tuple(self._measured_efforts().tolist())
-            self.send("joints", JointState(stamp, self.physics.joints, positions, efforts), stamp)
+            kinematic = self.joints.kinematic_positions()
+            positions = (*self._measured_joints().tolist(), *kinematic.values())
+            efforts = (*self._measured_efforts().tolist(), *(0.0 for _ in kinematic))
+            self.send("joints", JointState(stamp, (*self.physics.joints, *kinematic), positions, efforts), stamp)
         if self.battery is not None and "battery" in wanted and schedules["battery"].due(time_s):
             self.send("battery", self.battery.state(stamp), stamp)
         if "ground_truth" in wanted and schedules["ground_truth"].due(time_s):

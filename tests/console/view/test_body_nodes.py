@@ -59,3 +59,11 @@ def test_a_joint_that_follows_another_moves_with_it() -> None:
     assert nodes.move({"left_gripper_joint": 0.03})
     after = np.array(frames["left_gripper_second_joint"].position)  # type: ignore[attr-defined]
     assert np.allclose(after - before, [0, -0.03, 0])
+
+
+def test_a_joint_that_mimics_another_moves_with_it() -> None:
+    nodes, frames = drawn()
+    nodes.move({"eyes_pan_joint": 0.4})
+    for name in ("eyes_pan_joint", "right_eye_pan_joint"):
+        expected = MODEL.joints[name].pose(0.4).quaternion_wxyz()
+        np.testing.assert_allclose(np.asarray(dict(frames[name].sets)["wxyz"]), expected)

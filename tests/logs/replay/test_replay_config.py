@@ -139,6 +139,7 @@ def test_modules_that_would_hear_nothing_stay_out_with_their_strategies() -> Non
         "Release.joints ",
         "LeftArmControl.joints ",
         "RightArmControl.joints ",
+        "Face.",
         "ProgressSupervisor.exp",
         "Say.sources ",
         "Docking.battery ",

@@ -21,7 +21,7 @@ BEHAVIORS = [
 def bench(group: str = "head", behaviors: list[dict[str, Any]] = BEHAVIORS) -> Bench:
     return Bench(
         MODULE,
-        inputs={"look": JointCommand, "nod": JointCommand},
+        inputs={behavior["input"]: JointCommand for behavior in behaviors},
         outputs={"exploitation": Exploitation},
         settings={"group": group, "behaviors": behaviors},
     )
@@ -160,3 +160,20 @@ def test_an_arm_whose_positions_are_not_wired_is_refused_unless_the_check_is_swi
         arm_bench(joints=False)
     unchecked = arm_bench(joints=False, arm_check=False)
     assert [caution.title for caution in unchecked.slot.module.cautions()] == ["No check of an arm"]
+
+
+@in_virtual_time
+async def test_what_is_unattended_moves_without_a_strategy_and_exploits_none() -> None:
+    calm = {"input": "calm", "behavior": "CalmFace", "priority": 0, "unattended": True}
+    async with bench(behaviors=[*BEHAVIORS, calm]) as b:
+        moving = {port.name for port in b.slot.context.inputs.values() if port.moves}
+        assert moving == {"look", "nod"}
+        reported = b.listen("exploitation")
+        b.feed("calm", command(b, 0.1))
+        await b.settle()
+        assert [c.positions for c in b.link.joint_commands] == [(0.1,)]
+        assert {report.behavior for report in drain(reported)} <= {None}
+        b.feed("look", command(b, 0.5))
+        await b.settle()
+        assert b.link.joint_commands[-1].positions == (0.5,)
+        assert drain(reported)[-1].behavior == "LookAt"

@@ -56,6 +56,15 @@ def test_it_weighs_about_70_kg_and_is_1_4_m_tall(simulation: RobotSimulation) ->
     assert max(tops) == pytest.approx(1.4, abs=0.03)
 
 
+def test_the_face_takes_no_part_in_the_physics(simulation: RobotSimulation, robot: RobotConfig) -> None:
+    assert len(robot.kinematic_joints) == 9
+    assert not set(simulation.joints).intersection(robot.kinematic_joints)
+    assert simulation.model.njnt == 1 + len(simulation.joints)
+    assert simulation.model.neq == 0
+    bodies = [simulation.model.body(number).name for number in range(simulation.model.nbody)]
+    assert not [name for name in bodies if "eye" in name or "mouth" in name or "lip" in name]
+
+
 def test_it_stands_still_with_arms_hanging_and_head_ahead(simulation: RobotSimulation, robot: RobotConfig) -> None:
     before = simulation.true_pose()
     run(simulation, guard.ZERO, 4.0, GuardState(), robot.limits.guard())

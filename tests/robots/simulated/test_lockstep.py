@@ -331,7 +331,9 @@ def test_the_head_turns_within_its_speed_holds_without_commands_and_says_so(
     assert max(pan) < 1.2 + 0.005
     assert joints[-1].positions[joints[-1].names.index("tilt_joint")] == pytest.approx(0.4363, abs=0.005)
     assert pan[-1] == pytest.approx(1.2, abs=0.005), "without commands it is held"
-    head = statuses[-1].groups[0]
+    head = next(each for each in statuses[-1].groups if each.group == "head")
+    face = next(each for each in statuses[-1].groups if each.group == "face")
+    assert face.guard == "idle"
     assert (head.group, head.guard) == ("head", "idle")
     assert head.command_age_s == pytest.approx(1.0, abs=0.2)
     assert {status.groups[0].guard for status in statuses} >= {"idle", "moving"}
@@ -353,6 +355,27 @@ def test_the_efforts_of_the_motors_are_measured(robot: RobotConfig, hall: WorldC
     elbow = pushed.names.index("left_elbow_joint")
     friction, noise = 0.1, 0.05
     assert pushed.efforts[elbow] == pytest.approx(3.0, abs=friction + 5 * noise)
+
+
+def test_the_face_is_where_its_guard_sets_it_and_stops_in_an_emergency(robot: RobotConfig, hall: WorldConfig) -> None:
+    names = ("eyelids_joint", "lower_lip_joint", "eyes_pan_joint")
+
+    async def script(body: Body) -> list[JointState]:
+        for position in (9.0, 0.0):
+            for _ in range(3):
+                body.link.command(JointCommand(body.clock.now(), "face", names, (position, 0.2, -0.5)))
+                await body.clock.sleep(0.1)
+        body.link.e_stop("a test")
+        body.link.command(JointCommand(body.clock.now(), "face", names, (1.0, 0.0, 0.0)))
+        await body.clock.sleep(0.5)
+        return body.heard["joints"]
+
+    joints = live(at(robot, 10, 10), hall, script)
+    lids, lips, eyes = ([dict(zip(j.names, j.positions, strict=True))[name] for j in joints] for name in names)
+    assert max(lids) == pytest.approx(1.2), "as far as its limit, without a servo's lag or a measurement's noise"
+    assert max(abs(b - a) * 30 for a, b in itertools.pairwise(eyes)) <= 10.0 + 1e-6
+    assert (lids[-1], lips[-1], eyes[-1]) == pytest.approx((0.0, 0.2, -0.5)), "the stop holds it"
+    assert {len(message.names) for message in joints} == {21}
 
 
 def test_the_emergency_stop_covers_the_head(robot: RobotConfig, hall: WorldConfig) -> None:

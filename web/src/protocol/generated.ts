@@ -184,6 +184,14 @@ export interface EventList {
   events: TimelineEvent[];
 }
 
+/** The robot's face. */
+export interface FaceReport {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  /** Positions (rad) of the actuator group `face`, by joint. */
+  joints: Record<string, number>;
+}
+
 /** A goal that the robot has given up. */
 export interface GivenUpModel {
   stamp: number;
