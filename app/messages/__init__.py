@@ -94,7 +94,7 @@ from app.messages.sensors import (
     SceneTruth,
     SoundTruth,
 )
-from app.messages.speech import Speech, SpeechState
+from app.messages.speech import HeardWords, Speech, SpeechState
 
 __all__ = [
     "Accomplished",
@@ -117,6 +117,7 @@ __all__ = [
     "GivenUpGoal",
     "GroundTruth",
     "GroupStatus",
+    "HeardWords",
     "Image",
     "IntentionReport",
     "JointCommand",
