@@ -3,8 +3,9 @@
 Ten words by synthetic voices: four of espeak-ng; those of flite and Piper, where they are installed. A person 1 to
 2.5 m from eight microphones on the corners of a box of 0.2 x 0.3 x 0.4 m, in a room of 6 x 5 x 3 m by image sources,
 with diffuse pink noise. All ten words are listened for at once. First, each step by itself with the limits of the
-utterance known; then the whole chain, which finds the utterances itself. Other talk, which has none of the words: recorded speech
-and sentences by the same voices. The recognizer's confidence was fitted to the same voices in other rooms.
+utterance known; then the whole chain, which finds the utterances itself. Other talk, which has none of the words:
+recorded speech and sentences by the same voices. The recognizer's confidence was fitted to the same voices in other
+rooms.
 """
 
 from __future__ import annotations

@@ -178,7 +178,12 @@ def test_every_class_has_words_and_every_parameter_a_default_but_what_it_is_abou
     schema = desire_class.parameters.model_json_schema()
     required = schema.get("required", [])
     place: dict[str, object] = {"x": 1.0, "y": 1.0}
-    needed: dict[str, dict[str, object]] = {"GoTo": place, "LookAt": place, "Say": {"text": "Hello."}}
+    needed: dict[str, dict[str, object]] = {
+        "GoTo": place,
+        "LookAt": place,
+        "Say": {"text": "Hello."},
+        "Ask": {"question": "Why?"},
+    }
     values = needed.get(desire_class.name, {})
     assert required == list(values)
     defaults = desire_class.validated(values)
