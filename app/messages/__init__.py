@@ -95,7 +95,7 @@ from app.messages.sensors import (
     SceneTruth,
     SoundTruth,
 )
-from app.messages.speech import Speech, SpeechState
+from app.messages.speech import HeardWords, Speech, SpeechState
 
 __all__ = [
     "Accomplished",
@@ -124,6 +124,7 @@ __all__ = [
     "GivenUpGoal",
     "GroundTruth",
     "GroupStatus",
+    "HeardWords",
     "Image",
     "IntentionReport",
     "JointCommand",

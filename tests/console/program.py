@@ -124,6 +124,7 @@ robot_audio: {type: Audio, decimable: false, log: never}
 operator_voice: {type: Audio, decimable: false, external: true}
 speech: {type: Speech, latched: true, decimable: false, external: true, page: {every_hz: 20}}
 battery: {type: BatteryState, decimable: false, external: true, page: {every_hz: 2}}
+heard_words: {type: HeardWords, decimable: false, external: true, page: {every_hz: 10}}
 faces: {type: Faces, external: true}
 qr_codes: {type: QRCodes, external: true}
 sound_sources: {type: SoundSources, external: true}

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from app.attention.desires import Source
-from app.messages import BatteryState, Landmark, Landmarks, LoudNoise, Speech
+from app.messages import BatteryState, HeardWords, Landmark, Landmarks, LoudNoise, Speech
 from app.program.system import System
 from tests.console.live_client import page, voice
 from tests.console.percepts import codes, faces, sound_sources
@@ -29,6 +29,9 @@ def say_everything(system: System, body: Body) -> None:
     system.graph.channel("speech").publish(speech)
     battery = BatteryState(now, 0.5, 24.0, -2.0, charging=False, remaining_s=3600.0)
     system.graph.channel("battery").publish(battery)
+    ahead, words = (1.0, 0.0, 0.0), ("yes", "no")
+    heard = HeardWords(now, "yes", False, confidence=0.9, likeliest="yes", direction=ahead, words=words, language="en")
+    system.graph.channel("heard_words").publish(heard)
     messages: dict[str, Callable[[float], Any]]
     messages = {"localization": localization, "zones": zones, "path": path, "navigation": status, "map": grid}
     for channel, message in {**messages, "local_costmap": grid}.items():

@@ -241,6 +241,26 @@ export interface Guard {
   applied: Velocity;
 }
 
+/** An utterance heard while words were listened for, also where it was none of them. */
+export interface HeardWords {
+  /** When the utterance began: seconds of the robot's clock. */
+  stamp: number;
+  /** The word or phrase that was said; empty where that is unsure. */
+  text: string;
+  /** Whether to ask again: nothing may be done upon it. */
+  unsure: boolean;
+  /** Of `likeliest`, 0 to 1. */
+  confidence: number;
+  /** Which of the words is the likeliest, also where it is unsure; empty: none. */
+  likeliest: string;
+  /** Where it came from: a unit vector in `base_link`, from the array's middle. */
+  direction: [number, number, number];
+  /** What was listened for. */
+  words: string[];
+  /** Of the words, as `en`. */
+  language: string;
+}
+
 /** What can be seen and done here. */
 export interface Hello {
   protocol: 1;
@@ -1112,6 +1132,8 @@ export interface RobotMessages {
   speech: Speech;
   /** Once a second, of a body with a battery: its charge. */
   battery: BatteryState;
+  /** As they come: an utterance while words are listened for. */
+  heard_words: HeardWords;
   /** Up to 10 times a second: where the robot is on the map. */
   localization: LocalizationReport;
   /** On change: the goal and the state of navigation. */
