@@ -129,6 +129,7 @@ def test_modules_that_would_hear_nothing_stay_out_with_their_strategies() -> Non
         "LookA",
         "LookWhereGoing.",
         "HeadControl.track_",
+        "HeadTeleop.",
         "Track",
         "PlanAndFollowPath.joints ",
         "PointAt.joints ",
