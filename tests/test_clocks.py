@@ -44,6 +44,7 @@ ALLOWED = {
     "robots/devices/image_inputs.py": "the pace of a camera, or of a video that plays one",
     "robots/devices/reader_thread.py": "a pause before a device is tried again",
     "robots/devices/streams.py": "the pace of sound",
+    "robots/simulated/link.py": "the CPU time of this program, which its battery is discharged by",
     "robots/simulated/camera_thread.py": "how old a picture that waits to be drawn is, in the link's process",
     "robots/simulated/serve.py": "how long the world took to start, in the link's process",
     "robots/simulated/realtime_loop.py": "a body's own clock, in the link's process",

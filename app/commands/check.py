@@ -227,6 +227,16 @@ def _calibration(path: Path) -> None:
     parse(path, CostCalibration)
 
 
+def _play(path: Path) -> None:
+    """Check a play of the body experiment against the desire classes of the lab's program."""
+    from app.base import paths
+    from app.experiments.body.play import load_play
+    from app.program.config import load_configuration
+    from app.program.system import System
+
+    load_play(path, set(System(load_configuration(paths.config_dir() / "lab.yaml")).classes))
+
+
 #: Kind, the keys by which it is known, its check.
 _KINDS: tuple[tuple[str, frozenset[str], _Check], ...] = (
     ("program", frozenset({"modules", "robot"}), _program),
@@ -238,4 +248,5 @@ _KINDS: tuple[tuple[str, frozenset[str], _Check], ...] = (
     ("world", frozenset({"walls", "materials", "wall_height"}), _world),
     ("strategies", frozenset({"strategies", "resources"}), _strategies),
     ("remap", frozenset({"channels", "frames"}), _remap),
+    ("play", frozenset({"cues"}), _play),
 )

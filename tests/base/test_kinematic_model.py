@@ -78,9 +78,9 @@ def test_a_link_names_the_joints_that_move_it() -> None:
 
 def test_two_arms_of_four_joints_and_a_gripper() -> None:
     for side in ("left", "right"):
-        arm = [n for n in MODEL.joint_names if n.startswith(side) and "wheel" not in n]
-        assert len(arm) == 5
-        assert arm[-1] == f"{side}_gripper_joint"
+        moved = MODEL.moved_by(f"{side}_finger_2_link")
+        parts = ("gripper", "elbow", "upper_arm", "shoulder_roll", "shoulder_pitch")
+        assert moved == tuple(f"{side}_{part}_joint" for part in parts)
 
 
 def test_eyes_turn_together() -> None:

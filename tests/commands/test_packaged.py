@@ -68,7 +68,7 @@ def test_what_is_not_a_plain_file_can_be_read_too(elsewhere: Path) -> None:
 
 def test_the_names_are_those_of_the_files() -> None:
     assert config_names("program") == ["jackal", "lab", "webcam"]
-    assert config_names("robot") == ["irl1_tr", "jackal", "webcam"]
+    assert config_names("robot") == ["irl1_holonomic", "irl1_tr", "jackal", "webcam"]
     assert {"lab", "robots/jackal", "scenarios/lab", "worlds/lab"} <= set(config_names("configuration"))
     for kind in ("program", "robot", "scenario", "array", "configuration"):
         for name in config_names(kind):
@@ -87,7 +87,7 @@ def test_the_names_are_those_of_the_files() -> None:
         (
             "config/robots/webcan.yaml",
             "robot",
-            "did you mean 'webcam'? Allowed: a file, or one of: irl1_tr, jackal",
+            "did you mean 'webcam'? Allowed: a file, or one of: irl1_holonomic, irl1_tr, jackal",
         ),
         ("/no/such/jackal.yaml", "program", "there is no program /no/such/jackal.yaml; did you mean 'jackal'?"),
         (".", "robot", "there is no robot ."),

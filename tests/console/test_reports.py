@@ -53,7 +53,7 @@ async def test_page_and_rest_and_timeline_agree_on_a_channel(
     assert (await listed("kinect"))["state"] == "closed"
     assert (await listed("kinect"))["expected_hz"] == 0.0
     assert {state.channel for state in reports.source_states(system.graph, late)} == {
-        "kinect", "panorama", "microphones", "scan", "odometry", "joints", "exploitation",
+        "kinect", "panorama", "microphones", "scan", "odometry", "joints", "exploitation", "external_forces",
     }  # fmt: skip
 
 

@@ -228,7 +228,9 @@ def test_the_shipped_holonomic_body_moves_sideways() -> None:
     assert config.base.drive == "holonomic"
     description = create_link(config, 0.0).description
     assert description.limits.holonomic
-    assert set(description.groups) == {"head"}
+    irl1 = load_robot_config(Path(__file__).parents[2] / "config" / "robots" / "irl1_tr.yaml")
+    assert set(description.groups) == set(irl1.actuators)
+    assert set(description.streams) == set(create_link(irl1, 0.0).description.streams)
 
 
 ARM = """actuators:

@@ -24,6 +24,8 @@ _MODES = {
     "e_stopped": "#9b2226",
     "sensor_failure": "#9b2226",
 }
+#: Positions (rad, m) are measured with noise; less beyond a limit than this is it.
+_NOISE = 0.003
 _BEHAVIOR, _TEXT = "#1b4965", "white"
 
 
@@ -40,7 +42,7 @@ def table(result: Result) -> str:
             _seconds(each.modes),
             "–" if each.oldest_s is None else f"{1e3 * each.oldest_s:.0f} ms",
             f"{100 * each.speed:.0f} %",
-            "no" if each.beyond < 1e-3 else f"{each.beyond:.4f}",
+            "no" if each.beyond < _NOISE else f"{each.beyond:.4f}",
             "–" if each.rest_s is None else f"{each.rest_s:.2f} s",
         )
         lines.append("| " + " | ".join(cells) + " |")
@@ -63,8 +65,8 @@ def plot(result: Result, path: Path) -> None:
         for joint in group.joints:
             times, values = positions(result.seen, joint.name)
             axes.plot(times, np.degrees(values), lw=1.2, label=joint.name.removesuffix("_joint").replace("_", " "))
-        _title(axes, f"{group.name}: positions (°)")
-        axes.legend(fontsize=7, ncols=3, loc="upper left")
+        _title(axes, f"{group.name.replace('_', ' ')}: positions (°)")
+        _legend(axes)
     for axes in rows:
         if result.seen.stopped_at is not None:
             axes.axvline(result.seen.stopped_at, color="#9b2226", lw=1)
@@ -101,8 +103,12 @@ def _base(axes: Axes, seen: Observation) -> None:
     series = np.array(seen.odometry, dtype=np.float64).reshape(-1, 3)
     axes.plot(series[:, 0], series[:, 1], color=_BEHAVIOR, lw=1.2, label="m/s")
     axes.plot(series[:, 0], series[:, 2], color="#ca6702", lw=1.0, label="rad/s")
-    axes.legend(fontsize=7, loc="upper left")
+    _legend(axes)
     _title(axes, "base: speed")
+
+
+def _legend(axes: Axes) -> None:
+    axes.legend(fontsize=7, loc="center left", bbox_to_anchor=(1.005, 0.5), frameon=False)
 
 
 def _title(axes: Axes, text: str) -> None:

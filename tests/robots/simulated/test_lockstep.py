@@ -375,7 +375,7 @@ def test_the_face_is_where_its_guard_sets_it_and_stops_in_an_emergency(robot: Ro
     assert max(lids) == pytest.approx(1.2), "as far as its limit, without a servo's lag or a measurement's noise"
     assert max(abs(b - a) * 30 for a, b in itertools.pairwise(eyes)) <= 10.0 + 1e-6
     assert (lids[-1], lips[-1], eyes[-1]) == pytest.approx((0.0, 0.2, -0.5)), "the stop holds it"
-    assert {len(message.names) for message in joints} == {21}
+    assert {len(message.names) for message in joints} == {23}
 
 
 def test_the_emergency_stop_covers_the_head(robot: RobotConfig, hall: WorldConfig) -> None:
