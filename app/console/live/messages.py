@@ -26,6 +26,8 @@ from app.messages import (
     LaneState,
     LoadReport,
     PlacedPercepts,
+    SaliencyMap,
+    SalientRegions,
     Scale,
     Speech,
 )
@@ -224,6 +226,8 @@ FROM_ROBOT: dict[str, FrameKind] = {
     "landmarks": FrameKind(LandmarkList, "On change: what was found, in `odom`."),
     "perceived": FrameKind(PlacedPercepts, "On change: what the robot sees and hears."),
     "speech": FrameKind(Speech, "On change, up to 20 times a second: what the robot says, for subtitles."),
+    "salient_regions": FrameKind(SalientRegions, "Five times a second while it is desired: what stands out around."),
+    "saliency": FrameKind(SaliencyMap, "With it: how salient all directions are."),
     "localization": FrameKind(LocalizationReport, "Up to 10 times a second: where the robot is on the map."),
     "navigation": FrameKind(NavigationModel, "On change: the goal and the state of navigation."),
     "zones": FrameKind(ZoneList, "On change: the zones of the map."),
