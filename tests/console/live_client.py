@@ -18,7 +18,7 @@ from websockets.asyncio.client import ClientConnection
 from tests.patience import PATIENCE_S
 
 #: Messages that say when they were sent, and by what the robot said last.
-TIMED = ("drive", "take_control", "clear_e_stop", "ping")
+TIMED = ("drive", "look", "take_control", "clear_e_stop", "ping")
 #: Of sound and speech: kind, seq, stamp, samples, channels, rate.
 SOUND_HEADER = struct.Struct("<B3xIdHHI")
 

@@ -147,7 +147,8 @@ class Driving:
 
         The head goes with the wheel: who does not drive while another does is refused.
         """
-        if self._is_in_vain(session):
+        if self._channel is None:
+            self._refuse(session)
             return
         driver = self.lease.driver
         if self._look_here is None:

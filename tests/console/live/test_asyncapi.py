@@ -129,7 +129,9 @@ ASKED: dict[str, list[dict[str, Any]]] = {
     "drive": [
         {"seq": 1, "held": True, "linear": 0.5, "angular": -1},
         {"seq": 2, "held": False, "linear": 0, "angular": 0, "override": True},
+        {"seq": 3, "held": False, "linear": 0, "angular": 0, "head_held": True, "pan": -1, "tilt": 0.5},
     ],
+    "look": [{"stamp": 1.5, "u": 0.5, "v": 1}],
     "e_stop": [{}],
     "clear_e_stop": [{}],
     "take_control": [{}],

@@ -354,6 +354,28 @@ async def test_pages_and_programs_learn_how_late_their_commands_are(url: str, sy
         assert (await wheel.next()).linear == 0.25
 
 
+async def test_a_page_turns_the_head_by_its_hold_and_by_a_click_on_a_picture(
+    url: str, system: System, body: Body
+) -> None:
+    heads: asyncio.Queue[tuple[bool, float, float]] = asyncio.Queue()
+    channel = system.graph.channel("teleop_command")
+    channel.observe(lambda command: heads.put_nowait((command.held, command.pan, command.tilt)))
+    async with page(url) as ann:
+        await ann.greeted()
+        await ann.send("drive", seq=1, held=False, linear=0, angular=0, head_held=True, pan=1.0, tilt=-0.5)
+        assert await heads.get() == (False, 1.0, -0.5)
+        await ann.send("drive", seq=2, held=False, linear=0, angular=0)
+        assert await heads.get() == (False, 0.0, 0.0)
+        now = system.clock.now()
+        for stamp in (now, now + 0.01):
+            body.emit("odometry", Odometry(stamp, Pose2(), 0.0, 0.0))
+        body.emit("kinect", image(now))
+        await ann.send("look", stamp=now + 1, u=0.5, v=0.5)
+        assert (await ann.until("notice"))["text"].startswith("That picture is too old")
+        await ann.send("look", stamp=now, u=0.5, v=0.5)
+        await ann.until("desires", lambda m: any(d["class"] == "LookAt" for d in m["desires"]))
+
+
 async def test_what_is_no_command_is_refused_and_stops(url: str, system: System) -> None:
     wheel = Wheel(system)
     async with page(url) as ann:

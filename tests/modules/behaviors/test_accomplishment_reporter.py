@@ -56,6 +56,7 @@ async def test_each_report_comes_once_for_each_desire_that_it_is_about() -> None
     scene = Scene()
     async with scene.bench as bench:
         reports = bench.listen("accomplishments")
+        bench.graph.channel("accomplishments").observe(scene.workspace.accomplish)
         one, two, other = scene.desire(params={"x": 1}), scene.desire(params={"x": 1}), scene.desire(params={"x": 2})
         scene.desire(params={"x": 1}, utility=0)
         scene.desire("Nod")
@@ -69,16 +70,26 @@ async def test_each_report_comes_once_for_each_desire_that_it_is_about() -> None
         ]
         reporter.report("failed", "stuck", at(1))
         scene.workspace.remove(two)
-        reporter.report("done", "", at(1), behavior="Another")
-        assert [(r.desire_id, r.outcome, r.behavior) for r in drain(reports)] == [
-            (one, "failed", "Tested"),
-            (two, "failed", "Tested"),
-            (one, "done", "Another"),
-        ]
+        reporter.report("done", "", at(1))
+        assert [(r.desire_id, r.outcome) for r in drain(reports)] == [(one, "failed"), (two, "failed"), (one, "done")]
         scene.workspace.change(one, params={"x": 3})
         reporter.report("done", "", at(3))
         reporter.report("done", "", at(2))
         assert [r.desire_id for r in drain(reports)] == [one, other]
+
+
+@in_virtual_time
+async def test_a_desire_that_was_changed_meanwhile_is_reported_again() -> None:
+    scene = Scene()
+    async with scene.bench as bench:
+        bench.graph.channel("accomplishments").observe(scene.workspace.accomplish)
+        desire = scene.desire(params={"x": 1})
+        scene.waver.accomplishments.report("done", "", at(1))
+        scene.workspace.change(desire, params={"x": 2})
+        scene.workspace.change(desire, params={"x": 1})
+        assert scene.workspace.report(desire).outcome is None
+        scene.waver.accomplishments.report("done", "", at(1))
+        assert scene.workspace.report(desire).outcome == "done"
 
 
 @in_virtual_time

@@ -12,8 +12,11 @@ import numpy as np
 import pytest
 
 import app.modules.behaviors.plan_and_follow_path  # noqa: F401  # not on the loop: it brings OpenCV and SciPy
+from app.attention.desires import DesireClasses, Source
+from app.attention.workspace import IntentionWorkspace
 from app.base.geometry import CameraModel, Pose2, Pose3
 from app.messages import (
+    Accomplishment,
     Image,
     LaserScan,
     Localization,
@@ -26,7 +29,8 @@ from app.messages import (
     Zones,
     read_only,
 )
-from app.runtime.clock import in_virtual_time
+from app.modules.behaviors.go_to import GO_TO
+from app.runtime.clock import VirtualClock, in_virtual_time
 from tests.modules.behaviors.driven_world import DrivenLink, DrivenWorld, Living, Segment, box, mapped, until
 from tests.modules.fakes import Bench, drain
 
@@ -56,17 +60,21 @@ class Drive:
     ) -> None:
         self.world = world
         self.statuses: list[NavigationStatus] = []
+        self.workspace = IntentionWorkspace(DesireClasses([GO_TO]), VirtualClock().now)
         self.paths: list[PlannedPath] = []
         self.bench = Bench(
             "app.modules.behaviors.plan_and_follow_path:PlanAndFollowPath",
             inputs=INPUTS | ({"images": Image} if camera else {}),
             outputs={
                 "twist": Twist, "path": PlannedPath, "status": NavigationStatus, "costmap": OccupancyGrid,
+                "accomplishments": Accomplishment,
             },
             settings=settings,
             link=DrivenLink(),
+            services={IntentionWorkspace: self.workspace},
             attended=("twist",),
         )  # fmt: skip
+        self.bench.graph.channel("accomplishments").observe(self.workspace.accomplish)
         self.known = HOUSE if known is None else known
         self._zones = zones
         self.parameters = parameters
@@ -166,8 +174,13 @@ async def test_a_door_that_is_shut_is_called_by_its_name_and_a_goal_in_a_wall_is
         assert await drive.until("unreachable", 3)
         assert drive.status.reason
         assert world.driven_m == 0.0
-        drive.go(x=2.0, y=0.15)
+        place = {"x": 2.0, "y": 0.15}
+        desire = drive.workspace.add("GoTo", intensity=8, utility=1, params=place, source=Source("rest", "test"))
+        drive.go(**place)
         assert await drive.until("arrived", 20)
+        report = drive.workspace.report(desire.id)
+        assert (report.outcome, report.behavior) == ("done", "Tested")
+        assert report.reason == f"arrived; {drive.status.reason}"
         assert drive.status.target.y > 0.3
         assert "nearest place" in drive.status.reason
 

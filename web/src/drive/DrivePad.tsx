@@ -12,7 +12,7 @@ import { Stick } from "./Stick";
 
 export function DrivePad() {
   const { drive, session, store } = useApp();
-  const { factor, source } = drive.state.value;
+  const { factor, source, command } = drive.state.value;
   const status = store.of("status").value;
   const applied = status?.guard.applied;
   const words = applied ? speedWords(applied.linear_mps, applied.angular_radps) : "no figures";
@@ -54,7 +54,7 @@ export function DrivePad() {
           >
             <WheelIcon /> {`Take control from ${driver.operator}`}
           </button>
-        ) : driver?.mine && !source && drive.refusal.value === null && drive.keyboard.value === "page" ? (
+        ) : driver?.mine && !source && !command.head_held && drive.refusal.value === null && drive.keyboard.value === "page" ? (
           <button
             type="button"
             class="button quiet"

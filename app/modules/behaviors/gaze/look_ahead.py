@@ -46,4 +46,4 @@ def ahead_on_arc(linear_mps: float, angular_radps: float, ahead_s: float, least_
 
 
 def _in_base(point: NDArray[np.float64], X_FB: Pose2) -> NDArray[np.float64]:
-    return X_FB.inverse().transform(point[None, :])[0]
+    return np.asarray(X_FB.inverse().transform(point[None, :])[0])

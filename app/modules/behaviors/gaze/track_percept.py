@@ -14,7 +14,7 @@ from app.base.geometry import Pose3
 from app.messages import Faces, QRCodes, SoundSources
 from app.modules.behaviors.gaze.gaze_behavior import G, GazeBehavior, GazeSettings, Look
 from app.modules.behaviors.gaze.target_choice import Candidate, ChoiceRules, TargetChoice
-from app.runtime.module import ModuleContext
+from app.runtime.module import Input, ModuleContext
 
 P = TypeVar("P", Faces, QRCodes, SoundSources)
 
@@ -38,7 +38,7 @@ class TrackPercept(GazeBehavior[G], Generic[G, P]):
 
     def __init__(self, context: ModuleContext, port: str, message_type: type[P]) -> None:
         super().__init__(context)
-        self.percepts = self.input(port, message_type, capacity=8, wants="if_wanted")
+        self.percepts: Input[P] = self.input(port, message_type, capacity=8, wants="if_wanted")
         self.on(self.percepts, self._take_percepts)
         self._waiting: deque[P] = deque(maxlen=32)
         self._choice: TargetChoice | None = None
