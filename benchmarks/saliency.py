@@ -15,13 +15,13 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from app.base.geometry import Pose2
+from app.base.geometry import Pose2, unit_vector
 from app.messages import Image
 from app.modules.perception.opencv import use_calling_thread
 from app.modules.perception.saliency.ego_sphere import EgoSphere
 from app.modules.perception.saliency.feature_maps import PictureFeatures
-from app.modules.perception.saliency.gains import SaliencyGains, gains_of
-from app.modules.perception.saliency.sphere_grid import SphereGrid, unit_vector
+from app.modules.perception.saliency.sphere_grid import SphereGrid
+from app.modules.saliency_gains import SaliencyGains, gains_of
 from benchmarks.report import Row, benchmark_main, row
 from tests.scenery.face_scenes import NAMES, facing, kinect_image, panorama_image
 

@@ -28,7 +28,7 @@ from pydantic import Field
 
 from app.attention.desires import DesireClass
 from app.base.errors import ConfigError
-from app.base.geometry import Pose2
+from app.base.geometry import Pose2, azimuth_elevation, unit_vector
 from app.base.kinematic_model import load_model
 from app.messages import (
     Faces,
@@ -45,11 +45,11 @@ from app.messages import (
 )
 from app.modules.perception.opencv import use_calling_thread
 from app.modules.perception.pose_at import PoseAt
-from app.modules.perception.saliency.ego_sphere import FEATURES, Peak, SphereRules
 from app.modules.perception.saliency.ego_sphere import EgoSphere as Sphere
+from app.modules.perception.saliency.ego_sphere import Peak, SphereRules
 from app.modules.perception.saliency.feature_maps import FeatureMaps, MotionRules, PictureFeatures
-from app.modules.perception.saliency.gains import SaliencyGains, gains_of
-from app.modules.perception.saliency.sphere_grid import SphereGrid, angles, unit_vector
+from app.modules.perception.saliency.sphere_grid import SphereGrid
+from app.modules.saliency_gains import FEATURES, SaliencyGains, gains_of
 from app.modules.stream_module import robot_link
 from app.runtime.errors import ModuleFailed
 from app.runtime.module import Module, ModuleContext, Settings
@@ -239,6 +239,6 @@ def loudness(level_db: float) -> float:
 
 def _region(peak: Peak, heading: float) -> SalientRegion:
     v_B = unit_vector(peak.azimuth - heading, peak.elevation)
-    azimuth, elevation = angles(np.asarray(v_B))
+    azimuth, elevation = azimuth_elevation(np.asarray(v_B))
     shares = {name: round(float(peak.shares.get(name, 0.0)), 4) for name in FEATURES}
     return SalientRegion(round(azimuth, 4), round(elevation, 4), round(peak.saliency, 4), **shares)

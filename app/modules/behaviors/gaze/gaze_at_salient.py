@@ -20,12 +20,11 @@ import numpy as np
 from pydantic import Field
 
 from app.attention.desires import DesireClass
-from app.base.geometry import Pose2
+from app.base.geometry import Pose2, azimuth_elevation, unit_vector
 from app.messages import Fixation, SalientRegion, SalientRegions
 from app.modules.behaviors.gaze.fixation import FixationRules, Gazing
 from app.modules.behaviors.gaze.gaze_behavior import GazeBehavior, GazeSettings, Look
-from app.modules.perception.saliency.gains import SaliencyGains
-from app.modules.perception.saliency.sphere_grid import angles, unit_vector
+from app.modules.saliency_gains import SaliencyGains
 from app.runtime.module import Caution, ModuleContext
 
 #: The head looks at its point up to this angle (rad).
@@ -82,7 +81,7 @@ class GazeAtSalient(GazeBehavior[SaliencyGains]):
         self._place()
         reached = self.aim_error_rad < _REACHED_RAD
         if (v_O := self._gazing.step(now, reached)) is not None:
-            azimuth, elevation = angles(v_O)
+            azimuth, elevation = azimuth_elevation(v_O)
             self.fixations.publish(Fixation(now, azimuth - self.X_OB.theta, elevation))
         if self._gazing.v_O is None:
             return Look(None, "it waits: nothing stands out")

@@ -16,10 +16,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from app.modules.perception.saliency.sphere_grid import SphereGrid, angles, unit_vector
-
-FEATURES = ("motion", "color", "contrast", "faces", "sounds")
-"""Of pictures: motion, colour and contrast with what is around; percepts: faces and sounds."""
+from app.base.geometry import azimuth_elevation, unit_vector
+from app.modules.perception.saliency.sphere_grid import SphereGrid
 
 Map = NDArray[np.float32]
 
@@ -99,7 +97,7 @@ class EgoSphere:
                 break
             v_O = self._middle(left, row, column)
             shares = {name: float(values[row, column]) for name, values in weighted.items()}
-            found.append(Peak(*angles(v_O), saliency=saliency, shares=shares))
+            found.append(Peak(*azimuth_elevation(v_O), saliency=saliency, shares=shares))
             cell_O = unit_vector(float(self.grid.azimuths[column]), float(self.grid.elevations[row]))
             left = np.where(self._directions @ cell_O > math.cos(self.rules.apart_rad), 0.0, left).astype(np.float32)
         return tuple(found)

@@ -60,15 +60,3 @@ class SphereGrid:
         """``values`` (rows, columns) of this grid in axes turned by ``heading`` (rad, left positive), to the nearest
         column."""
         return np.roll(values, round(heading / self.step_rad), axis=1)
-
-
-def unit_vector(azimuth: float, elevation: float) -> NDArray[np.float64]:
-    """The direction (3,) of two angles (rad; left and up positive)."""
-    ahead = math.cos(elevation)
-    return np.array([ahead * math.cos(azimuth), ahead * math.sin(azimuth), math.sin(elevation)])
-
-
-def angles(v: NDArray[np.float64]) -> tuple[float, float]:
-    """Azimuth and elevation (rad) of a vector (3,)."""
-    x, y, z = (float(value) for value in v)
-    return math.atan2(y, x), math.atan2(z, math.hypot(x, y))

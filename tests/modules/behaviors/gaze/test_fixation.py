@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from app.base.geometry import azimuth_elevation, unit_vector
 from app.modules.behaviors.gaze.fixation import FixationRules, Gazing
-from app.modules.perception.saliency.sphere_grid import angles, unit_vector
 
 RULES = FixationRules(hold_s=1.5, reach_s=2.0)
 LEFT, RIGHT = unit_vector(1.0, 0.1), unit_vector(-1.0, 0.1)
 
 
 def azimuth(gazing: Gazing) -> float | None:
-    return None if gazing.v_O is None else angles(gazing.v_O)[0]
+    return None if gazing.v_O is None else azimuth_elevation(gazing.v_O)[0]
 
 
 def test_the_most_salient_is_held_and_then_the_next_is_chosen() -> None:
@@ -28,7 +28,7 @@ def test_the_most_salient_is_held_and_then_the_next_is_chosen() -> None:
     assert gazing.step(2.4, reached=True) is None
     done = gazing.step(2.5, reached=True)
     assert done is not None
-    assert angles(done)[0] == pytest.approx(1.0)
+    assert azimuth_elevation(done)[0] == pytest.approx(1.0)
     assert gazing.v_O is None
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from app.base.geometry import Pose2
 from app.messages import Fixation, Odometry, SalientRegion, SalientRegions
-from app.modules.perception.saliency.gains import SaliencyGains
+from app.modules.saliency_gains import SaliencyGains
 from app.runtime.clock import in_virtual_time
 from tests.modules.behaviors.gaze.head_bench import bench_of, commanded, desire, off_axis_deg
 from tests.modules.fakes import Bench, drain

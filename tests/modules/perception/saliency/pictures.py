@@ -9,8 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from app.base.geometry import CameraModel, FisheyeModel, Pose2, Pose3
-from app.modules.perception.saliency.sphere_grid import unit_vector
+from app.base.geometry import CameraModel, FisheyeModel, Pose2, Pose3, unit_vector
 
 KINECT = CameraModel.from_vertical_fov(320, 240, math.radians(43))
 FISHEYE = FisheyeModel.from_fov(512, 384, math.pi, math.pi)

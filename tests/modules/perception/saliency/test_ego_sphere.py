@@ -9,8 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.modules.perception.saliency.ego_sphere import FEATURES, EgoSphere, Peak, SphereRules
-from app.modules.perception.saliency.sphere_grid import SphereGrid, unit_vector
+from app.base.geometry import unit_vector
+from app.modules.perception.saliency.ego_sphere import EgoSphere, Peak, SphereRules
+from app.modules.perception.saliency.sphere_grid import SphereGrid
+from app.modules.saliency_gains import FEATURES
 
 ALL = dict.fromkeys(FEATURES, 1.0)
 WIDE = math.radians(5)

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.base.geometry import CameraModel, FisheyeModel
+from app.base.geometry import CameraModel, FisheyeModel, unit_vector
 from app.modules.perception.saliency.ego_sphere import EgoSphere, Peak
 from app.modules.perception.saliency.feature_maps import FeatureMaps, PictureFeatures
-from app.modules.perception.saliency.sphere_grid import SphereGrid, unit_vector
+from app.modules.perception.saliency.sphere_grid import SphereGrid
 from tests.modules.perception.saliency.pictures import FISHEYE, KINECT, Disc, camera_at, picture
 
 GRID = SphereGrid()

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.modules.perception.saliency.sphere_grid import SphereGrid, angles, unit_vector
+from app.base.geometry import azimuth_elevation
+from app.modules.perception.saliency.sphere_grid import SphereGrid
 
 GRID = SphereGrid()
 
@@ -18,7 +19,7 @@ def test_cells_go_from_the_left_behind_to_the_right_behind_and_from_the_top_down
     assert (GRID.rows, GRID.columns) == (32, 120)
     directions = GRID.directions()
     assert np.allclose(np.linalg.norm(directions, axis=-1), 1)
-    first, last = angles(directions[0, 0]), angles(directions[-1, -1])
+    first, last = azimuth_elevation(directions[0, 0]), azimuth_elevation(directions[-1, -1])
     assert np.degrees(first) == pytest.approx((178.5, 46.5))
     assert np.degrees(last) == pytest.approx((-178.5, -46.5))
     assert (GRID.finer(2).rows, GRID.finer(2).columns) == (64, 240)
@@ -38,8 +39,3 @@ def test_turned_axes_have_a_cell_where_its_direction_is(column: int, steps: int)
     off = GRID.azimuths[found] - (GRID.azimuths[column] - heading)
     assert row == 16
     assert math.cos(off) == pytest.approx(1.0)
-
-
-@given(st.floats(-3, 3), st.floats(-1.5, 1.5))
-def test_angles_and_vectors_are_each_others_inverse(azimuth: float, elevation: float) -> None:
-    assert angles(unit_vector(azimuth, elevation)) == pytest.approx((azimuth, elevation))

@@ -1,4 +1,5 @@
-"""Gains of the features: what the robot is after decides what stands out (Kismet). Pure."""
+"""Gains of the features of saliency, for the ego-sphere and what looks at its regions: what the robot is after decides
+what stands out (Kismet). Pure."""
 
 from __future__ import annotations
 
@@ -7,8 +8,8 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from app.modules.perception.saliency.ego_sphere import FEATURES
-
+FEATURES = ("motion", "color", "contrast", "faces", "sounds")
+"""Of pictures: motion, colour and contrast with what is around; percepts: faces and sounds."""
 #: Before the name of a feature: a factor to its gain, by a strategy that serves something else.
 RAISED = "raised_"
 
