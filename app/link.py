@@ -6,6 +6,7 @@ behind it, in another process. Implementations are in ``app/robots/``; modules k
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import StrEnum
@@ -21,12 +22,38 @@ class LinkFailed(Exception):
 
 @dataclass(frozen=True, slots=True)
 class BaseLimits:
-    """Limits of the mobile base: speeds (m/s, rad/s) and accelerations (m/s^2, rad/s^2), all positive."""
+    """Limits of the mobile base: speeds (m/s, rad/s) and accelerations (m/s^2, rad/s^2), all positive.
+
+    ``lateral_mps`` is the greatest speed sideways, 0 for a base that cannot move so (a differential drive). Forward and
+    sideways speeds are limited together, as a vector within the ellipse of both limits; its change is within
+    ``linear_mps2``.
+    """
 
     linear_mps: float
     angular_radps: float
     linear_mps2: float
     angular_radps2: float
+    lateral_mps: float = 0.0
+
+    @property
+    def holonomic(self) -> bool:
+        """Whether the base can move sideways."""
+        return self.lateral_mps > 0.0
+
+    def within_speeds(self, linear_mps: float, lateral_mps: float) -> tuple[float, float]:
+        """The velocity (forward, sideways; m/s) shortened into the limits, in its own direction where the base can."""
+        if not self.holonomic:
+            return min(max(linear_mps, -self.linear_mps), self.linear_mps), 0.0
+        share = math.hypot(linear_mps / self.linear_mps, lateral_mps / self.lateral_mps)
+        return (linear_mps, lateral_mps) if share <= 1.0 else (linear_mps / share, lateral_mps / share)
+
+    def ramped(self, before: tuple[float, float], target: tuple[float, float], elapsed_s: float) -> tuple[float, float]:
+        """The velocity (forward, sideways; m/s) on the straight line from ``before`` to ``target`` that the base's
+        acceleration allows after ``elapsed_s``."""
+        most = self.linear_mps2 * elapsed_s
+        x, y = target[0] - before[0], target[1] - before[1]
+        change = math.hypot(x, y)
+        return target if change <= most else (before[0] + x / change * most, before[1] + y / change * most)
 
 
 class SafeAction(StrEnum):
@@ -43,7 +70,8 @@ class SafeAction(StrEnum):
 @dataclass(frozen=True, slots=True)
 class JointLimits:
     """Limits of one joint: position ``lower`` to ``upper`` (rad, or m where prismatic), speed (rad/s), acceleration
-    (rad/s^2), both positive, and effort (N m, 0 where unknown)."""
+    (rad/s^2), both positive, effort (N m, N where prismatic; 0 where unknown), and ``contact``: the effort from outside
+    beyond which its group yields."""
 
     name: str
     lower: float
@@ -51,6 +79,7 @@ class JointLimits:
     velocity: float
     acceleration: float
     effort: float = 0.0
+    contact: float = math.inf
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +87,9 @@ class ActuatorGroup:
     """Joints that are commanded together: their limits, and the guard's rules for them.
 
     ``timeout_s``: the age (s) beyond which a command is stale. ``compliant``: whether its commands may set stiffness
-    and damping; ``stiffness`` (N m/rad) and ``damping`` (N m s/rad) are the values without.
+    and damping, within ``stiffness_range`` (N m/rad) and ``damping_range`` (N m s/rad); ``stiffness`` and ``damping``
+    are the values without. A contact (:attr:`JointLimits.contact`) that lasts ``contact_s`` makes the group yield for
+    ``contact_rest_s``, and until the next command then.
     """
 
     name: str
@@ -69,6 +100,21 @@ class ActuatorGroup:
     compliant: bool = False
     stiffness: float = 0.0
     damping: float = 0.0
+    stiffness_range: tuple[float, float] = (0.0, math.inf)
+    damping_range: tuple[float, float] = (0.0, math.inf)
+    contact_s: float = 0.1
+    contact_rest_s: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class ArmDescription:
+    """An arm: the ``group`` of its joints, the link ``hand`` that it reaches with, the group of its ``gripper`` ("":
+    none; one joint, closed at its least position), and the positions at ``rest`` (rad, in the group's order)."""
+
+    group: str
+    hand: str
+    gripper: str
+    rest: tuple[float, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,6 +151,8 @@ class RobotDescription:
     restartable: bool = False
     #: Groups of joints that take a :class:`JointCommand`, by name. The base is not one of them: it takes a Twist.
     groups: dict[str, ActuatorGroup] = field(default_factory=dict)
+    #: Arms by side: ``left``, ``right``.
+    arms: dict[str, ArmDescription] = field(default_factory=dict)
 
 
 class RobotLink(Protocol):
@@ -113,8 +161,8 @@ class RobotLink(Protocol):
     Streams every body has: ``odometry`` (Odometry), ``joints`` (JointState), ``status`` (LinkStatus). Sensor
     streams depend on the body: ``kinect`` (Image with depth), ``panorama`` (Image, fisheye), ``camera`` (Image),
     ``hokuyo`` (LaserScan), ``microphones`` (Audio), ``loudspeaker`` (Audio: what it plays, while it plays, sampled and
-    numbered with ``microphones``). ``ground_truth`` (GroundTruth) and ``scene_truth`` (SceneTruth) exist only in a
-    simulated world whose configuration turns them on.
+    numbered with ``microphones``), ``battery`` (BatteryState). ``ground_truth`` (GroundTruth) and ``scene_truth``
+    (SceneTruth) exist only in a simulated world whose configuration turns them on.
     """
 
     @property
@@ -158,9 +206,10 @@ class RobotLink(Protocol):
     def command(self, command: Twist | JointCommand) -> None:
         """Give the base a velocity, or the joints of a group their set-points.
 
-        The guard clamps a velocity, ramps towards it, and keeps it for 200 ms. It clamps set-points to the joints'
-        limits, and approaches them within their speeds and accelerations; a command older than the group's timeout
-        ends in the group's safe action. A group or joint that the body does not have is ignored.
+        The guard clamps a velocity (forward and sideways as one vector), ramps towards it, and keeps it for 200 ms. It
+        clamps set-points to the joints' limits, and approaches them within their speeds and accelerations; a command
+        older than the group's timeout ends in the group's safe action. A group or joint that the body does not have is
+        ignored.
         """
         ...
 

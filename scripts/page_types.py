@@ -17,7 +17,7 @@ from typing import get_args
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from app.console import schema
-from app.console.live.messages import FROM_ROBOT
+from app.console.live.messages import FROM_ROBOT, FaceReport
 from app.console.live.protocol import FromPage, TimedMessage
 from app.console.records.maps import MapList
 from app.console.records.recordings import RecordingList, ReplayReport, Saved
@@ -29,8 +29,8 @@ from app.console.rest.session import LoginRequest
 
 ROOT = Path(__file__).resolve().parents[1]
 FILE = ROOT / "web" / "src" / "protocol" / "generated.ts"
-#: Answers of REST that the page reads and that are no messages of the live stream.
-ANSWERS = (MapList, RecordingList, ReplayReport, Saved)
+#: Answers of REST, and of the stream of the face, that a page reads and that are no messages of the live stream.
+ANSWERS = (FaceReport, MapList, RecordingList, ReplayReport, Saved)
 #: Bodies of requests to REST that the page makes.
 REQUESTS = (
     DesireChange,

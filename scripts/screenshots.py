@@ -1,4 +1,4 @@
-"""The pictures of README and docs/tour.md, taken from the real page: ``.venv/bin/python -m scripts.screenshots``.
+"""Pictures of README, docs/tour.md and docs/face.md, from real pages: ``.venv/bin/python -m scripts.screenshots``.
 
 Drives the simulated robot through the tour's steps in Chromium. The 3D view is drawn at full resolution whatever the
 computer, so on one without a graphics card this takes a few minutes.
@@ -19,6 +19,7 @@ from playwright.sync_api import Browser, Locator, Page, TimeoutError, ViewportSi
 
 from app.base.paths import config_dir
 from app.commands.doctor import find_chromium
+from app.modules.behaviors.face.expression import EXPRESSIONS
 from tests.browser.running import CHROMIUM_ARGUMENTS, Robot, running_robot
 
 FOLDER = Path(__file__).resolve().parent.parent / "docs" / "images"
@@ -59,12 +60,32 @@ def take() -> None:
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=find_chromium(), args=CHROMIUM_ARGUMENTS)
         with tempfile.TemporaryDirectory() as folder, running_robot(Path(folder)) as robot:
+            faces(browser, robot)
             tour(browser, robot)
         scenario = config_dir() / "scenarios" / "lab.yaml"
         with tempfile.TemporaryDirectory() as folder, running_robot(Path(folder), scenario) as robot:
             going(browser, robot)
             people(browser, robot)
         browser.close()
+
+
+def faces(browser: Browser, robot: Robot) -> None:
+    """The calm face and the expressions, side by side."""
+    page = browser.new_context(viewport={"width": 420, "height": 380}).new_page()
+    page.goto(f"{robot.url}/face")
+    page.locator("body[data-link=live]").wait_for()
+    pictures = []
+    for name in ("calm", *EXPRESSIONS):
+        wish = {"class": "Express", "intensity": 8, "utility": 8, "params": {"expression": name}}
+        desire = robot.request("POST", "/desires", wish)[2]["id"]
+        page.wait_for_timeout(3_000)
+        # Not in the middle of a blink.
+        page.wait_for_function("Number(document.querySelector('.face').dataset.pose.split(' ')[4]) < 0.7")
+        pictures.append(np.asarray(cv2.imdecode(np.frombuffer(page.screenshot(), np.uint8), cv2.IMREAD_COLOR)))
+        robot.request("DELETE", f"/desires/{desire}")
+    cv2.imwrite(str(FOLDER / "face.jpg"), np.hstack(pictures), [cv2.IMWRITE_JPEG_QUALITY, 88])
+    print(json.dumps({"picture": "face"}))
+    page.context.close()
 
 
 def tour(browser: Browser, robot: Robot) -> None:

@@ -6,7 +6,7 @@ import math
 import time
 from dataclasses import dataclass
 from itertools import combinations
-from operator import itemgetter
+from operator import itemgetter, le
 
 from app.attention.integer_program import Infeasible, IntegerProgram
 
@@ -109,8 +109,10 @@ def _efficient(
     for option in options:
         costs = option[1]
         # With one cost, the option kept last is the cheapest so far.
-        rivals = kept[-1:] if len(costs) == 1 else kept[:_MOST_OPTIONS]
-        if not any(all(a <= b for a, b in zip(better[1], costs, strict=True)) for better in rivals):
+        for better in kept[-1:] if len(costs) == 1 else kept[:_MOST_OPTIONS]:
+            if better[1] == costs or all(map(le, better[1], costs)):
+                break
+        else:
             kept.append(option)
     return kept
 

@@ -9,7 +9,7 @@ import re
 from collections.abc import Iterator
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, PlainValidator, WithJsonSchema
 
 from app.attention.desires import GRAIN, SCALE
 
@@ -63,6 +63,16 @@ class CalibratedByPhi(_Model):
     calibrated_or: CostByPhi
 
 
+def _cost_by_phi(value: Any) -> CalibratedByPhi | CostByPhi:
+    # A plain union would complain of each that it could be.
+    if isinstance(value, dict) and "base" in value:
+        return CostByPhi.model_validate(value)
+    return CalibratedByPhi.model_validate(value)
+
+
+_Cost = Annotated[
+    CalibratedByPhi | CostByPhi, PlainValidator(_cost_by_phi, json_schema_input_type=CalibratedByPhi | CostByPhi)
+]
 _MULTIPLE = r"^([1-9]\d{0,3}) phi$"
 
 
@@ -97,8 +107,9 @@ class StrategyFamily(_Model):
     )
     requires: dict[str, float] = Field(default={}, description="As of a strategy.")
     parameters: dict[str, dict[str, Any]] = Field(default={}, description="As of a strategy.")
-    costs: dict[str, CalibratedByPhi] = Field(
-        default={}, description="By resource: {calibrated_or: {base: b, slope: s}}, for b + s / φ."
+    costs: dict[str, _Cost] = Field(
+        default={},
+        description="By resource: {base: b, slope: s}, for b + s / φ, or {calibrated_or: {base: b, slope: s}}.",
     )
 
     def members(self) -> Iterator[dict[str, Any]]:
@@ -111,8 +122,13 @@ class StrategyFamily(_Model):
                 "filters": {name: _divisor(divisor, phi) for name, divisor in self.filters.items()},
                 "requires": self.requires,
                 "parameters": self.parameters,
-                "costs": {name: {"calibrated_or": cost.calibrated_or.at(phi)} for name, cost in self.costs.items()},
+                "costs": {name: _cost(cost, phi) for name, cost in self.costs.items()},
             }
+
+
+def _cost(entry: CalibratedByPhi | CostByPhi, phi: int) -> Any:
+    """The cost at ``phi``, as the entry of a strategy has it."""
+    return entry.at(phi) if isinstance(entry, CostByPhi) else {"calibrated_or": entry.calibrated_or.at(phi)}
 
 
 def _divisor(entry: str | int, phi: int) -> str | int:

@@ -23,7 +23,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from app.attention.prepared import InvalidProblem, PreparedTable, all_exclude, thousandths
-from app.attention.problem import SelectionProblem, thrift_resource
+from app.attention.problem import SelectionProblem, spare_resource, thrift_resource
 
 
 class Infeasible(Exception):
@@ -145,7 +145,7 @@ def build_integer_program(problem: SelectionProblem, *, relaxed: frozenset[str] 
     security = frozenset(number[c] for c, d in desires.items() if d.security and c in number and c not in relaxed)
     intensity = {k: thousandths(desires[names[k]].intensity, "intensity of ", names[k]) for k in desired}
 
-    thrift = thrift_resource(problem)
+    thrift, spare = thrift_resource(problem), spare_resource(problem)
     criteria = _criteria(
         problem,
         intensity,
@@ -153,6 +153,7 @@ def build_integer_program(problem: SelectionProblem, *, relaxed: frozenset[str] 
         utility=utility,
         fresh=tuple(int(table.strategies[index].name not in problem.previous) for index in kept),
         thrift_cost=tuple(costs.get(thrift, 0) if thrift else 0 for costs in cost_of),
+        spare_cost=tuple(costs.get(spare, 0) if spare else 0 for costs in cost_of),
     )
     fulfil, serve, pay, omega_unit, omega_shift = _combined(criteria, frozenset(desired))
     return IntegerProgram(
@@ -177,7 +178,7 @@ def build_integer_program(problem: SelectionProblem, *, relaxed: frozenset[str] 
         pay=pay,
         omega_unit=omega_unit,
         omega_shift=omega_shift,
-        omega_offset=_weight(problem, "spare") * (limits[thrift] if thrift else 0),
+        omega_offset=_weight(problem, "spare") * (limits[spare] if spare else 0),
     )
 
 
@@ -215,16 +216,18 @@ def _criteria(
     utility: tuple[int, ...],
     fresh: tuple[int, ...],
     thrift_cost: tuple[int, ...],
+    spare_cost: tuple[int, ...],
 ) -> tuple[Criterion, ...]:
     """The six of the module's docstring. ``intensity`` {k: i} of the classes desired; by strategy s, ``cls`` is its k,
-    ``fresh`` 1 where it was not selected before, ``thrift_cost`` what it takes of the thrift resource."""
+    ``fresh`` 1 where it was not selected before, ``thrift_cost`` what it takes of the thrift resource, ``spare_cost``
+    of the one whose unused part counts in Ω."""
     of_intensity, of_utility, of_spare = (_weight(problem, of) for of in ("intensity", "utility", "spare"))
     count = len(utility)
     zeros = (0,) * count
     omega = _criterion(
         {k: of_intensity * i for k, i in intensity.items()},
         tuple(of_utility * v if k in intensity else 0 for k, v in zip(cls, utility, strict=True)),
-        tuple(of_spare * c for c in thrift_cost),
+        tuple(of_spare * c for c in spare_cost),
     )
     return (
         omega,

@@ -26,14 +26,16 @@ from app.messages import Reason
 
 @dataclass(frozen=True, slots=True)
 class Weights:
-    """Weights in Ω, all 1 and 0 in the thesis: Ω = Σ intensity·i f + Σ utility·f a v + spare·(m_cpu - Σ a c_cpu).
+    """Weights in Ω, all 1 and 0 in the thesis: Ω = Σ intensity·i f + Σ utility·f a v + spare·(m_j - Σ a c_j).
 
-    ``spare`` is what a unit of the thrift resource left unused is worth: it must be small, or nothing is ever done.
+    ``spare`` is what a unit of resource j left unused is worth: it must be small, or nothing is ever done. ``spare_of``
+    names that resource; "": the thrift resource. Without such a resource there is no such term.
     """
 
     intensity: float = 1.0
     utility: float = 1.0
     spare: float = 0.0
+    spare_of: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,7 +156,7 @@ def assess(problem: SelectionProblem, selected: Collection[str], *, relaxed: Col
         elif desire.security and cls not in relaxed:
             return None
     if problem.weights.spare:
-        resource = thrift_resource(problem)
+        resource = spare_resource(problem)
         if resource is not None:
             omega += problem.weights.spare * (problem.capacities[resource] - use[resource])
     omega = round(omega, 6)
@@ -172,3 +174,11 @@ def assess(problem: SelectionProblem, selected: Collection[str], *, relaxed: Col
 def thrift_resource(problem: SelectionProblem) -> str | None:
     """The resource that ties are decided by: ``problem.thrift`` if it exists, else the first, else None."""
     return problem.thrift if problem.thrift in problem.capacities else next(iter(problem.capacities), None)
+
+
+def spare_resource(problem: SelectionProblem) -> str | None:
+    """The resource whose unused part counts in Ω with the weight ``spare``; None if there is no such resource."""
+    named = problem.weights.spare_of
+    if named:
+        return named if named in problem.capacities else None
+    return thrift_resource(problem)

@@ -174,15 +174,21 @@ def _futures(choice: ClassOptions, multipliers: Sequence[int]) -> tuple[list[lis
     low = [[0] * size for _ in range(steps + 1)]
     high = [[0] * size for _ in range(steps + 1)]
     relaxed = [0] * (steps + 1)
+    priced = any(multipliers)
     relaxed[steps] = -sum(m * c for m, c in zip(multipliers, choice.capacities, strict=True))
     for step in range(steps - 1, -1, -1):
         group = choice.groups[step]
         columns = list(zip(*(option.costs for option in group), strict=True))
         low[step] = [total + min(column) for total, column in zip(low[step + 1], columns, strict=True)]
         high[step] = [total + max(column) for total, column in zip(high[step + 1], columns, strict=True)]
-        relaxed[step] = relaxed[step + 1] + min(
-            option.loss + sum(m * c for m, c in zip(multipliers, option.costs, strict=True) if c) for option in group
-        )
+        if priced:
+            least = min(
+                option.loss + sum(m * c for m, c in zip(multipliers, option.costs, strict=True) if c)
+                for option in group
+            )
+        else:
+            least = min(option.loss for option in group)
+        relaxed[step] = relaxed[step + 1] + least
     return low, high, relaxed
 
 

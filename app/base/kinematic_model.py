@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,12 +22,22 @@ from app.base.plain_file import open_plain
 MOVING_TYPES = ("revolute", "continuous", "prismatic")
 
 
+@dataclass(frozen=True, slots=True)
+class Mimic:
+    """A joint's position (rad or m) is ``multiplier`` times that of ``joint``, plus ``offset`` (rad or m)."""
+
+    joint: str
+    multiplier: float = 1.0
+    offset: float = 0.0
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Joint:
     """One joint: ``X_PJ`` is its frame in the parent link at position 0; ``axis`` (3,) a unit vector in that frame.
 
     ``lower`` and ``upper`` bound its position (rad or m), ``velocity`` its speed (rad/s or m/s); infinite where the
-    file says none. ``effort`` bounds its torque or force (N m or N; 0 where the file says none).
+    file says none. ``effort`` bounds its torque or force (N m or N; 0 where the file says none). ``damping`` is its
+    own resistance (N m s/rad or N s/m). ``mimic``: the joint that it follows, if it does.
     """
 
     name: str
@@ -40,17 +50,19 @@ class Joint:
     upper: float
     velocity: float = math.inf
     effort: float = 0.0
+    damping: float = 0.0
+    mimic: Mimic | None = None
 
     @property
     def moves(self) -> bool:
-        """Whether it is movable."""
-        return self.kind in MOVING_TYPES
+        """Whether it is movable by itself: one that follows another is not."""
+        return self.kind in MOVING_TYPES and self.mimic is None
 
     def pose(self, position: float) -> Pose3:
         """``X_PC``: pose of the child link in the parent link at ``position`` (rad or m)."""
         if self.kind == "prismatic":
             return self.X_PJ @ Pose3(np.eye(3), self.axis * position)
-        if self.moves:
+        if self.kind in MOVING_TYPES:
             return self.X_PJ @ Pose3(rotation_about(self.axis, position), np.zeros(3))
         return self.X_PJ
 
@@ -70,7 +82,7 @@ class KinematicModel:
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """The joints that move, in the file's order."""
+        """The joints that move by themselves, in the file's order."""
         return tuple(name for name, joint in self.joints.items() if joint.moves)
 
     def pose(self, link: str, positions: Mapping[str, float] | None = None) -> Pose3:
@@ -81,12 +93,51 @@ class KinematicModel:
         positions = positions or {}
         pose = Pose3.identity()
         for joint in self._up(link):
-            pose = joint.pose(positions.get(joint.name, 0.0)) @ pose
+            pose = joint.pose(self.position(joint.name, positions)) @ pose
         return pose
+
+    def poses(self, links: Iterable[str], positions: Mapping[str, float]) -> dict[str, Pose3]:
+        """:meth:`pose` of each of ``links``, by name; what they have in common is computed once."""
+        known = {self.root: Pose3.identity()}
+        for link in links:
+            for joint in self.chain(link):
+                if joint.child not in known:
+                    known[joint.child] = known[joint.parent] @ joint.pose(self.position(joint.name, positions))
+        return {link: known[link] for link in links}
+
+    def chain(self, link: str) -> tuple[Joint, ...]:
+        """The joints from the root down to ``link``, fixed ones among them; raises KeyError as :meth:`pose`."""
+        return tuple(self._up(link))[::-1]
+
+    def position(self, name: str, positions: Mapping[str, float]) -> float:
+        """Position (rad or m) of the joint ``name`` at ``positions`` by name: of one that follows another, too."""
+        if (mimic := self.joints[name].mimic) is None:
+            return positions.get(name, 0.0)
+        return mimic.multiplier * positions.get(mimic.joint, 0.0) + mimic.offset
+
+    def jacobian(
+        self, link: str, joints: Sequence[str], positions: Mapping[str, float] | None = None
+    ) -> NDArray[np.float64]:
+        """How the origin of ``link`` moves (3, n) in the root link (m) for each unit of ``joints`` (rad, m), which move
+        by themselves, at ``positions`` by name; zero for those that do not move it. Raises KeyError as :meth:`pose`."""
+        positions = positions or {}
+        end = self.pose(link, positions).translation
+        columns = {name: np.zeros(3) for name in joints}
+        X_BP = Pose3.identity()
+        for joint in self.chain(link):
+            name, gain = (joint.mimic.joint, joint.mimic.multiplier) if joint.mimic else (joint.name, 1.0)
+            if name in columns:
+                X_BJ = X_BP @ joint.X_PJ
+                axis = X_BJ.rotation @ joint.axis
+                arm = axis if joint.kind == "prismatic" else np.cross(axis, end - X_BJ.translation)
+                columns[name] = columns[name] + gain * arm
+            X_BP = X_BP @ joint.pose(self.position(joint.name, positions))
+        return np.column_stack(list(columns.values())) if columns else np.zeros((3, 0))
 
     def moved_by(self, link: str) -> tuple[str, ...]:
         """The joints that move ``link`` in the root link, from the link up; raises KeyError as :meth:`pose`."""
-        return tuple(joint.name for joint in self._up(link) if joint.moves)
+        above = (self.joints[joint.mimic.joint] if joint.mimic else joint for joint in self._up(link))
+        return tuple(joint.name for joint in above if joint.moves)
 
     def _up(self, link: str) -> Iterator[Joint]:
         if link != self.root and link not in self._joint_above:
@@ -105,7 +156,10 @@ def rotation_about(axis: NDArray[np.float64], angle: float) -> NDArray[np.float6
 
 
 def load_model(path: Path) -> KinematicModel:
-    """Read the URDF file ``path``. Raises ConfigError if it is invalid, or if its links do not form a tree."""
+    """Read the URDF file ``path``.
+
+    Raises ConfigError if it is invalid, if its links do not form a tree, or a joint mimics one that cannot move.
+    """
     try:
         with open_plain(path) as file:
             robot = ElementTree.parse(file).getroot()
@@ -123,6 +177,10 @@ def load_model(path: Path) -> KinematicModel:
         raise ConfigError(
             f"its links must form one tree; these have no parent: {', '.join(roots) or 'none'}", str(path)
         )
+    movable = {joint.name for joint in joints if joint.moves}
+    for joint in joints:
+        if joint.mimic is not None and joint.mimic.joint not in movable:
+            raise ConfigError(f"{joint.name} mimics {joint.mimic.joint!r}, which is no movable joint of it", str(path))
     return KinematicModel(roots[0], joints)
 
 
@@ -132,7 +190,7 @@ def _joint(element: ElementTree.Element) -> Joint:
     rpy = _vector(origin.get("rpy", "0 0 0") if origin is not None else "0 0 0")
     axis_element = element.find("axis")
     axis = np.array(_vector(axis_element.attrib["xyz"] if axis_element is not None else "1 0 0"))
-    limit = element.find("limit")
+    limit, dynamics = element.find("limit"), element.find("dynamics")
     return Joint(
         name=element.attrib["name"],
         kind=element.attrib["type"],
@@ -144,7 +202,15 @@ def _joint(element: ElementTree.Element) -> Joint:
         upper=float(limit.get("upper", "inf")) if limit is not None else math.inf,
         velocity=float(limit.get("velocity", "inf")) if limit is not None else math.inf,
         effort=float(limit.get("effort", "0")) if limit is not None else 0.0,
+        damping=float(dynamics.get("damping", "0")) if dynamics is not None else 0.0,
+        mimic=_mimic(element.find("mimic")),
     )
+
+
+def _mimic(element: ElementTree.Element | None) -> Mimic | None:
+    if element is None:
+        return None
+    return Mimic(element.attrib["joint"], float(element.get("multiplier", "1")), float(element.get("offset", "0")))
 
 
 def _child(element: ElementTree.Element, tag: str) -> ElementTree.Element:

@@ -15,6 +15,7 @@ from app.base import paths
 from app.console.access.auth import Door, Guarded
 from app.console.description import describe, operation_id
 from app.console.live.endpoint import live
+from app.console.live.face import face
 from app.console.live.hub import Hub
 from app.console.live.protocol import COSTMAP
 from app.console.page import install_page
@@ -111,6 +112,10 @@ def create_app(
     @api.websocket("/live")
     async def live_stream(websocket: WebSocket) -> None:
         await live(websocket, hub, system.clock)
+
+    @api.websocket("/face")
+    async def face_stream(websocket: WebSocket) -> None:
+        await face(websocket, system)
 
     app.include_router(api)
     app.include_router(view_router(view))

@@ -1,4 +1,5 @@
-"""The pages that Vite built (the operator's, and the one on REST), or a plain one that says how to build them."""
+"""The pages that Vite built (the operator's, the robot's face, the one on REST), or a plain one that says how to build
+them."""
 
 from __future__ import annotations
 
@@ -13,6 +14,9 @@ from starlette.types import Receive, Scope, Send
 
 # Reads the computer's tables of types, which must not happen first in the middle of a request.
 mimetypes.init()
+
+#: Pages at an address without the file's ending.
+ADDRESSES = {"face": "face.html"}
 
 _NOT_BUILT = """<!doctype html>
 <html lang="en"><meta charset="utf-8"><title>HBBA console</title>
@@ -34,10 +38,11 @@ class Page(StaticFiles):
         self.config_checked = True
 
     async def get_response(self, path: str, scope: Scope) -> Response:
+        path = ADDRESSES.get(path, path)
         try:
             return await super().get_response(path, scope)
         except HTTPException as error:
-            if error.status_code == 404 and path in (".", "index.html", "rest.html"):
+            if error.status_code == 404 and path in (".", "index.html", "face.html", "rest.html"):
                 return HTMLResponse(_NOT_BUILT)
             raise
 

@@ -58,6 +58,7 @@ def guard(status: LinkStatus | None, now: float, rate: float = 1.0, problem: str
         applied=Velocity(
             0.0 if problem else round(status.applied.linear_mps, 4),
             0.0 if problem else round(status.applied.angular_radps, 4),
+            lateral_mps=0.0 if problem else round(status.applied.lateral_mps, 4),
         ),
     )
 
@@ -126,6 +127,7 @@ def odometry_report(odometry: Odometry | None) -> OdometryReport | None:
         theta=round(pose.theta, 5),
         linear_mps=round(odometry.linear_mps, 4),
         angular_radps=round(odometry.angular_radps, 4),
+        lateral_mps=round(odometry.lateral_mps, 4),
     )
 
 

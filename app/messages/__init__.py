@@ -10,7 +10,7 @@ microphones, Q a QR code, F a face, S a sound source.
 
 from __future__ import annotations
 
-from app.messages.actuation import GroupStatus, JointCommand
+from app.messages.actuation import ExternalForce, ExternalForces, GroupStatus, JointCommand
 from app.messages.attention import (
     Accomplished,
     Accomplishment,
@@ -39,6 +39,7 @@ from app.messages.attention import (
 )
 from app.messages.base import Look, Message, PerceptKind, read_only
 from app.messages.driving import Exploitation, LinkStatus, TeleopCommand, Twist
+from app.messages.energy import BatteryState, DockingState, DockingStatus, DockSighting
 from app.messages.navigation import (
     GivenUpGoal,
     Localization,
@@ -98,13 +99,14 @@ from app.messages.sensors import (
     SceneTruth,
     SoundTruth,
 )
-from app.messages.speech import Speech, SpeechState
+from app.messages.speech import HeardWords, Speech, SpeechState
 
 __all__ = [
     "Accomplished",
     "Accomplishment",
     "Alternative",
     "Audio",
+    "BatteryState",
     "Darkness",
     "Desire",
     "DesireClassReport",
@@ -113,15 +115,21 @@ __all__ = [
     "Desires",
     "Divisor",
     "Divisors",
+    "DockSighting",
+    "DockingState",
+    "DockingStatus",
     "EncodedImage",
     "EventKind",
     "Exploitation",
+    "ExternalForce",
+    "ExternalForces",
     "Face",
     "Faces",
     "Fixation",
     "GivenUpGoal",
     "GroundTruth",
     "GroupStatus",
+    "HeardWords",
     "Image",
     "IntentionReport",
     "JointCommand",

@@ -1,4 +1,4 @@
-"""Commands to actuator groups other than the base, and the state of every group at the guard."""
+"""Commands to actuator groups other than the base, the state of every group at the guard, and forces on the body."""
 
 from __future__ import annotations
 
@@ -34,3 +34,21 @@ class GroupStatus:
     guard: str
     reason: str
     command_age_s: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class ExternalForce:
+    """An estimate of the force ``f_B`` (N, in ``base_link``) on the body at the origin of its ``link``, which is at
+    ``p_B`` (m, in ``base_link``)."""
+
+    link: str
+    p_B: tuple[float, float, float]
+    f_B: tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class ExternalForces:
+    """The forces on the body at ``stamp``, as far as its joints show them; none where it is not touched."""
+
+    stamp: float
+    forces: tuple[ExternalForce, ...]

@@ -31,6 +31,7 @@ EventKind = Literal[
     "stale",
     "goal",
     "percept",
+    "battery",
     "accomplishment",
 ]
 #: What a behavior reports of a desire.

@@ -9,7 +9,8 @@ from app.messages.actuation import GroupStatus
 
 @dataclass(frozen=True, slots=True)
 class TeleopCommand:
-    """An operator's command: ``linear`` and ``angular`` in [-1, 1] of the robot's limits (forward, left).
+    """An operator's command: ``linear``, ``angular`` and ``lateral`` in [-1, 1] of the robot's limits (forward, turn
+    left, sideways to the left).
 
     ``held`` is the dead-man: False means that the base stops, whatever the other fields. ``stamp`` is the robot's clock
     at arrival, ``sequence`` grows by one with each command of one operator session. ``override`` is a hold of its own:
@@ -25,6 +26,7 @@ class TeleopCommand:
     linear: float
     angular: float
     override: bool = False
+    lateral: float = 0.0
     head_held: bool = False
     pan: float = 0.0
     tilt: float = 0.0
@@ -32,11 +34,15 @@ class TeleopCommand:
 
 @dataclass(frozen=True, slots=True)
 class Twist:
-    """A velocity command for the base: forward m/s and turn rad/s (left positive)."""
+    """A velocity command for the base: forward m/s, turn rad/s and sideways m/s (left positive).
+
+    ``lateral_mps`` is 0 on a base that cannot move sideways.
+    """
 
     stamp: float
     linear_mps: float
     angular_radps: float
+    lateral_mps: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -74,15 +74,21 @@ class Odometry:
     X_OB: Pose2
     linear_mps: float
     angular_radps: float
+    lateral_mps: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
 class JointState:
-    """Measured joint positions: ``positions[i]`` (rad, or m where prismatic) of joint ``names[i]``."""
+    """Measured joints: ``positions[i]`` (rad, or m where prismatic) of joint ``names[i]``.
+
+    ``efforts[i]`` is what its motor exerts (N m, or N), without what compensates the weight that it carries; empty
+    where the body does not measure it.
+    """
 
     stamp: float
     names: tuple[str, ...]
     positions: tuple[float, ...]
+    efforts: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,6 +99,7 @@ class GroundTruth:
     X_WB: Pose2
     linear_mps: float
     angular_radps: float
+    lateral_mps: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

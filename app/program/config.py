@@ -25,6 +25,21 @@ class _Model(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
 
+class PowerConfig(_Model):
+    """How much power strategies may draw, by the charge of the battery, and what power left over is worth."""
+
+    resource: str = Field("power", min_length=1, description="the resource of the strategies' costs, in W")
+    full_w: float = Field(ge=0, le=1e6, description="while the battery charges, or has more than from_charge")
+    empty_w: float = Field(ge=0, le=1e6, description="with an empty battery; in between it falls linearly")
+    from_charge: float = Field(0.5, gt=0, le=1, description="share of the charge below which it falls")
+    weight: float = Field(0.0, ge=0, le=8, multiple_of=0.001, description="of each W left over in Ω; 0: none")
+
+    def capacity_w(self, charge: float, *, charging: bool) -> float:
+        """The power (W) that strategies may draw at ``charge`` (0 to 1)."""
+        share = 1.0 if charging else min(1.0, charge / self.from_charge)
+        return self.empty_w + share * (self.full_w - self.empty_w)
+
+
 class AttentionConfig(_Model):
     """Settings of attention: how intentions are chosen."""
 
@@ -35,6 +50,7 @@ class AttentionConfig(_Model):
     history: int = Field(20_000, ge=100, description="events the timeline remembers")
     hysteresis_gain: float = Field(0.0, ge=0, description="a switch must gain more than this in Ω ...")
     hysteresis_dwell_s: float = Field(0.0, ge=0, description="... or last for longer than this; 0 and 0: at once")
+    power: PowerConfig | None = Field(None, description="power as a resource, where the body has a battery")
 
 
 class ConsoleConfig(_Model):

@@ -19,10 +19,12 @@ from app.attention.explaining import EXPLAIN_S
 from app.attention.exploitation import ExploitationChange, ExploitationMonitor, exploited_classes, exploited_desires
 from app.attention.hysteresis import SelectionHysteresis
 from app.attention.lanes import LaneMonitor, LaneSampler
+from app.attention.problem import Weights
 from app.attention.strategies import StrategyTable, load_strategies, trimmed
 from app.attention.timeline import Timeline
 from app.attention.translator import IntentionTranslator
 from app.attention.workspace import IntentionWorkspace, random_id
+from app.base.yaml_source import suggestion
 from app.link import LinkFailed, RobotLink
 from app.logs.library import RecordingLibrary, default_folder
 from app.logs.manifest import Manifest
@@ -30,10 +32,11 @@ from app.logs.recorder_service import RecorderService
 from app.maps.library import MapLibrary
 from app.maps.library import default_folder as default_maps_folder
 from app.maps.map_service import MapService
-from app.messages import Accomplishment, Exploitation, LoadReport, PerceptEvent, PerceptKind
+from app.messages import Accomplishment, BatteryState, Exploitation, LoadReport, PerceptEvent, PerceptKind
 from app.program.attachments import snapshot
+from app.program.battery_watch import BatteryWatch
 from app.program.body_restart import BodyRestarter
-from app.program.config import Configuration, load_configuration
+from app.program.config import Configuration, PowerConfig, load_configuration
 from app.program.desire_classes import desire_classes
 from app.program.module_meter import ModuleMeter
 from app.program.self_report import SelfReport
@@ -132,6 +135,7 @@ class System:
         self._modules = ModuleMeter(self.graph.modules, self.supervisor, self.load)
         self.watchdog = LoopWatchdog(meters)
         self.translator = self._make_translator()
+        self._battery = BatteryWatch(self.timeline, self._power(), self.translator.set_capacity)
         self._lanes = None if "lanes" in recorded else self._lane_monitor()
         self.body_restarter = BodyRestarter(self.link, self.supervisor, self._renew_state, self.timeline, self.clock)
         self._exploitation = ExploitationMonitor()
@@ -182,6 +186,11 @@ class System:
                     for name, channel in self.graph.channels.items()
                     if channel.message_type is Exploitation
                 },
+                **{
+                    name: self._follow_battery(channel)
+                    for name, channel in self.graph.channels.items()
+                    if channel.message_type is BatteryState
+                },
                 **({} if self._lanes is None else {"lanes": self._lanes.run()}),
             }.items():
                 task = asyncio.create_task(coroutine, name=name)
@@ -218,6 +227,7 @@ class System:
         self.freshness.reset()
         self._feed.reset()
         self._exploitation.clear()
+        self._battery.reset()
         if self._lanes is not None:
             self._lanes.reset()
 
@@ -285,7 +295,7 @@ class System:
         return trimmed(table, self.graph.ports()) if self._partial else table
 
     def _make_translator(self) -> IntentionTranslator:
-        settings = self.config.program.attention
+        settings, power = self.config.program.attention, self._power()
         safe = settings.safe_strategies
         if self._partial:
             there = {strategy.name for strategy in self.table.strategies}
@@ -302,6 +312,7 @@ class System:
                 safe=safe,
                 solver=CachedSolver(time_limit_s=limit_s, timed=not self._reproducible),
                 explain_limit_s=PATIENT_S if self._reproducible else EXPLAIN_S,
+                weights=Weights() if power is None else Weights(spare=power.weight, spare_of=power.resource),
                 hysteresis=SelectionHysteresis(settings.hysteresis_gain, settings.hysteresis_dwell_s),
             )
         except ValueError as failure:
@@ -339,6 +350,18 @@ class System:
     async def _follow_exploitation(self, channel: Channel[Exploitation]) -> None:
         async for message in channel.subscribe("timeline"):
             self._note_exploitation(self._exploitation.take(message))
+
+    async def _follow_battery(self, channel: Channel[BatteryState]) -> None:
+        async for state in channel.subscribe("battery watch"):
+            self._battery.take(state)
+
+    def _power(self) -> PowerConfig | None:
+        """How power is budgeted. Raises ConfigError for a resource that no file of strategies declares."""
+        power = self.config.program.attention.power
+        if power is None or power.resource in self.table.resources:
+            return power
+        message = f"there is no resource {power.resource!r}; {suggestion(power.resource, list(self.table.resources))}"
+        raise self.config.program_document.error(message, ("attention", "power", "resource"))
 
     def _note_exploitation(self, changes: Iterable[ExploitationChange]) -> None:
         for change in changes:

@@ -11,7 +11,8 @@ from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, field_validator,
 
 from app.base.kinematic_model import KinematicModel, load_model
 from app.base.yaml_source import load_yaml
-from app.link import ActuatorGroup, BaseLimits, JointLimits, SafeAction
+from app.link import ActuatorGroup, ArmDescription, BaseLimits, JointLimits, SafeAction
+from app.robots.battery_config import BatteryConfig
 from app.robots.guard import GuardLimits
 
 Positive = Annotated[float, Field(gt=0)]
@@ -40,10 +41,13 @@ class LimitsConfig(_Model):
     required_sensors: tuple[str, ...] = Field(
         default=("odometry",), description="streams without which the base must not drive"
     )
+    lateral_mps: NotNegative = Field(default=0.0, description="sideways; 0: the base cannot, as a differential drive")
 
     def base(self) -> BaseLimits:
         """Speeds and accelerations alone."""
-        return BaseLimits(self.linear_mps, self.angular_radps, self.linear_mps2, self.angular_radps2)
+        return BaseLimits(
+            self.linear_mps, self.angular_radps, self.linear_mps2, self.angular_radps2, lateral_mps=self.lateral_mps
+        )
 
     def guard(self) -> GuardLimits:
         """The limits as the guard uses them."""
@@ -91,11 +95,40 @@ class ActuatorConfig(_Model):
     compliant: bool = Field(default=False, description="commands may set stiffness and damping")
     stiffness: NotNegative = Field(default=60.0, description="N m/rad, of a compliant group without a value given")
     damping: NotNegative = Field(default=6.0, description="N m s/rad, likewise")
+    stiffness_range: tuple[NotNegative, Positive] = Field(default=(0.0, 300.0), description="that commands may set")
+    damping_range: tuple[NotNegative, Positive] = Field(default=(0.5, 40.0), description="that commands may set")
+    contact: tuple[Positive, ...] = Field(
+        default=(), description="efforts from outside (N m), one for each joint, beyond which the group yields"
+    )
+    contact_s: Positive = Field(default=0.1, description="how long they must last")
+    contact_rest_s: Positive = Field(default=1.0, description="how long it yields, at least")
+    kinematic: bool = Field(
+        default=False, description="in the simulated world its joints are where the guard sets them, without physics"
+    )
+
+    @model_validator(mode="after")
+    def _is_within_its_ranges(self) -> Self:
+        if self.contact and len(self.contact) != len(self.joints):
+            raise ValueError(f"contact has {len(self.contact)} efforts for {len(self.joints)} joints")
+        if not self.compliant:
+            return self
+        ranges = {"stiffness": (self.stiffness, self.stiffness_range), "damping": (self.damping, self.damping_range)}
+        for what, (value, (least, most)) in ranges.items():
+            if not least <= value <= most:
+                raise ValueError(f"{what} {value:g} lies outside its {what}_range, {least:g} to {most:g}")
+        return self
+
+    @model_validator(mode="after")
+    def _compliance_is_of_physics(self) -> Self:
+        if self.kinematic and self.compliant:
+            raise ValueError("a kinematic group has no forces, so it cannot be compliant")
+        return self
 
     def group(self, name: str, model: KinematicModel) -> ActuatorGroup:
         """The group's description. Raises ValueError for a joint that the model does not have or that cannot move."""
         limits: list[JointLimits] = []
-        for joint_name in self.joints:
+        contacts = self.contact or (math.inf,) * len(self.joints)
+        for joint_name, contact in zip(self.joints, contacts, strict=True):
             joint = model.joints.get(joint_name)
             if joint is None or not joint.moves:
                 allowed = ", ".join(model.joint_names)
@@ -104,12 +137,49 @@ class ActuatorConfig(_Model):
                 raise ValueError(f"the model's greatest velocity of {joint_name} is 0: it cannot move")
             speed = min(self.velocity, joint.velocity)
             limits.append(
-                JointLimits(joint.name, joint.lower, joint.upper, speed, self.acceleration, effort=joint.effort)
-            )
+                JointLimits(
+                    joint.name, joint.lower, joint.upper, velocity=speed, acceleration=self.acceleration,
+                    effort=joint.effort, contact=contact,
+                )
+            )  # fmt: skip
         return ActuatorGroup(
             name, tuple(limits), stale=self.stale, stop=self.stop, timeout_s=self.timeout_s,
             compliant=self.compliant, stiffness=self.stiffness, damping=self.damping,
+            stiffness_range=self.stiffness_range, damping_range=self.damping_range,
+            contact_s=self.contact_s, contact_rest_s=self.contact_rest_s,
         )  # fmt: skip
+
+
+class ArmConfig(_Model):
+    """One arm: which groups it is made of, and how it hangs at rest."""
+
+    group: str = Field(description="actuator group of its joints")
+    hand: str = Field(description="link of the model that it reaches with")
+    gripper: str = Field(
+        default="", description="actuator group of its gripper: one joint, closed at its least position"
+    )
+    rest: tuple[float, ...] = Field(
+        default=(), description="positions (rad) at rest, in the group's order; none: all 0"
+    )
+
+    def described(self, groups: Mapping[str, ActuatorGroup], model: KinematicModel) -> ArmDescription:
+        """The arm's description. Raises ValueError for a group or a link that there is not, and for a rest beyond the
+        joints' limits."""
+        for group in filter(None, (self.group, self.gripper)):
+            if group not in groups:
+                raise ValueError(f"there is no actuator group {group!r}; there are {', '.join(groups) or 'none'}")
+        joints = groups[self.group].joints
+        if self.hand not in model.links:
+            raise ValueError(f"the model has no link {self.hand!r}; it has {', '.join(model.links)}")
+        if self.gripper and len(groups[self.gripper].joints) != 1:
+            raise ValueError(f"{self.gripper} has {len(groups[self.gripper].joints)} joints; a gripper has one")
+        rest = self.rest or (0.0,) * len(joints)
+        if len(rest) != len(joints):
+            raise ValueError(f"rest has {len(rest)} positions for the {len(joints)} joints of {self.group}")
+        for joint, position in zip(joints, rest, strict=True):
+            if not joint.lower <= position <= joint.upper:
+                raise ValueError(f"rest: {position:g} of {joint.name} is not within {joint.lower:g} to {joint.upper:g}")
+        return ArmDescription(self.group, self.hand, self.gripper, rest)
 
 
 class BodyConfig(_Model):
@@ -128,7 +198,10 @@ class BodyConfig(_Model):
         default={}, description="groups of joints that behaviors command, by name (docs/bodies.md)"
     )
 
+    arms: dict[Literal["left", "right"], ArmConfig] = Field(default={}, description="its arms, by side (docs/arms.md)")
+
     _groups: dict[str, ActuatorGroup] = PrivateAttr(default_factory=dict)
+    _arms: dict[str, ArmDescription] = PrivateAttr(default_factory=dict)
 
     @field_validator("footprint")
     @classmethod
@@ -153,6 +226,11 @@ class BodyConfig(_Model):
         return self._groups
 
     @property
+    def arm_descriptions(self) -> Mapping[str, ArmDescription]:
+        """The arms by side, as :func:`load_body_config` found them."""
+        return self._arms
+
+    @property
     def standing_rates_hz(self) -> tuple[float, float, float]:
         """How often the streams that every body has come: odometry, joints, status."""
         return 100.0, 30.0, 20.0
@@ -164,13 +242,18 @@ class BodyConfig(_Model):
 
 
 class BaseConfig(_Model):
-    """Nominal geometry of the differential drive, and errors of wheels and encoders.
+    """Drive of the base, and its errors.
+
+    A ``differential`` drive turns its two wheels. A ``holonomic`` one moves at any velocity in the plane, by forces at
+    the floor; its wheels are those of the model, and roll freely. It measures its motion in ``odometry`` with the
+    errors of radius and track as those of length and turn.
 
     ``wheel_radius_m`` and ``track_m`` are the nominal values that odometry computes with. The errors are fractions of
     them (1-sigma, drawn once per start from the seed); ``slip`` is the 1-sigma fraction by which each wheel slips,
     wandering with the distance it rolls; ``encoder_ticks`` counts one turn of a wheel.
     """
 
+    drive: Literal["differential", "holonomic"] = "differential"
     left_wheel_joint: str = "left_wheel_joint"
     right_wheel_joint: str = "right_wheel_joint"
     wheel_radius_m: Positive = 0.10
@@ -188,10 +271,11 @@ class OdometryConfig(_Model):
 
 
 class JointsConfig(_Model):
-    """Stream ``joints``: measured with ``noise_rad`` (1-sigma)."""
+    """Stream ``joints``: measured with ``noise_rad`` and ``noise_nm`` (1-sigma; m and N where prismatic)."""
 
     rate_hz: Positive = 30.0
     noise_rad: NotNegative = 0.0005
+    noise_nm: NotNegative = 0.05
 
 
 class HokuyoConfig(_Model):
@@ -313,6 +397,7 @@ class RobotConfig(BodyConfig):
     base: BaseConfig = BaseConfig()
     streams: StreamsConfig = StreamsConfig()
     loudspeaker: LoudspeakerConfig | None = None
+    battery: BatteryConfig | None = Field(default=None, description="null: a body without stream battery")
     scenario: Path | None = Field(default=None, description="who and what else is in the world (config/scenarios)")
     ground_truth: bool = Field(default=False, description="offer the true pose, for tests and experiments only")
     seed: int = 1
@@ -320,6 +405,15 @@ class RobotConfig(BodyConfig):
     guard_log: Path | None = Field(
         default=None, description="record every step of the guard in this file (guard_log.py)"
     )
+
+    @model_validator(mode="after")
+    def _drive_has_its_limits(self) -> Self:
+        sideways = self.limits.lateral_mps > 0
+        if sideways and self.base.drive == "differential":
+            raise ValueError("limits: lateral_mps is 0 for a differential drive; or set base.drive to holonomic")
+        if not sideways and self.base.drive == "holonomic":
+            raise ValueError("limits: a holonomic drive has a lateral_mps above 0; or set base.drive to differential")
+        return self
 
     @model_validator(mode="after")
     def _wheels_are_the_bases(self) -> Self:
@@ -332,6 +426,11 @@ class RobotConfig(BodyConfig):
     def standing_rates_hz(self) -> tuple[float, float, float]:
         """How often the streams that every body has come: odometry, joints, status."""
         return self.streams.odometry.rate_hz, self.streams.joints.rate_hz, self.streams.status.rate_hz
+
+    @property
+    def kinematic_joints(self) -> tuple[str, ...]:
+        """The joints of all groups that take no part in the physics."""
+        return tuple(joint for actuator in self.actuators.values() if actuator.kinematic for joint in actuator.joints)
 
     @property
     def files(self) -> tuple[Path, ...]:
@@ -357,7 +456,7 @@ def load_body_config(path: Path | str, model: type[BodyT], *files: str) -> BodyT
             if not paths[key].is_file():
                 raise document.error(f"{key}: there is no file {paths[key]}", (key,))
     config = config.model_copy(update=paths)
-    if config.actuators:
+    if config.actuators or config.arms:
         kinematics = load_model(config.model)
         for name, actuator in config.actuators.items():
             try:
@@ -365,6 +464,11 @@ def load_body_config(path: Path | str, model: type[BodyT], *files: str) -> BodyT
             except ValueError as failure:
                 key_path = ("actuators", name, "joints")
                 raise document.error(f"{'.'.join(key_path)}: {failure}", key_path) from None
+        for side, arm in config.arms.items():
+            try:
+                config._arms[side] = arm.described(config.groups, kinematics)
+            except ValueError as failure:
+                raise document.error(f"arms.{side}: {failure}", ("arms", side)) from None
     return config
 
 

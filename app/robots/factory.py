@@ -151,6 +151,13 @@ def _check_model(robot: RobotConfig) -> None:
                 f"the {what} of a simulated robot must be fixed to its base",
                 str(robot.model),
             )
+    for link in sensors:
+        if kinematic := set(robot.kinematic_joints).intersection(model.moved_by(link)):
+            raise ConfigError(
+                f"moves {link!r} by the joint {min(kinematic)!r}; a sensor of a simulated robot cannot be on a "
+                "joint of a kinematic group",
+                str(robot.model),
+            )
 
 
 SIMULATED_KIND = "simulated"

@@ -4,7 +4,8 @@ It runs in the link's process at every control step, independent of the runtime:
 commands, and their age triggers the stop.
 
 - No fresh command for ``command_timeout_s`` (0.2 s): zero. Latched emergency stop: zero until it is cleared.
-- Speeds are clamped to the base's limits; a command with a non-finite value is refused and counts as zero.
+- Speeds are clamped to the base's limits; a command with a non-finite value is refused and counts as zero. Forward and
+  sideways speeds are clamped and ramped as one vector: else a diagonal would be faster than either limit, and bend.
 - An ordinary command is approached at the base's accelerations, up and down alike (thesis 4.2: 0.40 m/s^2, 4.00
   rad/s^2). A *safety* stop (stale command, emergency stop, failed sensor) sets the wheels' speed to zero at once; the
   drives then brake as hard as their torque limit lets them (``emergency_mps2`` of the robot's configuration).
@@ -37,20 +38,21 @@ class GuardMode(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class BaseVelocity:
-    """A velocity of the base: forward (m/s) and turn (rad/s, left positive)."""
+    """A velocity of the base: forward (m/s), turn (rad/s, left positive) and sideways (m/s, left positive)."""
 
     linear_mps: float = 0.0
     angular_radps: float = 0.0
+    lateral_mps: float = 0.0
 
     @property
     def is_finite(self) -> bool:
-        """Whether both parts are finite."""
-        return math.isfinite(self.linear_mps) and math.isfinite(self.angular_radps)
+        """Whether all parts are finite."""
+        return all(math.isfinite(part) for part in (self.linear_mps, self.angular_radps, self.lateral_mps))
 
     @property
     def is_zero(self) -> bool:
-        """Whether both parts are exactly zero."""
-        return self.linear_mps == 0.0 and self.angular_radps == 0.0
+        """Whether all parts are exactly zero."""
+        return self.linear_mps == 0.0 and self.angular_radps == 0.0 and self.lateral_mps == 0.0
 
 
 ZERO = BaseVelocity()
@@ -126,10 +128,9 @@ def command_age(state: GuardState, now: float) -> float | None:
 
 def clamp(velocity: BaseVelocity, limits: BaseLimits) -> BaseVelocity:
     """``velocity`` within the base's speeds."""
-    return BaseVelocity(
-        min(max(velocity.linear_mps, -limits.linear_mps), limits.linear_mps),
-        min(max(velocity.angular_radps, -limits.angular_radps), limits.angular_radps),
-    )
+    linear, lateral = limits.within_speeds(velocity.linear_mps, velocity.lateral_mps)
+    angular = min(max(velocity.angular_radps, -limits.angular_radps), limits.angular_radps)
+    return BaseVelocity(linear, angular, lateral)
 
 
 def decide(now: float, state: GuardState, sensor_ages: Mapping[str, float], limits: GuardLimits) -> GuardAction:
@@ -166,11 +167,12 @@ def step(state: GuardState, action: GuardAction, limits: GuardLimits, dt_s: floa
     accelerations."""
     if action.immediate:
         return replace(state, applied=action.target)
-    applied = BaseVelocity(
-        _approach(state.applied.linear_mps, action.target.linear_mps, limits.base.linear_mps2 * dt_s),
-        _approach(state.applied.angular_radps, action.target.angular_radps, limits.base.angular_radps2 * dt_s),
+    before, target = state.applied, action.target
+    linear, lateral = limits.base.ramped(
+        (before.linear_mps, before.lateral_mps), (target.linear_mps, target.lateral_mps), dt_s
     )
-    return replace(state, applied=applied)
+    angular = _approach(before.angular_radps, target.angular_radps, limits.base.angular_radps2 * dt_s)
+    return replace(state, applied=BaseVelocity(linear, angular, lateral))
 
 
 def _approach(value: float, target: float, most: float) -> float:

@@ -6,6 +6,8 @@ It runs beside the base's guard (``guard.py``), at every control step, independe
   goal comes too near to brake in time, the joint overshoots it, but never its own limits of position.
 - A command older than the group's ``timeout_s``, a refused one and an emergency stop end in the group's safe action:
   ``hold`` brakes within the accelerations and keeps the position; ``yield`` takes the stiffness away.
+- A joint that feels more from outside than its limit of contact, for a while, makes its group yield: for a time, and
+  then until the next command.
 - A joint whose stiffness rises (after yielding, from zero) begins where its torque is unchanged: raised stiffness
   towards a former set-point would be a jump of the arm.
 
@@ -22,6 +24,9 @@ from enum import StrEnum
 from app.link import ActuatorGroup, JointLimits, SafeAction
 from app.messages import GroupStatus, JointCommand
 from app.robots.guard import FUTURE_TOLERANCE_S
+
+#: A joint that yields has moved when it is so far (rad, m) from where it was.
+RESTING = 1e-6
 
 
 class JointMode(StrEnum):
@@ -53,16 +58,27 @@ class JointSetpoint:
 
 
 @dataclass(frozen=True, slots=True)
+class JointContact:
+    """A contact: its reason in words; commands stamped before ``until`` (s, robot's clock) do not end it."""
+
+    reason: str
+    until: float
+
+
+@dataclass(frozen=True, slots=True)
 class JointGuardState:
     """State between steps: a set-point per joint of the group, in its order.
 
     ``command_stamp``: stamp (s, robot's clock) of the newest command; ``refused``: reason of refusing the newest, or
-    None.
+    None. ``pressed_s``: how long (s) some joint has felt more than its limit; ``contact``: the contact that the group
+    yields to, or None.
     """
 
     setpoints: tuple[JointSetpoint, ...]
     command_stamp: float | None = None
     refused: str | None = None
+    pressed_s: float = 0.0
+    contact: JointContact | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,17 +133,33 @@ def accept(state: JointGuardState, group: ActuatorGroup, command: JointCommand) 
             wanted_stiffness=command.stiffness[number] if command.stiffness else group.stiffness,
             wanted_damping=command.damping[number] if command.damping else group.damping,
         )
-    return JointGuardState(tuple(setpoints), command.stamp)
+    contact = state.contact if state.contact is not None and command.stamp < state.contact.until else None
+    return replace(state, setpoints=tuple(setpoints), command_stamp=command.stamp, refused=None, contact=contact)
+
+
+def feel(
+    now: float, state: JointGuardState, group: ActuatorGroup, external: tuple[float, ...], dt_s: float
+) -> JointGuardState:
+    """The state after the joints felt ``external`` from outside (N m, N where prismatic; in the group's order) for
+    ``dt_s`` seconds until ``now`` (s, robot's clock)."""
+    over = [number for number, limits in enumerate(group.joints) if abs(external[number]) > limits.contact]
+    if not over or state.contact is not None:
+        return state if state.pressed_s == 0.0 else replace(state, pressed_s=0.0)
+    pressed_s = state.pressed_s + dt_s
+    if pressed_s < group.contact_s:
+        return replace(state, pressed_s=pressed_s)
+    limits, felt = group.joints[over[0]], external[over[0]]
+    reason = f"contact: {limits.name} felt {abs(felt):.1f} N m, more than {limits.contact:g}"
+    return replace(state, pressed_s=0.0, contact=JointContact(reason, now + group.contact_rest_s))
 
 
 def clear_e_stop(state: JointGuardState, group: ActuatorGroup) -> JointGuardState:
     """The state with the emergency stop released: earlier commands are dropped, so the joints wait for a new one."""
-    return JointGuardState(
-        tuple(
-            replace(setpoint, goal=_stopping_point(setpoint.position, setpoint.velocity, limits))
-            for setpoint, limits in zip(state.setpoints, group.joints, strict=True)
-        )
+    setpoints = tuple(
+        replace(setpoint, goal=_stopping_point(setpoint.position, setpoint.velocity, limits))
+        for setpoint, limits in zip(state.setpoints, group.joints, strict=True)
     )
+    return replace(state, setpoints=setpoints, command_stamp=None, refused=None)
 
 
 def command_age(state: JointGuardState, now: float) -> float | None:
@@ -138,11 +170,13 @@ def command_age(state: JointGuardState, now: float) -> float | None:
 def decide(now: float, state: JointGuardState, group: ActuatorGroup, e_stop: str | None) -> JointAction:
     """The allowed motion at ``now`` (s, robot's clock). ``e_stop``: reason of the latched emergency stop, or None.
 
-    The most severe state wins: emergency stop, refused command, no command or a stale one.
+    The most severe state wins: emergency stop, contact, refused command, no command or a stale one.
     """
     if e_stop is not None:
         mode = JointMode.HOLDING if group.stop is SafeAction.HOLD else JointMode.YIELDING
         return JointAction(mode, f"emergency stop: {e_stop}", group.stop)
+    if state.contact is not None:
+        return JointAction(JointMode.YIELDING, state.contact.reason, SafeAction.YIELD)
     if state.refused is not None:
         return JointAction(JointMode.REFUSED, state.refused, group.stale)
     if state.command_stamp is None:
@@ -167,7 +201,7 @@ def step(
     )
     if all(after is before for after, before in zip(setpoints, state.setpoints, strict=True)):
         return state
-    return JointGuardState(setpoints, state.command_stamp, state.refused)
+    return replace(state, setpoints=setpoints)
 
 
 def status(now: float, state: JointGuardState, group: ActuatorGroup, action: JointAction) -> GroupStatus:
@@ -193,8 +227,14 @@ def _problem(group: ActuatorGroup, command: JointCommand) -> str:
     given = command.stiffness + command.damping
     if given and not group.compliant:
         return f"{group.name} is not compliant: its commands set no stiffness and no damping"
-    if any(number < 0 for number in given):
-        return "the last command's stiffness or damping was negative"
+    ranges = {"stiffness": (command.stiffness, group.stiffness_range, "N m/rad")}
+    ranges["damping"] = (command.damping, group.damping_range, "N m s/rad")
+    for what, (numbers, (least, most), unit) in ranges.items():
+        for name, number in zip(command.names, numbers, strict=False):
+            if not least <= number <= most:
+                return (
+                    f"{what} {number:g} of {name} lies outside {least:g} to {most:g} {unit}, the range of {group.name}"
+                )
     return ""
 
 
@@ -215,8 +255,7 @@ def _step(
     dt_s: float,
 ) -> JointSetpoint:
     if safe is SafeAction.YIELD:
-        here = clamp(measured, limits) if math.isfinite(measured) else setpoint.position
-        return replace(setpoint, position=here, goal=here, velocity=0.0, stiffness=0.0, damping=group.damping)
+        return _yielding(setpoint, group, limits, measured)
     hold = safe is SafeAction.HOLD
     stiffness = group.stiffness if hold else setpoint.wanted_stiffness
     damping = group.damping if hold else setpoint.wanted_damping
@@ -236,6 +275,22 @@ def _step(
         velocity=velocity,
         stiffness=stiffness,
         damping=damping,
+        wanted_stiffness=setpoint.wanted_stiffness,
+        wanted_damping=setpoint.wanted_damping,
+    )
+
+
+def _yielding(setpoint: JointSetpoint, group: ActuatorGroup, limits: JointLimits, measured: float) -> JointSetpoint:
+    here = clamp(measured, limits) if math.isfinite(measured) else setpoint.position
+    resting = setpoint.goal == setpoint.position and abs(here - setpoint.position) < RESTING
+    if resting and setpoint.stiffness == 0.0 and setpoint.velocity == 0.0 and setpoint.damping == group.damping:
+        return setpoint
+    return JointSetpoint(
+        here,
+        here,
+        velocity=0.0,
+        stiffness=0.0,
+        damping=group.damping,
         wanted_stiffness=setpoint.wanted_stiffness,
         wanted_damping=setpoint.wanted_damping,
     )

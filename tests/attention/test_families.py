@@ -72,6 +72,14 @@ def test_what_was_measured_on_this_computer_comes_first(tmp_path: Path) -> None:
     assert costs == [8.5, 2.25, 0.7], "the line, the point, the line"
 
 
+def test_what_is_not_calibrated_is_given_by_its_line(tmp_path: Path) -> None:
+    text = FAMILY.replace("slope: 5}}}", "slope: 5}}, power: {base: 1, slope: 2}}")
+    strategies = load(
+        tmp_path, text.replace("cpu: {capacity: 100}", "cpu: {capacity: 100}\n  power: {capacity: 9}")
+    ).strategies
+    assert [s.costs["power"] for s in strategies] == [3.0, 1.5, 1.05]
+
+
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
@@ -95,6 +103,7 @@ def test_what_was_measured_on_this_computer_comes_first(tmp_path: Path) -> None:
         ("SLAM2D.scans: phi", "SLAM2D.scans: true", "a multiple of it such as 2 phi, an integer of at least 1, or off"),
         ("class: SLAM", "class: SLAN", "unknown class 'SLAN'"),
         ("slope: 5}", "slope: -5}", "greater than or equal to 0"),
+        ("{calibrated_or: {base: 0.75, slope: 5}}", "{base: 0.75, slope: -5}", "greater than or equal to 0"),
     ],
 )
 def test_mistakes_are_reported_with_their_line(tmp_path: Path, old: str, new: str, words: str) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 import re
 import signal
+from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 
@@ -15,7 +16,7 @@ from hypothesis import strategies as st
 from app.attention.cpsat import solve_cpsat
 from app.attention.desires import Desire
 from app.attention.integer_program import Infeasible, build_integer_program
-from app.attention.problem import SelectionProblem, assess
+from app.attention.problem import SelectionProblem, Weights, assess
 from app.attention.search import solve_search
 from app.attention.solver import solve
 from app.attention.strategies import Strategy
@@ -330,6 +331,43 @@ def test_cp_sat_counts_what_later_classes_require() -> None:
     answer = solve_cpsat(build_integer_program(p), float("inf"))
     assert answer is not None
     assert (answer.chosen, answer.bound) == ((0, 1, 3), 2_500_000)
+
+
+@pytest.mark.parametrize(
+    ("m", "weight", "chosen", "value"),
+    [
+        # GoTo and SLAM draw 7 W for 16 of Ω; faces 12 W for 16, or 6 W for 12.
+        (20, 0.0, ("slam", "go-to", "faces-1"), 32.0),
+        (20, 0.5, ("slam", "go-to", "faces-1"), 32.5),
+        (20, 1.0, ("slam", "go-to", "faces-2"), 35.0),
+        (20, 2.1, ("slam", "go-to"), 43.3),
+        (20, 3.0, (), 60.0),
+        (15, 0.0, ("slam", "go-to", "faces-2"), 28.0),
+        (6, 0.0, ("faces-2",), 12.0),
+    ],
+)
+def test_the_power_term_is_worth_what_is_left_of_the_capacity(
+    m: float, weight: float, chosen: tuple[str, ...], value: float
+) -> None:
+    """The second example with power as a resource, and weight·(m₁ − Σ a_s c_s1) in Ω, CPU deciding ties as before."""
+    watts = {"slam": 2, "go-to": 5, "faces-1": 12, "faces-2": 6}
+    table = tuple(replace(s, costs={**s.costs, "power": watts[s.name]}) for s in (SLAM, GOTO, *FACES))
+    p = replace(
+        problem([desire("GoTo", 8), desire("LocateFaces", 8)], table, {"cpu": 200, "power": m}),
+        weights=Weights(spare=weight, spare_of="power"),
+    )
+    selection = solve(p)
+    assert selection.proven
+    assert selection.strategies == chosen
+    assert selection.omega == pytest.approx(value)
+    other = solve_cpsat(build_integer_program(p), float("inf"))
+    assert other is not None
+    assert tuple(p.strategies[build_integer_program(p).table[s]].name for s in other.chosen) == chosen
+
+
+def test_without_the_resource_that_it_names_there_is_no_power_term() -> None:
+    p = problem([desire("LocateFaces", 8)], FACES, CPU)
+    assert solve(replace(p, weights=Weights(spare=1.0, spare_of="power"))).omega == solve(p).omega
 
 
 def test_nothing_desired_selects_nothing() -> None:

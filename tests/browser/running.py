@@ -87,14 +87,18 @@ class Robot:
 
 
 @contextmanager
-def running_robot(folder: Path, scenario: Path | None = None, *, calm: bool = False) -> Iterator[Robot]:
+def running_robot(
+    folder: Path, scenario: Path | None = None, *, calm: bool = False, charge: float | None = None
+) -> Iterator[Robot]:
     """``hbba run`` on a free port, its files in ``folder``, with the people of ``scenario``; stopped at the end.
+
+    ``charge``: of the battery at the start, 0 to 1; None: as shipped.
 
     ``calm``: it desires codes and driving alone, and looks round seldom, so that two cores are enough for world,
     program and browser together where a test is about time.
     """
     guard_log = folder / "guard.log"
-    program, start = _program(folder, guard_log, scenario, calm=calm)
+    program, start = _program(folder, guard_log, scenario, calm=calm, charge=charge)
     with running_program(program, guard_log, start) as robot:
         yield robot
 
@@ -129,7 +133,9 @@ def running_program(program: Path, guard_log: Path, start: Pose2) -> Iterator[Ro
         process.stdout.close()
 
 
-def _program(folder: Path, guard_log: Path, scenario: Path | None, *, calm: bool) -> tuple[Path, Pose2]:
+def _program(
+    folder: Path, guard_log: Path, scenario: Path | None, *, calm: bool, charge: float | None = None
+) -> tuple[Path, Pose2]:
     """The lab's program with the guard's log turned on, written to ``folder``; and where the robot starts."""
     config = config_dir()
     body = yaml.safe_load((config / "robots" / "irl1_tr.yaml").read_text())
@@ -139,6 +145,8 @@ def _program(folder: Path, guard_log: Path, scenario: Path | None, *, calm: bool
         "world": str(config / "worlds" / "lab.yaml"),
         "scenario": None if scenario is None else str(scenario),
     }
+    if charge is not None:
+        body["battery"]["charge"] = charge
     program = yaml.safe_load((config / "lab.yaml").read_text())
     channels = yaml.safe_load((config / program["channels"]).read_text())
     if calm:

@@ -160,13 +160,20 @@ def test_a_recording_is_replayed_in_a_tab_of_its_own(robot: Robot, page: Page) -
     replay.wait_for_function(
         "shown => Number(document.querySelector('[data-testid=camera]').dataset.stamp) > Number(shown)", arg=shown
     )
-    replay.wait_for_function(
-        """() => {
-            const { position } = document.querySelector("[data-testid=transport]").dataset;
-            const { newest } = document.querySelector("[data-testid=lane-canvas]").dataset;
-            return newest && position - newest < 0.3 && newest - position < 0.05;
-        }"""
-    )
+    # A busy computer may have recorded nothing for the lanes for a while: they follow with their next sample.
+    followed = """shown => {
+        const { position } = document.querySelector("[data-testid=transport]").dataset;
+        const { newest } = document.querySelector("[data-testid=lane-canvas]").dataset;
+        return newest > shown && newest - position < 0.05;
+    }"""
+    for _ in range(30):
+        try:
+            replay.wait_for_function(followed, arg=float(shown), timeout=10_000)
+            break
+        except TimeoutError:
+            replay.keyboard.press("Period")
+    else:
+        pytest.fail("the lanes did not follow the recording's time")
     assert replay.get_by_test_id("lane-FindQRCodes").get_attribute("data-intensity")
     row.get_by_test_id("replay-end").click()
     row.get_by_test_id("replay-state").wait_for(state="detached")

@@ -18,14 +18,18 @@ from app.base import paths
 from app.base.errors import ConfigError
 from app.commands import solve
 from app.console.rest.goal import INTENSITY, UTILITY
+from tests.patience import PATIENCE_S
 
 DOCS = Path(__file__).parents[2] / "docs"
 EXAMPLES = DOCS / "examples"
 
 
 def hbba_solve(*arguments: str) -> int:
+    """Run the command; a computer that is busy with other things has time enough, unless a limit is given."""
     parser = argparse.ArgumentParser()
     solve.add_parser(parser.add_subparsers())
+    if not any(argument.startswith("--time-limit") for argument in arguments):
+        arguments = (*arguments, "--time-limit", str(PATIENCE_S))
     return solve.run(parser.parse_args(["solve", *arguments]))
 
 

@@ -18,12 +18,16 @@ from app.link import ActuatorGroup, BaseLimits, JointLimits, LinkFailed, RobotDe
 from app.logs.library import RecordingLibrary
 from app.maps.library import MapLibrary
 from app.messages import Audio, Image, JointCommand, JointState, LaserScan, LinkStatus, Odometry, Twist
+from app.modules.behaviors.face.expression import JOINTS as FACE_JOINTS
 from app.program.config import load_configuration
 from app.program.system import System
+from app.robots.config import load_robot_config
 from app.runtime.clock import Clock
 
 MODEL = paths.config_dir() / "robots" / "irl1_tr.urdf"
+IRL1 = load_robot_config(paths.config_dir() / "robots" / "irl1_tr.yaml")
 HEAD = ActuatorGroup("head", (JointLimits("pan_joint", -2, 2, 1, 5), JointLimits("tilt_joint", -0.3, 0.4, 1, 5)))
+FACE = ActuatorGroup("face", tuple(JointLimits(name, -0.5, 1.2, 10, 100) for name in FACE_JOINTS))
 STREAMS = {
     name: StreamDescription(name, message_type, rate_hz)
     for name, message_type, rate_hz in (
@@ -121,6 +125,8 @@ operator_voice: {type: Audio, decimable: false, external: true}
 salient_regions: {type: SalientRegions, external: true, page: {every_hz: 5}}
 saliency: {type: SaliencyMap, log: never, external: true, page: {every_hz: 5}}
 speech: {type: Speech, latched: true, decimable: false, external: true, page: {every_hz: 20}}
+battery: {type: BatteryState, decimable: false, external: true, page: {every_hz: 2}}
+heard_words: {type: HeardWords, decimable: false, external: true, page: {every_hz: 10}}
 faces: {type: Faces, external: true}
 qr_codes: {type: QRCodes, external: true}
 sound_sources: {type: SoundSources, external: true}
@@ -142,6 +148,7 @@ workspace: {type: Desires, latched: true, decimable: false, external: true, page
 intention: {type: IntentionReport, latched: true, decimable: false, external: true, page: {}}
 load: {type: LoadReport, decimable: false, external: true, page: {}}
 lanes: {type: Lanes, decimable: false, external: true, page: {every_hz: 20}}
+external_forces: {type: ExternalForces, rate_hz: 30, frame: base_link, external: true}
 """
 
 STRATEGIES = """\
@@ -174,8 +181,9 @@ class Body:
     def __init__(self) -> None:
         limits = BaseLimits(0.40, 1.00, 0.40, 4.00)
         self.description = RobotDescription(
-            "a test body", MODEL, limits, STREAMS, simulated=True, loudspeaker=True, groups={"head": HEAD}
-        )
+            "a test body", MODEL, limits, STREAMS, simulated=True, loudspeaker=True,
+            groups={**IRL1.groups, "head": HEAD, "face": FACE}, arms=dict(IRL1.arm_descriptions),
+        )  # fmt: skip
         self.receivers: dict[str, list[Callable[[Any], None]]] = {name: [] for name in STREAMS}
         self.stops: list[str] = []
         self.e_stopped = False

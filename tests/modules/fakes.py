@@ -16,6 +16,7 @@ from app.link import (
     StreamDescription,
 )
 from app.messages import Audio, Image, JointCommand, JointState, LaserScan, LinkStatus, Odometry, Twist
+from app.modules.behaviors.face.expression import JOINTS as FACE_JOINTS
 from app.runtime.channel import Subscription
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.clock import VirtualClock
@@ -24,6 +25,7 @@ from app.runtime.supervisor import Supervisor
 
 LIMITS = BaseLimits(0.40, 1.00, 0.40, 4.00)
 HEAD = ActuatorGroup("head", (JointLimits("pan", -2, 2, 1, 5), JointLimits("tilt", -0.3, 0.4, 1, 5)))
+FACE = ActuatorGroup("face", tuple(JointLimits(name, -0.5, 1.2, 10, 100) for name in FACE_JOINTS))
 STREAMS = {
     name: StreamDescription(name, message_type, rate_hz)
     for name, message_type, rate_hz in (
@@ -42,7 +44,7 @@ class FakeLink:
     def __init__(self, without: tuple[str, ...] = ()) -> None:
         streams = {name: stream for name, stream in STREAMS.items() if name not in without}
         self.description = RobotDescription(
-            "a test body", Path("none.urdf"), LIMITS, streams, simulated=True, groups={"head": HEAD}
+            "a test body", Path("none.urdf"), LIMITS, streams, simulated=True, groups={"head": HEAD, "face": FACE}
         )
         self.receivers: dict[str, list[Callable[[Any], None]]] = {name: [] for name in streams}
         self.demands: dict[str, list[float]] = {}

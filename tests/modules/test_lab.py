@@ -20,7 +20,7 @@ from app.program.desire_classes import desire_classes
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.clock import VirtualClock, run_virtual
 from app.runtime.graph import Graph, ModuleSpec
-from tests.modules.fakes import FakeLink
+from tests.modules.actuation.arms import link
 
 CONFIG = Path(__file__).parents[2] / "config"
 CLASSES = desire_classes(load_configuration(CONFIG / "lab.yaml"))
@@ -35,7 +35,7 @@ def lab_graph() -> Graph:
         channels={name: ChannelSpec.model_validate(spec) for name, spec in channels.items()},
         modules={name: ModuleSpec.model_validate(spec) for name, spec in lab["modules"].items()},
         services={
-            RobotLink: FakeLink(),
+            RobotLink: link(),
             IntentionWorkspace: IntentionWorkspace(CLASSES, clock.now),
         },
     )
@@ -131,7 +131,8 @@ def test_going_somewhere_pulls_in_slam_and_gets_cheaper_where_the_computer_is_wa
     workspace = IntentionWorkspace(CLASSES, lambda: 0.0)
 
     def chosen(capacity: float) -> set[str]:
-        return set(solve(SelectionProblem(workspace.strongest(), table.strategies, {"cpu": capacity})).strategies)
+        capacities = {**table.capacities(), "cpu": capacity}
+        return set(solve(SelectionProblem(workspace.strongest(), table.strategies, capacities)).strategies)
 
     workspace.add("GoTo", intensity=8, utility=1, params={"x": 1, "y": 2}, source=Source("operator", "ada"))
     assert chosen(40) == {"plan-and-follow-1", "slam-40"}, "nobody desires SLAM, but a pose is needed"
@@ -167,8 +168,9 @@ def test_what_is_desired_at_the_start_is_all_served(table: StrategyTable) -> Non
     assert "slam-1" in chosen
 
 
-def test_driving_by_hand_costs_nothing(table: StrategyTable) -> None:
-    assert not of_class(table, "Teleoperation")[0].costs
+@pytest.mark.parametrize("cls", ["Teleoperation", "Rest"])
+def test_driving_by_hand_and_lowering_an_arm_cost_nothing(table: StrategyTable, cls: str) -> None:
+    assert not of_class(table, cls)[0].costs
 
 
 @pytest.mark.parametrize("desire_class", CLASSES.values(), ids=lambda c: c.name)
@@ -178,7 +180,9 @@ def test_every_class_has_words_and_every_parameter_a_default_but_what_it_is_abou
     schema = desire_class.parameters.model_json_schema()
     required = schema.get("required", [])
     place: dict[str, object] = {"x": 1.0, "y": 1.0}
-    needed: dict[str, dict[str, object]] = {"GoTo": place, "Say": {"text": "Hello."}}
+    text: dict[str, object] = {"text": "Hello."}
+    question: dict[str, object] = {"question": "Why?"}
+    needed = dict.fromkeys(("GoTo", "PointAt", "Reach"), place) | {"Say": text, "Ask": question}
     # A point or a place: neither alone is required.
     either: dict[str, dict[str, object]] = {"LookAt": place}
     values = needed.get(desire_class.name, {})

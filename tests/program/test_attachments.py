@@ -67,6 +67,7 @@ def test_each_stream_of_the_body_is_traced_to_its_channel(lab: System) -> None:
         "stream.microphones": "microphones",
         "stream.loudspeaker": "played_sound",
         "stream.hokuyo": "scan",
+        "stream.battery": "battery",
         "stream.odometry": "odometry",
         "stream.joints": "joints",
         "stream.status": "link_status",

@@ -12,6 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 from app.base.errors import ConfigError
+from app.link import ArmDescription
 from app.messages import GroundTruth, Image, LaserScan
 from app.robots.config import RobotConfig, StartPose, check_footprint, circle, load_robot_config
 from app.robots.factory import create_link
@@ -187,6 +188,12 @@ def test_a_groups_limits_are_the_models_and_the_files(tmp_path: Path, robot: Rob
         ("  head: {joints: [pan_joint]}\n  neck: {joints: [pan_joint]}\n", "pan_joint is in head already"),
         ("  wheels: {joints: [left_wheel_joint]}\n", "left_wheel_joint is a wheel of the base"),
         ("  base: {joints: [pan_joint]}\n", "base is the group of the wheels"),
+        ("  head: {joints: [pan_joint], contact: [8, 8]}\n", "contact has 2 efforts for 1 joints"),
+        (
+            "  head: {joints: [pan_joint], compliant: true, damping: 50}\n",
+            "damping 50 lies outside its damping_range, 0.5 to 40",
+        ),
+        ("  face: {joints: [eyes_pan_joint], kinematic: true, compliant: true}\n", "a kinematic group has no forces"),
     ],
 )
 def test_a_group_that_cannot_be_is_refused_with_file_and_line(
@@ -198,3 +205,74 @@ def test_a_group_that_cannot_be_is_refused_with_file_and_line(
     assert refused.value.file == str(path)
     if "movable" in says:
         assert refused.value.line == 5
+
+
+@pytest.mark.parametrize(
+    ("lines", "problem"),
+    [
+        ("limits: {lateral_mps: 0.3}\n", "differential"),
+        ("base: {drive: holonomic}\n", "lateral_mps above 0"),
+        ("base: {drive: tracked}\n", "'differential' or 'holonomic'"),
+    ],
+)
+def test_only_a_holonomic_drive_has_a_sideways_speed(
+    tmp_path: Path, robot: RobotConfig, lines: str, problem: str
+) -> None:
+    path = write(tmp_path, f"model: {robot.model}\nworld: {robot.world}\n{lines}")
+    with pytest.raises(ConfigError, match=problem):
+        load_robot_config(path)
+
+
+def test_the_shipped_holonomic_body_moves_sideways() -> None:
+    config = load_robot_config(Path(__file__).parents[2] / "config" / "robots" / "irl1_holonomic.yaml")
+    assert config.base.drive == "holonomic"
+    description = create_link(config, 0.0).description
+    assert description.limits.holonomic
+    assert set(description.groups) == {"head"}
+
+
+ARM = """actuators:
+  arm: {joints: [left_shoulder_pitch_joint, left_elbow_joint]}
+  gripper: {joints: [left_gripper_joint]}
+arms:
+"""
+
+
+def test_an_arm_is_described_by_its_groups_its_hand_and_its_rest(tmp_path: Path, robot: RobotConfig) -> None:
+    left = "  left: {group: arm, hand: left_hand_link, gripper: gripper, rest: [0.1, -0.2]}\n"
+    right = "  right: {group: arm, hand: right_hand_link}\n"
+    path = write(tmp_path, f"model: {robot.model}\nworld: {robot.world}\n{ARM}{left}{right}")
+    assert create_link(load_robot_config(path), 0.0).description.arms == {
+        "left": ArmDescription("arm", "left_hand_link", "gripper", (0.1, -0.2)),
+        "right": ArmDescription("arm", "right_hand_link", "", (0.0, 0.0)),
+    }
+
+
+@pytest.mark.parametrize(
+    ("arm", "says"),
+    [
+        (
+            "left: {group: wing, hand: left_hand_link}",
+            "arms.left: there is no actuator group 'wing'; there are arm, grip",
+        ),
+        ("left: {group: arm, hand: paw}", "the model has no link 'paw'; it has base_link"),
+        ("left: {group: arm, hand: left_hand_link, gripper: arm}", "arm has 2 joints; a gripper has one"),
+        ("left: {group: arm, hand: left_hand_link, rest: [0]}", "rest has 1 positions for the 2 joints of arm"),
+        ("left: {group: arm, hand: left_hand_link, rest: [0, 1]}", "rest: 1 of left_elbow_joint is not within -2.2 to"),
+        ("third: {group: arm, hand: left_hand_link}", "third"),
+    ],
+)
+def test_an_arm_that_cannot_be_is_refused_with_file_and_line(
+    tmp_path: Path, robot: RobotConfig, arm: str, says: str
+) -> None:
+    path = write(tmp_path, f"model: {robot.model}\nworld: {robot.world}\n{ARM}  {arm}\n")
+    with pytest.raises(ConfigError, match=says) as refused:
+        load_robot_config(path)
+    assert (refused.value.file, refused.value.line) == (str(path), 7)
+
+
+def test_a_sensor_cannot_be_on_a_joint_without_physics(tmp_path: Path, robot: RobotConfig) -> None:
+    group = "actuators:\n  head: {joints: [pan_joint, tilt_joint], kinematic: true}\n"
+    path = write(tmp_path, f"model: {robot.model}\nworld: {robot.world}\n{group}")
+    with pytest.raises(ConfigError, match="moves 'kinect_optical_frame' by the joint 'pan_joint'; a sensor"):
+        create_link(load_robot_config(path), 0.0)

@@ -188,3 +188,42 @@ def test_whatever_comes_the_wheels_get_finite_bounded_smooth_velocities(
         age = guard.command_age(state, now)
         if state.e_stop is not None or age is None or age > LIMITS.command_timeout_s:
             assert applied.is_zero or action.mode is GuardMode.IDLE
+
+
+HOLONOMIC = BaseLimits(0.40, 1.00, 0.40, 4.00, lateral_mps=0.20)
+speeds = st.floats(-2, 2)
+
+
+@given(speeds, speeds, speeds)
+def test_a_velocity_is_clamped_as_a_vector_within_both_limits(forward: float, left: float, turn: float) -> None:
+    clamped = guard.clamp(BaseVelocity(forward, turn, left), HOLONOMIC)
+    assert math.hypot(clamped.linear_mps / 0.40, clamped.lateral_mps / 0.20) <= 1 + 1e-9
+    assert clamped.linear_mps * left == pytest.approx(clamped.lateral_mps * forward, abs=1e-12)  # same direction
+    if math.hypot(forward / 0.40, left / 0.20) <= 1:
+        assert (clamped.linear_mps, clamped.lateral_mps) == (forward, left)
+
+
+@given(speeds, speeds)
+def test_a_differential_base_gets_no_sideways_speed(forward: float, left: float) -> None:
+    assert guard.clamp(BaseVelocity(forward, 0.0, left), BASE) == BaseVelocity(min(max(forward, -0.4), 0.4))
+
+
+@given(st.tuples(speeds, speeds), st.tuples(speeds, speeds))
+def test_forward_and_sideways_ramp_together_on_a_straight_line(
+    before: tuple[float, float], wanted: tuple[float, float]
+) -> None:
+    limits = GuardLimits(HOLONOMIC)
+    state = GuardState(applied=BaseVelocity(before[0], 0.0, before[1]))
+    target = guard.clamp(BaseVelocity(wanted[0], 0.0, wanted[1]), HOLONOMIC)
+    action = guard.GuardAction(GuardMode.DRIVING, "", target, immediate=False)
+    after = guard.step(state, action, limits, 0.1).applied
+    changed = complex(after.linear_mps - before[0], after.lateral_mps - before[1])
+    whole = complex(target.linear_mps - before[0], target.lateral_mps - before[1])
+    assert abs(changed) == pytest.approx(min(abs(whole), 0.04))
+    assert (changed * whole.conjugate()).imag == pytest.approx(0, abs=1e-9)
+
+
+def test_a_sideways_speed_that_is_no_number_is_refused() -> None:
+    state = guard.accept(driving(), VelocityCommand(100.1, BaseVelocity(0.1, 0.0, math.nan)))
+    assert guard.decide(100.1, state, {}, LIMITS).mode is GuardMode.STALE_COMMAND
+    assert not BaseVelocity(lateral_mps=0.1).is_zero

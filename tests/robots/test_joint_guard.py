@@ -300,3 +300,75 @@ def test_goals_that_move_while_a_joint_does_never_carry_it_beyond_its_limits(
         assert abs(velocity) <= limits.velocity + 1e-9
         assert abs(velocity - was) <= limits.acceleration * dt + 1e-9
         assert_moved_as_it_says(before, was, position, velocity=velocity, dt=dt)
+
+
+def test_stiffness_and_damping_beyond_the_groups_ranges_are_refused_by_name() -> None:
+    arm = replace(ARM, stiffness_range=(0.0, 300.0), damping_range=(0.5, 40.0))
+    for stiffness, damping, says in (
+        (300.5, 6.0, "stiffness 300.5 of pan lies outside 0 to 300 N m/rad, the range of arm"),
+        (60.0, 0.4, "damping 0.4 of pan lies outside 0.5 to 40 N m s/rad, the range of arm"),
+        (60.0, 80.0, "damping 80 of pan lies outside 0.5 to 40 N m s/rad, the range of arm"),
+    ):
+        given = JointCommand(1.0, "arm", ("pan",), (0.0,), stiffness=(stiffness,), damping=(damping,))
+        assert joint_guard.accept(joint_guard.at_rest(arm, REST), arm, given).refused == says
+    for stiffness, damping in ((0.0, 0.5), (300.0, 40.0)):
+        given = JointCommand(1.0, "arm", ("pan",), (0.0,), stiffness=(stiffness,), damping=(damping,))
+        assert joint_guard.accept(joint_guard.at_rest(arm, REST), arm, given).refused is None
+
+
+class Pressed(Guarded):
+    """An arm with a limit of 8 N m for its first joint, which feels ``external`` there."""
+
+    def __init__(self) -> None:
+        limited = (replace(PAN, contact=8.0), TILT)
+        super().__init__(replace(ARM, joints=limited, stale=SafeAction.HOLD, contact_s=0.1, contact_rest_s=1.0))
+        self.external = 0.0
+
+    def run(self, seconds: float, *keep: float) -> None:
+        for _ in range(round(seconds / DT)):
+            self.state = joint_guard.feel(self.now, self.state, self.group, (self.external, 100.0), DT)
+            super().run(DT, *keep)
+
+
+def test_a_contact_that_lasts_makes_the_group_yield_and_a_later_command_ends_it() -> None:
+    arm = Pressed()
+    arm.run(0.5, 1.0, 0.0)
+    arm.external = -9.0
+    arm.run(0.09, 1.0, 0.0)
+    arm.external = 0.0
+    arm.run(0.1, 1.0, 0.0)
+    assert set(arm.modes) == {JointMode.MOVING}, "a jolt is no contact, nor is what the joint without a limit feels"
+    arm.external = -9.0
+    arm.run(0.11, 1.0, 0.0)
+    assert arm.modes[-1] is JointMode.YIELDING
+    reason = joint_guard.decide(arm.now, arm.state, arm.group, None).reason
+    assert reason == "contact: pan felt 9.0 N m, more than 8"
+    assert [s.stiffness for s in arm.state.setpoints] == [0.0, 0.0]
+    arm.external, arm.measured = 0.0, (0.1, 0.0)  # it was pushed there
+    began = len(arm.modes)
+    arm.run(0.95, 1.0, 0.0)
+    assert set(arm.modes[began:]) == {JointMode.YIELDING}, "commands that went on do not end it"
+    arm.run(0.1, 1.0, 0.0)
+    assert arm.modes[-1] is JointMode.MOVING
+    assert 0.1 <= arm.pan[-1] < 0.1 + 0.5 * 5.8 * 0.1**2 + 1e-9, "it begins where it was pushed to"
+    assert arm.state.setpoints[0].stiffness == 60.0
+
+
+def test_after_a_contact_the_group_yields_until_there_is_a_command() -> None:
+    arm = Pressed()
+    arm.external = 9.0
+    arm.run(0.2)
+    arm.external = 0.0
+    arm.run(5.0)
+    assert arm.modes[-1] is JointMode.YIELDING
+    arm.run(0.1, 0.0, 0.0)
+    assert arm.modes[-1] is JointMode.MOVING
+
+
+def test_an_emergency_stop_prevails_over_a_contact() -> None:
+    arm = Pressed()
+    arm.external = 9.0
+    arm.run(0.2)
+    arm.e_stop = "a test"
+    action = joint_guard.decide(arm.now, arm.state, arm.group, arm.e_stop)
+    assert action.reason == "emergency stop: a test"

@@ -115,7 +115,7 @@ def _of_log(source: SweepSource, log: Log, scans: str, odometry: str) -> Iterato
     from app.modules.perception.slam.offline_mapping import Sweep
 
     poses = PoseBuffer(span_s=10.0)
-    twist = (0.0, 0.0)
+    twist = (0.0, 0.0, 0.0)
     newest = -math.inf
     waiting: deque[LaserScan] = deque()
     beams = BeamCache()
@@ -139,7 +139,7 @@ def _of_log(source: SweepSource, log: Log, scans: str, odometry: str) -> Iterato
             if isinstance(message, Odometry):
                 # Odometry that goes back in time is skipped; its neighbours give the robot's pose.
                 poses.add(message.stamp, message.X_OB)
-                twist = (message.linear_mps, message.angular_radps)
+                twist = (message.linear_mps, message.angular_radps, message.lateral_mps)
                 newest = max(newest, message.stamp)
             else:
                 waiting.append(message if stamp == message.stamp else replace(message, stamp=stamp))

@@ -96,6 +96,7 @@ class Driving:
                             linear=action.linear,
                             angular=action.angular,
                             override=action.override,
+                            lateral=action.lateral,
                             head_held=action.head_held,
                             pan=action.pan,
                             tilt=action.tilt,

@@ -46,8 +46,9 @@ class KeepAlive:
 
 @dataclass(frozen=True, slots=True)
 class Drive:
-    """A drive command: ``linear`` and ``angular`` should be in [-1, 1]; ``override`` is held too, or not. ``head_held``
-    is the hold of the head, beside that of the base or alone, with ``pan`` and ``tilt`` in [-1, 1].
+    """A drive command: ``linear``, ``angular`` and ``lateral`` should be in [-1, 1]; ``override`` is held too, or not.
+
+    ``head_held`` is the hold of the head, beside that of the base or alone, with ``pan`` and ``tilt`` in [-1, 1].
 
     ``cause``: why it may move nothing (a clause for people; "": it may), as one that comes too late; ``lasting``: that
     has been so for a while.
@@ -61,6 +62,7 @@ class Drive:
     override: bool = False
     cause: str = ""
     lasting: bool = False
+    lateral: float = 0.0
     head_held: bool = False
     pan: float = 0.0
     tilt: float = 0.0
@@ -118,6 +120,7 @@ class Command:
     linear: float
     angular: float
     override: bool = False
+    lateral: float = 0.0
     head_held: bool = False
     pan: float = 0.0
     tilt: float = 0.0
@@ -229,7 +232,7 @@ def _drive(lease: Lease, now: float, drive: Drive) -> Step:
             return lease, ()
         lease, actions = _stopped(lease)
         return replace(lease, last_drive=now, last_heard=now, sequence=drive.sequence), actions
-    axes = (drive.linear, drive.angular, drive.pan, drive.tilt)
+    axes = (drive.linear, drive.angular, drive.lateral, drive.pan, drive.tilt)
     if not all(_within_range(axis) for axis in axes):
         stopped, actions = _stopped(lease) if session == lease.driver else (lease, ())
         given = [axis for axis in axes if not _within_range(axis)]
@@ -257,6 +260,7 @@ def _drive(lease: Lease, now: float, drive: Drive) -> Step:
         drive.linear if drive.held else 0.0,
         drive.angular if drive.held else 0.0,
         override=drive.held and drive.override,
+        lateral=drive.lateral if drive.held else 0.0,
         head_held=drive.head_held,
         pan=drive.pan if drive.head_held else 0.0,
         tilt=drive.tilt if drive.head_held else 0.0,

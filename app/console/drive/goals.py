@@ -14,6 +14,9 @@ if TYPE_CHECKING:
 
 #: The desire class that sends the robot somewhere.
 GO_TO = "GoTo"
+#: Those that drive it into a dock and out of it. They end with any goal, whatever desired them: a person who stops the
+#: robot means this, too.
+DOCKING = frozenset({"Dock", "Undock"})
 #: The channel that says where the robot goes.
 REPORT = "navigation_report"
 #: Goals of these sources came over the console.
@@ -26,17 +29,19 @@ def asked_here(workspace: IntentionWorkspace) -> list[Desire]:
 
 
 def withdraw(workspace: IntentionWorkspace) -> None:
-    """Remove every goal that came over the console."""
+    """Remove every goal that came over the console, and every desire to dock."""
     with workspace.transaction():
-        for desire in asked_here(workspace):
+        docking = [desire for desire in workspace.desires() if desire.cls in DOCKING and desire.utility > 0]
+        for desire in (*asked_here(workspace), *docking):
             workspace.remove(desire.id)
 
 
 def withdraw_all(workspace: IntentionWorkspace) -> None:
-    """Remove every goal, of motivations and programs too; a desire that inhibits going anywhere stays."""
+    """Remove every goal and every desire to dock, of motivations and programs too; a desire that inhibits going
+    anywhere stays."""
     with workspace.transaction():
         for desire in workspace.desires():
-            if desire.cls == GO_TO and desire.utility > 0:
+            if desire.cls in {GO_TO, *DOCKING} and desire.utility > 0:
                 workspace.remove(desire.id)
 
 

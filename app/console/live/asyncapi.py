@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Iterable
 from typing import Any, Literal, get_args
 
 from app.console import schema
 from app.console.access.auth import COOKIE
 from app.console.live import protocol
-from app.console.live.messages import FROM_ROBOT
+from app.console.live.messages import FROM_ROBOT, TO_FACE
 
 _ABOUT = """One WebSocket carries everything that changes too fast for polling, and in the other direction the
 operator's drive commands and voice. Text frames are JSON objects, distinguished by their `type`; binary frames are
@@ -25,11 +26,13 @@ _VOICE = "An operator's voice, kind 17: a header of 24 bytes, then `samples` of 
 @functools.cache
 def _channel_and_components() -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
     """Channels, operations and components: the same on every console."""
-    records = schema.sent([message.record for message in FROM_ROBOT.values()])
-    from_robot = {
+    kinds = FROM_ROBOT | TO_FACE
+    records = schema.sent([message.record for message in kinds.values()])
+    texts = {
         kind: _text(message.about, schema.with_type(kind, records[message.record.__name__]))
-        for kind, message in FROM_ROBOT.items()
+        for kind, message in kinds.items()
     }
+    from_robot = {kind: texts[kind] for kind in FROM_ROBOT}
     from_robot["picture"] = _binary(_PICTURE, protocol.PICTURE_HEADER.format, protocol.PICTURE_FIELDS)
     from_robot["sound"] = _binary(_SOUND, protocol.SOUND_HEADER.format, protocol.SOUND_FIELDS)
 
@@ -64,16 +67,21 @@ def _channel_and_components() -> tuple[dict[str, Any], dict[str, Any], dict[str,
     operations = {
         "send_to_page": _operation("send", "The robot to the page.", from_robot),
         "send_to_robot": _operation("receive", "The page to the robot.", from_page),
+        "send_to_face": _operation("send", "The robot to a page that shows its face.", TO_FACE, channel="face"),
+    }
+    face = {
+        "address": "/api/v1/face",
+        "messages": {name: {"$ref": f"#/components/messages/{name}"} for name in TO_FACE},
     }
     components = {
-        "messages": {**from_robot, **from_page},
+        "messages": {**texts, **from_robot, **from_page},
         "schemas": records | commands,
         "securitySchemes": {
             "token": {"type": "http", "scheme": "bearer"},
             "session": {"type": "httpApiKey", "in": "cookie", "name": COOKIE},
         },
     }
-    return {"live": channel}, operations, components
+    return {"live": channel, "face": face}, operations, components
 
 
 def description(host: str, *, secure: bool = False, token_needed: bool = False, cookie: str = COOKIE) -> dict[str, Any]:
@@ -114,10 +122,12 @@ def _binary(about: str, layout: str, fields: tuple[str, ...]) -> dict[str, Any]:
     }
 
 
-def _operation(action: Literal["send", "receive"], about: str, messages: dict[str, Any]) -> dict[str, Any]:
+def _operation(
+    action: Literal["send", "receive"], about: str, messages: Iterable[str], channel: str = "live"
+) -> dict[str, Any]:
     return {
         "action": action,
-        "channel": {"$ref": "#/channels/live"},
+        "channel": {"$ref": f"#/channels/{channel}"},
         "summary": about,
-        "messages": [{"$ref": f"#/channels/live/messages/{name}"} for name in messages],
+        "messages": [{"$ref": f"#/channels/{channel}/messages/{name}"} for name in messages],
     }

@@ -13,6 +13,7 @@ from app.console.drive import drive_lease
 from app.console.live import protocol
 from app.console.live.hub import Hub
 from app.console.live.messages import Pong
+from app.console.live.outbox import Outbox
 from app.console.live.viewer import Viewer
 from app.console.wire import frame
 from app.runtime.clock import Clock
@@ -25,7 +26,7 @@ async def live(websocket: WebSocket, hub: Hub, clock: Clock) -> None:
     """Serve one page until its connection ends, however it ends."""
     await websocket.accept()
     viewer = hub.join(operator_name(websocket.query_params.get("operator")))
-    sending = asyncio.create_task(_send(websocket, viewer), name=f"live {viewer.session}")
+    sending = asyncio.create_task(send_from(viewer.outbox, websocket), name=f"live {viewer.session}")
     try:
         while True:
             message = await websocket.receive()
@@ -43,10 +44,11 @@ async def live(websocket: WebSocket, hub: Hub, clock: Clock) -> None:
         await asyncio.wait({sending})
 
 
-async def _send(websocket: WebSocket, viewer: Viewer) -> None:
+async def send_from(outbox: Outbox, websocket: WebSocket) -> None:
+    """Send what waits in ``outbox``, as it comes, until the connection ends."""
     try:
         while True:
-            taken = await viewer.outbox.take()
+            taken = await outbox.take()
             if isinstance(taken, str):
                 await websocket.send_text(taken)
             else:
@@ -75,6 +77,7 @@ def _take(text: str | bytes, viewer: Viewer, hub: Hub, clock: Clock) -> None:
                     linear=message.linear,
                     angular=message.angular,
                     override=message.override,
+                    lateral=message.lateral,
                     head_held=message.head_held,
                     pan=message.pan,
                     tilt=message.tilt,

@@ -18,9 +18,11 @@ from app.console.records.program import SourceState
 from app.console.records.recordings import PlaybackReport, RecorderReport
 from app.console.records.robot import GroupReport, Guard, LandmarkReport, OdometryReport, RobotFacts
 from app.messages import (
+    BatteryState,
     DesireClassReport,
     Desires,
     Divisor,
+    HeardWords,
     IntentionReport,
     Lanes,
     LaneState,
@@ -183,6 +185,14 @@ class GridInfo:
 
 
 @dataclass(frozen=True, slots=True)
+class FaceReport:
+    """The robot's face."""
+
+    stamp: Stamp
+    joints: Annotated[Mapping[str, float], doc("Positions (rad) of the actuator group `face`, by joint.")]
+
+
+@dataclass(frozen=True, slots=True)
 class Pong:
     """The answer to `ping`."""
 
@@ -226,6 +236,8 @@ FROM_ROBOT: dict[str, FrameKind] = {
     "landmarks": FrameKind(LandmarkList, "On change: what was found, in `odom`."),
     "perceived": FrameKind(PlacedPercepts, "On change: what the robot sees and hears."),
     "speech": FrameKind(Speech, "On change, up to 20 times a second: what the robot says, for subtitles."),
+    "battery": FrameKind(BatteryState, "Once a second, of a body with a battery: its charge."),
+    "heard_words": FrameKind(HeardWords, "As they come: an utterance while words are listened for."),
     "salient_regions": FrameKind(SalientRegions, "Five times a second while it is desired: what stands out around."),
     "saliency": FrameKind(SaliencyMap, "With it: how salient all directions are."),
     "localization": FrameKind(LocalizationReport, "Up to 10 times a second: where the robot is on the map."),
@@ -239,4 +251,11 @@ FROM_ROBOT: dict[str, FrameKind] = {
         PlaybackReport, "On a recording, at every change and ten times a second while it plays: its transport."
     ),
     "jump": FrameKind(Jump, "On a recording, at a seek: what came before is of another time and to be forgotten."),
+}
+
+#: The same of the stream for a page that shows the face.
+TO_FACE: dict[str, FrameKind] = {
+    "face": FrameKind(FaceReport, "30 times a second: where the joints of the face are."),
+    "speech": FROM_ROBOT["speech"],
+    "pong": FROM_ROBOT["pong"],
 }

@@ -45,13 +45,17 @@ class TimedMessage(msgspec.Struct):
 
 
 class DriveMessage(TimedMessage, tag="drive", kw_only=True):
-    """A drive command of the operator: of the base while ``held``, of the head while ``head_held``."""
+    """A drive command of the operator: of the base while ``held``, of the head while ``head_held``.
+
+    Shares of the body's limits: forward, turn left, sideways to the left; the head left and up.
+    """
 
     seq: int
     held: bool
     linear: float
     angular: float
     override: bool = False
+    lateral: float = 0.0
     head_held: bool = False
     pan: float = 0.0
     tilt: float = 0.0

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Annotated, Literal
 
 from app.link import BaseLimits
+from app.messages import BatteryState
 from app.messages.base import Stamp, doc
 from app.runtime.module import Caution
 
@@ -27,10 +28,11 @@ class RobotFacts:
 
 @dataclass(frozen=True, slots=True)
 class Velocity:
-    """Forward m/s and turn rad/s (left positive)."""
+    """Forward m/s, turn rad/s and sideways m/s (left positive)."""
 
     linear_mps: float
     angular_radps: float
+    lateral_mps: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +66,7 @@ class OdometryReport:
     theta: float
     linear_mps: float
     angular_radps: float
+    lateral_mps: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,6 +95,7 @@ class RobotReport:
     driver: Annotated[str | None, doc("The operator who drives.")]
     exploited: Annotated[str | None, doc("The behavior that drives the base.")]
     landmarks: tuple[LandmarkReport, ...]
+    battery: Annotated[BatteryState | None, doc("null: the body has none, or has not reported it yet.")]
 
 
 @dataclass(frozen=True, slots=True)

@@ -101,8 +101,8 @@ def goal_router(system: System, hub: Hub) -> APIRouter:
 
     @router.delete("/goal", status_code=204, summary="Cancel the goal")
     async def cancel_goal() -> Response:
-        """Withdraws every desire of class GoTo that came over the console; a goal that the robot gave up is no
-        longer reported. May be repeated."""
+        """Withdraws every desire of class GoTo that came over the console, and every one to dock, also the robot's own;
+        a goal that the robot gave up is no longer reported. May be repeated."""
         withdraw(workspace)
         dismiss_given_up(system)
         return Response(status_code=204)

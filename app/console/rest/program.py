@@ -59,6 +59,7 @@ def robot_router(system: System, hub: Hub) -> APIRouter:
                 driver=hub.driving.lease.driver_name,
                 exploited=reports.exploited(reports.latest(system.graph, "exploitation"), now, speed),
                 landmarks=reports.landmarks(reports.latest(system.graph, "landmarks")),
+                battery=reports.latest(system.graph, "battery"),
             )
         )
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import trimesh
 import viser
 
-from app.base.kinematic_model import Joint, load_model
+from app.base.kinematic_model import KinematicModel, load_model
 from app.console.view.shapes import Color, merged, visual_shapes
 
 OPACITY = 0.6
@@ -24,7 +24,8 @@ class Body:
     """The body's model, read once; not for several threads. Raises ConfigError, ValueError or OSError."""
 
     def __init__(self, model: Path) -> None:
-        self._joints = load_model(model).joints
+        self._model = load_model(model)
+        self._joints = self._model.joints
         self._parents = {joint.child: joint.parent for joint in self._joints.values()}
         self._meshes = _merged(model)
 
@@ -44,7 +45,7 @@ class Body:
                 cast_shadow=False,
                 receive_shadow=False,
             )
-        return BodyNodes(self._joints, frames)
+        return BodyNodes(self._model, frames)
 
     def _node(self, root: str, link: str) -> str:
         """The scene node of a link: nested as the body is, so that moving one joint is one message."""
@@ -64,8 +65,8 @@ def _merged(model: Path) -> list[tuple[str, Color, trimesh.Trimesh]]:
 
 
 class BodyNodes:
-    def __init__(self, joints: Mapping[str, Joint], frames: dict[str, viser.FrameHandle]) -> None:
-        self._joints = joints
+    def __init__(self, model: KinematicModel, frames: dict[str, viser.FrameHandle]) -> None:
+        self._model = model
         self._frames = frames
         self._positions: dict[str, float] = {}
         self._place(frames)
@@ -81,11 +82,15 @@ class BodyNodes:
             if name in self._frames and abs(position - self._positions.get(name, 0.0)) > LEAST_MOVE
         }
         self._positions |= changed
-        self._place(changed)
+        self._place(
+            name
+            for name, joint in self._model.joints.items()
+            if name in changed or (joint.mimic is not None and joint.mimic.joint in changed)
+        )
         return bool(changed)
 
     def _place(self, names: Iterable[str]) -> None:
         for name in names:
-            X_PC = self._joints[name].pose(self._positions.get(name, 0.0))
+            X_PC = self._model.joints[name].pose(self._model.position(name, self._positions))
             self._frames[name].wxyz = X_PC.quaternion_wxyz()
             self._frames[name].position = X_PC.translation

@@ -1,4 +1,4 @@
-"""From what is perceived of people to what is drawn of it: arrows, frames, a flash. Pure functions.
+"""From people as perceived, and forces as felt, to what is drawn of them: arrows, frames, a flash. Pure functions.
 
 Everything is rounded to what an eye can see, so that what has not changed for the eye is not sent again.
 """
@@ -9,9 +9,10 @@ import math
 from collections.abc import Collection
 from dataclasses import dataclass
 
-from app.messages import PlacedFace, PlacedPercepts, PlacedSound
+from app.messages import ExternalForce, ExternalForces, PlacedFace, PlacedPercepts, PlacedSound
 
 MOST_ARROWS = 4
+MOST_FORCES = 4
 MOST_FACES = 8
 #: An arrow is gone so long (s) after its sound fell silent, a flash so long after its noise.
 FADE_S = 1.5
@@ -22,10 +23,13 @@ VOICE = 0.5
 RED = (235, 45, 40)
 ORANGE = (240, 150, 40)
 GREY = (150, 156, 168)
+VIOLET = (170, 90, 240)
 
 #: Levels (dB of full scale) and lengths (m) of the shortest and the longest arrow.
 _LEVELS_DB = (-65.0, -15.0)
 _LENGTHS_M = (0.35, 1.6)
+#: Length (m) of the arrow of a force: of none, of each newton more, and at most.
+_FORCE_M = (0.10, 0.02, 1.0)
 _OPACITY = 0.9
 #: A distance is shown if its uncertainty is below this share of it.
 _KNOWN = 0.5
@@ -137,6 +141,30 @@ def flash_mark(perceived: PlacedPercepts) -> Flash | None:
         return None
     share = max(share, 0.0)
     return Flash(round(1.0 + share, 1), max(round(_OPACITY * (1.0 - share), 1), 0.1))
+
+
+def force_marks(felt: ExternalForces | None) -> dict[int, Arrow]:
+    """The forces to draw, in ``base_link``: an arrow each, from where the body is pushed, the way that it is pushed."""
+    forces = () if felt is None else felt.forces[:MOST_FORCES]
+    return {number: _force(force) for number, force in enumerate(forces)}
+
+
+def _force(force: ExternalForce) -> Arrow:
+    x, y, z = force.f_B
+    newtons = math.hypot(x, y, z)
+    none, each, most = _FORCE_M
+    length = round(min(none + each * newtons, most), 1)
+    share = length / max(newtons, 1e-9)
+    a, b, c = force.p_B
+    return Arrow(
+        _rounded(force.p_B),
+        _turned(math.atan2(y, x), math.atan2(z, math.hypot(x, y))),
+        length=length,
+        head=_rounded((a + share * x, b + share * y, c + share * z)),
+        color=VIOLET,
+        opacity=_OPACITY,
+        text=f"{newtons:.0f} N",
+    )
 
 
 def _turned(yaw: float, pitch_up: float) -> Quaternion:

@@ -19,13 +19,14 @@ from numpy.typing import NDArray
 from app.base.geometry import Pose2
 from app.console.view.body_nodes import Body
 from app.console.view.drawing import colors_along_x, moved, point_size, pose_arrays, scan_points, thinned
+from app.console.view.force_nodes import Forces
 from app.console.view.ground import FloorLayers, Ground
 from app.console.view.person_nodes import People
 from app.console.view.scene_state import World
 from app.console.view.viewer_rate import AT_LEAST, Pace
 from app.messages import Landmark
 
-WORLD = "/odom"
+WORLD, BASE = "/odom", "/base_link"
 _POSTER_M = (0.22, 0.22, 0.28)
 _SCAN_SIZE_M = 0.045
 
@@ -66,11 +67,12 @@ class ViewerScene:
                 shadow_opacity=0.0,
             )
             scene.add_frame(f"{WORLD}/origin", axes_length=0.4, axes_radius=0.012)
-            self._body = body.add_to(scene, "/base_link")
+            self._body = body.add_to(scene, BASE)
             self._scan = self._points("scan", _SCAN_SIZE_M)
             self._cloud = self._points("cloud", point_size(0))
             self._ground = Ground(client, WORLD, layers)
         self._people = People(client, WORLD)
+        self._forces = Forces(client, BASE)
 
     def _points(self, name: str, size: float) -> viser.PointCloudHandle:
         # viser's page takes no empty cloud: one point, unseen, until there are more.
@@ -116,6 +118,8 @@ class ViewerScene:
                 new += 1
             if world.perceived is not None and world.perceived is not before.perceived:
                 new += self._people.draw(world.perceived)
+            if world.forces is not before.forces:
+                new += self._forces.draw(world.forces)
             new += self._ground.draw(world, now, pace)
             if world.robot is not None and moved(before.robot, world.robot):
                 wxyz, position = pose_arrays(world.robot.inverse())

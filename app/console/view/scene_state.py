@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from app.base.geometry import Pose2
 from app.messages import (
+    ExternalForces,
     Landmarks,
     LaserScan,
     Localization,
@@ -23,7 +24,8 @@ class World:
     """Each part is replaced as a whole, so that ``is`` shows whether it is new.
 
     ``robot`` is ``X_OB`` now, ``joints`` are the positions (rad, m) of its joints by name at that instant. ``scan``
-    comes with the pose of its own instant, as the cloud does by itself, and what is ``perceived`` of people.
+    comes with the pose of its own instant, as the cloud does by itself, and what is ``perceived`` of people. ``forces``
+    are on the body.
     ``localization`` says where that lies which is on the map: ``map`` itself, ``zones``, the ``path`` and the ``goal``
     (x, y in m, heading in rad or None). The ``costmap`` is in ``odom``.
     """
@@ -34,6 +36,7 @@ class World:
     cloud: PointCloud | None = None
     landmarks: Landmarks | None = None
     perceived: PlacedPercepts | None = None
+    forces: ExternalForces | None = None
     localization: Localization | None = None
     map: OccupancyGrid | None = None
     zones: Zones | None = None

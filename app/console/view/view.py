@@ -22,6 +22,7 @@ from app.console.view.scene_state import World
 from app.console.view.scene_thread import Painter
 from app.console.view.viewer_rate import Pace
 from app.messages import (
+    ExternalForces,
     JointState,
     Landmarks,
     LaserScan,
@@ -48,8 +49,10 @@ STOP_WITHIN_S = 0.8
 COSTMAP = "local_costmap"
 #: A local costmap older than this (s) does not show the present obstacles: its source has stopped.
 COSTMAP_FRESH_S = 2.0
+#: Forces that are older (s) are felt no longer: what estimates them has stopped.
+FORCES_FRESH_S = 0.5
 #: Of these the newest message is drawn; they are subscribed to while there are viewers.
-STANDING = ("placed_percepts", "navigation_report", "path", "localization", "zones", "map")
+STANDING = ("placed_percepts", "external_forces", "navigation_report", "path", "localization", "zones", "map")
 #: The goal is drawn in these states of navigation.
 GOAL_STATES = ("planning", "following", "recovering", "waiting", "unreachable")
 
@@ -270,6 +273,11 @@ class View:
         percepts: PlacedPercepts | None = reports.latest(self._system.graph, "placed_percepts")
         return None if percepts is None else replace(percepts, stamp=self._system.clock.now())
 
+    def _felt(self) -> ExternalForces | None:
+        forces: ExternalForces | None = reports.latest(self._system.graph, "external_forces")
+        clock = self._system.clock
+        return forces if forces is not None and clock.now() - forces.stamp <= FORCES_FRESH_S * rate(clock) else None
+
     def _fresh_costmap(self) -> OccupancyGrid | None:
         grid: OccupancyGrid | None = reports.latest(self._system.graph, COSTMAP)
         clock = self._system.clock
@@ -278,10 +286,11 @@ class View:
     async def _feed(self) -> None:
         beat = 0
         perceived: PlacedPercepts | None = None
+        forces: ExternalForces | None = None
         while True:
             beat += 1
             if beat % SLOW_BEATS == 0:
-                perceived = self._perceived()
+                perceived, forces = self._perceived(), self._felt()
                 # A moment after it came, when odometry has reached its stamp.
                 if self._scan is not None and (pose := self._poses.at(self._scan.stamp)) is not None:
                     self._placed = (self._scan, pose)
@@ -298,6 +307,7 @@ class View:
                     cloud=self._cloud,
                     landmarks=self._landmarks,
                     perceived=perceived,
+                    forces=forces,
                     localization=latest("localization"),
                     map=latest("map"),
                     zones=latest("zones"),

@@ -40,7 +40,7 @@ UNITS: Mapping[type[Any], Mapping[str, str]] = {
 TIMES = frozenset({"stamp", "created", "expires", "first_seen", "last_seen", "began"})
 #: Fields that give the columns of another their names.
 NAMED: Mapping[type[Any], Mapping[str, str]] = {
-    JointState: {"positions": "names"},
+    JointState: {"positions": "names", "efforts": "names"},
     Divisors: {"divisors": "filters"},
 }
 #: Fields of records that have a name, each in columns of this name.

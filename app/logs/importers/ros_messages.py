@@ -78,20 +78,28 @@ def odometry(message: Any, at: float) -> Odometry:
     """nav_msgs/Odometry."""
     pose, twist = message.pose.pose, message.twist.twist
     X_OB = Pose2(float(pose.position.x), float(pose.position.y), yaw(pose.orientation))
-    return Odometry(stamp_of(message, at), X_OB, float(twist.linear.x), float(twist.angular.z))
+    linear, angular, lateral = _planar(twist)
+    return Odometry(stamp_of(message, at), X_OB, linear, angular, lateral_mps=lateral)
 
 
 def joint_state(message: Any, at: float) -> JointState:
-    """sensor_msgs/JointState; names without a position are left out."""
+    """sensor_msgs/JointState; names without a position are left out, and efforts unless there is one for each."""
     pairs = list(zip(message.name, message.position, strict=False))
-    return JointState(stamp_of(message, at), tuple(str(n) for n, _ in pairs), tuple(float(p) for _, p in pairs))
+    efforts = tuple(float(e) for e in message.effort) if len(message.effort) == len(pairs) else ()
+    names, positions = tuple(str(n) for n, _ in pairs), tuple(float(p) for _, p in pairs)
+    return JointState(stamp_of(message, at), names, positions, efforts)
 
 
 def twist(message: Any, at: float) -> Twist:
     """geometry_msgs/Twist, which has no stamp of its own and takes its arrival ``at`` (s), or TwistStamped."""
     if hasattr(message, "header"):
-        return Twist(stamp_of(message, at), float(message.twist.linear.x), float(message.twist.angular.z))
-    return Twist(at, float(message.linear.x), float(message.angular.z))
+        return Twist(stamp_of(message, at), *_planar(message.twist))
+    return Twist(at, *_planar(message))
+
+
+def _planar(twist: Any) -> tuple[float, float, float]:
+    """Forward m/s, turn rad/s and sideways m/s of a geometry_msgs/Twist."""
+    return float(twist.linear.x), float(twist.angular.z), float(twist.linear.y)
 
 
 def laser_scan(message: Any, at: float, X_BL: Pose3) -> LaserScan:

@@ -6,6 +6,7 @@ of its picture have come too.
 
 from __future__ import annotations
 
+import cmath
 import logging
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -249,5 +250,7 @@ def _followed(last: Odometry | None, stamp: float, pose: Pose3) -> Odometry:
     if last is None:
         return Odometry(stamp, X_OB, 0.0, 0.0)
     step = last.X_OB.inverse() @ X_OB
-    dt = stamp - last.stamp
-    return Odometry(stamp, X_OB, step.x / dt, wrap_angle(step.theta) / dt)
+    dt, turn = stamp - last.stamp, wrap_angle(step.theta)
+    # The chord of an arc leads off half its turn: without a sideways motion, none is made of it.
+    velocity = complex(step.x, step.y) * cmath.rect(1.0, -turn / 2) / dt
+    return Odometry(stamp, X_OB, velocity.real, turn / dt, lateral_mps=velocity.imag)

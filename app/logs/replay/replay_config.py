@@ -101,6 +101,7 @@ def prepare(
             footprint=robot.footprint,
             height_m=robot.height_m,
             groups=dict(robot.groups),
+            arms=dict(robot.arm_descriptions),
         ),
         streams=streams,
         fed=fed,

@@ -38,14 +38,14 @@ from app.messages import (
 class Options:
     """Options of converters: nominal rate of the channel (Hz), quality of JPEG (1 to 100).
 
-    ``main_type`` is the ROS type of the main records in a file that is read, ``main_fields`` how many fields of the
-    class they hold, where the class has got more since (None: all).
+    ``main_type`` is the ROS type of the main records in a file that is read, ``definition`` theirs, where
+    the class, or one within it, has got more fields since (None: it is today's).
     """
 
     rate_hz: float | None = None
     jpeg_quality: int = 90
     main_type: str | None = None
-    main_fields: int | None = None
+    definition: str | None = None
 
 
 CONVERTERS: Mapping[type[Any], Callable[[str, Options], Converter]] = {
@@ -68,5 +68,5 @@ def converter(channel: str, message_type: type[Any], options: Options | None = N
     options = options or Options()
     make = CONVERTERS.get(message_type)
     if make is None:
-        return GeneratedConverter(channel, message_type, options.main_fields)
+        return GeneratedConverter(channel, message_type, options.definition)
     return make(channel, options)

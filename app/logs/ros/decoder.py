@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, is_dataclass
 from typing import Any
 
 from rosbags.typesys import TypesysError, get_types_from_msg
@@ -14,7 +14,7 @@ from app.base.extensions import may_be_imported_for_a_log
 from app.logs import layout as mcap_layout
 from app.logs.ros import typestore
 from app.logs.ros.converters import Options, converter
-from app.logs.ros.generated import PACKAGE, before_defaults, package_of
+from app.logs.ros.generated import PACKAGE, before_defaults, class_of, package_of
 from app.logs.ros.record import MAIN, Converter
 from app.logs.ros.record_templates import STAMP
 from app.runtime.channel_table import ChannelSpec
@@ -36,8 +36,8 @@ class StoredTopic:
 class DecodableChannel:
     """A channel that can be read: its message class, nominal rate (Hz, None unknown) and topics by part.
 
-    ``main_type`` is the ROS type of its main part, ``main_fields`` how many fields of the class that holds, where the
-    class has got more since (None: all).
+    ``main_type`` is the ROS type of its main part, ``definition`` that part's, where the class, or one within it, has
+    got more fields since (None: it is today's).
     """
 
     name: str
@@ -45,7 +45,7 @@ class DecodableChannel:
     rate_hz: float | None
     topics: Mapping[str, str]
     main_type: str
-    main_fields: int | None = None
+    definition: str | None = None
 
     @property
     def main_topic(self) -> str:
@@ -86,7 +86,7 @@ class Decoder:
     def __init__(self, channels: Iterable[DecodableChannel]) -> None:
         self._lanes: dict[str, tuple[_Lane, str]] = {}
         for channel in channels:
-            options = Options(main_type=channel.main_type, main_fields=channel.main_fields)
+            options = Options(main_type=channel.main_type, definition=channel.definition)
             lane = _Lane(channel.name, converter(channel.name, channel.message_type, options))
             for part, topic in channel.topics.items():
                 self._lanes[topic] = (lane, part)
@@ -157,7 +157,7 @@ def _channel(name: str, stored: list[StoredTopic]) -> DecodableChannel:
     options = Options(main_type=main_types[0] if main_types else None)
     parts = {topic.part: topic for topic in converter(name, cls, options).topics if topic.part is not None}
     by_part: dict[str, str] = {}
-    main_fields: int | None = None
+    definition: str | None = None
     for topic in stored:
         part = topic.metadata.get(mcap_layout.PART, MAIN)
         if part not in parts:
@@ -165,14 +165,14 @@ def _channel(name: str, stored: list[StoredTopic]) -> DecodableChannel:
         if topic.type != parts[part].type:
             raise _Unreadable(f"this program keeps that part of {class_name} as {parts[part].type}, not {topic.type}")
         if change := _change(topic, cls):
-            main_fields = _first_fields(topic, cls) if part == MAIN else None
-            if main_fields is None:
+            if part != MAIN or not _has_only_grown(topic, cls):
                 raise _Unreadable(f"{class_name} has changed since: {change}")
+            definition = topic.definition
         by_part[part] = topic.name
     if MAIN not in by_part:
         raise _Unreadable(f"the topic {parts[MAIN].name}, which says what the others mean, is not in the file")
     return DecodableChannel(
-        name, cls, rate_hz=_rate(stored), topics=by_part, main_type=parts[MAIN].type, main_fields=main_fields
+        name, cls, rate_hz=_rate(stored), topics=by_part, main_type=parts[MAIN].type, definition=definition
     )
 
 
@@ -211,20 +211,22 @@ def _generated_packages(cls: type[Any]) -> tuple[str, str]:
     return f"{PACKAGE}/", f"{package_of(cls)}/"
 
 
-def _first_fields(topic: StoredTopic, cls: type[Any]) -> int | None:
-    """Number of fields of ``cls`` in a topic written before the other fields were added; None for any other
-    difference."""
+def _has_only_grown(topic: StoredTopic, cls: type[Any]) -> bool:
+    """Whether fields with defaults were added since to ``cls`` or classes within it, and nothing else has changed."""
     if topic.type != f"{package_of(cls)}/msg/{cls.__name__}":
-        return None
+        return False
     try:
         then = get_types_from_msg(topic.definition, topic.type)
     except TypesysError:
-        return None
+        return False
     today = typestore.store().fielddefs
-    if any(list(fields) != list(today[name][1]) for name, (_, fields) in then.items()
-           if name.startswith(_generated_packages(cls)) and name != topic.type):  # fmt: skip
-        return None
-    written = list(then[topic.type][1])
-    if written != list(today[topic.type][1])[: len(written)]:
-        return None
-    return before_defaults(cls, len(written))
+    for name, (_, fields) in then.items():
+        if not name.startswith(_generated_packages(cls)):
+            continue
+        written, now = list(fields), list(today[name][1])
+        if written == now:
+            continue
+        grown = class_of(name)
+        if not is_dataclass(grown) or written != now[: len(written)] or before_defaults(grown, len(written)) is None:
+            return False
+    return True

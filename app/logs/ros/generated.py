@@ -71,15 +71,12 @@ class Generated:
     """The ROS type ``hbba_msgs/msg/<Class>`` of a dataclass, of another package's ``<package>_msgs/msg/<Class>``:
     registered when made."""
 
-    def __init__(self, cls: type[Any], count: int | None = None) -> None:
-        """Of its first ``count`` fields alone, if that is given: as ``…/<Class>First<count>``.
-
-        Raises UnrecordableType.
-        """
-        self.type = f"{package_of(cls)}/msg/{cls.__name__}" + ("" if count is None else f"First{count}")
+    def __init__(self, cls: type[Any]) -> None:
+        """Raises UnrecordableType."""
+        self.type = f"{package_of(cls)}/msg/{cls.__name__}"
         hints = typing.get_type_hints(cls)
         self._cls = cls
-        self._names = field_names(cls)[:count]
+        self._names = field_names(cls)
         self._fields = [_field(cls, name, hints[name]) for name in self._names]
         declared = [pair for field in self._fields for pair in field.declared]
         if len({name for _, name in declared}) < len(declared):
@@ -97,9 +94,14 @@ class Generated:
         return self._make(*values)
 
     def from_ros(self, ros: Any) -> Any:
-        """The message of the rosbags object ``ros``."""
-        values = iter([getattr(ros, name) for name in self._attributes])
-        return self._cls(*[field.unpack(values) for field in self._fields])
+        """The message of the rosbags object ``ros``. Fields added since its definition have their defaults."""
+        names, count = self._attributes, len(self._fields)
+        if not isinstance(ros, self._make):
+            names = [name for name in names if hasattr(ros, name)]
+            if len(names) < len(self._attributes):
+                count = before_defaults(self._cls, len(names)) or 0
+        values = iter([getattr(ros, name) for name in names])
+        return self._cls(*[field.unpack(values) for field in self._fields[:count]])
 
     def encode(self, message: Any) -> bytes:
         """CDR of ``message``."""
@@ -115,15 +117,17 @@ class Generated:
         return self._cls(*[field.empty for field in self._fields])
 
 
-def generated(cls: type[Any], count: int | None = None) -> Generated:
-    """The ROS type of ``cls``, a dataclass, or of its first ``count`` fields; the same each time.
-
-    Raises UnrecordableType.
-    """
-    found = _made.get((cls, count))
+def generated(cls: type[Any]) -> Generated:
+    """The ROS type of ``cls``, a dataclass; the same each time. Raises UnrecordableType."""
+    found = _made.get(cls)
     if found is None:
-        found = _made[cls, count] = Generated(cls, count)
+        found = _made[cls] = Generated(cls)
     return found
+
+
+def class_of(name: str) -> type[Any] | None:
+    """The class whose ROS type, made before, is ``name``; None for any other type."""
+    return next((cls for cls, made in list(_made.items()) if made.type == name), None)
 
 
 def before_defaults(cls: type[Any], declared: int) -> int | None:
@@ -141,7 +145,7 @@ def before_defaults(cls: type[Any], declared: int) -> int | None:
 
 
 #: Types registered so far: each is registered once for the whole process, for there is one store.
-_made: dict[tuple[type[Any], int | None], Generated] = {}
+_made: dict[type[Any], Generated] = {}
 
 
 def _field(cls: type[Any], name: str, hint: Any) -> _Field:

@@ -24,10 +24,10 @@ _NUMBER = -8
 class GeneratedConverter:
     """Any message, as the definition made of its class."""
 
-    def __init__(self, channel: str, cls: type[Any], count: int | None = None) -> None:
-        """Reads records of the first ``count`` fields, from before there were others. Raises UnrecordableType."""
+    def __init__(self, channel: str, cls: type[Any], definition: str | None = None) -> None:
+        """Reads records of an earlier ``definition``, from before there were more fields. Raises UnrecordableType."""
         self._generated = generated(cls)
-        self._written = generated(cls, count)
+        self._written = None if definition is None else typestore.of_definition(self._generated.type, definition)
         self._topic = f"/{channel}"
         self.topics: tuple[RecordTopic, ...] = (RecordTopic(self._topic, self._generated.type),)
 
@@ -35,7 +35,9 @@ class GeneratedConverter:
         return [Record(self._topic, self._generated.type, stamp_ns, self._generated.encode(message))]
 
     def decode(self, parts: Mapping[str, bytes]) -> Any:
-        return self._written.decode(parts[MAIN])
+        if self._written is None:
+            return self._generated.decode(parts[MAIN])
+        return self._generated.from_ros(typestore.deserialise(self._generated.type, parts[MAIN], self._written))
 
 
 class OdometryConverter:
@@ -70,7 +72,7 @@ class OdometryConverter:
 
     def encode(self, message: Odometry, stamp_ns: int) -> list[Record]:
         pose = pose2_numbers(message.X_OB)
-        data = self._numbers.fill(stamp_ns, pose, (message.linear_mps, 0.0, 0.0, 0.0, 0.0, message.angular_radps))
+        data = self._numbers.fill(stamp_ns, pose, _velocity(message))
         return [Record(self.topics[0].name, self._TYPE, stamp_ns, data), self._transform.record(stamp_ns, pose)]
 
     def decode(self, parts: Mapping[str, bytes]) -> Odometry:
@@ -78,7 +80,8 @@ class OdometryConverter:
         position, turn = ros.pose.pose.position, ros.pose.pose.orientation
         twist = ros.twist.twist
         pose = Pose2(position.x, position.y, 2.0 * math.atan2(turn.z, turn.w))
-        return Odometry(typestore.seconds(ros.header.stamp), pose, twist.linear.x, twist.angular.z)
+        linear = twist.linear
+        return Odometry(typestore.seconds(ros.header.stamp), pose, linear.x, twist.angular.z, lateral_mps=linear.y)
 
 
 class TwistConverter:
@@ -92,12 +95,13 @@ class TwistConverter:
         self._numbers = Numbers(template, (6 * _NUMBER, 6))
 
     def encode(self, message: Twist, stamp_ns: int) -> list[Record]:
-        data = self._numbers.fill(stamp_ns, (message.linear_mps, 0.0, 0.0, 0.0, 0.0, message.angular_radps))
+        data = self._numbers.fill(stamp_ns, _velocity(message))
         return [Record(self.topics[0].name, self._TYPE, stamp_ns, data)]
 
     def decode(self, parts: Mapping[str, bytes]) -> Twist:
         ros = typestore.deserialise(self._TYPE, parts[MAIN])
-        return Twist(typestore.seconds(ros.header.stamp), ros.twist.linear.x, ros.twist.angular.z)
+        linear = ros.twist.linear
+        return Twist(typestore.seconds(ros.header.stamp), linear.x, ros.twist.angular.z, lateral_mps=linear.y)
 
 
 class JointStateConverter:
@@ -108,24 +112,28 @@ class JointStateConverter:
     def __init__(self, channel: str) -> None:
         self.topics = (RecordTopic(f"/{channel}", self._TYPE),)
         self._names: tuple[str, ...] = ()
+        self._has_efforts = False
         self._numbers = self._template(())
 
     def encode(self, message: JointState, stamp_ns: int) -> list[Record]:
-        if message.names != self._names:
-            self._names = message.names
-            self._numbers = self._template(message.names)
-        data = self._numbers.fill(stamp_ns, message.positions)
+        has_efforts = bool(message.efforts)
+        if message.names != self._names or has_efforts != self._has_efforts:
+            self._names, self._has_efforts = message.names, has_efforts
+            self._numbers = self._template(message.names, has_efforts)
+        data = self._numbers.fill(stamp_ns, message.positions, message.efforts)
         return [Record(self.topics[0].name, self._TYPE, stamp_ns, data)]
 
     def decode(self, parts: Mapping[str, bytes]) -> JointState:
         ros = typestore.deserialise(self._TYPE, parts[MAIN])
-        return JointState(typestore.seconds(ros.header.stamp), tuple(ros.name), tuple(ros.position.tolist()))
+        stamp = typestore.seconds(ros.header.stamp)
+        return JointState(stamp, tuple(ros.name), tuple(ros.position.tolist()), tuple(ros.effort.tolist()))
 
-    def _template(self, names: tuple[str, ...]) -> Numbers:
-        none = np.zeros(0)
-        data = typestore.serialise(self._TYPE, header(""), list(names), np.zeros(len(names)), none, none)
-        # Behind the positions stand the lengths, 0, of velocities and efforts.
-        return Numbers(data, ((len(names) + 1) * _NUMBER, len(names)))
+    def _template(self, names: tuple[str, ...], has_efforts: bool = False) -> Numbers:
+        count = len(names)
+        efforts = count if has_efforts else 0
+        data = typestore.serialise(self._TYPE, header(""), list(names), np.zeros(count), np.zeros(0), np.zeros(efforts))
+        # Between positions and efforts stand the lengths of velocities, 0, and efforts.
+        return Numbers(data, ((count + 1 + efforts) * _NUMBER, count), (efforts * _NUMBER or len(data), efforts))
 
 
 class LogLineConverter:
@@ -145,6 +153,11 @@ class LogLineConverter:
     def decode(self, parts: Mapping[str, bytes]) -> LogLine:
         ros = typestore.deserialise(self._TYPE, parts[MAIN])
         return LogLine(typestore.seconds(ros.stamp), ros.level, ros.name, ros.msg)
+
+
+def _velocity(message: Odometry | Twist) -> tuple[float, ...]:
+    """The six numbers of a ``geometry_msgs/Twist``."""
+    return (message.linear_mps, message.lateral_mps, 0.0, 0.0, 0.0, message.angular_radps)
 
 
 def _twist(linear: float, angular: float) -> Any:

@@ -61,10 +61,20 @@ def serialise(name: str, *values: Any) -> bytes:
     return bytes(store().serialize_cdr(make(name, *values), name, little_endian=True))
 
 
-def deserialise(name: str, data: bytes) -> Any:
-    """The rosbags object in ``data``; its arrays are views of ``data``. Raises ValueError where it is damaged."""
+def of_definition(name: str, text: str) -> Typestore:
+    """A store of the type ``name`` alone, and what it uses, as a file's ``ros2msg`` definition says."""
+    then = get_typestore(Stores.EMPTY)
+    then.register(get_types_from_msg(text, name))
+    return then
+
+
+def deserialise(name: str, data: bytes, types: Typestore | None = None) -> Any:
+    """The rosbags object in ``data`` (of the store ``types``, if given); its arrays are views of ``data``.
+
+    Raises ValueError where it is damaged.
+    """
     try:
-        return store().deserialize_cdr(data, name)
+        return (types or store()).deserialize_cdr(data, name)
     except SerdeError as error:
         raise ValueError(f"no {name}: {error}") from error
 

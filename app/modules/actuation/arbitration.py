@@ -26,6 +26,9 @@ class Contender(BaseModel, frozen=True, extra="forbid"):
     input: str = Field(min_length=1, description="name of the input port its commands come in by")
     behavior: str = Field(min_length=1, description="name of the behavior, as exploitation reports it")
     priority: int = Field(description="the highest priority among those with a fresh command wins")
+    unattended: bool = Field(
+        False, description="its commands need no strategy and exploit none: for what always moves, as a calm face"
+    )
 
 
 def arbitrate(
@@ -52,8 +55,8 @@ def arbitrate(
 
 
 def twist_is_finite(twist: Twist) -> bool:
-    """Whether both speeds are finite."""
-    return math.isfinite(twist.linear_mps) and math.isfinite(twist.angular_radps)
+    """Whether all speeds are finite."""
+    return all(math.isfinite(speed) for speed in (twist.linear_mps, twist.angular_radps, twist.lateral_mps))
 
 
 def joints_are_finite(command: JointCommand) -> bool:
@@ -62,12 +65,9 @@ def joints_are_finite(command: JointCommand) -> bool:
 
 
 def clamped(twist: Twist, limits: BaseLimits) -> Twist:
-    """``twist`` within the body's speeds, each axis by itself."""
-    return Twist(
-        twist.stamp,
-        _within(twist.linear_mps, limits.linear_mps),
-        _within(twist.angular_radps, limits.angular_radps),
-    )
+    """``twist`` within the body's speeds: forward and sideways as one vector, and the turn by itself."""
+    linear, lateral = limits.within_speeds(twist.linear_mps, twist.lateral_mps)
+    return Twist(twist.stamp, linear, _within(twist.angular_radps, limits.angular_radps), lateral)
 
 
 def approach(before: Twist, target: Twist, limits: BaseLimits, longest_s: float) -> Twist:
@@ -76,14 +76,14 @@ def approach(before: Twist, target: Twist, limits: BaseLimits, longest_s: float)
     The time since ``before`` counts up to ``longest_s``, so that a long pause does not permit a jump. A stop (all zero)
     is passed on at once: the guard shapes braking, and nothing here delays it.
     """
-    if target.linear_mps == 0.0 and target.angular_radps == 0.0:
+    if target.linear_mps == 0.0 and target.angular_radps == 0.0 and target.lateral_mps == 0.0:
         return target
     elapsed_s = min(max(target.stamp - before.stamp, 0.0), longest_s)
-    return Twist(
-        target.stamp,
-        before.linear_mps + _within(target.linear_mps - before.linear_mps, limits.linear_mps2 * elapsed_s),
-        before.angular_radps + _within(target.angular_radps - before.angular_radps, limits.angular_radps2 * elapsed_s),
+    linear, lateral = limits.ramped(
+        (before.linear_mps, before.lateral_mps), (target.linear_mps, target.lateral_mps), elapsed_s
     )
+    angular = _within(target.angular_radps - before.angular_radps, limits.angular_radps2 * elapsed_s)
+    return Twist(target.stamp, linear, before.angular_radps + angular, lateral)
 
 
 def _within(value: float, limit: float) -> float:

@@ -44,16 +44,20 @@ class GroupArbiter(Module, ABC, Generic[C]):
 
     settings: ArbiterSettings
 
-    def __init__(self, context: ModuleContext, command_type: type[C]) -> None:
+    def __init__(self, context: ModuleContext, command_type: type[C], *, capacity: int = 1) -> None:
         super().__init__(context)
         self.exploitation = self.output("exploitation", Exploitation)
         for contender in self.settings.behaviors:
-            port = self.input(contender.input, command_type, always_open=True, moves=True)
+            port = self.input(
+                contender.input, command_type, capacity=capacity, always_open=True, moves=not contender.unattended
+            )
             self.on(port, partial(self._take, contender.input))
         self.every(self.settings.period_s, self._beat)
         self._commands: dict[str, C] = {}
         self._reported: tuple[str | None, bool] = (None, False)
-        #: The behavior whose command is let through now, and why it is limited, in words.
+        self._unattended = {contender.behavior for contender in self.settings.behaviors if contender.unattended}
+        #: The behavior whose command is let through now (none where that is unattended), and why it is limited, in
+        #: words.
         self.driver: str | None = None
         self.limited = ""
 
@@ -85,7 +89,7 @@ class GroupArbiter(Module, ABC, Generic[C]):
     def _arbitrated(self) -> tuple[str | None, bool]:
         now = self.clock.now()
         choice = arbitrate(now, self._commands, self.settings.behaviors, self.settings.max_age_s, self.usable)
-        self.driver = None if choice is None else choice[0]
+        self.driver = None if choice is None or choice[0] in self._unattended else choice[0]
         self.give(now, choice)
         return self.driver, bool(self.limited)
 

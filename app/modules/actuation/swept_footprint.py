@@ -1,8 +1,9 @@
 """Time to contact of a moving body with laser points: exact for a convex footprint on a circular arc.
 
-In the body's frame every world point moves on a circle around the centre of rotation (on a straight line when the body
-does not turn). The footprint is the intersection of half planes. On such a circle each half plane excludes one arc, so
-a point is inside where no such arc holds it. The computation covers all points at once.
+The velocity of the body is v = vx + i·vy, m/s forward and to the left, and ω rad/s. In the body's frame every world
+point moves on a circle around the centre of rotation i·v/ω (on a straight line when the body does not turn). The
+footprint is the intersection of half planes. On such a circle each half plane excludes one arc, so a point is inside
+where no such arc holds it. The computation covers all points at once.
 
 The path is not sampled, so a thin obstacle cannot be missed between two samples. To rate circular arcs by their free
 length is R. Simmons's *curvature-velocity method* (ICRA 1996).
@@ -81,7 +82,7 @@ class Polygon:
 
 
 def may_decide(
-    points: Points, tight: Polygon, grown: Polygon, linear: float, angular: float, horizon_s: float, evidence: int
+    points: Points, tight: Polygon, grown: Polygon, velocity: complex, angular: float, horizon_s: float, evidence: int
 ) -> NDArray[np.intp]:
     """Which of ``points`` (N,) may be among the first ``evidence`` contacts: a superset of them.
 
@@ -89,10 +90,10 @@ def may_decide(
     reach the inner one cannot be among the first.
     """
     if abs(angular) * horizon_s < STRAIGHT_RAD:
-        return _first_on_line(points, tight, grown=grown, linear=linear, horizon_s=horizon_s, evidence=evidence)
-    centre = linear / angular
+        return _first_on_line(points, tight, grown=grown, velocity=velocity, horizon_s=horizon_s, evidence=evidence)
+    centre = 1j * velocity / angular
     distance = abs(centre)
-    around = points - 1j * centre
+    around = points - centre
     reach2 = around.real**2 + around.imag**2
     low, high = max(distance - grown.outer, 0.0) ** 2, (distance + grown.outer) ** 2
     near = np.flatnonzero(np.abs(reach2 - (low + high) / 2) <= (high - low) / 2)
@@ -100,7 +101,7 @@ def may_decide(
         return near
     around, reach2 = around[near], np.maximum(reach2[near], 1e-18)  # one at the very centre has no direction
     # Angle of each point around the centre to the base's origin, and before that to the discs.
-    to_go = np.angle(around * (1j if centre > 0 else -1j))
+    to_go = np.angle(around * -centre.conjugate())
     to_go = to_go if angular > 0 else -to_go
     span = 2 * distance * np.sqrt(reach2)
     middle = reach2 + distance**2
@@ -121,15 +122,17 @@ def _arc_enters(to_go: Floats, cosine: Floats) -> Floats:
 
 
 def _first_on_line(
-    points: Points, tight: Polygon, grown: Polygon, linear: float, horizon_s: float, evidence: int
+    points: Points, tight: Polygon, grown: Polygon, velocity: complex, horizon_s: float, evidence: int
 ) -> NDArray[np.intp]:
-    ahead = points.real if linear >= 0 else -points.real
-    far = abs(linear) * horizon_s + grown.outer
-    lane = (np.abs(points.imag) <= grown.outer) & (np.abs(ahead - (far - grown.outer) / 2) <= (far + grown.outer) / 2)
+    speed = abs(velocity)
+    turned = points * (velocity.conjugate() / speed if speed > 0.0 else 1.0)
+    ahead, aside = turned.real, turned.imag
+    far = speed * horizon_s + grown.outer
+    lane = (np.abs(aside) <= grown.outer) & (np.abs(ahead - (far - grown.outer) / 2) <= (far + grown.outer) / 2)
     near = np.flatnonzero(lane)
     if len(near) < 4 * evidence:
         return near
-    ahead, aside2 = ahead[near], points.imag[near] ** 2
+    ahead, aside2 = ahead[near], aside[near] ** 2
     arrives = ahead - np.sqrt(grown.outer**2 - aside2)
     surely = np.flatnonzero((aside2 < tight.inner**2) & (ahead > 0))
     if len(surely) >= evidence:
@@ -138,22 +141,22 @@ def _first_on_line(
     return near
 
 
-def contact_times(points: Points, polygon: Polygon, linear: float, angular: float, horizon_s: float) -> Floats:
+def contact_times(points: Points, polygon: Polygon, velocity: complex, angular: float, horizon_s: float) -> Floats:
     """Time until each of ``points`` (N,) is inside ``polygon``, in seconds from now, (N,).
 
-    The body keeps ``linear`` (m/s) and ``angular`` (rad/s, left positive). 0 for points already inside, inf for points
-    not met within ``horizon_s``.
+    The body keeps ``velocity`` (m/s, forward + i left) and ``angular`` (rad/s, left positive). 0 for points already
+    inside, inf for points not met within ``horizon_s``.
     """
     if abs(angular) * horizon_s < STRAIGHT_RAD:
-        return _straight(points, polygon, linear, horizon_s)
-    return _around(points, polygon, linear, angular, horizon_s)
+        return _straight(points, polygon, velocity, horizon_s)
+    return _around(points, polygon, velocity, angular, horizon_s)
 
 
-def _straight(points: Points, polygon: Polygon, linear: float, horizon_s: float) -> Floats:
+def _straight(points: Points, polygon: Polygon, velocity: complex, horizon_s: float) -> Floats:
     beyond = polygon.edgewise(points)
-    if linear == 0.0:
+    if velocity == 0.0:
         return np.where(beyond.max(axis=1) < 0, 0.0, np.inf)
-    closing = linear * polygon.normals.real
+    closing = velocity.real * polygon.normals.real + velocity.imag * polygon.normals.imag
     entering, leaving = closing > 1e-12, closing < -1e-12
     alongside = ~(entering | leaving)
     enters = np.maximum((beyond[:, entering] / closing[entering]).max(axis=1), 0.0)
@@ -164,12 +167,12 @@ def _straight(points: Points, polygon: Polygon, linear: float, horizon_s: float)
     return np.where(met, enters, np.inf)
 
 
-def _around(points: Points, polygon: Polygon, linear: float, angular: float, horizon_s: float) -> Floats:
-    centre = linear / angular
-    around = points - 1j * centre
+def _around(points: Points, polygon: Polygon, velocity: complex, angular: float, horizon_s: float) -> Floats:
+    centre = 1j * velocity / angular
+    around = points - centre
     reach = np.maximum(np.abs(around), 1e-9)
     # Distance of a half plane's line from the centre; a point is beyond it within `half` of its normal's bearing.
-    cosine = (polygon.offsets - polygon.normals.imag * centre) / reach[:, None]
+    cosine = (polygon.offsets - (polygon.normals.conj() * centre).real) / reach[:, None]
     half = np.where(cosine > -1.0, np.arccos(np.minimum(np.maximum(cosine, -1.0), 1.0)), _ALWAYS_RAD)
     left = np.angle(around)[:, None] - polygon.bearings
     if angular < 0:

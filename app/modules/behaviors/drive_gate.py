@@ -46,16 +46,26 @@ class DriveGate:
             return Decision(None if of_the_head else self._stop(command.stamp))
         if late:
             return Decision(None)
-        if not all(math.isfinite(stick) and abs(stick) <= _FULL for stick in (command.linear, command.angular)):
+        sticks = (command.linear, command.angular, command.lateral)
+        if not all(math.isfinite(stick) and abs(stick) <= _FULL for stick in sticks):
             return Decision(
                 self._stop(command.stamp),
-                f"refused a command: linear and angular must be numbers from -1 to 1, "
-                f"not {command.linear!r} and {command.angular!r}",
+                f"refused a command: linear, angular and lateral must be numbers from -1 to 1, "
+                f"not {command.linear!r}, {command.angular!r} and {command.lateral!r}",
             )
         self._held_since = command.stamp
-        linear, angular = (max(-1.0, min(1.0, stick)) for stick in (command.linear, command.angular))
+        linear, angular, lateral = (max(-1.0, min(1.0, stick)) for stick in sticks)
+        limits = self.limits
+        if limits.holonomic and (pushed := math.hypot(linear, lateral)) > 1.0:
+            # Full stick both ways is a direction, not a greater speed.
+            linear, lateral = linear / pushed, lateral / pushed
         return Decision(
-            Twist(command.stamp, speed * linear * self.limits.linear_mps, speed * angular * self.limits.angular_radps)
+            Twist(
+                command.stamp,
+                speed * linear * limits.linear_mps,
+                speed * angular * limits.angular_radps,
+                speed * lateral * limits.lateral_mps,
+            )
         )
 
     def beat(self, now: float) -> Decision:

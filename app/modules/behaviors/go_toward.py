@@ -10,9 +10,10 @@
     │           out  accomplishments  Accomplishment, at the goal                       │
     └───────────────────────────────────────────────────────────────────────────────────┘
 
-No map, plan, memory or depth: every ``period_s`` the Dynamic Window Approach follows the straight line to the goal in a
-distance field of the newest scan alone. It costs little CPU and passes single obstacles. It does not leave a dead end
-and does not see obstacles lower than the laser. Without progress it stops and publishes the reason.
+No map, plan, memory or depth: every ``period_s`` the Dynamic Window Approach (pure pursuit on a base that moves
+sideways) follows the straight line to the goal in a distance field of the newest scan alone. It costs little CPU and
+passes single obstacles. It does not leave a dead end and does not see obstacles lower than the laser. Without progress
+it stops and publishes the reason.
 """
 
 from __future__ import annotations
@@ -39,6 +40,7 @@ from app.modules.behaviors.navigation.recovery.recovery_behaviors import Recover
 from app.modules.behaviors.navigation.tracking.desired_goal import goal_of
 from app.modules.behaviors.navigation.tracking.dynamic_window import DynamicWindow, DynamicWindowSettings
 from app.modules.behaviors.navigation.tracking.localization_monitor import LocalizationMonitor
+from app.modules.behaviors.navigation.tracking.mppi import Mppi, MppiSettings
 from app.modules.behaviors.navigation.tracking.path_tracker import NavigationGoal, PathTracker, TrackingStep
 from app.modules.behaviors.navigation.tracking.sensor_health import unfit
 from app.modules.behaviors.navigation.tracking.status_publisher import StatusPublisher
@@ -97,7 +99,8 @@ class GoToward(Module):
         except ValueError as error:
             raise ModuleFailed(f"{self.name} cannot drive {description.name}: {error}") from None
         # No recovery actions: the robot stops and publishes the reason.
-        self._path_tracker = PathTracker(body, DynamicWindow(_CHEAP), recovery=RecoverySettings(stuck_s=math.inf))
+        controller = Mppi(MppiSettings(rollouts=0)) if body.holonomic else DynamicWindow(_CHEAP)
+        self._path_tracker = PathTracker(body, controller, recovery=RecoverySettings(stuck_s=math.inf))
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
         """Take the goal from the desire; without ``x`` and ``y`` there is no goal."""
@@ -137,7 +140,7 @@ class GoToward(Module):
             step = await self.compute(self._decide, now, goal, motion, X_MO, self._seen[1], self._zones)
         if self._goal is not goal:
             return
-        self.twist.publish(Twist(now, step.linear_mps, step.angular_radps))
+        self.twist.publish(Twist(now, step.linear_mps, step.angular_radps, step.lateral_mps))
         path_tracker = self._path_tracker
         self._status_publisher.update(
             NavigationStatus(

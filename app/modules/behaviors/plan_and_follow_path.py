@@ -4,6 +4,7 @@
     │ PlanAndFollowPath  in   scans            LaserScan, 40 Hz / φ                                   │
     │                    in   images           Image with depth, 15 Hz / φ; not wired: no such camera │
     │                    in   odometry         Odometry, 100 Hz, X_OB in odom; never filtered         │
+    │                    in   joints           JointState, 30 Hz; never filtered; not wired: no arms  │
     │                    in   localization     Localization, with each scan that SLAM takes           │
     │                    in   map              OccupancyGrid of the map, when it changes              │
     │                    in   zones            Zones of the map, when one changes                     │
@@ -19,6 +20,8 @@ Every ``period_s`` (10 Hz as in the thesis), in the module's thread: the newest 
 the controller chooses velocities along the path (``navigation/tracking/path_tracker.py``). Paths are planned in the
 second thread (``navigation/planning/global_planner.py``): once a second, and at once where an obstacle blocks the path
 or localization jumped.
+
+What the depth camera sees of the robot's own arms is left out (``navigation/costmap/self_filter.py``).
 
 It stands still, and publishes the reason, without a trusted pose, with a scan or image older than ``fresh_s``, or with
 dead depth images. Obstacles that the camera sees and the laser does not are kept with the map
@@ -37,12 +40,16 @@ from typing import Any
 import numpy as np
 from pydantic import Field
 
+from app.base.errors import ConfigError
 from app.base.geometry import Pose2
+from app.base.joint_buffer import JointBuffer
+from app.base.moving_shapes import MovingShapes
 from app.maps.library import MapLibrary
 from app.maps.map_service import MapService
 from app.messages import (
     Exploitation,
     Image,
+    JointState,
     LaserScan,
     Localization,
     NavigationStatus,
@@ -59,6 +66,7 @@ from app.modules.behaviors.navigation.costmap.inflation import CostSettings
 from app.modules.behaviors.navigation.costmap.local_costmap import CostmapSettings
 from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import PersistentObstacleLayer
 from app.modules.behaviors.navigation.costmap.persistent_obstacle_store import PersistentObstacleStore
+from app.modules.behaviors.navigation.costmap.self_filter import self_filtered
 from app.modules.behaviors.navigation.kernel_loading import load_kernels
 from app.modules.behaviors.navigation.planning.global_planner import GlobalPlanner, PlanRequest, PlanResult
 from app.modules.behaviors.navigation.planning.goal_planning import GlobalPlan
@@ -75,6 +83,7 @@ from app.modules.behaviors.navigation.tracking.desired_goal import goal_of
 from app.modules.behaviors.navigation.tracking.localization_monitor import LocalizationMonitor
 from app.modules.behaviors.navigation.tracking.path_tracker import NavigationGoal, PathTrackerSettings
 from app.modules.behaviors.navigation.tracking.status_publisher import StatusPublisher
+from app.modules.body_shapes import moving_shapes
 from app.modules.stream_module import robot_link
 from app.runtime.errors import ModuleFailed
 from app.runtime.module import Caution, Module, ModuleContext, Settings
@@ -130,6 +139,7 @@ class PlanAndFollowPath(Module):
         self.scans = self.input("scans", LaserScan, capacity=4)
         self.images = self.input("images", Image)
         self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True)
+        self.joints = self.input("joints", JointState, capacity=4, always_open=True)
         self.localization = self.input("localization", Localization)
         self.map = self.input("map", OccupancyGrid)
         self.zones = self.input("zones", Zones)
@@ -143,6 +153,7 @@ class PlanAndFollowPath(Module):
         self.on(self.scans, self._take_scan)
         self.on(self.images, self._take_image)
         self.on(self.odometry, self._poses.add_odometry)
+        self.on(self.joints, self._take_joints)
         self.on(self.localization, self._poses.add_localization)
         self.on(self.map, self._take_map)
         self.on(self.zones, self._take_zones)
@@ -150,6 +161,9 @@ class PlanAndFollowPath(Module):
         self.every(self.settings.period_s, self._cycle)
         self._scan: LaserScan | None = None
         self._image: Image | None = None
+        self._positions = JointBuffer()
+        #: What the camera may see of the robot itself; None: nothing.
+        self._own: MovingShapes | None = None
         self._grid: OccupancyGrid | None = None
         self._zones = Zones(0.0, ())
         self._given_mps: float | None = None
@@ -170,8 +184,14 @@ class PlanAndFollowPath(Module):
         self._periods = CommandJitter()
 
     async def start(self) -> None:
-        """Load the compiled kernels and look up the body. Raises ModuleFailed for a body that does not drive."""
+        """Load the compiled kernels and look up the body. Raises ModuleFailed for a body that does not drive, or with
+        joints whose shapes cannot be read."""
         description = robot_link(self).description
+        if self.joints.connected and self.images.connected and description.groups:
+            try:
+                self._own = await self.compute(moving_shapes, description)
+            except ConfigError as error:
+                raise ModuleFailed(f"{self.name} does not know the arms of {description.name}: {error}") from None
         await self.compute(load_kernels)
         await self.compute(raise_thread_priority)
         s = self.settings
@@ -233,7 +253,13 @@ class PlanAndFollowPath(Module):
         self._scan = scan
 
     async def _take_image(self, image: Image) -> None:
+        own, positions = self._own, self._positions.at(image.stamp)
+        if own is not None and positions is not None:
+            image = await self.compute(lambda: self_filtered(image, own.at(positions)))
         self._image = image
+
+    async def _take_joints(self, joints: JointState) -> None:
+        self._positions.add(joints.stamp, dict(zip(joints.names, joints.positions, strict=True)))
 
     async def _take_map(self, grid: OccupancyGrid) -> None:
         self._grid = grid
@@ -288,7 +314,10 @@ class PlanAndFollowPath(Module):
         )
         if self._controller != self._controller_in_use:
             self._controller_in_use = self._controller
-            await self.compute(self._control.use_controller, self._controller)
+            try:
+                await self.compute(self._control.use_controller, self._controller)
+            except ValueError as error:
+                raise ModuleFailed(f"{self.name}: {error}") from None
         output = await self.compute(self._control.run, inputs, self.settings.period_s)
         if self._given is not goal:
             # The desire changed during the computation: the result is for another goal.
@@ -332,7 +361,8 @@ class PlanAndFollowPath(Module):
         if goal is None:
             self.twist.publish(Twist(now, 0.0, 0.0))
         else:
-            self.twist.publish(Twist(now, output.step.linear_mps, output.step.angular_radps))
+            step = output.step
+            self.twist.publish(Twist(now, step.linear_mps, step.angular_radps, step.lateral_mps))
             self._periods.commanded(self.clock.now())
         if answer is not None and answer.changed:
             self._plan = answer.plan

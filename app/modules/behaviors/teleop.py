@@ -5,9 +5,10 @@
     │           out  twist     Twist, with each command (m/s, rad/s in base_link)              │
     └─────────────────────────────────────────────────────────────────────────────────────────┘
 
-    v = speed · stick_linear · v_max        ω = speed · stick_angular · ω_max
+    v = speed · (stick_linear · v_max, stick_lateral · v_side)        ω = speed · stick_angular · ω_max
 
-``speed`` is the parameter of the desire Teleoperation, v_max and ω_max are the body's limits. Only while the dead-man
+``speed`` is the parameter of the desire Teleoperation; v_max, v_side and ω_max are the body's limits (v_side is 0 for a
+base that cannot move sideways). The velocity v is shortened into both limits as one vector. Only while the dead-man
 is held: its release gives zero at once, silence while held gives zero after ``timeout_s``, and one zero is published
 when attention closes the output.
 """

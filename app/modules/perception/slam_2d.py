@@ -164,7 +164,9 @@ class SLAM2D(Module):
             self._search_scan = scan, X_OB
             self._wake.set()
         odometry = self._odometry
-        twist = (0.0, 0.0) if odometry is None else (odometry.linear_mps, odometry.angular_radps)
+        twist = (0.0, 0.0, 0.0)
+        if odometry is not None:
+            twist = (odometry.linear_mps, odometry.angular_radps, odometry.lateral_mps)
         maps = self._mapping and not self._fits.lost and self._search is None and not self._search_due
         followed = await self.compute(session.follow, scan, X_OB, twist, maps, self._rays)
         if session is not self._session:

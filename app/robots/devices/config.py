@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
-from app.robots.config import BodyConfig, LimitsConfig, load_body_config
+from app.robots.config import ActuatorConfig, BodyConfig, LimitsConfig, load_body_config
 
 Positive = Annotated[float, Field(gt=0)]
 
@@ -89,6 +89,13 @@ class DevicesConfig(BodyConfig):
     loudspeaker: SpeakerConfig | None = None
     #: Nothing moves; limits are positive by contract.
     limits: LimitsConfig = LimitsConfig(linear_mps=1e-3, angular_radps=1e-3, linear_mps2=1e-3, angular_radps2=1e-3)
+
+    @field_validator("actuators")
+    @classmethod
+    def _nothing_moves(cls, actuators: dict[str, ActuatorConfig]) -> dict[str, ActuatorConfig]:
+        if actuators:
+            raise ValueError("a body of devices has no motors; leave its actuators out, or write a body (extending.md)")
+        return actuators
 
     @property
     def standing_rates_hz(self) -> tuple[float, float, float]:

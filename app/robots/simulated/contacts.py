@@ -38,6 +38,7 @@ class ContactMonitor:
         self._simulation = simulation
         model = simulation.model
         of_robot = model.body_rootid[model.geom_bodyid] == model.body_rootid[simulation.base_body]
+        self._of_robot = of_robot
         self._obstacle = ~of_robot
         self._obstacle[model.geom(FLOOR).id] = False
         self._last: dict[int, float] = {}
@@ -52,7 +53,7 @@ class ContactMonitor:
         """Record current contacts."""
         contacts = self._simulation.data.contact
         pairs = contacts.geom
-        touching = self._obstacle[pairs]
+        touching = self._obstacle[pairs] & self._of_robot[pairs[:, ::-1]]
         if not touching.any():
             return
         for index in np.flatnonzero(touching.any(axis=1)):

@@ -22,6 +22,7 @@ class GuardRow:
     linear_mps: float
     angular_radps: float
     setpoints: tuple[float, ...] = ()
+    lateral_mps: float = 0.0
 
 
 class GuardLog:
@@ -35,10 +36,9 @@ class GuardLog:
         self._thread = threading.Thread(target=self._run, name="guard log", daemon=True)
         self._thread.start()
 
-    def write(
-        self, monotonic_s: float, linear_mps: float, angular_radps: float, setpoints: tuple[float, ...] = ()
-    ) -> None:
-        self._rows.put(self._row.pack(monotonic_s, linear_mps, angular_radps, *setpoints))
+    def write(self, row: GuardRow) -> None:
+        velocity = (row.linear_mps, row.angular_radps, row.lateral_mps)
+        self._rows.put(self._row.pack(row.monotonic_s, *velocity, *row.setpoints))
 
     def close(self, timeout_s: float = 0.3) -> None:
         """Write the queued rows, for at most ``timeout_s``."""
@@ -59,10 +59,10 @@ def read_guard_log(path: Path) -> list[GuardRow]:
     rows = data[_HEADER.size :]
     whole = len(rows) - len(rows) % row.size
     return [
-        GuardRow(when, linear, angular, tuple(setpoints))
-        for when, linear, angular, *setpoints in row.iter_unpack(rows[:whole])
+        GuardRow(when, linear, angular, tuple(setpoints), lateral)
+        for when, linear, angular, lateral, *setpoints in row.iter_unpack(rows[:whole])
     ]
 
 
 def _row(joints: int) -> struct.Struct:
-    return struct.Struct(f"<{3 + joints}d")
+    return struct.Struct(f"<{4 + joints}d")

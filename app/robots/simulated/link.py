@@ -9,6 +9,7 @@ import logging
 import math
 import os
 import socket
+import time
 from collections import deque
 from collections.abc import Callable
 from typing import Any
@@ -18,6 +19,7 @@ from app.base.geometry import Pose2
 from app.link import LinkFailed, RobotDescription, StreamDescription
 from app.messages import (
     Audio,
+    BatteryState,
     GroundTruth,
     Image,
     JointCommand,
@@ -40,6 +42,7 @@ from app.robots.simulated.world_config import WorldConfig
 
 START_TIMEOUT_S = 20.0
 STOP_TIMEOUT_S = 0.6
+LOAD_PERIOD_S = 1.0
 _UNSENT_BYTES = 4096
 _LAST_LINES = 12
 #: The arrays of a body's messages, which no subscriber may change.
@@ -108,6 +111,7 @@ class SimulatedLink(SimulatedBody):
         self._clock_offset = clock_offset
         self._lenses = lenses(robot)
         self._session: _Session | None = None
+        self._metering: asyncio.Task[None] | None = None
         self.images_overwritten = 0
         self.commands_dropped = 0
 
@@ -145,6 +149,17 @@ class SimulatedLink(SimulatedBody):
         except (LinkFailed, asyncio.CancelledError):
             await self._release()
             raise
+        if self._robot.battery is not None:
+            self._metering = asyncio.create_task(self._meter_computer(), name="load of the simulated computer")
+
+    async def _meter_computer(self) -> None:
+        """Report this process's CPU time, of all threads, once a second: the computer draws on the battery."""
+        while True:
+            began, used = time.monotonic(), time.process_time()
+            await asyncio.sleep(LOAD_PERIOD_S)
+            cores = (time.process_time() - used) / (time.monotonic() - began)
+            if self._session is not None and self._session.unsent_bytes <= _UNSENT_BYTES:
+                self._session.send(link_protocol.ComputerLoad(cores))
 
     async def stop(self) -> None:
         """Stop the wheels, end the process, release everything; idempotent, under 1 s."""
@@ -174,6 +189,9 @@ class SimulatedLink(SimulatedBody):
             self._session.send(frame)
 
     async def _release(self) -> None:
+        if self._metering is not None:
+            self._metering.cancel()
+            self._metering = None
         session, self._session = self._session, None
         if session is not None:
             await session.close()
@@ -219,6 +237,8 @@ def describe(robot: RobotConfig) -> RobotDescription:
         table.append(("microphones", Audio, rate_hz))
         if robot.loudspeaker is not None:
             table.append(("loudspeaker", Audio, rate_hz))
+    if robot.battery is not None:
+        table.append(("battery", BatteryState, robot.battery.rate_hz))
     if robot.ground_truth:
         table.append(("ground_truth", GroundTruth, streams.odometry.rate_hz))
         table.append(("scene_truth", SceneTruth, streams.status.rate_hz))
@@ -234,6 +254,7 @@ def describe(robot: RobotConfig) -> RobotDescription:
         height_m=robot.height_m,
         restartable=True,
         groups=dict(robot.groups),
+        arms=dict(robot.arm_descriptions),
     )
 
 

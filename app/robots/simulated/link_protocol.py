@@ -48,12 +48,20 @@ class Demand:
 
 
 @dataclass(frozen=True, slots=True)
+class ComputerLoad:
+    """Program to link: how many ``cores`` of the robot's computer are busy, on average since the last."""
+
+    cores: float
+
+
+@dataclass(frozen=True, slots=True)
 class DriveRequest:
     """Program to link: a commanded velocity, at ``stamp`` (s, robot's clock)."""
 
     stamp: float
     linear_mps: float
     angular_radps: float
+    lateral_mps: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -114,7 +122,7 @@ def request(command: Twist | JointCommand) -> DriveRequest | JointCommand:
     """``command`` as it goes over the socket."""
     if isinstance(command, JointCommand):
         return command
-    return DriveRequest(command.stamp, command.linear_mps, command.angular_radps)
+    return DriveRequest(command.stamp, command.linear_mps, command.angular_radps, command.lateral_mps)
 
 
 def encode(frame: Any) -> bytes:

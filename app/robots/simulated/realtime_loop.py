@@ -19,7 +19,7 @@ from app.robots.simulated.acoustics.soundscape import SCENES_HZ
 from app.robots.simulated.body import TIMESTEP_S
 from app.robots.simulated.camera_models import picture_formats
 from app.robots.simulated.camera_thread import CameraThread
-from app.robots.simulated.guard_log import GuardLog
+from app.robots.simulated.guard_log import GuardLog, GuardRow
 from app.robots.simulated.image_ring import ImageRings
 from app.robots.simulated.pacer import Pacer
 from app.robots.simulated.simulation import STEPS_PER_TURN, Schedule, WorldSimulation
@@ -98,7 +98,8 @@ class RealtimeLoop:
         if self._log is not None:
             applied = simulation.state.applied
             setpoints = simulation.joints.setpoints()
-            self._log.write(time.monotonic(), applied.linear_mps, applied.angular_radps, setpoints)
+            velocity = (applied.linear_mps, applied.angular_radps)
+            self._log.write(GuardRow(time.monotonic(), *velocity, setpoints, lateral_mps=applied.lateral_mps))
 
     def _stamps(self, now: float) -> Iterator[float]:
         """Real instants of the due steps. Where an image is due while the one before is still being drawn, or sound is
@@ -161,7 +162,7 @@ class RealtimeLoop:
     def _shut_down(self) -> None:
         self._simulation.end()
         if self._log is not None:
-            self._log.write(time.monotonic(), 0.0, 0.0, self._simulation.joints.setpoints())
+            self._log.write(GuardRow(time.monotonic(), 0.0, 0.0, self._simulation.joints.setpoints()))
             self._log.close()
         self._socket.flush()
         if self._camera is not None:

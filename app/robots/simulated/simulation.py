@@ -18,11 +18,13 @@ from app.robots.config import RobotConfig
 from app.robots.simulated import link_protocol
 from app.robots.simulated.acoustics.ipc import MicrophoneFrame
 from app.robots.simulated.acoustics.soundscape import Soundscape
+from app.robots.simulated.battery import Battery
 from app.robots.simulated.body import TIMESTEP_S, build_simulation
 from app.robots.simulated.camera_models import lenses
+from app.robots.simulated.dock import dock_poses, touches
 from app.robots.simulated.joint_servos import JointServos
 from app.robots.simulated.laser import Laser
-from app.robots.simulated.odometry import EncoderOdometry, draw_true_base
+from app.robots.simulated.odometry import EncoderOdometry, HolonomicOdometry, draw_true_base
 from app.robots.simulated.renderer import WorldSnapshot, mocap_poses
 from app.robots.simulated.scenery.people import PersonBodies
 from app.robots.simulated.scenery.scenario_config import ScenarioConfig
@@ -43,6 +45,10 @@ class Schedule:
 
     def ready(self, time_s: float) -> bool:
         return time_s + 1e-9 >= self._next_s
+
+    def expire(self) -> None:
+        """Make it due now."""
+        self._next_s = -math.inf
 
     def due(self, time_s: float) -> bool:
         """Whether it is due now; then the next time is a period later (a stream that fell behind skips periods)."""
@@ -74,7 +80,7 @@ class WorldSimulation:
         streams = robot.streams
         seeds = np.random.SeedSequence(robot.seed).spawn(8)
         rngs = [np.random.default_rng(s) for s in seeds]  # one each, in a fixed order: append new ones at the end
-        base_rng, odometry_rng, laser_rng, kinect_rng, self._joint_rng, panorama_rng = rngs[:6]
+        base_rng, odometry_rng, laser_rng, kinect_rng, self._joint_rng, panorama_rng, self._effort_rng = rngs[:7]
         self.robot = robot
         self.camera_rngs = {"kinect": kinect_rng, "panorama": panorama_rng}
         self.scenario_state = ScenarioState(scenario or ScenarioConfig(name="empty"))
@@ -100,7 +106,11 @@ class WorldSimulation:
         self._limits = robot.limits.guard()
         self.state = guard.GuardState(e_stop=e_stop)
         self.joints = JointServos(self.physics, robot.groups.values())
-        self._odometry = EncoderOdometry(robot.base, odometry_rng)
+        self._odometry: EncoderOdometry | HolonomicOdometry
+        if robot.base.drive == "holonomic":
+            self._odometry = HolonomicOdometry(robot.base, odometry_rng)
+        else:
+            self._odometry = EncoderOdometry(robot.base, odometry_rng)
         names = self.physics.joints
         self._wheel_joints = (names.index(robot.base.left_wheel_joint), names.index(robot.base.right_wheel_joint))
         rates = {
@@ -119,6 +129,12 @@ class WorldSimulation:
             if camera is not None:
                 rates[stream] = camera.rate_hz
         self._camera_frames = {stream: frame for stream, (frame, _) in lenses(robot).items()}
+        self.battery: Battery | None = None
+        if robot.battery is not None:
+            self.battery = Battery(robot.battery)
+            rates["battery"] = robot.battery.rate_hz
+        self._docks = dock_poses(world)
+        self._busy_cores = 0.0
         self._schedules = {name: Schedule(rate) for name, rate in rates.items()}
         self._thinning = {name: Thinning(rates[name]) for name in self._camera_frames}
         self._last_odometry_s = 0.0
@@ -133,8 +149,9 @@ class WorldSimulation:
     def accept(self, frame: object) -> None:
         """Take one of ``link_protocol``'s commands to the guard or demands of streams; others are ignored."""
         match frame:
-            case link_protocol.DriveRequest(stamp, linear, angular):
-                self.state = guard.accept(self.state, guard.VelocityCommand(stamp, guard.BaseVelocity(linear, angular)))
+            case link_protocol.DriveRequest(stamp, linear, angular, lateral):
+                velocity = guard.BaseVelocity(linear, angular, lateral)
+                self.state = guard.accept(self.state, guard.VelocityCommand(stamp, velocity))
             case JointCommand():
                 self.joints.accept(frame)
             case link_protocol.EStopRequest(reason):
@@ -142,6 +159,8 @@ class WorldSimulation:
             case link_protocol.ClearEStop():
                 self.state = guard.clear_e_stop(self.state)
                 self.joints.clear_e_stop()
+            case link_protocol.ComputerLoad(cores):
+                self._busy_cores = cores
             case link_protocol.Demand(stream, rate_hz):
                 self.demand(stream, rate_hz)
 
@@ -163,12 +182,15 @@ class WorldSimulation:
             steps += 1
             self.state = guard.step(self.state, action, self._limits, TIMESTEP_S)
             simulation.drive(self.state.applied)
-            self.joints.step(TIMESTEP_S)
+            if steps % STEPS_PER_TURN == 1:
+                self.joints.step()
             simulation.step()
             if self._inhabited and self.scenario_state.advance(simulation.time_s, simulation.true_pose()):
                 self._people.pose(simulation.data)
             self._sense(stamp)
             also(stamp)
+        if steps:
+            self._draw_power(steps * TIMESTEP_S)
         if steps == 0 and action.immediate:  # a stop must not wait for the next step
             self.state = guard.step(self.state, action, self._limits, 0.0)
             simulation.drive(self.state.applied)
@@ -184,7 +206,7 @@ class WorldSimulation:
             reason=action.reason,
             e_stopped=self.state.e_stop is not None,
             command_age_s=guard.command_age(self.state, now),
-            applied=Twist(now, applied.linear_mps, applied.angular_radps),
+            applied=Twist(now, applied.linear_mps, applied.angular_radps, applied.lateral_mps),
             world_rate=world_rate(),
             groups=self.joints.status(now),
         )
@@ -238,16 +260,37 @@ class WorldSimulation:
             name: now - self._last_seen[name] for name in self.robot.limits.required_sensors if name in self._last_seen
         }
 
+    def _draw_power(self, seconds: float) -> None:
+        """Charge or discharge the battery by what runs, over the last ``seconds``."""
+        config = self.robot.battery
+        if self.battery is None or config is None:
+            return
+        load = config.load
+        rolling_w = load.friction_n * abs(self.physics.true_velocity().linear_mps)
+        load_w = load.idle_w + load.computer_w + load.core_w * self._busy_cores
+        load_w += (self.physics.motor_power_w() + rolling_w) / load.efficiency
+        load_w += sum(watts for stream, watts in load.sensors_w.items() if stream in self.wanted)
+        charging = touches(self.physics.true_pose(), self._docks, config.plate_m)
+        if charging != self.battery.charging:
+            self._schedules["battery"].expire()  # a charger that comes on is noticed at once
+        self.battery.advance(seconds, load_w, charging=charging)
+
     def _sense(self, stamp: float) -> None:
         time_s, schedules, wanted = self.physics.time_s, self._schedules, self.wanted
         if schedules["odometry"].due(time_s):
             self._send_odometry(stamp, time_s)
         if schedules["joints"].due(time_s):
-            positions = tuple(float(p) for p in self._measured_joints())
-            self.send("joints", JointState(stamp, self.physics.joints, positions), stamp)
+            kinematic = self.joints.kinematic_positions()
+            positions = (*self._measured_joints().tolist(), *kinematic.values())
+            efforts = (*self._measured_efforts().tolist(), *(0.0 for _ in kinematic))
+            self.send("joints", JointState(stamp, (*self.physics.joints, *kinematic), positions, efforts), stamp)
+        if self.battery is not None and "battery" in wanted and schedules["battery"].due(time_s):
+            self.send("battery", self.battery.state(stamp), stamp)
         if "ground_truth" in wanted and schedules["ground_truth"].due(time_s):
             speed = self.physics.true_velocity()
-            truth = GroundTruth(stamp, self.physics.true_pose(), speed.linear_mps, speed.angular_radps)
+            truth = GroundTruth(
+                stamp, self.physics.true_pose(), speed.linear_mps, speed.angular_radps, lateral_mps=speed.lateral_mps
+            )
             self.send("ground_truth", truth, stamp)
         if "scene_truth" in wanted and schedules["scene_truth"].due(time_s):
             sounds = () if self.soundscape is None else self.soundscape.truth(time_s, stamp, self.scenario_state)
@@ -262,12 +305,20 @@ class WorldSimulation:
         true = self.physics.joint_positions()
         return true + self.robot.streams.joints.noise_rad * self._joint_rng.standard_normal(true.size)
 
+    def _measured_efforts(self) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+        true = self.physics.motor_efforts()
+        return true + self.robot.streams.joints.noise_nm * self._effort_rng.standard_normal(true.size)
+
     def _send_odometry(self, stamp: float, time_s: float) -> None:
-        positions = self.physics.joint_positions()
-        left, right = (float(positions[index]) for index in self._wheel_joints)
-        if not (math.isfinite(left) and math.isfinite(right)):
-            return  # failed encoders: the guard sees the stream age
-        self._odometry.update(left, right, time_s - self._last_odometry_s)
+        measured, dt_s = self._odometry, time_s - self._last_odometry_s
+        if isinstance(measured, HolonomicOdometry):
+            measured.update(self.physics.true_pose(), dt_s)
+        else:
+            positions = self.physics.joint_positions()
+            left, right = (float(positions[index]) for index in self._wheel_joints)
+            if not (math.isfinite(left) and math.isfinite(right)):
+                return  # failed encoders: the guard sees the stream age
+            measured.update(left, right, dt_s)
         self._last_odometry_s = time_s
-        odometry = Odometry(stamp, self._odometry.X_OB, self._odometry.linear_mps, self._odometry.angular_radps)
-        self.send("odometry", odometry, stamp)
+        linear, angular, lateral = measured.linear_mps, measured.angular_radps, measured.lateral_mps
+        self.send("odometry", Odometry(stamp, measured.X_OB, linear, angular, lateral_mps=lateral), stamp)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import zlib
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -31,7 +32,10 @@ from app.robots.simulated.world_config import (
 
 WORLD_GROUP, OUT_OF_REACH_GROUP = 0, 2
 WORLD_CONTACT, ROBOT_CONTACT = 2, 1
+_LOOSE_CONTACT = WORLD_CONTACT | ROBOT_CONTACT
 TIMESTEP_S = 0.002
+#: Contact of a loose thing: between two fingers it does not turn (condim 4), nor creep out of them (solimp).
+_GRASPABLE = {"priority": 1, "condim": 4, "friction": [1.0, 0.02, 0.0001], "solimp": [0.999, 0.9999, 0.001, 0.5, 2.0]}
 _SHAPES = {
     "box": mujoco.mjtGeom.mjGEOM_BOX,
     "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER,
@@ -114,20 +118,29 @@ class _Builder:
         )
         material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = name
 
-    def _geom(self, part: Part, X_WP: Pose3, name: str = "") -> None:
+    def _geom(
+        self, part: Part, X_WP: Pose3, name: str = "", *, body: mujoco.MjsBody | None = None, mass_kg: float = 0.0
+    ) -> None:
+        """Add ``part``, of a piece at ``X_WP``: to the building, or with ``mass_kg`` to a loose ``body`` there."""
         half = [s / 2 for s in part.size]
         size = [half[0], half[2], 0.0] if part.shape == "cylinder" else half
-        X_WG = X_WP @ Pose3.from_translation_rpy(part.at, part.rpy)
-        look = {"material": part.material} if isinstance(part.material, str) else {"rgba": [*part.material, 1.0]}
-        self._spec.worldbody.add_geom(
+        X_PG = Pose3.from_translation_rpy(part.at, part.rpy)
+        X_WG = X_WP @ X_PG if body is None else X_PG
+        look: dict[str, Any] = (
+            {"material": part.material} if isinstance(part.material, str) else {"rgba": [*part.material, 1.0]}
+        )
+        if body is not None:
+            look |= {"mass": mass_kg} | _GRASPABLE
+        solid = (WORLD_CONTACT, ROBOT_CONTACT) if body is None else (_LOOSE_CONTACT, _LOOSE_CONTACT)
+        (body or self._spec.worldbody).add_geom(
             name=name,
             type=_SHAPES[part.shape],
             size=size,
             pos=X_WG.translation,
             quat=X_WG.quaternion_wxyz(),
             group=WORLD_GROUP,
-            contype=WORLD_CONTACT if part.solid else 0,
-            conaffinity=ROBOT_CONTACT if part.solid else 0,
+            contype=solid[0] if part.solid else 0,
+            conaffinity=solid[1] if part.solid else 0,
             **look,
         )
 
@@ -201,12 +214,20 @@ class _Builder:
         X_WP = Pose3.from_translation_rpy((*item.at, item.z), (0.0, 0.0, math.radians(item.yaw_deg)))
         rng = np.random.default_rng([self._config.seed, number])
         materials = frozenset(self._config.materials)
-        for index, part in enumerate(furnish(item.kind, item.size, item.material, rng, materials)):
+        parts = furnish(item.kind, item.size, item.material, rng, materials)
+        body, share_kg = None, 0.0
+        if item.mass_kg is not None:
+            body = self._spec.worldbody.add_body(
+                name=f"{item.kind}{number}", pos=X_WP.translation, quat=X_WP.quaternion_wxyz()
+            )
+            body.add_freejoint()
+            share_kg = item.mass_kg / len(parts)
+        for index, part in enumerate(parts):
             if isinstance(part.material, str) and part.material not in materials:
                 part = Part(
                     part.shape, part.at, size=part.size, material=(0.5, 0.5, 0.5), rpy=part.rpy, solid=part.solid
                 )
-            self._geom(part, X_WP, name=f"{item.kind}{number}.{index}")
+            self._geom(part, X_WP, name=f"{item.kind}{number}.{index}", body=body, mass_kg=share_kg)
 
     def _cylinders(self, number: int, cylinders: CylindersConfig) -> None:
         size, middle = (2 * cylinders.radius, 2 * cylinders.radius, cylinders.height), cylinders.height / 2

@@ -98,7 +98,8 @@ class AreaConfig(FileModel):
 
 class ObjectConfig(FileModel):
     """A piece of furniture on the floor (or ``z`` above it), turned by ``yaw_deg``; kinds are in ``furniture.py``.
-    ``size``: its length, width and height (m), in place of the kind's usual size.
+    ``size``: its length, width and height (m), in place of the kind's usual size. ``mass_kg``: of one that is not fixed
+    to the building, so that it can be pushed, held and carried.
     """
 
     kind: str
@@ -107,6 +108,7 @@ class ObjectConfig(FileModel):
     size: tuple[Positive, Positive, Positive] | None = None
     material: str | None = None
     z: float = 0.0
+    mass_kg: Positive | None = None
 
     @field_validator("kind")
     @classmethod

@@ -1,4 +1,9 @@
-"""A body without motors: a post whose laser sees one thing that circles round it."""
+"""A post whose laser sees one thing that circles round it, and whose lantern turns.
+
+The lantern is the body's one actuator group. Its set-points go through the guard of the joints
+(``app.robots.joint_guard``) as those of every body; this one is simulated, and its guard runs with its streams. A body
+with motors runs it in a process of its own.
+"""
 
 from __future__ import annotations
 
@@ -15,12 +20,15 @@ from app.base.geometry import Pose2, Pose3
 from app.base.kinematic_model import load_model
 from app.link import LinkFailed, RobotDescription, StreamDescription
 from app.messages import Audio, JointCommand, JointState, LaserScan, LinkStatus, Odometry, Twist, read_only
+from app.robots import joint_guard
 from app.robots.config import BodyConfig, LimitsConfig, load_body_config
 from app.robots.factory import BodyKind, standing_streams
 from app.robots.receivers import Receivers
 
 SCANS_HZ = 10.0
 RAYS = 36
+#: Rate of the joints' guard and of the stream ``joints``.
+JOINTS_HZ = 20.0
 #: Half the angle that the thing covers.
 THING_RAD = math.radians(12)
 
@@ -31,13 +39,13 @@ class PostConfig(BodyConfig):
     kind: Literal["example"]
     thing_m: Annotated[float, Field(gt=0.1, le=10, description="how far away the thing is")] = 1.0
     period_s: Annotated[float, Field(gt=0, description="how long the thing takes for a round")] = 20.0
-    #: Nothing moves; limits are positive by contract.
+    #: No wheels; limits are positive by contract.
     limits: LimitsConfig = LimitsConfig(linear_mps=1e-3, angular_radps=1e-3, linear_mps2=1e-3, angular_radps2=1e-3)
 
     @property
     def standing_rates_hz(self) -> tuple[float, float, float]:
         """How often the streams that every body has come: odometry, joints, status."""
-        return 20.0, 5.0, 20.0
+        return 20.0, JOINTS_HZ, 20.0
 
 
 class PostLink:
@@ -48,7 +56,13 @@ class PostLink:
         self._now = now
         self._X_BL = load_model(config.model).pose("laser_link")
         streams = {**standing_streams(config), "hokuyo": StreamDescription("hokuyo", LaserScan, SCANS_HZ)}
-        self._description = RobotDescription(config.name, config.model, config.limits.base(), streams, simulated=True)
+        self._groups = dict(config.groups)
+        self._description = RobotDescription(
+            config.name, config.model, config.limits.base(), streams, simulated=True, groups=self._groups
+        )
+        self._setpoints = {
+            name: joint_guard.at_rest(group, (0.0,) * len(group.joints)) for name, group in self._groups.items()
+        }
         self._receivers = Receivers(self._description)
         self._tasks: list[asyncio.Task[None]] = []
         self._e_stop: str | None = None
@@ -62,7 +76,7 @@ class PostLink:
         """Let the streams run."""
         senses: dict[str, Callable[[], Any]] = {
             "odometry": lambda: Odometry(self._now(), Pose2(), 0.0, 0.0),
-            "joints": lambda: JointState(self._now(), (), ()),
+            "joints": self._turn,
             "status": self._status,
             "hokuyo": lambda: scan(self._now(), self._config, self._X_BL),
         }
@@ -95,18 +109,23 @@ class PostLink:
         return self._receivers.periods(stream)
 
     def command(self, command: Twist | JointCommand) -> None:
-        """There are no wheels."""
+        """Give a group of joints its set-points; there are no wheels."""
+        if isinstance(command, JointCommand) and command.group in self._groups:
+            state, group = self._setpoints[command.group], self._groups[command.group]
+            self._setpoints[command.group] = joint_guard.accept(state, group, command)
 
     def play(self, audio: Audio) -> None:
         """There is no loudspeaker."""
 
     def e_stop(self, reason: str) -> None:
-        """Latch the emergency stop, that people see what they pressed."""
+        """Latch the emergency stop: the lantern brakes and holds."""
         self._e_stop = self._e_stop or reason
 
     def clear_e_stop(self) -> None:
-        """Release the latch."""
+        """Release the latch; the lantern waits for the next command."""
         self._e_stop = None
+        for name, group in self._groups.items():
+            self._setpoints[name] = joint_guard.clear_e_stop(self._setpoints[name], group)
 
     async def _run(self, stream: str, sense: Callable[[], Any]) -> None:
         period_s = 1 / self._description.streams[stream].rate_hz
@@ -115,11 +134,32 @@ class PostLink:
                 self._receivers.deliver(stream, sense())
             await asyncio.sleep(period_s)
 
+    def _decided(self, name: str, now: float) -> joint_guard.JointAction:
+        return joint_guard.decide(now, self._setpoints[name], self._groups[name], self._e_stop)
+
+    def _turn(self) -> JointState:
+        """The joints one period later."""
+        now = self._now()
+        names: list[str] = []
+        positions: list[float] = []
+        for name, group in self._groups.items():
+            before = self._setpoints[name]
+            measured = tuple(setpoint.position for setpoint in before.setpoints)
+            after = joint_guard.step(before, self._decided(name, now), group, measured, 1 / JOINTS_HZ)
+            self._setpoints[name] = after
+            names += [joint.name for joint in group.joints]
+            positions += [setpoint.position for setpoint in after.setpoints]
+        return JointState(now, tuple(names), tuple(positions))
+
     def _status(self) -> LinkStatus:
         now, stopped = self._now(), self._e_stop is not None
         guard = "e_stopped" if stopped else "idle"
         reason = self._e_stop or "This body has no wheels."
-        return LinkStatus(now, guard, reason, stopped, None, Twist(now, 0.0, 0.0), 1.0)
+        groups = tuple(
+            joint_guard.status(now, self._setpoints[name], group, self._decided(name, now))
+            for name, group in self._groups.items()
+        )
+        return LinkStatus(now, guard, reason, stopped, None, Twist(now, 0.0, 0.0), 1.0, groups)
 
 
 def scan(stamp: float, config: PostConfig, X_BL: Pose3) -> LaserScan:

@@ -253,6 +253,15 @@ def test_whatever_happens_nothing_moves_without_a_fresh_hold(story: list[tuple[E
             assert any(not command.held for command in commands(actions))
 
 
+def test_a_sideways_command_goes_through_and_is_bounded_like_the_others() -> None:
+    story = Story()
+    assert story.do(Drive("a", 1, True, 0.0, 0.0, lateral=-0.5)) == (Command("Ann", True, 0.0, 0.0, lateral=-0.5),)
+    stop, notice = story.do(Drive("a", 2, True, 0.0, 0.0, lateral=1.5))
+    assert stop == Command("Ann", False, 0.0, 0.0)
+    assert isinstance(notice, PageNotice)
+    assert notice.text == "Drive commands go from -1 to 1, not 1.5: refused."
+
+
 def hold_head(story: Story, pan: float, session: str = "a", held: bool = False, linear: float = 0.0) -> list[Action]:
     story.sequence += 1
     drive = Drive(session, story.sequence, held, linear, 0.0, head_held=True, pan=pan, tilt=-0.5)

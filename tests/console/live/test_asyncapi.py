@@ -68,7 +68,8 @@ def messages(operation: str) -> set[str]:
 def in_words(heading: str) -> set[str]:
     """The types in the table of docs/live-stream.md below ``heading``."""
     section = TEXT.split(f"## {heading}\n")[1].split("\n## ")[0]
-    return set(re.findall(r"^\| `(\w+)` \|", section, flags=re.MULTILINE))
+    named = re.findall(r"^\| (`\w+`(?:, `\w+`)*) \|", section, flags=re.MULTILINE)
+    return {kind.strip("`") for kinds in named for kind in kinds.split(", ")}
 
 
 def test_it_has_every_message_that_is_there_in_words() -> None:
@@ -76,6 +77,7 @@ def test_it_has_every_message_that_is_there_in_words() -> None:
     assert in_words("On a recording") == RECORDED
     assert messages("send_to_page") == from_robot | {"picture", "sound"}
     assert messages("send_to_robot") == in_words("From the page to the robot") | {"voice"}
+    assert messages("send_to_face") == in_words("The face")
 
 
 def test_references_lead_somewhere() -> None:

@@ -66,13 +66,14 @@ async def test_a_reloaded_page_gets_the_past_of_the_lanes(url: str, system: Syst
 async def test_status_and_lanes_come_with_growing_numbers(url: str, system: System, body: Body) -> None:
     async with page(url) as ann:
         body.emit_status(system.clock.now())
-        body.emit("odometry", Odometry(system.clock.now(), Pose2(1.0, 2.0, 0.5), 0.1, -0.2))
+        body.emit("odometry", Odometry(system.clock.now(), Pose2(1.0, 2.0, 0.5), 0.1, -0.2, 0.3))
         first = await ann.until("status", lambda s: s["odometry"] is not None)
         second = await ann.until("status")
         assert second["seq"] > first["seq"]
         assert second["stamp"] > first["stamp"]
         assert first["guard"]["state"] == "idle"
-        assert first["odometry"] == {"x": 1.0, "y": 2.0, "theta": 0.5, "linear_mps": 0.1, "angular_radps": -0.2}
+        moves = {"linear_mps": 0.1, "angular_radps": -0.2, "lateral_mps": 0.3}
+        assert first["odometry"] == {"x": 1.0, "y": 2.0, "theta": 0.5} | moves
         assert first["driver"] is None
         sources = {source["channel"]: source for source in first["sources"]}
         assert sources["odometry"]["state"] == "live"

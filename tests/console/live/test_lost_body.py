@@ -50,7 +50,7 @@ async def test_a_killed_body_is_replaced_and_drives_when_pressed_again(robot: Ro
             reason = f"The body does not answer: {died}. It is started again."
             lost = await ann.until("status", lambda s: s["guard"]["reason"] == reason, PATIENCE_S)
             assert lost["guard"]["state"] == "silent"
-            assert lost["guard"]["applied"] == {"linear_mps": 0, "angular_radps": 0}
+            assert lost["guard"]["applied"] == {"linear_mps": 0, "angular_radps": 0, "lateral_mps": 0}
             assert reason in (await rest.get("/health")).json()["problems"]
             assert (await rest.get("/robot")).json()["guard"]["reason"] == reason
             # The key stays down all the while.

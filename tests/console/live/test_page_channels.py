@@ -63,7 +63,9 @@ def test_a_channel_is_wanted_and_forwarded_while_it_is_open_as_its_row_says() ->
         pages.say("quiet", twist(1.0))
         pages.say("drive", twist(1.0))
         await pages.settle()
-        assert pages.frames == [{"type": "wheels", "stamp": 1.0, "linear_mps": 0.5, "angular_radps": 0.0}]
+        assert pages.frames == [
+            {"type": "wheels", "stamp": 1.0, "linear_mps": 0.5, "angular_radps": 0.0, "lateral_mps": 0.0}
+        ]
         close()
         assert not pages.graph.channel("drive").wanted
 

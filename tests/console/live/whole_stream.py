@@ -10,6 +10,8 @@ import numpy as np
 
 from app.attention.desires import Source
 from app.messages import (
+    BatteryState,
+    HeardWords,
     Landmark,
     Landmarks,
     LoudNoise,
@@ -39,6 +41,11 @@ def say_everything(system: System, body: Body) -> None:
     system.graph.channel("loud_noises").publish(LoudNoise(soon, 30.0, -12.0))
     speech = Speech(now, "speaking", "Hello.", 0, 6, viseme="open", language="en", desire="d-1", waiting=0)
     system.graph.channel("speech").publish(speech)
+    battery = BatteryState(now, 0.5, 24.0, -2.0, charging=False, remaining_s=3600.0)
+    system.graph.channel("battery").publish(battery)
+    ahead, words = (1.0, 0.0, 0.0), ("yes", "no")
+    heard = HeardWords(now, "yes", False, confidence=0.9, likeliest="yes", direction=ahead, words=words, language="en")
+    system.graph.channel("heard_words").publish(heard)
     region = SalientRegion(0.5, 0.1, 0.8, motion=0.5, color=0.1, contrast=0.0, faces=0.2, sounds=0.0)
     system.graph.channel("salient_regions").publish(SalientRegions(now, (0.1, 0.0, 1.3), (region,)))
     cells = read_only(np.zeros((32, 120), np.uint8))

@@ -30,7 +30,7 @@ class Frame:
 def drawn() -> tuple[BodyNodes, dict[str, Frame]]:
     frames = {name: Frame() for name in MODEL.joints}
     handles: dict[str, viser.FrameHandle] = frames  # type: ignore[assignment]
-    return BodyNodes(MODEL.joints, handles), frames
+    return BodyNodes(MODEL, handles), frames
 
 
 def test_every_joint_is_placed_at_first_and_those_that_move_again() -> None:
@@ -51,3 +51,19 @@ def test_what_hardly_moves_is_not_sent() -> None:
     assert len(frames[moving].sets) == 2
     nodes.move({moving: 1.5 * LEAST_MOVE})
     assert len(frames[moving].sets) == 4
+
+
+def test_a_joint_that_follows_another_moves_with_it() -> None:
+    nodes, frames = drawn()
+    before = np.array(frames["left_gripper_second_joint"].position)  # type: ignore[attr-defined]
+    assert nodes.move({"left_gripper_joint": 0.03})
+    after = np.array(frames["left_gripper_second_joint"].position)  # type: ignore[attr-defined]
+    assert np.allclose(after - before, [0, -0.03, 0])
+
+
+def test_a_joint_that_mimics_another_moves_with_it() -> None:
+    nodes, frames = drawn()
+    nodes.move({"eyes_pan_joint": 0.4})
+    for name in ("eyes_pan_joint", "right_eye_pan_joint"):
+        expected = MODEL.joints[name].pose(0.4).quaternion_wxyz()
+        np.testing.assert_allclose(np.asarray(dict(frames[name].sets)["wxyz"]), expected)

@@ -24,8 +24,9 @@ from app.console.view.marks import (
     assigned,
     face_marks,
     flash_mark,
+    force_marks,
 )
-from app.messages import LoudNoise, PlacedFace, PlacedPercepts, PlacedSound
+from app.messages import ExternalForce, ExternalForces, LoudNoise, PlacedFace, PlacedPercepts, PlacedSound
 
 NOW = 100.0
 
@@ -170,3 +171,16 @@ def test_what_no_eye_could_see_is_the_same_mark(late_s: float) -> None:
     sound = replace(heard(), p_OA=(0.1001, 0.2, 0.5), v_O=(1.0, 1e-4, 0.0), level_db=-30.1)
     before = arrow_marks(PlacedPercepts(NOW, sounds=(heard(),)))
     assert arrow_marks(PlacedPercepts(NOW + late_s, sounds=(sound,))) == before
+
+
+def test_a_force_is_an_arrow_from_the_hand_the_way_it_pushes() -> None:
+    pushed = ExternalForce("left_hand_link", (0.3, 0.2, 0.6), (-10.0, 0.0, 0.0))
+    lifted = ExternalForce("right_hand_link", (0.3, -0.2, 0.6), (0.0, 0.0, 200.0))
+    arrows = force_marks(ExternalForces(NOW, (pushed, lifted)))
+    assert (arrows[0].position, arrows[0].text) == ((0.3, 0.2, 0.6), "10 N")
+    along = SO3(np.array(arrows[0].wxyz)).apply(np.array([arrows[0].length, 0.0, 0.0]))
+    assert np.allclose(along, [-0.3, 0.0, 0.0], atol=1e-2)
+    assert np.allclose(arrows[0].head, (0.0, 0.2, 0.6), atol=1e-2)
+    assert arrows[1].length == 1.0, "at most a metre"
+    assert force_marks(ExternalForces(NOW, ())) == {}
+    assert force_marks(None) == {}

@@ -26,7 +26,17 @@ from app.base.geometry import Pose2, Pose3
 from app.base.kinematic_model import load_model
 from app.console.view.relay import allowed
 from app.console.view.view import View
-from app.messages import JointState, Landmark, Landmarks, LaserScan, LoudNoise, Odometry, PointCloud
+from app.messages import (
+    ExternalForce,
+    ExternalForces,
+    JointState,
+    Landmark,
+    Landmarks,
+    LaserScan,
+    LoudNoise,
+    Odometry,
+    PointCloud,
+)
 from app.program.system import System
 from tests.console.percepts import faces, sound_source, sound_sources
 from tests.console.program import Body
@@ -129,6 +139,31 @@ async def test_a_viewer_is_shown_the_robot_and_what_it_perceives(url: str, syste
     clouds = [m["position"] for m in viewer.seen if m["type"] == "SetPositionMessage" and m["name"] == "/odom/cloud"]
     # In the pose of its own instant, not in the newest.
     np.testing.assert_allclose(clouds[-1], (0.25, 0.5, 0.0), atol=1e-6)
+
+
+async def test_a_force_on_a_hand_is_drawn_on_the_robot_and_gone_with_what_estimates_it(
+    url: str, system: System, body: Body
+) -> None:
+    pushed = (ExternalForce("left_hand_link", (0.3, 0.2, 0.6), (-10.0, 0.0, 0.0)),)
+
+    async def push() -> None:
+        while True:
+            system.graph.channel("external_forces").publish(ExternalForces(system.clock.now(), pushed))
+            await asyncio.sleep(0.05)
+
+    async with looking(url) as viewer:
+        await viewer.until(("GridMessage", "/odom/floor"))
+        pushing = asyncio.create_task(push())
+        arrow = ("MeshMessage", "/base_link/force_0")
+        await viewer.until(arrow, ("LabelMessage", "/base_link/force_0_text"), ("SetPositionMessage", arrow[1]))
+        pushing.cancel()
+        places = [m["position"] for m in viewer.seen if m["type"] == "SetPositionMessage" and m["name"] == arrow[1]]
+        np.testing.assert_allclose(places[-1], (0.3, 0.2, 0.6))
+        shown = True
+        while shown:
+            await viewer.until(("SetSceneNodeVisibilityMessage", arrow[1]))
+            changes = [m for m in viewer.seen if m["type"] == "SetSceneNodeVisibilityMessage" and m["name"] == arrow[1]]
+            shown = changes[-1]["visible"]
 
 
 async def feed(system: System, body: Body) -> None:

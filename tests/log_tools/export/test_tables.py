@@ -49,7 +49,8 @@ def test_nested_fields_become_columns_with_their_units(tmp_path: Path) -> None:
     driving = [Logged(BEGIN + 1, "who", Exploitation(BEGIN + 1, None, Twist(BEGIN, 0.1, 0.2)))]
     export(MemoryLog([*odometry, *driving]), Wish("csv", tmp_path))
     rows = table(tmp_path, "odometry")
-    assert list(rows[0]) == ["stamp_s", "X_OB.x_m", "X_OB.y_m", "X_OB.theta_rad", "linear_mps", "angular_radps"]
+    pose, twist = ["X_OB.x_m", "X_OB.y_m", "X_OB.theta_rad"], ["linear_mps", "angular_radps", "lateral_mps"]
+    assert list(rows[0]) == ["stamp_s", *pose, *twist]
     assert [float(row["X_OB.x_m"]) for row in rows] == [0.0, 0.1, 0.2]
     assert float(rows[2]["stamp_s"]) == BEGIN + 2
     (row,) = table(tmp_path, "who")
@@ -59,6 +60,7 @@ def test_nested_fields_become_columns_with_their_units(tmp_path: Path) -> None:
         "twist.stamp_s": str(BEGIN),
         "twist.linear_mps": "0.1",
         "twist.angular_radps": "0.2",
+        "twist.lateral_mps": "0.0",
         "limited": "",
         "group": "base",
     }

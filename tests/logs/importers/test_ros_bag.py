@@ -147,6 +147,7 @@ def test_without_odometry_tf_says_where_the_base_is(bag: Bag) -> None:
     for logged in found[1:]:
         assert logged.message.linear_mps == pytest.approx(drive.SPEED, rel=1e-3)
         assert logged.message.angular_radps == pytest.approx(drive.TURN, rel=1e-3)
+        assert logged.message.lateral_mps == pytest.approx(0.0, abs=1e-3), "on an arc it does not move sideways"
 
 
 def test_compressed_colour_and_depth_in_metres(bag: Bag) -> None:

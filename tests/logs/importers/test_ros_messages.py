@@ -173,9 +173,9 @@ def test_an_empty_stamp_is_the_arrival() -> None:
 
 
 def test_velocity_commands_with_and_without_a_stamp() -> None:
-    velocity = {"linear": {"x": 0.5}, "angular": {"z": -0.25}}
+    velocity = {"linear": {"x": 0.5, "y": 0.125}, "angular": {"z": -0.25}}
     bare = ros.twist(made(ROS2, "geometry_msgs/msg/Twist", velocity), 3.0)
-    assert (bare.stamp, bare.linear_mps, bare.angular_radps) == (3.0, 0.5, -0.25)
+    assert (bare.stamp, bare.linear_mps, bare.angular_radps, bare.lateral_mps) == (3.0, 0.5, -0.25, 0.125)
     stamped = made(ROS2, "geometry_msgs/msg/TwistStamped", {"header": header(STAMP, ""), "twist": velocity})
     assert ros.twist(stamped, 3.0).stamp == pytest.approx(STAMP / 1e9, abs=1e-6)
 

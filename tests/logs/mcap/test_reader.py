@@ -21,7 +21,7 @@ from app.logs.log import Log, LogError, Logged
 from app.logs.manifest import YAML, AttachedFile, Manifest
 from app.logs.mcap.reader import McapLog
 from app.logs.stamps import to_ns
-from app.messages import Image, TeleopCommand
+from app.messages import Exploitation, Image, TeleopCommand, Twist
 from tests.logs.mcap.mcap_files import BEGIN, CHANNELS, drive, spec, write_log
 from tests.logs.ros.messages import same
 
@@ -258,6 +258,35 @@ def test_fields_that_came_later_have_their_defaults(tmp_path: Path) -> None:
     log = McapLog(path)
     (drive,) = log.messages()
     assert drive.message == TeleopCommand(float(int(BEGIN)), "ada", 7, True, 0.5, -0.25, override=False)
+    assert log.info.ignored == {}
+    log.close()
+
+
+def test_so_have_fields_that_came_later_within_a_field(tmp_path: Path) -> None:
+    """An Exploitation from before twists had a sideways part."""
+
+    def older(writer: Writer) -> None:
+        kind = "hbba_msgs/msg/Exploitation"
+        twist = "builtin_interfaces/Time stamp\nfloat64 linear_mps\nfloat64 angular_radps"
+        text = (
+            "builtin_interfaces/Time stamp\nbool has_behavior\nstring behavior\nhbba_msgs/Twist twist\nstring limited"
+        )
+        store = get_typestore(Stores.ROS2_HUMBLE)
+        store.register(get_types_from_msg(twist, "hbba_msgs/msg/Twist"))
+        store.register(get_types_from_msg(text, kind))
+        stamp = store.types["builtin_interfaces/msg/Time"](int(BEGIN), 0)
+        moves = store.types["hbba_msgs/msg/Twist"](stamp, 0.5, -0.25)
+        data = bytes(store.serialize_cdr(store.types[kind](stamp, True, "Teleop", moves, "slowed"), kind))
+        schema = writer.register_schema(kind, "ros2msg", store.generate_msgdef(kind, ros_version=2)[0].encode())
+        metadata = {mcap_layout.CHANNEL: "exploitation", mcap_layout.MESSAGE: "Exploitation"}
+        writer.add_message(
+            writer.register_channel("/exploitation", "cdr", schema, metadata), to_ns(int(BEGIN)), data, 0
+        )
+
+    log = McapLog(write_log(tmp_path / "log.mcap", [], extra=older))
+    (exploitation,) = log.messages()
+    at = float(int(BEGIN))
+    assert exploitation.message == Exploitation(at, "Teleop", Twist(at, 0.5, -0.25, 0.0), "slowed", group="base")
     assert log.info.ignored == {}
     log.close()
 

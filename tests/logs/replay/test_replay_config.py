@@ -41,9 +41,10 @@ def test_a_recording_brings_its_own_program(tmp_path: Path) -> None:
         "Recorder": "not asked for",
         "PanoramicCamera": "the log has no panorama",
         "Microphones": "the log has no microphones",
+        "Battery": "the log has no battery",
     }
     assert program.fed == ("teleop_command",)
-    assert set(program.silent.values()) == {"panorama", "microphones"}
+    assert set(program.silent.values()) == {"panorama", "microphones", "battery"}
 
 
 def test_what_the_log_has_nothing_for_stays_out(tmp_path: Path) -> None:
@@ -128,12 +129,25 @@ def test_modules_that_would_hear_nothing_stay_out_with_their_strategies() -> Non
         "LookA",
         "LookWhereGoing.",
         "HeadControl.track_",
+        "HeadTeleop.",
         "HeadControl.salient ",
         "EgoSphere.",
         "GazeAtSalient.",
         "Track",
+        "PlanAndFollowPath.joints ",
+        "PointAt.joints ",
+        "Reach.joints ",
+        "Wave.joints ",
+        "Rest.joints ",
+        "Hold.joints ",
+        "Release.joints ",
+        "LeftArmControl.joints ",
+        "RightArmControl.joints ",
+        "Face.",
         "ProgressSupervisor.exp",
         "Say.sources ",
+        "Docking.battery ",
+        "Recharge.battery ",
     )
     assert [note for note in deaf if not note.startswith(some)] == []
     # What people feed may come or not, and what is desired may be desired in vain.

@@ -125,7 +125,8 @@ def _scans(draw: st.DrawFn) -> LaserScan:
 @st.composite
 def _joint_states(draw: st.DrawFn) -> JointState:
     names = draw(st.lists(_TEXT, max_size=5).map(tuple))
-    return JointState(draw(STAMPS), names, tuple(draw(_FLOATS) for _ in names))
+    efforts = tuple(draw(_FLOATS) for _ in names) if draw(st.booleans()) else ()
+    return JointState(draw(STAMPS), names, tuple(draw(_FLOATS) for _ in names), efforts)
 
 
 @st.composite
@@ -157,7 +158,7 @@ _SPECIAL: dict[type[Any], st.SearchStrategy[Any]] = {
     OccupancyGrid: _grids(),
     PlannedPath: _paths(),
     Odometry: st.builds(
-        Odometry, STAMPS, st.builds(Pose2, _LENGTHS, _LENGTHS, st.floats(-6.28, 6.28)), _FLOATS, _FLOATS
+        Odometry, STAMPS, st.builds(Pose2, _LENGTHS, _LENGTHS, st.floats(-6.28, 6.28)), _FLOATS, _FLOATS, _FLOATS
     ),
     LogLine: st.builds(LogLine, STAMPS, st.integers(0, 255), _TEXT, _TEXT),
     EncodedImage: st.builds(

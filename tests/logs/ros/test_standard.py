@@ -172,22 +172,27 @@ def test_after_a_clock_that_went_back_points_and_transform_are_drawn_at_once() -
 
 
 def test_odometry_is_pose_twist_and_transform() -> None:
-    records = records_of(Odometry(STAMP, Pose2(1.0, 2.0, math.pi / 2), 0.3, -0.2))
+    records = records_of(Odometry(STAMP, Pose2(1.0, 2.0, math.pi / 2), 0.3, -0.2, 0.15))
     odometry = records["/channel"]
     assert (odometry.header.frame_id, odometry.child_frame_id) == ("odom", "base_link")
     assert (odometry.pose.pose.position.x, odometry.pose.pose.position.y) == (1.0, 2.0)
     assert odometry.pose.pose.orientation.z == pytest.approx(math.sqrt(0.5))
-    assert (odometry.twist.twist.linear.x, odometry.twist.twist.angular.z) == (0.3, -0.2)
+    velocity = odometry.twist.twist
+    assert (velocity.linear.x, velocity.linear.y, velocity.angular.z) == (0.3, 0.15, -0.2)
     parent, child, t, q = transform(records["/tf"])
     assert (parent, child, t) == ("odom", "base_link", [1.0, 2.0, 0.0])
     assert q == pytest.approx([0.0, 0.0, math.sqrt(0.5), math.sqrt(0.5)])
 
 
 def test_small_messages_are_what_ros_calls_them() -> None:
-    twist = records_of(Twist(STAMP, 0.4, 0.1))["/channel"]
+    twist = records_of(Twist(STAMP, 0.4, 0.1, -0.2))["/channel"]
     assert (twist.header.frame_id, twist.twist.linear.x, twist.twist.angular.z) == ("base_link", 0.4, 0.1)
+    assert twist.twist.linear.y == -0.2
     joints = records_of(JointState(STAMP, ("pan", "tilt"), (0.5, -0.5)))["/channel"]
     assert (joints.name, joints.position.tolist(), len(joints.velocity)) == (["pan", "tilt"], [0.5, -0.5], 0)
+    assert len(joints.effort) == 0
+    felt = records_of(JointState(STAMP, ("pan", "tilt"), (0.5, -0.5), (1.5, 2.0)))["/channel"]
+    assert (felt.position.tolist(), felt.effort.tolist()) == ([0.5, -0.5], [1.5, 2.0])
     line = records_of(LogLine(STAMP, 30, "hbba.guard", "no command"))["/channel"]
     assert (line.level, line.name, line.msg) == (line.WARN, "hbba.guard", "no command")
 

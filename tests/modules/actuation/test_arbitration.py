@@ -21,7 +21,8 @@ TELEOP = Contender(input="teleop", behavior="Teleop", priority=2)
 FOLLOW = Contender(input="follow", behavior="PlanAndFollowPath", priority=1)
 
 SPEED = st.floats(-5, 5)
-TWISTS = st.builds(Twist, st.floats(0, 10), SPEED, SPEED)
+TWISTS = st.builds(Twist, st.floats(0, 10), SPEED, SPEED, SPEED)
+HOLONOMIC = BaseLimits(0.40, 1.00, 0.40, 4.00, lateral_mps=0.25)
 
 
 def test_the_highest_priority_with_a_fresh_command_drives() -> None:
@@ -76,7 +77,7 @@ def test_clamped_keeps_the_sign_and_the_limits(twist: Twist) -> None:
 @given(TWISTS, TWISTS)
 def test_approach_obeys_the_accelerations_and_never_overshoots(before: Twist, target: Twist) -> None:
     result = approach(before, target, LIMITS, 0.1)
-    if target.linear_mps == target.angular_radps == 0:
+    if target.linear_mps == target.angular_radps == target.lateral_mps == 0:
         assert result == target
         return
     elapsed = min(max(target.stamp - before.stamp, 0.0), 0.1)
@@ -95,3 +96,22 @@ def test_full_speed_is_reached_in_one_second_and_left_at_once() -> None:
         speeds.append(round(sent.linear_mps, 6))
     assert speeds == [0.04, 0.08, 0.12, 0.16, 0.2, 0.24, 0.28, 0.32, 0.36, 0.4, 0.4, 0.4]
     assert approach(sent, Twist(1.3, 0.0, 0.0), LIMITS, 0.1).linear_mps == 0.0
+
+
+@given(TWISTS, TWISTS)
+def test_forward_and_sideways_are_limited_as_one_vector(before: Twist, target: Twist) -> None:
+    target = clamped(target, HOLONOMIC)
+    assert math.hypot(target.linear_mps / 0.40, target.lateral_mps / 0.25) <= 1 + 1e-9
+    if target.linear_mps == target.lateral_mps == target.angular_radps == 0.0:
+        return
+    reached = approach(before, target, HOLONOMIC, longest_s=0.1)
+    changed = math.hypot(reached.linear_mps - before.linear_mps, reached.lateral_mps - before.lateral_mps)
+    assert changed <= 0.04 + 1e-9
+
+
+def test_a_sideways_command_is_no_stop_and_a_stop_is_passed_on_at_once() -> None:
+    moving = Twist(1.0, 0.0, 0.0, 0.25)
+    assert approach(moving, Twist(1.1, 0.0, 0.0), HOLONOMIC, 0.1) == Twist(1.1, 0.0, 0.0)
+    assert approach(Twist(1.0, 0.0, 0.0), Twist(1.1, 0.0, 0.0, 0.25), HOLONOMIC, 0.1).lateral_mps > 0
+    assert clamped(moving, LIMITS).lateral_mps == 0.0
+    assert not twist_is_finite(Twist(1.0, 0.0, 0.0, math.inf))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from itertools import pairwise
 
@@ -19,6 +20,7 @@ from app.robots.config import circle
 from tests.modules.actuation.surroundings import passage, scan, wall
 
 LIMITS = BaseLimits(0.4, 1.0, 0.4, 4.0)
+HOLONOMIC = BaseLimits(0.4, 1.0, 0.4, 4.0, lateral_mps=0.4)
 RULES = MonitorRules()
 ROUND = circle(0.28)
 BOX = ((0.254, -0.215), (0.254, 0.215), (-0.254, 0.215), (-0.254, -0.215))
@@ -26,11 +28,11 @@ STILL = Pose2()
 
 
 def judged(
-    seen: LaserScan, linear: float, angular: float = 0.0, *, corners: tuple[tuple[float, float], ...] = ROUND,
+    seen: LaserScan, velocity: complex, angular: float = 0.0, *, corners: tuple[tuple[float, float], ...] = ROUND,
     moved: Pose2 = STILL, rules: MonitorRules = RULES, standing: bool = False,
 ) -> Verdict:  # fmt: skip
     monitor = CollisionMonitor(corners, LIMITS, rules)
-    return monitor.judge(monitor.see(seen), moved, linear, angular, standing=standing)
+    return monitor.judge(monitor.see(seen), moved, velocity, angular, standing=standing)
 
 
 def test_in_the_open_everything_is_allowed() -> None:
@@ -120,6 +122,24 @@ def test_backwards_where_the_laser_does_not_see_it_crawls() -> None:
     assert judged(scan(0.0, X_BL=turned), 0.4).reason == "slowed: the laser does not see ahead"
 
 
+@pytest.mark.parametrize(("velocity", "where"), [(0.3j, "to the left"), (-0.3j, "to the right"), (0.2 + 0.3j, "ahead")])
+def test_sideways_where_the_laser_does_not_see_the_whole_body_pass_it_crawls(velocity: complex, where: str) -> None:
+    blind = judged(scan(0.0), velocity)
+    assert abs(blind.velocity) == pytest.approx(RULES.crawl_mps)
+    assert cmath.phase(blind.velocity) == pytest.approx(cmath.phase(velocity))
+    assert blind.reason == f"slowed: the laser does not see {where}"
+    assert judged(scan(0.0, half_rad=math.radians(135)), velocity) == Verdict(velocity, 0.0)
+    assert judged(scan(0.0), 0.4 + 0.2j) == Verdict(0.4 + 0.2j, 0.0), "it sees enough of both sides"
+
+
+def test_a_thing_beside_the_body_stops_it_sideways_and_not_ahead() -> None:
+    beside = scan(0.0, [(0.0, 0.32)], half_rad=math.pi)
+    assert judged(beside, 0.4j, corners=BOX).velocity.imag <= RULES.crawl_mps
+    assert judged(beside, 0.4j, corners=BOX).reason.endswith("to the left")
+    assert judged(beside, 0.4, corners=BOX) == Verdict(0.4, 0.0)
+    assert judged(beside, -0.4j, corners=BOX) == Verdict(-0.4j, 0.0)
+
+
 def test_what_was_seen_is_judged_from_where_the_base_is_now() -> None:
     seen = wall(0.0, 1.0)
     assert judged(seen, 0.4) == Verdict(0.4, 0.0)
@@ -162,25 +182,25 @@ def test_the_override_crawls_on_the_commanded_arc() -> None:
 
 @given(
     st.lists(st.tuples(st.floats(0.31, 1.2), st.floats(-1.0, 1.0)), max_size=6),
-    st.sampled_from([-0.3, 0.1, 0.4]),
+    st.sampled_from([-0.3, 0.1, 0.4, 0.3 + 0.2j, -0.4j, -0.1 + 0.3j]),
     st.sampled_from([-1.0, -0.2, 0.0, 0.5]),
     st.sampled_from([ROUND, BOX]),
 )
 def test_nothing_allowed_meets_anything_while_it_reacts_and_brakes(
-    things: list[tuple[float, float]], linear: float, angular: float, corners: tuple[tuple[float, float], ...]
+    things: list[tuple[float, float]], velocity: complex, angular: float, corners: tuple[tuple[float, float], ...]
 ) -> None:
     seen = scan(0.0, things)
-    monitor = CollisionMonitor(corners, LIMITS, RULES)
-    allowed = monitor.judge(monitor.see(seen), STILL, linear, angular)
-    assert abs(allowed.linear) <= abs(linear)
+    monitor = CollisionMonitor(corners, HOLONOMIC, RULES)
+    allowed = monitor.judge(monitor.see(seen), STILL, velocity, angular)
+    assert abs(allowed.velocity) <= abs(velocity)
     assert abs(allowed.angular) <= abs(angular)
-    if allowed.linear == 0.0 and allowed.angular == 0.0:
+    if allowed.velocity == 0.0 and allowed.angular == 0.0:
         return
-    braking_s = max(abs(allowed.linear) / LIMITS.linear_mps2, abs(allowed.angular) / LIMITS.angular_radps2)
+    braking_s = max(abs(allowed.velocity) / LIMITS.linear_mps2, abs(allowed.angular) / LIMITS.angular_radps2)
     points = monitor.see(seen).points
     tight = Polygon.of(corners)
     outside = tight.beyond(points)[0] > 1e-6
     times = np.sort(
-        contact_times(points[outside], tight, allowed.linear, allowed.angular, RULES.reaction_s + braking_s / 2)
+        contact_times(points[outside], tight, allowed.velocity, allowed.angular, RULES.reaction_s + braking_s / 2)
     )
     assert np.count_nonzero(times < RULES.reaction_s + braking_s / 2 - 1e-6) < RULES.evidence

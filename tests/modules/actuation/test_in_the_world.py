@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 import pytest
 
 from app.link import RobotLink
-from app.messages import Exploitation, Twist
+from app.messages import Exploitation, JointCommand, Twist
 from app.robots.config import RobotConfig
 from app.robots.simulated.lockstep import LockstepLink
 from app.robots.simulated.scenery.scenario_config import ScenarioConfig
@@ -39,7 +39,7 @@ MODULES: dict[str, dict[str, Any]] = {
     },
     "MobileBaseControl": {
         "class": "app.modules.actuation.mobile_base_control:MobileBaseControl",
-        "inputs": {"teleop": "hand", "scans": "scan", "odometry": "odometry"},
+        "inputs": {"teleop": "hand", "scans": "scan", "odometry": "odometry", "joints": "joints"},
         "outputs": {"exploitation": "exploitation", "status": "link_status"},
     },
 }
@@ -52,9 +52,9 @@ class Ride:
         self.link, self.clock, self.graph = link, clock, graph
         self.exploitations = graph.channel("exploitation").subscribe("test", capacity=10_000)
 
-    async def drive(self, linear: float, angular: float, seconds: float) -> None:
+    async def drive(self, linear: float, angular: float, seconds: float, lateral: float = 0.0) -> None:
         for _ in range(round(seconds / 0.05)):
-            self.graph.channel("hand").publish(Twist(self.clock.now(), linear, angular))
+            self.graph.channel("hand").publish(Twist(self.clock.now(), linear, angular, lateral))
             await self.clock.sleep(0.05)
 
     def limits(self) -> list[str]:
@@ -143,6 +143,26 @@ def test_a_doorway_of_a_metre_is_driven_through(robot: RobotConfig, aside_m: flo
     ride(at(robot, 9.25, 10.0 + aside_m), world, script)
 
 
+def test_an_arm_stretched_forward_stops_before_the_wall(robot: RobotConfig, hall: WorldConfig) -> None:
+    shoulder = ("left_shoulder_pitch_joint",)
+
+    async def script(begun: Ride) -> tuple[float, list[str]]:
+        for _ in range(30):
+            begun.link.command(JointCommand(begun.clock.now(), "left_arm", shoulder, (-1.57,)))
+            await begun.clock.sleep(0.1)
+        begun.limits()
+        for _ in range(60):
+            begun.link.command(JointCommand(begun.clock.now(), "left_arm", shoulder, (-1.57,)))
+            await begun.drive(0.3, 0.0, 0.1)
+        assert begun.link.contacts == ()
+        return begun.link.true_pose().x, begun.limits()
+
+    stood, limits = ride(at(robot, 18.5, 10), hall, script)
+    wall, hand = 19.9, 0.52
+    assert wall - 0.15 < stood + hand < wall
+    assert limits[-1].startswith("stopped: something")
+
+
 @pytest.mark.slow
 def test_hands_that_push_on_at_random_touch_nothing(robot: RobotConfig) -> None:
     """Forward and round among boxes and posts, whatever is in the way."""
@@ -177,3 +197,30 @@ def test_out_of_a_tight_place_it_crawls_back_and_turns(robot: RobotConfig, hall:
         assert begun.link.contacts == ()
 
     ride(at(robot, 19.25, 10.0), hall, script)
+
+
+def test_a_holonomic_base_strafes_to_a_wall_and_stops_before_it(robot: RobotConfig, hall: WorldConfig) -> None:
+    """Its laser sees all around; the wall is 0.9 m to the left."""
+    limits = robot.limits.model_copy(update={"lateral_mps": 0.3})
+    base = robot.base.model_copy(update={"drive": "holonomic"})
+    assert robot.streams.hokuyo is not None
+    laser = robot.streams.hokuyo.model_copy(update={"fov_deg": 360.0})
+    streams = robot.streams.model_copy(update={"hokuyo": laser})
+    body = robot.model_copy(update={"limits": limits, "base": base, "streams": streams})
+
+    async def script(begun: Ride) -> None:
+        start = begun.link.true_pose()
+        await begun.drive(0.0, 0.0, 2.0, lateral=0.3)
+        went = begun.link.true_pose()
+        assert went.y - start.y > 0.3
+        assert abs(went.x - start.x) < 0.02
+        assert abs(went.theta) < 0.02
+        await begun.drive(0.0, 0.0, 6.0, lateral=0.3)
+        assert begun.limits()[-1].startswith("stopped: something 0.1 m to the left")
+        assert begun.link.contacts == ()
+        assert begun.link.true_pose().y < 20.0 - 0.28
+        await begun.drive(0.2, -0.5, 2.0, lateral=-0.2)
+        assert begun.link.true_pose().y < 19.6, "away from it nothing is in the way"
+        assert begun.link.contacts == ()
+
+    ride(at(body, 10, 19.1), hall, script)

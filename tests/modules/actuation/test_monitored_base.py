@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from app.base import paths
 from app.base.geometry import Pose2
-from app.messages import Exploitation, LaserScan, LinkStatus, Odometry, TeleopCommand, Twist
-from app.robots.config import circle
+from app.messages import Exploitation, JointState, LaserScan, LinkStatus, Odometry, TeleopCommand, Twist
+from app.robots.config import circle, load_robot_config
 from app.runtime.clock import run_virtual
 from app.runtime.graph import WiringError
 from tests.modules.actuation.surroundings import scan, wall
@@ -26,6 +27,7 @@ INPUTS = {
     "odometry": Odometry,
     "operator": TeleopCommand,
 }
+IRL1 = load_robot_config(paths.config_dir() / "robots" / "irl1_tr.yaml")
 OUTPUTS = {"exploitation": Exploitation, "status": LinkStatus}
 SETTINGS = {
     "behaviors": [
@@ -43,12 +45,26 @@ def open_floor(stamp: float) -> LaserScan:
 class Drive:
     """The module with a laser at 40 Hz that sees ``surroundings``, and an operator who holds a command."""
 
-    def __init__(self, *, laser: bool = True, footprint: bool = True, monitor: str = "on", wired: bool = True) -> None:
+    def __init__(
+        self,
+        *,
+        laser: bool = True,
+        footprint: bool = True,
+        monitor: str = "on",
+        wired: bool = True,
+        arms: bool = False,
+        joints: bool = False,
+    ) -> None:
+        """``arms``: the body has the robot's arms; ``joints``: their joints are wired."""
         link = FakeLink(without=() if laser else ("hokuyo",))
-        link.description = replace(link.description, footprint=circle(0.28) if footprint else ())
+        groups = dict(IRL1.groups) if arms else {}
+        link.description = replace(
+            link.description, footprint=circle(0.28) if footprint else (), groups=groups, model_path=IRL1.model
+        )
+        inputs = {name: kind for name, kind in INPUTS.items() if wired or name != "scans"}
         self.bench = Bench(
             MODULE,
-            inputs={name: kind for name, kind in INPUTS.items() if wired or name != "scans"},
+            inputs=inputs | ({"joints": JointState} if joints else {}),
             outputs=OUTPUTS,
             settings={**SETTINGS, "collision_monitor": monitor},
             link=link,
@@ -57,6 +73,8 @@ class Drive:
         self.override = False
         self.sequence = 0
         self.place = Pose2()
+        #: Where the joints are; None: nothing is heard of them.
+        self.joints: dict[str, float] | None = {} if joints else None
 
     async def __aenter__(self) -> Drive:
         await self.bench.__aenter__()
@@ -72,6 +90,8 @@ class Drive:
             if self.surroundings is not None:
                 self.bench.feed("scans", self.surroundings(clock.now()))
             self.bench.feed("odometry", Odometry(clock.now(), self.place, 0.0, 0.0))
+            if self.joints is not None:
+                self.bench.feed("joints", JointState(clock.now(), tuple(self.joints), tuple(self.joints.values())))
             if step % 2 == 0:
                 self.sequence += 1
                 if port == "teleop":
@@ -293,6 +313,48 @@ def test_without_laser_or_footprint_or_switched_off_there_is_no_monitor_and_peop
 
 def test_with_its_monitor_there_is_nothing_to_know() -> None:
     assert Drive().bench.slot.module.cautions() == ()
+
+
+def test_a_body_whose_joints_are_not_wired_says_so() -> None:
+    (caution,) = Drive(arms=True).bench.slot.module.cautions()
+    assert caution.title == "Joints are not watched"
+    assert Drive(arms=True, joints=True).bench.slot.module.cautions() == ()
+
+
+def test_an_arm_stretched_aside_is_not_driven_into_what_the_body_would_pass() -> None:
+    async def main() -> None:
+        async with Drive(arms=True, joints=True) as d:
+            d.surroundings = lambda stamp: scan(stamp, [(0.3, 0.45)])
+            await d.go(1.0, 0.2)
+            assert (d.sent.linear_mps, d.limited) == (pytest.approx(0.2), ""), "the arms hang"
+            d.joints = {"left_shoulder_roll_joint": 0.9, "left_shoulder_pitch_joint": -0.5}
+            await d.go(0.3, 0.2)
+            assert d.sent.linear_mps == 0.0
+            assert d.limited.startswith("stopped: something")
+            d.joints = {}
+            await d.go(1.5, 0.2)
+            assert (d.sent.linear_mps, d.limited) == (pytest.approx(0.2), "")
+
+    run_virtual(main())
+
+
+def test_while_the_joints_are_not_known_the_outline_is_the_widest() -> None:
+    async def main() -> None:
+        async with Drive(arms=True, joints=True) as d:
+            d.joints = None
+            d.surroundings = lambda stamp: scan(stamp, [(0.3, -0.65)])
+            await d.go(0.3, 0.2)
+            assert d.sent.linear_mps == 0.0, "none came yet"
+            d.joints = {}
+            await d.go(1.5, 0.2)
+            assert (d.sent.linear_mps, d.limited) == (pytest.approx(0.2), "")
+            d.joints = None
+            await d.go(0.25, 0.2)
+            assert d.sent.linear_mps == pytest.approx(0.2), "they are young enough"
+            await d.go(0.3, 0.2)
+            assert d.sent.linear_mps == 0.0, "they are too old"
+
+    run_virtual(main())
 
 
 def test_a_body_with_a_laser_whose_scans_are_not_wired_is_refused() -> None:

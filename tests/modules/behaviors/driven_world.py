@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import cmath
 import math
 from collections.abc import Callable
 from pathlib import Path
@@ -46,7 +47,7 @@ class DrivenWorld:
         self.segments = list(segments)
         self.pose = pose
         self.limits = limits
-        self.linear = self.angular = 0.0
+        self.linear = self.angular = self.lateral = 0.0
         self.command = Twist(0.0, 0.0, 0.0)
         #: Of the body's edge to the walls, the least so far (m).
         self.nearest_m = math.inf
@@ -54,15 +55,12 @@ class DrivenWorld:
 
     def move(self, time_s: float) -> None:
         """Drive on for ``time_s``."""
-        self.linear += _towards(self.command.linear_mps - self.linear, self.limits.linear_mps2 * time_s)
+        wanted = (self.command.linear_mps, self.command.lateral_mps)
+        self.linear, self.lateral = self.limits.ramped((self.linear, self.lateral), wanted, time_s)
         self.angular += _towards(self.command.angular_radps - self.angular, self.limits.angular_radps2 * time_s)
         middle = self.pose.theta + 0.5 * self.angular * time_s
-        step = self.linear * time_s
-        self.pose = Pose2(
-            self.pose.x + step * math.cos(middle),
-            self.pose.y + step * math.sin(middle),
-            self.pose.theta + self.angular * time_s,
-        )
+        step = complex(self.linear, self.lateral) * time_s * cmath.rect(1.0, middle)
+        self.pose = Pose2(self.pose.x + step.real, self.pose.y + step.imag, self.pose.theta + self.angular * time_s)
         self.driven_m += abs(step)
         self.nearest_m = min(self.nearest_m, self.clearance_m())
 
@@ -77,7 +75,7 @@ class DrivenWorld:
 
     def odometry(self, stamp: float) -> Odometry:
         """Perfect: ``odom`` is the world."""
-        return Odometry(stamp, self.pose, self.linear, self.angular)
+        return Odometry(stamp, self.pose, self.linear, self.angular, self.lateral)
 
     def scan(self, stamp: float, fov: float = math.pi, rays: int = 181) -> LaserScan:
         """What a laser in the body's middle sees."""

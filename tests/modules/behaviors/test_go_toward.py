@@ -11,6 +11,7 @@ import app.modules.behaviors.go_toward  # noqa: F401  # not on the loop: it brin
 from app.attention.desires import DesireClasses, Source
 from app.attention.workspace import IntentionWorkspace
 from app.base.geometry import Pose2, wrap_angle
+from app.link import BaseLimits
 from app.messages import Accomplishment, LaserScan, Localization, NavigationStatus, Odometry, Twist, Zone, Zones
 from app.modules.behaviors.go_to import GO_TO
 from app.runtime.clock import VirtualClock, in_virtual_time
@@ -37,7 +38,7 @@ class Drive:
             "app.modules.behaviors.go_toward:GoToward",
             inputs={"scans": LaserScan, "odometry": Odometry, "localization": Localization, "zones": Zones},
             outputs={"twist": Twist, "status": NavigationStatus, "accomplishments": Accomplishment},
-            link=DrivenLink(),
+            link=DrivenLink(world.limits),
             services={IntentionWorkspace: workspace or IntentionWorkspace(DesireClasses([GO_TO]), VirtualClock().now)},
             attended=("twist",),
         )
@@ -155,3 +156,15 @@ async def test_its_last_word_is_a_stop() -> None:
         assert drain(twists)[-1].linear_mps > 0.2
         drive.bench.graph.filters.apply({"Tested.twist": math.inf})
         assert [t.linear_mps for t in drain(twists)] == [0.0]
+
+
+@in_virtual_time
+async def test_a_base_that_can_moves_sideways_to_a_place_beside_it() -> None:
+    limits = BaseLimits(0.80, 1.50, 0.80, 4.00, lateral_mps=0.60)
+    world = DrivenWorld(ROOM, Pose2(3.0, 1.0, 0.0), limits)
+    async with Drive(world, x=3.0, y=3.0) as drive:
+        assert not await drive.until("arrived", 1.0)
+        assert world.lateral > 0.2, "it sets out at once, before it has turned"
+        assert await drive.until("arrived", 15)
+    assert math.hypot(world.pose.x - 3.0, world.pose.y - 3.0) <= 0.25
+    assert world.nearest_m > 0.0

@@ -11,13 +11,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-import app.modules.behaviors.plan_and_follow_path  # noqa: F401  # not on the loop: it brings OpenCV and SciPy
 from app.attention.desires import DesireClasses, Source
 from app.attention.workspace import IntentionWorkspace
+from app.base import paths
 from app.base.geometry import CameraModel, Pose2, Pose3
+from app.base.kinematic_model import load_model
 from app.messages import (
     Accomplishment,
     Image,
+    JointState,
     LaserScan,
     Localization,
     NavigationStatus,
@@ -30,6 +32,8 @@ from app.messages import (
     read_only,
 )
 from app.modules.behaviors.go_to import GO_TO
+from app.modules.behaviors.plan_and_follow_path import PlanAndFollowPath
+from app.robots.config import load_robot_config
 from app.runtime.clock import VirtualClock, in_virtual_time
 from tests.modules.behaviors.driven_world import DrivenLink, DrivenWorld, Living, Segment, box, mapped, until
 from tests.modules.fakes import Bench, drain
@@ -46,6 +50,10 @@ INPUTS = {
 }
 
 
+IRL1 = load_robot_config(paths.config_dir() / "robots" / "irl1_tr.yaml")
+IRL1_MODEL = load_model(IRL1.model)
+
+
 class Drive:
     """The module in a world and on a map of ``known`` walls, sent to a goal."""
 
@@ -56,21 +64,25 @@ class Drive:
         zones: tuple[Zone, ...] = (),
         settings: dict[str, object] | None = None,
         camera: bool = False,
+        arms: bool = False,
         **parameters: object,
     ) -> None:
         self.world = world
         self.statuses: list[NavigationStatus] = []
         self.workspace = IntentionWorkspace(DesireClasses([GO_TO]), VirtualClock().now)
         self.paths: list[PlannedPath] = []
+        link = DrivenLink()
+        if arms:
+            link.description = replace(link.description, groups=dict(IRL1.groups), model_path=IRL1.model)
         self.bench = Bench(
             "app.modules.behaviors.plan_and_follow_path:PlanAndFollowPath",
-            inputs=INPUTS | ({"images": Image} if camera else {}),
+            inputs=INPUTS | ({"images": Image} if camera else {}) | ({"joints": JointState} if arms else {}),
             outputs={
                 "twist": Twist, "path": PlannedPath, "status": NavigationStatus, "costmap": OccupancyGrid,
                 "accomplishments": Accomplishment,
             },
             settings=settings,
-            link=DrivenLink(),
+            link=link,
             services={IntentionWorkspace: self.workspace},
             attended=("twist",),
         )  # fmt: skip
@@ -78,6 +90,12 @@ class Drive:
         self.known = HOUSE if known is None else known
         self._zones = zones
         self.parameters = parameters
+
+    @property
+    def module(self) -> PlanAndFollowPath:
+        module = self.bench.slot.module
+        assert isinstance(module, PlanAndFollowPath)
+        return module
 
     async def __aenter__(self) -> Drive:
         await self.bench.__aenter__()
@@ -396,3 +414,27 @@ async def test_the_costmap_is_reported_to_those_who_listen_at_most_five_times_a_
         assert costmaps[-1].resolution_m == 0.025
         assert costmaps[-1].cells.shape == (160, 160)
         assert [c.version for c in costmaps] == sorted({c.version for c in costmaps})
+
+
+@in_virtual_time
+async def test_what_the_camera_sees_of_its_own_arm_is_left_out() -> None:
+    drive = Drive(DrivenWorld(HOUSE, Pose2(2.0, 2.5, 0.0)), camera=True, arms=True)
+    async with drive:
+        stamp = drive.bench.clock.now()
+        raised = {"left_shoulder_pitch_joint": -1.9, "left_elbow_joint": -0.3}
+        hand = IRL1_MODEL.pose("left_hand_link", raised).translation
+        # The camera looks at the hand, from half a metre before it: its middle sees the hand, its rim a wall.
+        X_BC = Pose3(np.array([[0.0, 0.0, -1.0], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0]]), hand + np.array([0.5, 0.0, 0.0]))
+        depth = np.full((48, 64), 3000, dtype=np.uint16)
+        depth[22:26, 30:34] = 500
+        camera = CameraModel.from_vertical_fov(64, 48, 0.75)
+        image = Image(stamp, "kinect", read_only(np.zeros((48, 64, 3), np.uint8)), read_only(depth), camera, X_BC)
+        drive.bench.feed("joints", JointState(stamp, tuple(raised), tuple(raised.values())))
+        await drive.bench.settle()
+        drive.bench.feed("images", image)
+        await until(drive.bench, lambda: drive.module._image is not None, 5.0)
+        taken = drive.module._image
+        assert taken is not None
+        assert taken.depth is not None
+        assert not taken.depth[22:26, 30:34].any()
+        assert (taken.depth == 3000).sum() == 48 * 64 - 16

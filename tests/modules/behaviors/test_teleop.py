@@ -1,6 +1,8 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -27,6 +29,16 @@ def test_a_held_stick_gives_its_share_of_the_limits(linear: float, angular: floa
     assert twist == Twist(10.0, speed * linear * 0.4, speed * angular * 1.0)
 
 
+def test_full_stick_to_a_corner_is_a_direction_and_no_greater_speed() -> None:
+    gate = DriveGate(BaseLimits(0.4, 1.0, 0.4, 4.0, lateral_mps=0.2))
+    twist = gate.take(replace(drive(10.0, 0, 1.0), lateral=-1.0), 0.5).twist
+    assert twist is not None
+    half = 0.5 / math.sqrt(2)
+    assert (twist.linear_mps, twist.lateral_mps) == pytest.approx((half * 0.4, -half * 0.2))
+    differential = DriveGate(LIMITS).take(replace(drive(10.0, 0, 1.0), lateral=-1.0)).twist
+    assert differential == Twist(10.0, 0.4, 0.0), "a base that cannot move sideways goes ahead"
+
+
 def test_release_stops_at_once() -> None:
     gate = DriveGate(LIMITS)
     gate.take(drive(10.0, 0, 1.0))
@@ -50,12 +62,12 @@ def test_silence_while_held_stops_once() -> None:
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf, 1.01, -2.0])
-@pytest.mark.parametrize("axis", ["linear", "angular"])
+@pytest.mark.parametrize("axis", ["linear", "angular", "lateral"])
 def test_what_no_stick_can_say_is_refused_and_stops(bad: float, axis: str) -> None:
     gate = DriveGate(LIMITS)
     gate.take(drive(10.0, 0, 1.0))
-    stick = {"linear": 0.0, "angular": 0.0, axis: bad}
-    decision = gate.take(drive(10.05, 1, stick["linear"], stick["angular"]))
+    stick: dict[str, Any] = {axis: bad}
+    decision = gate.take(replace(drive(10.05, 1), **stick))
     assert decision.twist == Twist(10.05, 0.0, 0.0)
     assert "from -1 to 1" in decision.problem
 

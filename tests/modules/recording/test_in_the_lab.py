@@ -12,14 +12,14 @@ from app.messages import Image, IntentionReport, Odometry, RecorderStatus
 from app.program.config import load_configuration
 from app.program.system import System
 from tests.logs.mcap.disks import image, odometry
-from tests.modules.fakes import FakeLink
+from tests.modules.actuation.arms import link as body_with_arms
 from tests.patience import PATIENCE_S
 
 CONFIG = Path(__file__).parents[3] / "config" / "lab.yaml"
 
 
 async def test_the_kinect_runs_for_a_recording_only(tmp_path: Path) -> None:
-    link = FakeLink()
+    link = body_with_arms()
     configuration = await asyncio.to_thread(load_configuration, CONFIG)
     library = RecordingLibrary(tmp_path)
     # Building it reads its files; nothing runs yet.

@@ -115,6 +115,10 @@ def test_devices_are_refused_where_there_are_none(tmp_path: Path) -> None:
             "kind: devices\nmodel: desk.urdf\nmicrophones: {link: nose}\n",
             "has no link 'nose' for a device of This computer",
         ),
+        (
+            "kind: devices\nmodel: desk.urdf\nactuators:\n  neck: {joints: [neck_joint]}\n",
+            "body.yaml:3: actuators: a body of devices has no motors",
+        ),
     ],
 )
 def test_mistakes_are_named_by_file_and_line(tmp_path: Path, text: str, said: str) -> None:

@@ -1,4 +1,5 @@
-"""A program that drives the simulated robot and swings its head, to be killed, frozen or stuck by the guard's tests.
+"""A program that drives the simulated robot, swings its head and an arm, to be killed, frozen or stuck by the guard's
+tests.
 
 ``python driving_program.py GUARD_LOG [regex]``: prints the link process's id, then drives and swings; with ``regex`` it
 goes, one second later, into a C call that holds the interpreter's lock, having printed the time.
@@ -31,8 +32,10 @@ async def main(guard_log: str, fault: str) -> None:
     while time.monotonic() < until:
         now = time.monotonic()
         link.command(Twist(now, 0.3, 0.2))
-        # Turned about before the head arrives: it never rests.
-        link.command(JointCommand(now, "head", ("pan_joint",), (2.0 if now % 2.0 < 1.0 else -2.0,)))
+        # Turned about before head and arm arrive: they never rest.
+        side = 1.0 if now % 2.0 < 1.0 else -1.0
+        link.command(JointCommand(now, "head", ("pan_joint",), (2.0 * side,)))
+        link.command(JointCommand(now, "left_arm", ("left_shoulder_pitch_joint",), (-0.5 + 1.5 * side,)))
         await asyncio.sleep(0.05)
     print(time.monotonic(), flush=True)
     re.match(r"(a|a)*$", "a" * 40 + "b")

@@ -56,6 +56,15 @@ def test_it_weighs_about_70_kg_and_is_1_4_m_tall(simulation: RobotSimulation) ->
     assert max(tops) == pytest.approx(1.4, abs=0.03)
 
 
+def test_the_face_takes_no_part_in_the_physics(simulation: RobotSimulation, robot: RobotConfig) -> None:
+    assert len(robot.kinematic_joints) == 9
+    assert not set(simulation.joints).intersection(robot.kinematic_joints)
+    assert simulation.model.njnt == 1 + len(simulation.joints)
+    assert simulation.model.neq == 0
+    bodies = [simulation.model.body(number).name for number in range(simulation.model.nbody)]
+    assert not [name for name in bodies if "eye" in name or "mouth" in name or "lip" in name]
+
+
 def test_it_stands_still_with_arms_hanging_and_head_ahead(simulation: RobotSimulation, robot: RobotConfig) -> None:
     before = simulation.true_pose()
     run(simulation, guard.ZERO, 4.0, GuardState(), robot.limits.guard())
@@ -144,3 +153,48 @@ def test_the_heads_servos_do_not_sag_under_its_weight(simulation: RobotSimulatio
     for _ in range(round(2.0 / TIMESTEP_S)):
         simulation.step()
     assert simulation.joint_positions()[tilt] == pytest.approx(0.0, abs=math.radians(0.02))
+
+
+def holonomic(robot: RobotConfig) -> RobotConfig:
+    limits = robot.limits.model_copy(update={"lateral_mps": 0.4})
+    base = robot.base.model_copy(update={"drive": "holonomic"})
+    return robot.model_copy(update={"start": StartPose(x=5, y=10), "limits": limits, "base": base})
+
+
+def test_a_holonomic_base_moves_sideways_while_it_turns(robot: RobotConfig, hall: WorldConfig) -> None:
+    config = holonomic(robot)
+    simulation = build_simulation(config, hall, PERFECT)
+    state, limits = GuardState(), config.limits.guard()
+    start = simulation.true_pose()
+    state, _ = run(simulation, BaseVelocity(0.0, 0.0, 0.4), 2.5, state, limits)
+    assert simulation.true_velocity().lateral_mps == pytest.approx(0.4, abs=0.01)
+    state, _ = run(simulation, guard.ZERO, 1.5, state, limits)
+    there = simulation.true_pose()
+    assert there.y - start.y == pytest.approx(1.0, abs=0.03)
+    assert (there.x, there.theta) == pytest.approx((start.x, start.theta), abs=0.02)
+    run(simulation, BaseVelocity(0.2, -0.5, 0.2), 2.0, state, limits)
+    moving = simulation.true_velocity()
+    assert (moving.linear_mps, moving.lateral_mps) == pytest.approx((0.2, 0.2), abs=0.02)
+    assert moving.angular_radps == pytest.approx(-0.5, abs=0.02)
+
+
+def test_a_safety_stop_of_a_holonomic_base_brakes_as_hard_as_configured(robot: RobotConfig, hall: WorldConfig) -> None:
+    config = holonomic(robot)
+    simulation = build_simulation(config, hall, PERFECT)
+    run(simulation, BaseVelocity(0.0, 0.0, 0.4), 2.0, GuardState(), config.limits.guard())
+    before = simulation.true_velocity().lateral_mps
+    for _ in range(20):
+        simulation.drive(guard.ZERO)
+        simulation.step()
+    lost = before - simulation.true_velocity().lateral_mps
+    assert lost == pytest.approx(config.limits.emergency_mps2 * 20 * TIMESTEP_S, rel=0.15)
+    for _ in range(200):
+        simulation.drive(guard.ZERO)
+        simulation.step()
+    assert simulation.true_velocity().lateral_mps == pytest.approx(0, abs=0.005)
+
+
+def test_a_differential_base_ignores_the_sideways_part(simulation: RobotSimulation) -> None:
+    simulation.drive(BaseVelocity(0.0, 0.0, 0.4))
+    assert not simulation.data.ctrl.any()
+    assert not simulation.data.qfrc_applied.any()

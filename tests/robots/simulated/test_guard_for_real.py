@@ -1,11 +1,12 @@
-"""The guard against real faults: a program that drives and swings the head is killed, frozen and stuck, and what
-wheels and head are given is watched.
+"""The guard against real faults: a program that drives and swings head and arm is killed, frozen and stuck, and what
+wheels, head and arm are given is watched.
 
 The guard's own log, written by the link's process at each decision, is the witness.
 """
 
 from __future__ import annotations
 
+import functools
 import itertools
 import os
 import signal
@@ -27,9 +28,10 @@ LIMIT_S = 0.250
 #: How fast the guard lets the wheels become (m/s2, of IRL-1), and by what the rows may differ.
 RAMP_MPS2 = 0.4
 ALLOWANCE_MPS = 0.03
-#: Time the head takes to brake from its greatest speed, 1.05 rad/s at 5.8 rad/s2, and the way (rad).
-HEAD_BRAKES_S = 1.05 / 5.8
-HEAD_BRAKES_RAD = 1.05**2 / (2 * 5.8)
+#: The joints that swing, by their place among the set-points: greatest speed (rad/s) and acceleration (rad/s2).
+SWINGING = {0: (1.05, 5.8), 2: (1.5, 4.0)}
+#: Longest time that they take to brake.
+BRAKES_S = max(speed / acceleration for speed, acceleration in SWINGING.values())
 
 pytestmark = pytest.mark.slow
 
@@ -63,16 +65,17 @@ class Driver:
 
     def wait_driving(self) -> None:
         self.wait_for("the wheels turning", lambda rows: rows and rows[-1].linear_mps > 0.15)
-        self.wait_for("the head turning", lambda rows: _swing(row.setpoints[0] for row in rows) > 0.1)
+        for joint in SWINGING:
+            self.wait_for(f"joint {joint} turning", functools.partial(_swings, joint))
 
     def assert_stops(self, fault_s: float) -> None:
-        """Nothing but zeros is given to the wheels from ``LIMIT_S`` after the fault on, and the head brakes from then
-        on and is held; or the link has gone by then.
+        """Nothing but zeros is given to the wheels from ``LIMIT_S`` after the fault on, and head and arm brake from
+        then on and are held; or the link has gone by then.
 
-        A computer so busy that the guard decides late gives wheels and head nothing in between.
+        A computer so busy that the guard decides late gives wheels and joints nothing in between.
         """
         limit_s = fault_s + LIMIT_S
-        held_s = limit_s + HEAD_BRAKES_S
+        held_s = limit_s + BRAKES_S
         self.wait_for(
             "a decision after the limit",
             lambda rows: rows[-1].monotonic_s > held_s + 0.2 or not psutil.pid_exists(self.link_id),
@@ -80,13 +83,14 @@ class Driver:
         rows = self.rows()
         assert _is_zero(rows[-1])
         assert all(_is_zero(row) for row in rows if row.monotonic_s > limit_s)
-        assert _swing(row.setpoints[0] for row in rows if row.monotonic_s <= fault_s) > 0.02, "the head was moving"
         after = [row.setpoints for row in rows if row.monotonic_s > limit_s]
-        if after:
-            # A decision or two before the first one after the limit lie in the same stretch of time.
-            assert abs(after[-1][0] - after[0][0]) <= HEAD_BRAKES_RAD + 0.02
+        for joint, (speed, acceleration) in SWINGING.items():
+            assert _swing(row.setpoints[joint] for row in rows if row.monotonic_s <= fault_s) > 0.02, "it was moving"
+            if after:
+                # A decision or two before the first one after the limit lie in the same stretch of time.
+                assert abs(after[-1][joint] - after[0][joint]) <= speed**2 / (2 * acceleration) + 0.02
         held = {row.setpoints for row in rows if row.monotonic_s > held_s + 0.1}
-        assert len(held) <= 1, "the head is held"
+        assert len(held) <= 1, "head and arm are held"
 
     def close(self) -> None:
         if self.process.poll() is None:
@@ -96,9 +100,13 @@ class Driver:
         self.process.stdout.close()
 
 
-def _swing(pans: Iterable[float]) -> float:
-    known = list(pans)
+def _swing(positions: Iterable[float]) -> float:
+    known = list(positions)
     return max(known) - min(known)
+
+
+def _swings(joint: int, rows: list[GuardRow]) -> bool:
+    return bool(rows) and _swing(row.setpoints[joint] for row in rows) > 0.1
 
 
 def _is_zero(row: GuardRow) -> bool:

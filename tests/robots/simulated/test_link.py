@@ -19,7 +19,7 @@ import pytest
 
 from app.base.geometry import FisheyeModel
 from app.link import LinkFailed
-from app.messages import GroundTruth, Image, LaserScan, LinkStatus, Odometry, Twist
+from app.messages import BatteryState, GroundTruth, Image, LaserScan, LinkStatus, Odometry, Twist
 from app.robots.config import RobotConfig
 from app.robots.simulated import link as link_module
 from app.robots.simulated.gl import MISSING_EGL
@@ -127,7 +127,7 @@ async def test_every_stream_runs_at_its_rate_in_real_time_and_unwanted_ones_not(
         odometry_hz = link.description.streams["odometry"].rate_hz
         world_s = (len(listener.messages["odometry"]) - marks["odometry"]) / odometry_hz
         for name, description in link.description.streams.items():
-            if name in ("status", "loudspeaker"):  # the loudspeaker's comes while it plays
+            if name in ("status", "battery", "loudspeaker"):  # not asked for; the loudspeaker's comes while it plays
                 continue
             rate = (len(listener.messages[name]) - marks[name]) / world_s
             # A computer so busy that a picture takes half a second loses some.
@@ -139,7 +139,7 @@ async def test_every_stream_runs_at_its_rate_in_real_time_and_unwanted_ones_not(
         for stream, messages in listener.messages.items():
             stamps = [m.stamp for m in messages]
             assert stamps == sorted(stamps), stream
-            assert stream == "loudspeaker" or stamps[-1] > begin + OFFSET, stream
+            assert stream in ("battery", "loudspeaker") or stamps[-1] > begin + OFFSET, stream
         image: Image = listener.messages["kinect"][-1]
         assert image.color.shape == (480, 640, 3)
         assert image.color.dtype == np.uint8
@@ -319,3 +319,17 @@ async def test_a_world_that_cannot_be_built_fails_the_start_with_its_reason(
     assert "bad.urdf" in str(failed.value)
     assert not caplog.records, "the caller gets the error, and logs it once"
     assert link.process_id is None
+
+
+async def test_the_programs_own_cpu_time_draws_on_the_battery(blind: Listener, robot: RobotConfig) -> None:
+    assert robot.battery is not None
+    load = robot.battery.load
+    blind.link.demand("battery", math.inf)
+    at_rest = load.idle_w + load.computer_w + 0.5  # half a watt: a twentieth of a core
+
+    def busy() -> bool:
+        sum(range(200_000))  # this process is the robot's computer
+        states: list[BatteryState] = blind.messages["battery"]
+        return any(state.voltage_v * -state.current_a > at_rest for state in states)
+
+    await blind.until(busy)

@@ -26,6 +26,7 @@ from app.messages import (
 )
 from app.robots.config import RobotConfig, load_robot_config
 from app.robots.simulated.camera_rendering import KinectRenderer
+from app.robots.simulated.contacts import Contact
 from app.robots.simulated.lockstep import LockstepLink
 from app.robots.simulated.renderer import WorldSnapshot
 from app.robots.simulated.scenery.scenario_config import ScenarioConfig
@@ -103,7 +104,8 @@ def test_streams_run_at_their_rates_by_the_programs_clock_and_unwanted_ones_not(
 
     heard = live(at(robot, 10, 10), hall, script, WALKING)
     rates = {"odometry": 100, "joints": 30, "status": 20, "hokuyo": 40, "ground_truth": 100, "scene_truth": 20}
-    assert set(heard) == set(rates)  # no ears, and eyes only where asked for
+    assert set(heard) == set(rates) | {"battery"}  # no ears, and eyes only where asked for
+    assert not heard["battery"]
     for stream, rate_hz in rates.items():
         assert len(heard[stream]) == pytest.approx(2 * rate_hz, abs=2), stream
         stamps = [message.stamp for message in heard[stream]]
@@ -164,6 +166,17 @@ def test_two_runs_are_the_same_and_another_seed_is_not(robot: RobotConfig, hall:
     first = live(at(robot, 10, 10), hall, script, WALKING)
     assert live(at(robot, 10, 10), hall, script, WALKING) == first
     assert live(at(robot, 10, 10).model_copy(update={"seed": 2}), hall, script, WALKING) != first
+
+
+def test_a_loose_thing_on_a_table_is_no_contact_of_the_body(robot: RobotConfig) -> None:
+    table = {"kind": "box", "at": (12.0, 10.0), "size": (0.4, 0.4, 0.6)}
+    block = {"kind": "box", "at": (12.0, 10.0), "z": 0.6, "size": (0.04, 0.04, 0.12), "mass_kg": 0.1}
+
+    async def script(body: Body) -> tuple[Contact, ...]:
+        await body.clock.sleep(1.0)
+        return body.link.contacts
+
+    assert live(at(robot, 10, 10), make_hall(objects=[table, block]), script) == ()
 
 
 @pytest.mark.slow
@@ -318,10 +331,51 @@ def test_the_head_turns_within_its_speed_holds_without_commands_and_says_so(
     assert max(pan) < 1.2 + 0.005
     assert joints[-1].positions[joints[-1].names.index("tilt_joint")] == pytest.approx(0.4363, abs=0.005)
     assert pan[-1] == pytest.approx(1.2, abs=0.005), "without commands it is held"
-    (head,) = statuses[-1].groups
+    head = next(each for each in statuses[-1].groups if each.group == "head")
+    face = next(each for each in statuses[-1].groups if each.group == "face")
+    assert face.guard == "idle"
     assert (head.group, head.guard) == ("head", "idle")
     assert head.command_age_s == pytest.approx(1.0, abs=0.2)
     assert {status.groups[0].guard for status in statuses} >= {"idle", "moving"}
+
+
+def test_the_efforts_of_the_motors_are_measured(robot: RobotConfig, hall: WorldConfig) -> None:
+    async def script(body: Body) -> tuple[JointState, JointState]:
+        simulation = body.link._simulation
+        assert simulation is not None
+        await body.clock.sleep(1.0)
+        idle = body.heard["joints"][-1]
+        data, joint = simulation.physics.data, simulation.physics.model.joint("robot/left_elbow_joint")
+        data.qfrc_applied[joint.dofadr[0]] = -3.0
+        await body.clock.sleep(2.0)
+        return idle, body.heard["joints"][-1]
+
+    idle, pushed = live(at(robot, 10, 10), hall, script)
+    assert all(abs(effort) < 0.3 for effort in idle.efforts), "at rest, but for noise: weight is compensated"
+    elbow = pushed.names.index("left_elbow_joint")
+    friction, noise = 0.1, 0.05
+    assert pushed.efforts[elbow] == pytest.approx(3.0, abs=friction + 5 * noise)
+
+
+def test_the_face_is_where_its_guard_sets_it_and_stops_in_an_emergency(robot: RobotConfig, hall: WorldConfig) -> None:
+    names = ("eyelids_joint", "lower_lip_joint", "eyes_pan_joint")
+
+    async def script(body: Body) -> list[JointState]:
+        for position in (9.0, 0.0):
+            for _ in range(3):
+                body.link.command(JointCommand(body.clock.now(), "face", names, (position, 0.2, -0.5)))
+                await body.clock.sleep(0.1)
+        body.link.e_stop("a test")
+        body.link.command(JointCommand(body.clock.now(), "face", names, (1.0, 0.0, 0.0)))
+        await body.clock.sleep(0.5)
+        return body.heard["joints"]
+
+    joints = live(at(robot, 10, 10), hall, script)
+    lids, lips, eyes = ([dict(zip(j.names, j.positions, strict=True))[name] for j in joints] for name in names)
+    assert max(lids) == pytest.approx(1.2), "as far as its limit, without a servo's lag or a measurement's noise"
+    assert max(abs(b - a) * 30 for a, b in itertools.pairwise(eyes)) <= 10.0 + 1e-6
+    assert (lids[-1], lips[-1], eyes[-1]) == pytest.approx((0.0, 0.2, -0.5)), "the stop holds it"
+    assert {len(message.names) for message in joints} == {21}
 
 
 def test_the_emergency_stop_covers_the_head(robot: RobotConfig, hall: WorldConfig) -> None:

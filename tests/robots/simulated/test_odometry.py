@@ -9,8 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from app.base.geometry import Pose2
 from app.robots.config import BaseConfig
-from app.robots.simulated.odometry import EncoderOdometry, TrueBase, draw_true_base
+from app.robots.simulated.odometry import EncoderOdometry, HolonomicOdometry, TrueBase, draw_true_base
 
 IDEAL = BaseConfig(radius_error=0, track_error=0, slip=0, encoder_ticks=10_000_000)
 
@@ -72,3 +73,31 @@ def test_slip_alone_grows_with_distance() -> None:
 def test_standing_still_stays_exactly_still() -> None:
     odometry = roll(BaseConfig(), TrueBase(0.10, 0.10, 0.44), 0.0, 0.0, 5.0, 3)
     assert (odometry.X_OB.x, odometry.X_OB.theta, odometry.linear_mps) == (0, 0, 0)
+
+
+@given(st.floats(-0.4, 0.4), st.floats(-0.4, 0.4), st.floats(-1, 1))
+def test_a_perfect_holonomic_base_measures_its_path_and_its_twist(forward: float, left: float, turn: float) -> None:
+    odometry = HolonomicOdometry(IDEAL, np.random.default_rng(0))
+    pose, dt = Pose2(3.0, -2.0, 0.7), 0.01
+    start = pose
+    step = Pose2(0, 0, turn * dt / 2) @ Pose2(forward * dt, left * dt, turn * dt / 2)
+    for _ in range(300):
+        odometry.update(pose, dt)
+        pose = pose @ step
+    odometry.update(pose, dt)
+    moved = start.inverse() @ pose
+    assert (odometry.X_OB.x, odometry.X_OB.y) == pytest.approx((moved.x, moved.y), abs=1e-6)
+    assert math.remainder(odometry.X_OB.theta - moved.theta, 2 * math.pi) == pytest.approx(0, abs=1e-6)
+    twist = (odometry.linear_mps, odometry.lateral_mps, odometry.angular_radps)
+    assert twist == pytest.approx((forward, left, turn), abs=1e-6)
+
+
+def test_a_real_holonomic_base_drifts_as_configured() -> None:
+    config = BaseConfig(radius_error=0.01, track_error=0, slip=0)
+    lengths = []
+    for seed in range(20):
+        odometry = HolonomicOdometry(config, np.random.default_rng(seed))
+        for i in range(201):
+            odometry.update(Pose2(0.0, 0.01 * i), 0.01)
+        lengths.append(math.hypot(odometry.X_OB.x, odometry.X_OB.y))
+    assert 0 < max(abs(length - 2.0) for length in lengths) <= 0.04

@@ -1,6 +1,7 @@
 /** The operator's controls on screen: stick, speed, who drives, and what the wheels are given. */
 
 import { goalOf } from "../map/mapText";
+import type { Velocity } from "../protocol/generated";
 import { useApp } from "../state/context";
 import { number } from "../ui/format";
 import { KeyboardIcon, WheelIcon } from "../ui/icons";
@@ -15,9 +16,10 @@ export function DrivePad() {
   const { factor, source, command } = drive.state.value;
   const status = store.of("status").value;
   const applied = status?.guard.applied;
-  const words = applied ? speedWords(applied.linear_mps, applied.angular_radps) : "no figures";
+  const words = applied ? speedWords(applied) : "no figures";
   const driver = status?.driver ?? null;
   const live = store.live.value;
+  const { strafes } = store.body.value;
 
   return (
     <section class="drive-pad" data-testid="drive-pad" data-source={source ?? ""} aria-label="Drive">
@@ -27,6 +29,11 @@ export function DrivePad() {
           <span>
             <b>{number(live ? applied?.linear_mps : null, 2)}</b> m/s
           </span>
+          {strafes && (
+            <span>
+              <b>{number(live ? applied?.lateral_mps : null, 2)}</b> m/s left
+            </span>
+          )}
           <span>
             <b>{number(live && applied ? (applied.angular_radps * 180) / Math.PI : null, 0)}</b> °/s
           </span>
@@ -45,6 +52,19 @@ export function DrivePad() {
             </button>
           ))}
         </div>
+        {strafes && (
+          <button
+            type="button"
+            class="button quiet"
+            aria-pressed={drive.stickStrafes.value}
+            data-testid="stick-strafes"
+            onClick={() => {
+              drive.stickStrafes.value = !drive.stickStrafes.value;
+            }}
+          >
+            {drive.stickStrafes.value ? "Stick aside: moves sideways" : "Stick aside: turns"}
+          </button>
+        )}
         {driver && !driver.mine && live ? (
           <button
             type="button"
@@ -54,7 +74,11 @@ export function DrivePad() {
           >
             <WheelIcon /> {`Take control from ${driver.operator}`}
           </button>
-        ) : driver?.mine && !source && !command.head_held && drive.refusal.value === null && drive.keyboard.value === "page" ? (
+        ) : driver?.mine &&
+          !source &&
+          !command.head_held &&
+          drive.refusal.value === null &&
+          drive.keyboard.value === "page" ? (
           <button
             type="button"
             class="button quiet"
@@ -107,6 +131,11 @@ function Hint() {
     <p class="drive-hint">
       <span class="only-wide">
         Hold <kbd>W</kbd> <kbd>A</kbd> <kbd>S</kbd> <kbd>D</kbd> or arrows
+        {store.body.value.strafes && (
+          <>
+            , <kbd>Q</kbd> <kbd>E</kbd> sideways
+          </>
+        )}
         {store.body.value.turnsHead && (
           <>
             ; head: <kbd>I</kbd> <kbd>J</kbd> <kbd>K</kbd> <kbd>L</kbd>
@@ -118,12 +147,13 @@ function Hint() {
   );
 }
 
-function speedWords(linear: number, angular: number): string {
-  if (Math.abs(linear) < 0.005 && Math.abs(angular) < 0.005) return "standing";
-  const along = `${linear < 0 ? "backward" : "forward"} ${number(Math.abs(linear), 2)} metres per second`;
-  const turn =
-    Math.abs(angular) < 0.005
-      ? ""
-      : `, turning ${angular > 0 ? "left" : "right"} ${number(Math.abs(angular), 2)} radians per second`;
-  return along + turn;
+function speedWords({ linear_mps: linear, angular_radps: angular, lateral_mps: lateral = 0 }: Velocity): string {
+  const moves = (speed: number) => Math.abs(speed) >= 0.005;
+  const words: string[] = [];
+  if (moves(linear) || (moves(angular) && !moves(lateral)))
+    words.push(`${linear < 0 ? "backward" : "forward"} ${number(Math.abs(linear), 2)} metres per second`);
+  if (moves(lateral)) words.push(`${lateral > 0 ? "left" : "right"} ${number(Math.abs(lateral), 2)} metres per second`);
+  if (moves(angular))
+    words.push(`turning ${angular > 0 ? "left" : "right"} ${number(Math.abs(angular), 2)} radians per second`);
+  return words.join(", ") || "standing";
 }

@@ -14,7 +14,12 @@ interface Deflection {
 /** The base's stick. */
 export function Stick({ drive, words }: { drive: DriveController; words: string }) {
   const { command, factor } = drive.state.value;
-  const axes = ({ up, left }: Deflection) => ({ linear: up, angular: left });
+  const strafes = drive.stickStrafes.value;
+  const axes = ({ up, left }: Deflection) => ({
+    linear: up,
+    angular: strafes ? 0 : left,
+    lateral: strafes ? left : 0,
+  });
   return (
     <Disc
       testid="stick"
@@ -22,7 +27,7 @@ export function Stick({ drive, words }: { drive: DriveController; words: string 
       words={words}
       held={command.held}
       refused={drive.refusal.value !== null}
-      at={{ up: command.linear, left: command.angular }}
+      at={{ up: command.linear, left: strafes ? command.lateral : command.angular }}
       factor={factor}
       onGrasp={(at) => drive.grasp(axes(at))}
       onMove={(at) => drive.input({ type: "stick-move", axes: axes(at) })}

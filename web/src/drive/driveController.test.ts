@@ -134,3 +134,14 @@ describe("Escape with the help open", () => {
     expect(eStop).toHaveBeenCalledTimes(1);
   });
 });
+
+test("the keys for sideways drive only a body that can", () => {
+  const { press, sent, store } = heldKeys();
+  expect(press("keydown", "KeyQ")).toBe(false);
+  expect(sent).toEqual([]);
+  const robot = { limits: { lateral_mps: 0.3 } };
+  store.hello.value = { drive: true, channels: {}, classes: [], robot } as unknown as typeof store.hello.value;
+  expect(press("keydown", "KeyQ")).toBe(true);
+  expect(sent.at(-1)).toMatchObject({ type: "drive", held: true, linear: 0, angular: 0 });
+  expect((sent.at(-1) as { lateral?: number }).lateral).toBeGreaterThan(0);
+});

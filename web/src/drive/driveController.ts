@@ -6,7 +6,7 @@ import type { Session } from "../state/session";
 import type { Store } from "../state/store";
 import type { Axes, HeadAxes } from "./axes";
 import { type PadReading, readPads } from "./gamepad";
-import { DRIVE_KEYS, HEAD_KEYS, OVERRIDE_KEYS, SLOW_KEYS } from "./keys";
+import { DRIVE_KEYS, HEAD_KEYS, OVERRIDE_KEYS, SLOW_KEYS, STRAFE_KEYS } from "./keys";
 import { type DriveState, flush, holds, type Input, initialDrive, step, TICK_MS } from "./machine";
 
 export const PRESETS = [
@@ -24,6 +24,8 @@ export type KeyboardPlace = "page" | "field" | "away";
 export class DriveController {
   readonly state = signal<DriveState>(initialDrive(readPreset()));
   readonly keyboard = signal<KeyboardPlace>("page");
+  /** The stick on screen, pushed sideways, moves a body sideways that can; else it turns. */
+  readonly stickStrafes = signal(false);
   /** Why driving is refused now, in words; null: it is not. */
   readonly refusal: ReadonlySignal<string | null>;
   private chosenPad: PadReading["chosen"] = null;
@@ -150,8 +152,10 @@ export class DriveController {
       this.input({ type: "key", code: event.code, down: true, repeat: event.repeat });
   }
 
+  /** Whether the key moves the base or the head of this body. */
   private moves({ code, target }: KeyboardEvent): boolean {
     if (HEAD_KEYS.has(code)) return this.store.body.peek().turnsHead;
+    if (STRAFE_KEYS.has(code)) return this.store.body.peek().strafes;
     return DRIVE_KEYS.has(code) && !(code.startsWith("Arrow") && ownsArrows(target));
   }
 
@@ -214,7 +218,7 @@ export class DriveController {
     this.polling = true;
     const frame = () => {
       const pads = navigator.getGamepads();
-      const { chosen, axes, override, stop, home } = readPads(pads, this.chosenPad);
+      const { chosen, axes, override, stop, home } = readPads(pads, this.chosenPad, this.store.body.peek().strafes);
       if (this.chosenPad && !chosen) this.release();
       this.chosenPad = chosen;
       this.input({ type: "pad", axes: document.hasFocus() ? axes : null, override });

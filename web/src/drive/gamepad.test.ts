@@ -18,7 +18,7 @@ test("a pad drives only with a shoulder held", () => {
   expect(readPads([pad({ axes: [0, -1, 0, 0] })], null)).toEqual(none);
   const reading = readPads([null, pad({ axes: [0, -1, 0, 0], pressed: [5] })], null);
   expect(reading.chosen).toEqual({ id: "Pad A", index: 0 });
-  expect(reading.axes).toEqual({ linear: 1, angular: 0 });
+  expect(reading.axes).toEqual({ linear: 1, angular: 0, lateral: 0 });
 });
 
 test("a headset that calls itself a gamepad is ignored", () => {
@@ -29,12 +29,19 @@ test("the pad in use is kept, whatever another does, until it is gone", () => {
   const mine = pad({ id: "Pad B", index: 1, axes: [-1, 0, 0, 0], pressed: [4] });
   const other = pad({ axes: [0, -1, 0, 0], pressed: [4] });
   const chosen = { id: "Pad B", index: 1 };
-  expect(readPads([other, mine], chosen).axes).toEqual({ linear: 0, angular: 1 });
+  expect(readPads([other, mine], chosen).axes).toEqual({ linear: 0, angular: 1, lateral: 0 });
   expect(readPads([other], chosen)).toMatchObject({ chosen: null, axes: null, stop: false });
 });
 
 test("either stick turns, the further one wins", () => {
   expect(readPads([pad({ axes: [0.2, 0, -1, 0], pressed: [4] })], null).axes!.angular).toBe(1);
+});
+
+test("the left stick strafes a body that can, and the right one turns it", () => {
+  const both = pad({ axes: [-1, 0, 1, 0], pressed: [4] });
+  expect(readPads([both], null, true).axes).toEqual({ linear: 0, angular: -1, lateral: 1 });
+  expect(readPads([pad({ axes: [-1, 0, 0, 0], pressed: [4] })], null, true).axes!.angular).toBe(0);
+  expect(readPads([both], null).axes!.lateral).toBe(0);
 });
 
 test("the buttons to stop and to return count on any pad, held or not", () => {

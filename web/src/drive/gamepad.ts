@@ -31,7 +31,12 @@ const OVERRIDE_BUTTONS = [6, 7]; // the triggers
 const STOP_BUTTON = 1;
 const HOME_BUTTON = 3;
 
-export function readPads(pads: readonly (PadSnapshot | null)[], chosen: PadReading["chosen"]): PadReading {
+/** `strafes`: the body moves sideways. */
+export function readPads(
+  pads: readonly (PadSnapshot | null)[],
+  chosen: PadReading["chosen"],
+  strafes = false,
+): PadReading {
   const usable = pads.filter(
     (pad): pad is PadSnapshot => !!pad && pad.connected && pad.axes.length >= 2 && pad.buttons.length > 5,
   );
@@ -43,7 +48,7 @@ export function readPads(pads: readonly (PadSnapshot | null)[], chosen: PadReadi
   if (!pad) return { chosen: null, axes: null, override: false, ...buttons };
   return {
     chosen: { id: pad.id, index: pad.index },
-    axes: deadManHeld(pad) ? axesOfPad(pad) : null,
+    axes: deadManHeld(pad) ? axesOfPad(pad, strafes) : null,
     override: held(pad, OVERRIDE_BUTTONS),
     ...buttons,
   };
@@ -65,10 +70,14 @@ function held(pad: PadSnapshot, buttons: readonly number[]): boolean {
   return buttons.some((button) => pad.buttons[button]?.pressed);
 }
 
-/** Left stick forward and back; turning with whichever stick is pushed further sideways. Sticks point down and right. */
-function axesOfPad(pad: PadSnapshot): Axes {
+/**
+ * Left stick forward and back. Sideways, the left stick strafes and the right one turns; a body that cannot strafe is
+ * turned with whichever is pushed further. Sticks point down and right.
+ */
+function axesOfPad(pad: PadSnapshot, strafes: boolean): Axes {
   const left = pad.axes[0] ?? 0;
   const right = pad.axes[2] ?? 0;
-  const turn = Math.abs(right) > Math.abs(left) ? right : left;
-  return { linear: -shape(pad.axes[1] ?? 0) + 0, angular: -shape(turn) + 0 };
+  const turn = strafes || Math.abs(right) > Math.abs(left) ? right : left;
+  const lateral = strafes ? -shape(left) + 0 : 0;
+  return { linear: -shape(pad.axes[1] ?? 0) + 0, angular: -shape(turn) + 0, lateral };
 }

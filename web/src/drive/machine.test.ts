@@ -45,6 +45,17 @@ describe("keyboard", () => {
     expect(brief(run([down("KeyS"), down("KeyD")]).sent).at(-1)).toEqual([true, -1, -1]);
   });
 
+  test("keys for sideways hold like the others, and combine with them", () => {
+    const { sent } = run([down("KeyQ"), down("KeyW"), up("KeyQ"), down("KeyE"), down("ShiftLeft")]);
+    expect(sent.map((c) => [c.held, c.linear, c.lateral])).toEqual([
+      [true, 0, 1],
+      [true, 1, 1],
+      [true, 1, 0],
+      [true, 1, -1],
+      [true, 0.4, -0.4],
+    ]);
+  });
+
   test("auto-repeat says nothing new, and does not restart after a release", () => {
     const { sent, state } = run([
       down("KeyW"),
@@ -72,7 +83,7 @@ describe("keyboard", () => {
     expect(brief(run([{ type: "preset", factor: 0.3 }, down("KeyW"), down("ShiftLeft")]).sent)).toEqual([
       [true, 0.3, 0],
     ]);
-    expect(run([down("KeyQ"), down("ShiftLeft"), tick]).sent).toEqual([]);
+    expect(run([down("KeyZ"), down("ShiftLeft"), tick]).sent).toEqual([]);
   });
 });
 
@@ -94,13 +105,13 @@ describe("what is not allowed does not drive", () => {
 });
 
 describe("stick", () => {
-  const start: Input = { type: "stick-start", axes: { linear: 0.5, angular: -0.2 } };
+  const start: Input = { type: "stick-start", axes: { linear: 0.5, angular: -0.2, lateral: 0 } };
 
   test("is clamped, and a centred stick under a finger still holds", () => {
     const { sent } = run([
       start,
-      { type: "stick-move", axes: { linear: 3, angular: -7 } },
-      { type: "stick-move", axes: { linear: 0, angular: 0 } },
+      { type: "stick-move", axes: { linear: 3, angular: -7, lateral: 0 } },
+      { type: "stick-move", axes: { linear: 0, angular: 0, lateral: 0 } },
     ]);
     expect(brief(sent)).toEqual([
       [true, 0.5, -0.2],
@@ -110,7 +121,11 @@ describe("stick", () => {
   });
 
   test("moves after a lost pointer are ignored until it is grasped again", () => {
-    const { sent } = run([start, { type: "release" }, { type: "stick-move", axes: { linear: 1, angular: 0 } }]);
+    const { sent } = run([
+      start,
+      { type: "release" },
+      { type: "stick-move", axes: { linear: 1, angular: 0, lateral: 0 } },
+    ]);
     expect(brief(sent)).toEqual([
       [true, 0.5, -0.2],
       [false, 0, 0],
@@ -127,14 +142,14 @@ describe("stick", () => {
   });
 
   test("numbers that are none stop", () => {
-    expect(brief(run([{ type: "stick-start", axes: { linear: NaN, angular: Infinity } }]).sent)).toEqual([
+    expect(brief(run([{ type: "stick-start", axes: { linear: NaN, angular: Infinity, lateral: 0 } }]).sent)).toEqual([
       [true, 0, 0],
     ]);
   });
 });
 
 describe("gamepad", () => {
-  const pad = (linear: number): Input => ({ type: "pad", axes: { linear, angular: 0 } });
+  const pad = (linear: number): Input => ({ type: "pad", axes: { linear, angular: 0, lateral: 0 } });
   const let_go: Input = { type: "pad", axes: null };
 
   test("drives only while its dead-man is held", () => {
@@ -176,10 +191,10 @@ describe("override", () => {
   });
 
   test("a key, a trigger and the button on screen are the same, whichever hand drives", () => {
-    const stick: Input = { type: "stick-start", axes: { linear: 1, angular: 0 } };
+    const stick: Input = { type: "stick-start", axes: { linear: 1, angular: 0, lateral: 0 } };
     expect(said([stick, down("KeyO")]).at(-1)).toEqual([true, true]);
     expect(said([down("KeyO"), down("KeyW")])).toEqual([[true, true]]);
-    const pad: Input = { type: "pad", axes: { linear: 1, angular: 0 }, override: true };
+    const pad: Input = { type: "pad", axes: { linear: 1, angular: 0, lateral: 0 }, override: true };
     expect(said([pad])).toEqual([[true, true]]);
     expect(said([pad, { ...pad, override: false }])).toEqual([
       [true, true],
@@ -198,7 +213,7 @@ describe("override", () => {
   test("a release ends it: it must be pressed again", () => {
     const { state } = run([hold, down("KeyO"), down("KeyW"), { type: "release" }]);
     expect(said([down("KeyO", true), down("KeyW")], state)).toEqual([[true, false]]);
-    const pad: Input = { type: "pad", axes: { linear: 1, angular: 0 }, override: true };
+    const pad: Input = { type: "pad", axes: { linear: 1, angular: 0, lateral: 0 }, override: true };
     const after = run([pad, { type: "release" }, pad, down("KeyW")]);
     expect(after.sent.map((c) => c.override)).toEqual([true, false, false]);
   });
@@ -270,10 +285,10 @@ test("whatever is pressed and lost: a release always ends in not held, with sequ
     up("KeyW"),
     down("KeyA"),
     down("ShiftLeft"),
-    { type: "stick-start", axes: { linear: 1, angular: 0 } },
-    { type: "stick-move", axes: { linear: 0.2, angular: 1 } },
+    { type: "stick-start", axes: { linear: 1, angular: 0, lateral: 0 } },
+    { type: "stick-move", axes: { linear: 0.2, angular: 1, lateral: 0 } },
     { type: "stick-end" },
-    { type: "pad", axes: { linear: 1, angular: 1 } },
+    { type: "pad", axes: { linear: 1, angular: 1, lateral: 0 } },
     { type: "pad", axes: null },
     { type: "override", held: true },
     { type: "head-start", axes: { pan: 1, tilt: -1 } },

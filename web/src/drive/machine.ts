@@ -12,8 +12,8 @@
  * The head is a hold of its own, too, by its keys or its stick, with the base or alone.
  */
 
-import type { Axes, HeadAxes } from "./axes";
-import { axesOfKeys, DRIVE_KEYS, HEAD_KEYS, headAxesOfKeys, OVERRIDE_KEYS, SLOW_KEYS } from "./keys";
+import { type Axes, CENTRE, type HeadAxes } from "./axes";
+import { axesOfKeys, DRIVE_KEYS, HEAD_KEYS, headAxesOfKeys, OVERRIDE_KEYS, SLOW_KEYS, STRAFE_KEYS } from "./keys";
 
 export type Source = "stick" | "gamepad" | "keyboard";
 
@@ -66,7 +66,7 @@ export interface Step {
 export const TICK_MS = 50;
 const SLOW_FACTOR = 0.4;
 const FAREWELLS = 3;
-const STILL = { held: false, linear: 0, angular: 0, override: false, head_held: false, pan: 0, tilt: 0 };
+const STILL = { held: false, ...CENTRE, override: false, head_held: false, pan: 0, tilt: 0 };
 
 export function initialDrive(factor: number): DriveState {
   return {
@@ -134,7 +134,8 @@ function take(state: DriveState, input: Exclude<Input, { type: "tick" }>): Drive
 }
 
 function takeKey(state: DriveState, input: { code: string; down: boolean; repeat?: boolean }): DriveState {
-  if (![DRIVE_KEYS, HEAD_KEYS, SLOW_KEYS, OVERRIDE_KEYS].some((keys) => keys.has(input.code))) return state;
+  if (![DRIVE_KEYS, HEAD_KEYS, STRAFE_KEYS, SLOW_KEYS, OVERRIDE_KEYS].some((keys) => keys.has(input.code)))
+    return state;
   if (input.down === state.keys.has(input.code)) return state;
   // A repeat of a key we do not know as held was pressed before a release: it must be pressed again.
   if (input.down && (input.repeat || !state.allowed)) return state;
@@ -169,7 +170,7 @@ function letGo(state: DriveState): DriveState {
 
 function settle(before: DriveState, taken: DriveState): Step {
   const source = chooseSource(taken);
-  const axes = source ? scale(axesOf(taken, source), factorOf(taken)) : { linear: 0, angular: 0 };
+  const axes = source ? scale(axesOf(taken, source), factorOf(taken)) : CENTRE;
   const held = source !== null;
   const override = held && overrides(taken);
   const head = headAxes(taken);
@@ -206,7 +207,7 @@ function axesOfSource(state: DriveState, source: Source): Axes | null {
 }
 
 function axesOf(state: DriveState, source: Source): Axes {
-  return axesOfSource(state, source) ?? { linear: 0, angular: 0 };
+  return axesOfSource(state, source) ?? CENTRE;
 }
 
 /** Whether any hand holds the override, whichever drives. */
@@ -232,11 +233,19 @@ function factorOf(state: DriveState): number {
 }
 
 function scale(axes: Axes, factor: number): Axes {
-  return { linear: round(axes.linear * factor), angular: round(axes.angular * factor) };
+  return {
+    linear: round(axes.linear * factor),
+    angular: round(axes.angular * factor),
+    lateral: round(axes.lateral * factor),
+  };
 }
 
 function clampAxes(axes: Axes): Axes {
-  return { linear: clamp(axes.linear, -1, 1), angular: clamp(axes.angular, -1, 1) };
+  return {
+    linear: clamp(axes.linear, -1, 1),
+    angular: clamp(axes.angular, -1, 1),
+    lateral: clamp(axes.lateral, -1, 1),
+  };
 }
 
 function clampHead(axes: HeadAxes): HeadAxes {
@@ -256,5 +265,5 @@ function sameHead(a: HeadAxes, b: HeadAxes): boolean {
 }
 
 function same(a: Axes, b: Axes): boolean {
-  return a.linear === b.linear && a.angular === b.angular;
+  return a.linear === b.linear && a.angular === b.angular && a.lateral === b.lateral;
 }

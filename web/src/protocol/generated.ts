@@ -37,12 +37,33 @@ export interface AudioFacts {
   speak: boolean;
 }
 
-/** Limits of the mobile base: speeds (m/s, rad/s) and accelerations (m/s^2, rad/s^2), all positive. */
+/**
+ * Limits of the mobile base: speeds (m/s, rad/s) and accelerations (m/s^2, rad/s^2), all positive. ``lateral_mps`` is
+ * the greatest speed sideways, 0 for a base that cannot move so (a differential drive). Forward and sideways speeds are
+ * limited together, as a vector within the ellipse of both limits; its change is within ``linear_mps2``.
+ */
 export interface BaseLimits {
   linear_mps: number;
   angular_radps: number;
   linear_mps2: number;
   angular_radps2: number;
+  lateral_mps: number;
+}
+
+/** State of the body's battery. */
+export interface BatteryState {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  /** Share of the capacity that is left, 0 to 1. */
+  charge: number;
+  /** At its terminals, V. */
+  voltage_v: number;
+  /** Into the battery, A: negative while it discharges. */
+  current_a: number;
+  /** Whether a charger supplies power, also once the battery is full. */
+  charging: boolean;
+  /** Time until it is empty, or full while it charges, at the mean power of the last minute; null: neither. */
+  remaining_s: number | null;
 }
 
 /**
@@ -163,6 +184,14 @@ export interface EventList {
   events: TimelineEvent[];
 }
 
+/** The robot's face. */
+export interface FaceReport {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  /** Positions (rad) of the actuator group `face`, by joint. */
+  joints: Record<string, number>;
+}
+
 /** A goal that the robot has given up. */
 export interface GivenUpModel {
   stamp: number;
@@ -210,6 +239,26 @@ export interface Guard {
   e_stopped: boolean;
   command_age_ms: number | null;
   applied: Velocity;
+}
+
+/** An utterance heard while words were listened for, also where it was none of them. */
+export interface HeardWords {
+  /** When the utterance began: seconds of the robot's clock. */
+  stamp: number;
+  /** The word or phrase that was said; empty where that is unsure. */
+  text: string;
+  /** Whether to ask again: nothing may be done upon it. */
+  unsure: boolean;
+  /** Of `likeliest`, 0 to 1. */
+  confidence: number;
+  /** Which of the words is the likeliest, also where it is unsure; empty: none. */
+  likeliest: string;
+  /** Where it came from: a unit vector in `base_link`, from the array's middle. */
+  direction: [number, number, number];
+  /** What was listened for. */
+  words: string[];
+  /** Of the words, as `en`. */
+  language: string;
 }
 
 /** What can be seen and done here. */
@@ -486,6 +535,7 @@ export interface OdometryReport {
   theta: number;
   linear_mps: number;
   angular_radps: number;
+  lateral_mps: number;
 }
 
 /** A pose: m and rad. */
@@ -833,6 +883,7 @@ export interface TimelineEvent {
   stamp: number;
   kind:
     | "accomplishment"
+    | "battery"
     | "capacity"
     | "desire"
     | "exploitation"
@@ -853,10 +904,11 @@ export interface TimelineEvent {
   data: Record<string, unknown>;
 }
 
-/** Forward m/s and turn rad/s (left positive). */
+/** Forward m/s, turn rad/s and sideways m/s (left positive). */
 export interface Velocity {
   linear_mps: number;
   angular_radps: number;
+  lateral_mps: number;
 }
 
 /** Every zone of the map. */
@@ -901,7 +953,10 @@ export interface DesireChange {
   ttl?: number | null;
 }
 
-/** A drive command of the operator: of the base while ``held``, of the head while ``head_held``. */
+/**
+ * A drive command of the operator: of the base while ``held``, of the head while ``head_held``. Shares of the body's
+ * limits: forward, turn left, sideways to the left; the head left and up.
+ */
 export interface DriveMessage {
   type: "drive";
   t?: number | null;
@@ -912,6 +967,7 @@ export interface DriveMessage {
   linear: number;
   angular: number;
   override?: boolean;
+  lateral?: number;
   head_held?: boolean;
   pan?: number;
   tilt?: number;
@@ -1111,6 +1167,10 @@ export interface RobotMessages {
   perceived: PlacedPercepts;
   /** On change, up to 20 times a second: what the robot says, for subtitles. */
   speech: Speech;
+  /** Once a second, of a body with a battery: its charge. */
+  battery: BatteryState;
+  /** As they come: an utterance while words are listened for. */
+  heard_words: HeardWords;
   /** Five times a second while it is desired: what stands out around. */
   salient_regions: SalientRegions;
   /** With it: how salient all directions are. */

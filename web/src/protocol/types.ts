@@ -1,6 +1,6 @@
 /** The records of `generated.ts`, some of them under the page's own names, and what follows from them. */
 
-import type { FromRobot as Declared, GridInfo as Grid, LaneRow, Notice, TimedMessage } from "./generated";
+import type { FromRobot as Declared, FaceReport, GridInfo as Grid, LaneRow, Notice, TimedMessage } from "./generated";
 
 export type {
   DesireClassReport as DesireClass,
@@ -29,7 +29,10 @@ export type { JsonSchema } from "./jsonSchema";
 /** The newest message of a channel that a panel of a package named; the package declares its shape. */
 export type ChannelFrame = { type: "channel"; channel: string; message: { stamp: number } };
 
-export type FromRobot = Declared | ChannelFrame;
+/** Where the joints of the face are, on the stream of the face. */
+export type FaceFrame = { type: "face" } & FaceReport;
+
+export type FromRobot = Declared | ChannelFrame | FaceFrame;
 
 export type LaneState = LaneRow["state"];
 

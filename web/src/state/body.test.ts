@@ -8,6 +8,7 @@ const hello = (some: Partial<Hello>) =>
   ({ drive: true, head: true, channels: EVERYTHING, classes: [], ...some }) as Hello;
 const ALL = {
   drives: true,
+  strafes: false,
   turnsHead: true,
   maps: true,
   goes: true,
@@ -31,6 +32,7 @@ test("a camera on a desk drives nowhere, maps nothing, and places nothing", () =
   const channels = { ...EVERYTHING, map: false, scan: false, point_cloud: false };
   const nothing = {
     drives: false,
+    strafes: false,
     turnsHead: false,
     maps: false,
     goes: false,
@@ -49,4 +51,10 @@ test("depth gives things a place without a laser", () => {
 test("a recording has faces and voices that no module looks for now", () => {
   const body = bodyOf(hello({ playback: {} as Hello["playback"] & {}, classes: [kind("LocateVoices", false)] }));
   expect([body.faces, body.voices]).toEqual([true, true]);
+});
+
+test("one whose limits have a sideways speed strafes", () => {
+  const robot = (lateral_mps: number) => ({ limits: { lateral_mps } }) as Hello["robot"];
+  expect(bodyOf(hello({ robot: robot(0.3) })).strafes).toBe(true);
+  expect(bodyOf(hello({ robot: robot(0) })).strafes).toBe(false);
 });

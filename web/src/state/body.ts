@@ -5,6 +5,8 @@ import type { Hello } from "../protocol/types";
 export interface BodySkills {
   /** Hands can drive it. */
   drives: boolean;
+  /** It moves sideways. */
+  strafes: boolean;
   /** Hands can turn its head. */
   turnsHead: boolean;
   /** It makes, or shows, a map. */
@@ -20,13 +22,14 @@ export interface BodySkills {
   voices: boolean;
 }
 
-/** Of one that has not greeted yet: all. */
+/** Of one that has not greeted yet: all but the unusual. */
 export function bodyOf(hello: Hello | null): BodySkills {
   const { scan, point_cloud, map } = hello?.channels ?? {};
   const serves = (kind: string) => !hello || hello.classes.some(({ name, served }) => name === kind && served);
   const recorded = !!hello?.playback;
   return {
     drives: hello?.drive !== false,
+    strafes: (hello?.robot?.limits.lateral_mps ?? 0) > 0,
     turnsHead: hello?.head !== false,
     maps: map !== false,
     goes: serves("GoTo"),

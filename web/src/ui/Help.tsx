@@ -8,6 +8,7 @@ type Rows = [string[], string][];
 
 const DRIVE: Rows = [
   [["W", "A", "S", "D"], "Hold to drive; the arrow keys work too"],
+  [["Q", "E"], "Hold: move sideways, where the robot can"],
   [["Shift"], "Hold: drive slowly"],
   [["O"], "Hold while driving: crawl without the collision monitor. It does not stop for obstacles: watch it"],
   [["Space"], "Stop driving and cancel the goal. Then release all keys and press again to drive"],
@@ -65,6 +66,7 @@ export function Help() {
   const stop = drives || goes || maps ? STOP : STOP_ALONE;
   const speak = store.hello.value?.audio.speak === false ? [] : SPEAK;
   const keys = [...(drives ? DRIVE : []), ...(turnsHead ? HEAD : []), ...stop, ...speak, ...SHEET];
+  const faced = store.hello.value?.classes.some((each) => each.name === "Express");
   useEffect(() => {
     if (open) close.current?.focus();
   }, [open]);
@@ -94,6 +96,14 @@ export function Help() {
           Letting go ends your driving; so do another window, a hidden tab, a lost pointer, an unplugged gamepad and a
           cut link. To a goal the robot goes by itself, until Space, Cancel or the emergency stop ends that. Keys typed
           in a field never drive.
+        </p>
+      )}
+      {faced && (
+        <p class="small">
+          <a href="./face" target="_blank" rel="noopener" data-testid="face-link">
+            {"The robot’s face"}
+          </a>
+          {", on a page of its own for a full screen"}
         </p>
       )}
     </div>

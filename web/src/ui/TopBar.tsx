@@ -4,6 +4,7 @@ import type { ComponentChildren } from "preact";
 import { Marker } from "../playback/Marker";
 import { RecordButton } from "../recordings/RecordButton";
 import { useApp } from "../state/context";
+import { Battery } from "./Battery";
 import { cautionWords } from "./cautions";
 import { driverName, driverWords } from "./driver";
 import { EStop } from "./EStop";
@@ -87,6 +88,7 @@ export function TopBar({ narrow }: { narrow: boolean }) {
           </p>
         )}
         <dl class="metrics">
+          <Battery />
           <Metric
             id="rtt"
             label="Link"

@@ -24,6 +24,25 @@ export const StopIcon = () => (
     <path d="M8 2h8l6 6v8l-6 6H8l-6-6V8z" />
   </Icon>
 );
+/** Filled as far as it is charged; with a bolt while it is being charged. */
+export const BatteryIcon = ({ charge, charging }: { charge: number; charging: boolean }) => (
+  <Icon>
+    <rect x="2" y="7" width="17" height="10" rx="2" />
+    <path d="M22 11v2" />
+    {charging ? (
+      <path d="M11.5 5l-3.5 7h5l-3.5 7" />
+    ) : (
+      <rect
+        x="4.5"
+        y="9.5"
+        width={12 * Math.min(1, Math.max(0, charge))}
+        height="5"
+        fill="currentColor"
+        stroke="none"
+      />
+    )}
+  </Icon>
+);
 export const WheelIcon = () => (
   <Icon>
     <circle cx="12" cy="12" r="9" />

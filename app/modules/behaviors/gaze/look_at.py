@@ -32,7 +32,7 @@ from app.runtime.module import ModuleContext
 Frame = Literal["base_link", "odom", "map"]
 
 #: States of localization whose pose is good enough to aim by.
-_LOCALIZED = ("mapping", "tracking")
+LOCALIZED = ("mapping", "tracking")
 
 
 class LookAtParameters(BaseModel):
@@ -113,7 +113,7 @@ class LookAt(GazeBehavior[LookAtParameters]):
             await self._take_landmarks(self.landmarks.channel.latest)
 
     async def _take_localization(self, localization: Localization) -> None:
-        self._X_MO = localization.X_MO if localization.state in _LOCALIZED else None
+        self._X_MO = localization.X_MO if localization.state in LOCALIZED else None
 
     async def _take_landmarks(self, message: Landmarks) -> None:
         self._places = {landmark.text: np.array(landmark.p_OQ) for landmark in message.landmarks}

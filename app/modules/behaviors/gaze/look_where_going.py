@@ -26,13 +26,13 @@ from app.base.geometry import Pose2
 from app.messages import Exploitation, Localization, PlannedPath
 from app.modules.behaviors.gaze.gaze_behavior import GazeBehavior, GazeSettings, Look
 from app.modules.behaviors.gaze.look_ahead import ahead_on_arc, ahead_on_path
+from app.modules.behaviors.gaze.look_at import LOCALIZED
 from app.runtime.module import Caution, ModuleContext
 
 #: Slower than this (m/s, rad/s) the base stands.
 _STANDS = 0.02
 #: Greatest age (s) of the arbiter's report.
 _FRESH_S = 0.5
-_LOCALIZED = ("mapping", "tracking")
 
 LOOK_WHERE_GOING = DesireClass(
     name="LookWhereGoing",
@@ -82,7 +82,7 @@ class LookWhereGoing(GazeBehavior[NoParameters]):
         self._path = path.poses[:, :2]
 
     async def _take_localization(self, localization: Localization) -> None:
-        self._X_MO = localization.X_MO if localization.state in _LOCALIZED else None
+        self._X_MO = localization.X_MO if localization.state in LOCALIZED else None
 
     def cautions(self) -> tuple[Caution, ...]:
         """None for its reports: there is no end to it."""

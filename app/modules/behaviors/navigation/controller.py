@@ -18,7 +18,7 @@ _SPACING_M = 0.02
 #: Scale of a second outline within the first: an obstacle thin enough to pass between two steps of a rollout meets it.
 _INNER = 0.85
 
-Limits = tuple[float, float, float, float, float, float]
+Limits = tuple[float, float, float, float, float, float, float]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -28,7 +28,8 @@ class BodyModel:
     ``outline`` (P, 2) float64, m in ``base_link``: points of the footprint's edge, then as many of a smaller copy
     within it. ``radii``: of the largest circle about ``base_link`` inside the footprint, and of the smallest around it.
     ``limits``: least and greatest linear velocity (m/s), greatest angular velocity (rad/s), linear and angular
-    acceleration (m/s^2, rad/s^2), linear braking (m/s^2). ``front_m``: greatest x of the edge.
+    acceleration (m/s^2, rad/s^2), linear braking (m/s^2), greatest lateral velocity (m/s; 0: none). ``front_m``:
+    greatest x of the edge.
     """
 
     outline: NDArray[np.float64]
@@ -71,15 +72,21 @@ class BodyModel:
                 limits.linear_mps2,
                 limits.angular_radps2,
                 limits.linear_mps2,
+                limits.lateral_mps,
             ),
             front_m=float(corners[:, 0].max()),
         )
 
     def limited(self, share: float) -> BodyModel:
         """The same body with its speeds scaled by ``share`` (in ]0, 1])."""
-        low, high, turn, linear_mps2, angular_radps2, braking = self.limits
-        limits = (low * share, high * share, turn * share, linear_mps2, angular_radps2, braking)
-        return replace(self, limits=limits)
+        low, high, turn, linear_mps2, angular_radps2, braking, lateral = self.limits
+        speeds = (low * share, high * share, turn * share)
+        return replace(self, limits=(*speeds, linear_mps2, angular_radps2, braking, lateral * share))
+
+    @property
+    def holonomic(self) -> bool:
+        """Whether the body can move sideways."""
+        return self.limits[6] > 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,18 +96,24 @@ class MotionState:
     pose: Pose2
     linear_mps: float
     angular_radps: float
+    lateral_mps: float = 0.0
 
     @property
-    def state(self) -> tuple[float, float, float, float, float]:
-        return (self.pose.x, self.pose.y, self.pose.theta, self.linear_mps, self.angular_radps)
+    def speed_mps(self) -> float:
+        """Speed in whatever direction (m/s)."""
+        return math.hypot(self.linear_mps, self.lateral_mps)
+
+    @property
+    def state(self) -> tuple[float, float, float, float, float, float]:
+        return (self.pose.x, self.pose.y, self.pose.theta, self.linear_mps, self.angular_radps, self.lateral_mps)
 
     def after(self, time_s: float) -> MotionState:
         """The state ``time_s`` later at constant velocities."""
         middle = self.pose.theta + 0.5 * self.angular_radps * time_s
-        step = self.linear_mps * time_s
+        step, aside = self.linear_mps * time_s, self.lateral_mps * time_s
         pose = Pose2(
-            self.pose.x + step * math.cos(middle),
-            self.pose.y + step * math.sin(middle),
+            self.pose.x + step * math.cos(middle) - aside * math.sin(middle),
+            self.pose.y + step * math.sin(middle) + aside * math.cos(middle),
             self.pose.theta + self.angular_radps * time_s,
         )
         return replace(self, pose=pose)
@@ -138,6 +151,7 @@ class VelocityChoice:
     linear_mps: float
     angular_radps: float
     blocked: bool
+    lateral_mps: float = 0.0
 
 
 class Controller(Protocol):

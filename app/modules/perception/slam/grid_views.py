@@ -39,7 +39,7 @@ def state_of(grid: OccupancyGrid) -> SlamState:
     for x, y in _free_cells(grid).tolist():
         column, row = (x - grid.origin[0]) / grid.resolution_m, (y - grid.origin[1]) / grid.resolution_m
         ranges = cast_grid(occupied, unknown, column, row, angles, REACH_M / grid.resolution_m) * grid.resolution_m
-        scan = prepared(ranges, beams, twist=(0.0, 0.0), sweep_s=0.0, range_max_m=REACH_M, thinning_m=THINNED_M)
+        scan = prepared(ranges, beams, twist=(0.0, 0.0, 0.0), sweep_s=0.0, range_max_m=REACH_M, thinning_m=THINNED_M)
         if not len(scan.points):
             continue
         id = len(keyframes)

@@ -131,7 +131,7 @@ class MapSession:
     # --- Ahead -----------------------------------------------------------------------------------------------------
 
     def follow(
-        self, scan: LaserScan, X_OB: Pose2, twist: tuple[float, float], maps: bool = True, rays: int = 1
+        self, scan: LaserScan, X_OB: Pose2, twist: tuple[float, float, float], maps: bool = True, rays: int = 1
     ) -> ScanResult | None:
         """*Ahead.* Take every ``rays``-th ray of a scan, with the body at ``X_OB`` and moving with ``twist``.
 

@@ -130,10 +130,11 @@ class Slam:
         ranges: NDArray[np.floating],
         beams: BeamGeometry,
         X_OB: Pose2,
-        twist: tuple[float, float] = (0.0, 0.0),
+        twist: tuple[float, float, float] = (0.0, 0.0, 0.0),
         sweep_s: float = 0.0,
     ) -> Match:
-        """Take one sweep, started at ``stamp`` with the body at ``X_OB`` and moving with ``twist`` (m/s, rad/s)."""
+        """Take one sweep, started at ``stamp`` with the body at ``X_OB`` and moving with ``twist`` (m/s,
+        rad/s, sideways m/s)."""
         step = self._X_OB.inverse() @ X_OB if self._X_OB is not None else Pose2()
         self._X_OB = X_OB
         if self._keyframes:

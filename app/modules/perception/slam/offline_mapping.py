@@ -25,7 +25,7 @@ class Sweep:
     ranges: NDArray[np.floating]
     beams: BeamGeometry
     X_OB: Pose2
-    twist: tuple[float, float] = (0.0, 0.0)
+    twist: tuple[float, float, float] = (0.0, 0.0, 0.0)
     sweep_s: float = 0.0
 
 

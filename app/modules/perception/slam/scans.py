@@ -54,13 +54,13 @@ class Scan:
 def prepared(
     ranges: NDArray[np.floating],
     beams: BeamGeometry,
-    twist: tuple[float, float],
+    twist: tuple[float, float, float],
     sweep_s: float,
     range_max_m: float,
     thinning_m: float,
 ) -> Scan:
     """The scan of ``ranges`` (N,) m, measured over ``sweep_s`` from the first ray to the last, with the body's
-    ``twist``.
+    ``twist`` (m/s forward, rad/s, m/s to the left).
 
     Points nearer to the last one than ``thinning_m`` or farther than ``range_max_m`` from the laser are omitted. Raises
     ValueError where the number of ranges differs from that of the beams.
@@ -78,6 +78,7 @@ def prepared(
         beams.X_BL.theta,
         twist[0],
         twist[1],
+        twist[2],
         sweep_s,
     )
     limit = min(range_max_m, range_max)
@@ -93,10 +94,10 @@ def prepared(
 
 @kernel(
     "Tuple((float64[:, ::1], float64[:, ::1]))(float64[::1], float64[::1], float64, float64, float64, float64, float64,"
-    " float64, float64)"
+    " float64, float64, float64)"
 )
 def _ends(
-    ranges, angles, range_max, laser_x, laser_y, laser_theta, speed, turn_rate, sweep_s
+    ranges, angles, range_max, laser_x, laser_y, laser_theta, speed, turn_rate, lateral, sweep_s
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Ends and origins (N, 2) of all rays in the base frame at the sweep's begin, for a constant twist."""
     count = len(ranges)
@@ -106,10 +107,11 @@ def _ends(
         elapsed = sweep_s * i / max(count - 1, 1)
         turned = turn_rate * elapsed
         half = 0.5 * turned
-        # Chord of the arc driven so far.
-        chord = speed * elapsed * (math.sin(half) / half if abs(half) > 1e-9 else 1.0)
-        base_x = chord * math.cos(half)
-        base_y = chord * math.sin(half)
+        # Chord of the arc driven so far: its parts along and across its own heading.
+        shorter = math.sin(half) / half if abs(half) > 1e-9 else 1.0
+        ahead, aside = speed * elapsed * shorter, lateral * elapsed * shorter
+        base_x = ahead * math.cos(half) - aside * math.sin(half)
+        base_y = ahead * math.sin(half) + aside * math.cos(half)
         c = math.cos(turned)
         s = math.sin(turned)
         origins[i, 0] = base_x + c * laser_x - s * laser_y

@@ -96,6 +96,32 @@ class VoiceActivityDetector:
             stream.speech = before + (float(probabilities[index, 0]) - before) * min(1.0, counts / stream.judged)
 
 
+class SpeechProbability:
+    """Probability of speech in each 32 ms of one sound, by itself: what begins and ends an utterance is found by it."""
+
+    def __init__(self) -> None:
+        self._network = _load()
+        self.reset()
+
+    def reset(self) -> None:
+        """Discard the past: the next samples do not follow the last."""
+        self._stream = _Stream(*self._network.after_quiet)
+
+    def update(self, sound: Sound) -> list[float]:
+        """Take the next samples (N,) float32, in [-1, 1), at 16 kHz; the probability of each chunk that they end."""
+        stream = self._stream
+        stream.waiting = np.concatenate([stream.waiting, sound])
+        found = []
+        while len(stream.waiting) >= CHUNK:
+            levelled, _ = stream.gain.apply(stream.waiting[:CHUNK])
+            chunk = np.concatenate([stream.context, levelled])
+            probabilities, states = self._network(chunk[None], stream.state[:, None])
+            stream.context, stream.state = levelled[-CONTEXT:], states[:, 0]
+            stream.waiting = stream.waiting[CHUNK:]
+            found.append(float(probabilities[0, 0]))
+        return found
+
+
 class _SileroNetwork:
     """The network: chunks (B, 576) and states (2, B, 128) in, probabilities (B, 1) and new states out."""
 

@@ -42,6 +42,8 @@ class Order:
 
 
 STEEL: Vector = (0.45, 0.47, 0.50)
+DOCK_BLOCK_M, DOCK_CONTACTS_M = 0.09, 0.13
+"""How far (m) a dock's block, and the contacts that stand out of it, reach out from where its plates meet."""
 BLACK: Vector = (0.10, 0.10, 0.11)
 WHITE: Vector = (0.88, 0.88, 0.86)
 
@@ -256,6 +258,28 @@ def _robot_arm(o: Order) -> list[Part]:
     ]
 
 
+def _dock(o: Order) -> list[Part]:
+    """A charging dock: two upright plates meet in a V of 120° at the piece's origin, open to its front; below, a block
+    with two contacts that stand out of it. ``size``: width of the V's mouth, depth of the block, height."""
+    mouth, depth, height = o.size
+    half, thick, tall = np.pi / 3, 0.02, 0.2
+    plate = mouth / 2 / np.sin(half)
+    parts = [
+        Part("box", (0, depth / 2 - DOCK_BLOCK_M, 0.12), (0.3, depth, 0.24), STEEL),
+        Part("box", (0, 0.06, height / 2), (0.08, 0.08, height), STEEL),
+    ]
+    for side in (-1, 1):
+        # The plate's face is the V's line; its thickness is behind.
+        turn = side * (half - np.pi / 2)
+        x, y = side * plate / 2 * np.sin(half), -plate / 2 * np.cos(half)
+        middle = (x + side * thick / 2 * np.cos(half), y + thick / 2 * np.sin(half), height - tall / 2)
+        parts.append(Part("box", middle, (plate, thick, tall), o.material, (0, 0, turn)))
+        contact = (side * 0.08, -(DOCK_BLOCK_M + DOCK_CONTACTS_M) / 2, 0.14)
+        size = (0.03, DOCK_CONTACTS_M - DOCK_BLOCK_M, 0.02)
+        parts.append(Part("box", contact, size, (0.8, 0.6, 0.2), solid=False))
+    return parts
+
+
 def _extinguisher(o: Order) -> list[Part]:
     height = o.size[2]
     return [
@@ -285,6 +309,7 @@ _KINDS: dict[str, _Kind] = {
     "window": (_flat, (1.6, 0.04, 1.3), "window", (0.7, 0.8, 0.9)),
     "workbench": (_workbench, (1.8, 0.75, 0.9), "beech", (0.65, 0.5, 0.3)),
     "robot_arm": (_robot_arm, (0.6, 0.5, 1.6), "dark_steel", (0.3, 0.32, 0.35)),
+    "dock": (_dock, (0.433, 0.2, 0.5), "yellow", (0.85, 0.7, 0.2)),
     "extinguisher": (_extinguisher, (0.15, 0.15, 0.45), "red", (0.75, 0.08, 0.07)),
 }
 

@@ -16,6 +16,7 @@ from app.modules.behaviors.navigation.planning.reference_path import ReferencePa
 LIMITS = BaseLimits(0.40, 1.00, 0.40, 4.00)
 SQUARE = ((0.25, -0.25), (0.25, 0.25), (-0.25, 0.25), (-0.25, -0.25))
 FAST = BaseLimits(2.0, 4.0, 4.0, 12.0)
+HOLONOMIC = BaseLimits(0.40, 1.00, 0.40, 4.00, lateral_mps=0.30)
 LONG = ((0.254, -0.215), (0.254, 0.215), (-0.254, 0.215), (-0.254, -0.215))
 
 
@@ -54,17 +55,18 @@ def distance_to(obstacles: NDArray[np.float64], pose: Pose2, half_x: float, half
     return float(np.where(outside > 0, outside, np.maximum(ahead, aside)).min())
 
 
-def driven(motion: MotionState, linear: float, angular: float, limits: BaseLimits, time_s: float) -> MotionState:
+def driven(
+    motion: MotionState, linear: float, angular: float, limits: BaseLimits, time_s: float, *, lateral: float = 0.0
+) -> MotionState:
     """What a body with these limits does, in steps of 5 ms."""
-    pose, v, w = motion.pose, motion.linear_mps, motion.angular_radps
+    pose, v, w, u = motion.pose, motion.linear_mps, motion.angular_radps, motion.lateral_mps
     for _ in range(max(1, round(time_s / 0.005))):
-        v += float(np.clip(linear - v, -limits.linear_mps2 * 0.005, limits.linear_mps2 * 0.005))
+        v, u = limits.ramped((v, u), (linear, lateral), 0.005)
         w += float(np.clip(angular - w, -limits.angular_radps2 * 0.005, limits.angular_radps2 * 0.005))
         middle = pose.theta + 0.5 * w * 0.005
-        pose = Pose2(
-            pose.x + v * math.cos(middle) * 0.005, pose.y + v * math.sin(middle) * 0.005, pose.theta + w * 0.005
-        )
-    return MotionState(pose, v, w)
+        c, s = math.cos(middle) * 0.005, math.sin(middle) * 0.005
+        pose = Pose2(pose.x + v * c - u * s, pose.y + v * s + u * c, pose.theta + w * 0.005)
+    return MotionState(pose, v, w, u)
 
 
 def body_of(limits: BaseLimits, footprint: tuple[tuple[float, float], ...]) -> BodyModel:

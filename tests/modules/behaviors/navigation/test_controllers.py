@@ -12,11 +12,12 @@ from hypothesis import strategies as st
 
 from app.base.geometry import Pose2
 from app.link import BaseLimits
-from app.modules.behaviors.navigation.controller import BodyModel, MotionState
+from app.modules.behaviors.navigation.controller import BodyModel, LocalPath, MotionState
 from app.modules.behaviors.navigation.planning.reference_path import ReferencePath
-from app.modules.behaviors.navigation.tracking.control_cycle import CONTROLLERS, controller_named
+from app.modules.behaviors.navigation.tracking.control_cycle import CONTROLLERS, FORWARD_ONLY, controller_named
 from tests.modules.behaviors.navigation.scenes import (
     FAST,
+    HOLONOMIC,
     LIMITS,
     LONG,
     SQUARE,
@@ -28,7 +29,11 @@ from tests.modules.behaviors.navigation.scenes import (
     way_along,
 )
 
-BODIES = {"slow": (LIMITS, SQUARE, 0.1), "fast": (FAST, LONG, 0.05)}
+BODIES = {
+    "slow": (LIMITS, SQUARE, 0.1),
+    "fast": (FAST, LONG, 0.05),
+    "holonomic": (HOLONOMIC, SQUARE, 0.1),
+}
 
 
 @pytest.fixture(params=CONTROLLERS)
@@ -37,7 +42,9 @@ def name(request: pytest.FixtureRequest) -> str:
 
 
 @pytest.fixture(params=BODIES)
-def kind(request: pytest.FixtureRequest) -> str:
+def kind(request: pytest.FixtureRequest, name: str) -> str:
+    if request.param == "holonomic" and name in FORWARD_ONLY:
+        pytest.skip("it is for differential bases")
     return str(request.param)
 
 
@@ -50,12 +57,17 @@ def test_never_into_what_it_could_not_stop_before(name: str, kind: str, data: st
     random = np.random.default_rng(data.draw(st.integers(0, 2**32 - 1)))
     obstacles = random.uniform(-2.5, 2.5, (data.draw(st.integers(1, 60)), 2))
     pose = Pose2(0.0, 0.0, data.draw(st.floats(-3, 3)))
-    motion = MotionState(pose, data.draw(st.floats(0, limits.linear_mps)), data.draw(st.floats(-1, 1)))
+    motion = MotionState(
+        pose,
+        data.draw(st.floats(0, limits.linear_mps)),
+        data.draw(st.floats(-1, 1)),
+        lateral_mps=data.draw(st.floats(-limits.lateral_mps, limits.lateral_mps)),
+    )
 
     def stopped(start: MotionState) -> float:
         """The least distance while braking from there."""
         least = distance_to(obstacles, start.pose, half_x, half_y)
-        while abs(start.linear_mps) > 1e-3 or abs(start.angular_radps) > 1e-2:
+        while start.speed_mps > 1e-3 or abs(start.angular_radps) > 1e-2:
             start = driven(start, 0.0, 0.0, limits, 0.02)
             least = min(least, distance_to(obstacles, start.pose, half_x, half_y))
         return least
@@ -67,11 +79,16 @@ def test_never_into_what_it_could_not_stop_before(name: str, kind: str, data: st
     least = distance_to(obstacles, pose, half_x, half_y)
     after = motion
     for _ in range(round(period_s / 0.01)):
-        after = driven(after, choice.linear_mps, choice.angular_radps, limits, 0.01)
+        after = driven(after, choice.linear_mps, choice.angular_radps, limits, 0.01, lateral=choice.lateral_mps)
         least = min(least, distance_to(obstacles, after.pose, half_x, half_y))
     assert min(least, stopped(after)) > -0.005
     assert 0.0 <= choice.linear_mps <= limits.linear_mps + 1e-9
     assert abs(choice.angular_radps) <= limits.angular_radps + 1e-9
+    if limits.holonomic:
+        share = math.hypot(choice.linear_mps / limits.linear_mps, choice.lateral_mps / limits.lateral_mps)
+        assert share <= 1.0 + 1e-9
+    else:
+        assert choice.lateral_mps == 0.0
 
 
 def follow(
@@ -92,7 +109,7 @@ def follow(
             return time, least, driven_so_far
         way = track.ahead(Pose2(), max(2.5, 3.0 * limits.linear_mps))
         choice = controller.choose(motion, field, way, body, period_s)
-        motion = driven(motion, choice.linear_mps, choice.angular_radps, limits, period_s)
+        motion = driven(motion, choice.linear_mps, choice.angular_radps, limits, period_s, lateral=choice.lateral_mps)
         driven_so_far.append(motion)
         least = min(least, distance_to(obstacles, motion.pose, half_x, half_y))
         time += period_s
@@ -147,6 +164,26 @@ def test_equal_inputs_give_equal_commands(name: str) -> None:
     assert runs[0] == runs[1]
 
 
+@pytest.mark.parametrize("name", ["mppi", "pursuit"])
+def test_a_path_to_the_side_is_strafed_where_the_body_can(name: str) -> None:
+    """The body looks along x, and the path leads to its left and goes on looking along x."""
+    limits, controller, motion = HOLONOMIC, controller_named(name), MotionState(Pose2(), 0.0, 0.0)
+    field, body = field_of(np.empty((0, 2))), body_of(limits, SQUARE)
+    way = np.array([(0.0, y, 0.0, y, 0.3) for y in np.arange(0.0, 1.5, 0.05)])
+    for _ in range(20):
+        choice = controller.choose(motion, field, LocalPath(way, 0.05), body, 0.1)
+        motion = driven(motion, choice.linear_mps, choice.angular_radps, limits, 0.1, lateral=choice.lateral_mps)
+    assert motion.lateral_mps > 0.2
+    assert motion.pose.y > 0.25
+    assert abs(motion.pose.theta) < 0.3
+
+
+@pytest.mark.parametrize("name", FORWARD_ONLY)
+def test_a_controller_for_differential_bases_is_refused_for_a_holonomic_one(name: str) -> None:
+    with pytest.raises(ValueError, match=f"{name} is for differential bases.*use mppi, pursuit"):
+        controller_named(name, holonomic=True)
+
+
 def test_an_unknown_controller_is_named() -> None:
     with pytest.raises(ValueError, match="'teb'; there are mppi"):
         controller_named("teb")
@@ -154,6 +191,6 @@ def test_an_unknown_controller_is_named() -> None:
 
 def test_limits_of_the_type_are_what_the_body_says() -> None:
     body = body_of(BaseLimits(0.4, 1.0, 0.5, 4.0), SQUARE)
-    assert body.limits == (0.0, 0.4, 1.0, 0.5, 4.0, 0.5)
+    assert body.limits == (0.0, 0.4, 1.0, 0.5, 4.0, 0.5, 0.0)
     assert body.radii == pytest.approx((0.25, math.hypot(0.25, 0.25)))
     assert body.limited(0.5).limits[1:3] == pytest.approx((0.2, 0.5))

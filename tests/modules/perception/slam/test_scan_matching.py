@@ -22,7 +22,7 @@ LOOSE = (1.0, 1.0)
 
 def points(walls: Walls, pose: Pose2, noise_m: float = 0.0, seed: int = 0, near_m: float = 25.0) -> np.ndarray:
     ranges = seen(walls, BEAMS, pose) + np.random.default_rng(seed).normal(0.0, noise_m, len(BEAMS.angles))
-    return prepared(ranges, BEAMS, (0.0, 0.0), 0.0, near_m, 0.03).points
+    return prepared(ranges, BEAMS, (0.0, 0.0, 0.0), 0.0, near_m, 0.03).points
 
 
 def grid_of(walls: Walls, poses: list[Pose2]) -> SurfelGrid:
@@ -107,7 +107,7 @@ def test_noise_reports_nothing_along_a_bare_corridor_and_does_not_carry_the_robo
 
     def noisy(pose: Pose2) -> np.ndarray:
         ranges = seen(corridor(), ahead, pose) + rng.uniform(-0.05, 0.05, 180)
-        return prepared(ranges, ahead, (0.0, 0.0), 0.0, 25.0, 0.03).points
+        return prepared(ranges, ahead, (0.0, 0.0, 0.0), 0.0, 25.0, 0.03).points
 
     grid = surfel_grid((noisy(pose), pose) for pose in (Pose2(0.3 * k, 0.0, 0.0) for k in range(12)))
     pulls, along, across = [], [], []

@@ -22,7 +22,7 @@ PLACES = [
 
 
 def keyframe(id: int, pose: Pose2) -> Keyframe:
-    scan = prepared(seen(room(), BEAMS, pose), BEAMS, (0.0, 0.0), 0.0, 25.0, 0.03)
+    scan = prepared(seen(room(), BEAMS, pose), BEAMS, (0.0, 0.0, 0.0), 0.0, 25.0, 0.03)
     return Keyframe(id, float(id), scan.points, scan.ends, scan.hits, scan.origin, float(id))
 
 

@@ -44,7 +44,7 @@ class StallDetector:
     def update(self, now: float, commanded_mps: float, motion: MotionState) -> bool:
         """Take the last forward command of the base and the body's motion; returns whether a stall was detected now."""
         s = self._settings
-        if commanded_mps <= 0.0 or abs(motion.linear_mps) > s.standing_mps:
+        if commanded_mps <= 0.0 or motion.speed_mps > s.standing_mps:
             self._since = None
             return False
         if self._since is None:

@@ -3,7 +3,7 @@ used by one thread."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,13 +34,22 @@ from app.modules.behaviors.navigation.tracking.sensor_health import DepthHealth,
 
 #: Names that a strategy may give as ``controller``.
 CONTROLLERS = ("mppi", "pursuit", "dwa", "dwa_published")
+#: Those that sample forward speed and turn alone: a third axis would multiply their samples.
+FORWARD_ONLY = ("dwa", "dwa_published")
 #: The published baseline pads a footprint smaller than the true one to 0.62 x 0.53 m: 0.05 m around the true one, which
 #: includes the margin of contact of its rollouts.
 _PUBLISHED_PADDING_M = 0.03
 
 
-def controller_named(name: str, mppi: MppiSettings | None = None) -> Controller:
-    """The controller ``name`` of :data:`CONTROLLERS`. Raises ValueError naming them for another."""
+def controller_named(name: str, mppi: MppiSettings | None = None, *, holonomic: bool = False) -> Controller:
+    """The controller ``name`` of :data:`CONTROLLERS`, for a ``holonomic`` body or a differential one.
+
+    Raises ValueError naming them for another, and naming the suitable ones for one that cannot drive sideways where the
+    body can.
+    """
+    if holonomic and name in FORWARD_ONLY:
+        others = ", ".join(other for other in CONTROLLERS if other not in FORWARD_ONLY)
+        raise ValueError(f"controller: {name} is for differential bases, and this base moves sideways; use {others}")
     match name:
         case "mppi":
             return Mppi(mppi)
@@ -114,13 +123,16 @@ class ControlCycle:
         *,
         depth: bool,
     ) -> None:
-        """Raises ValueError for a body that does not move, or an unknown controller."""
+        """Raises ValueError for a body that does not move, or a controller that is unknown or not for this body."""
         self._settings = settings or ControlCycleSettings()
         self.footprint = Footprint.of(description)
         padding = _PUBLISHED_PADDING_M if controller == "dwa_published" else 0.0
         self.body = BodyModel.of(description.footprint, description.limits, padding_m=padding)
         self._path_tracker = PathTracker(
-            self.body, controller_named(controller), self._settings.path_tracker, self._settings.recovery
+            self.body,
+            controller_named(controller, holonomic=self.body.holonomic),
+            self._settings.path_tracker,
+            self._settings.recovery,
         )
         self._costmap = LocalCostmap(self.footprint, description.height_m, self._settings.costmap)
         self._scan_stamp: float | None = None
@@ -128,7 +140,8 @@ class ControlCycle:
         self._scan_from = Pose2()
         self._laser_O: tuple[float, NDArray[np.float64]] | None = None
         self._depth = DepthHealth() if depth else None
-        self._sent = (0.0, 0.0)
+        self._limits = description.limits
+        self._sent = (0.0, 0.0, 0.0)
         self._stall = StallDetector(self.body)
         #: Obstacles seen by the depth camera; None without one.
         self.persistent_obstacles = PersistentObstacleLayer(self.footprint, description.height_m) if depth else None
@@ -136,8 +149,8 @@ class ControlCycle:
         self._persistent_version = 0
 
     def use_controller(self, controller: str) -> None:
-        """Replace the controller. Raises ValueError for an unknown name."""
-        self._path_tracker.use_controller(controller_named(controller))
+        """Replace the controller. Raises ValueError for one that is unknown or not for this body."""
+        self._path_tracker.use_controller(controller_named(controller, holonomic=self.body.holonomic))
 
     def run(self, inputs: CycleInput, period_s: float) -> CycleOutput:
         """Update the costmap, choose velocities, return the result; takes a few milliseconds."""
@@ -234,17 +247,19 @@ class ControlCycle:
 
     def _within_reach(self, step: TrackingStep, motion: MotionState, period_s: float) -> TrackingStep:
         """``step`` with velocities that the body can reach within one period; a stop is commanded at once."""
-        sent, self._sent = self._sent, (0.0, 0.0)
-        if step.linear_mps == 0.0 and step.angular_radps == 0.0:
+        sent, self._sent = self._sent, (0.0, 0.0, 0.0)
+        if step.linear_mps == 0.0 and step.angular_radps == 0.0 and step.lateral_mps == 0.0:
             return step
-        _, high, turn, linear_mps2, angular_radps2, braking = self.body.limits
+        limits = self._limits
         # The last command counts as long as the body follows it: the measured velocity is older.
-        v = _from(sent[0], motion.linear_mps, 2.0 * linear_mps2 * period_s)
-        w = _from(sent[1], motion.angular_radps, 2.0 * angular_radps2 * period_s)
-        linear = _between(step.linear_mps, v - braking * period_s, v + linear_mps2 * period_s)
-        angular = _between(step.angular_radps, w - angular_radps2 * period_s, w + angular_radps2 * period_s)
-        self._sent = (_between(linear, -high, high), _between(angular, -turn, turn))
-        return TrackingStep(*self._sent, step.state, step.reason, step.clear, step.replan)
+        v = _from(sent[0], motion.linear_mps, 2.0 * limits.linear_mps2 * period_s)
+        w = _from(sent[1], motion.angular_radps, 2.0 * limits.angular_radps2 * period_s)
+        u = _from(sent[2], motion.lateral_mps, 2.0 * limits.linear_mps2 * period_s)
+        linear, lateral = limits.within_speeds(*limits.ramped((v, u), (step.linear_mps, step.lateral_mps), period_s))
+        change, turn = limits.angular_radps2 * period_s, limits.angular_radps
+        angular = _between(_between(step.angular_radps, w - change, w + change), -turn, turn)
+        self._sent = (linear, angular, lateral)
+        return replace(step, linear_mps=linear, angular_radps=angular, lateral_mps=lateral)
 
 
 def _from(sent: float, measured: float, apart: float) -> float:

@@ -56,7 +56,7 @@ class LocalizationMonitor:
         newest = self._odometry
         if newest is None:
             return None
-        motion = MotionState(newest.X_OB, newest.linear_mps, newest.angular_radps)
+        motion = MotionState(newest.X_OB, newest.linear_mps, newest.angular_radps, newest.lateral_mps)
         age_s = now - newest.stamp
         return motion.after(min(max(age_s, 0.0), 0.1) if math.isfinite(age_s) else 0.0)
 

@@ -6,12 +6,16 @@ noise are rolled out, and their mean, weighted by exp(−cost / λ), replaces it
 only if the body can stop after it without contact; else the speed is lowered on the same arc until it can. Costs are in
 seconds: progress along the path at full speed saves its time, and risk (low clearance, speed in narrow places, offset
 from the path) adds to it. The noise is drawn once: equal inputs give equal commands.
+
+Controls are linear and angular velocities. Those of a body that moves sideways have a third column, the lateral
+velocity, and pursuits that strafe are among its proposals.
 """
 
 # mypy: allow-untyped-calls
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -80,40 +84,55 @@ class Mppi:
         # The horizon is a distance: a slow body gets a longer time.
         step_s = min(max(s.reach_m / (s.steps * body.limits[1]), s.least_step_s), s.longest_step_s)
         costing = (step_s, s.margin_m, s.weights)
-        best, least = np.zeros((s.steps, 2)), np.inf
+        columns = 3 if body.holonomic else 2
+        best, least = np.zeros((s.steps, columns)), np.inf
         if self._plan is not None:
             best = moved_on(self._plan, period_s / step_s)
             least = rollout_kernels.cost_of(*scene, *following, best, *costing) - s.loyalty
-        tried = np.empty((s.steps, 2))
-        for share, ahead_m, aside_m, within_m in proposals(s):
+        tried = np.empty((s.steps, columns))
+        for share, ahead_m, aside_m, within_m, strafing in proposals(s, strafing=body.holonomic):
             points = way.points if aside_m == 0.0 else beside(way.points, aside_m, within_m)
             ahead_m = max(ahead_m, 0.4 * share * body.limits[1])
-            rollout_kernels.pursue(body.limits, motion.state, points, way.spacing, ahead_m, share, tried, step_s)
+            pursuing = (points, way.spacing, ahead_m, share, strafing)
+            rollout_kernels.pursue(body.limits, motion.state, *pursuing, tried, step_s)
             cost = rollout_kernels.cost_of(*scene, *following, tried, *costing)
             if cost < least:
                 best, least = tried.copy(), cost
         if s.rollouts:
-            bank = _noise(s.rollouts)[self._cycle % _BANKS]
+            bank = _noise(s.rollouts, columns)[self._cycle % _BANKS]
             self._cycle += 1
-            sigma = (s.sigma[0] * body.limits[1], s.sigma[1] * min(body.limits[2], 2.0))
+            sigma = (s.sigma[0] * body.limits[1], s.sigma[1] * min(body.limits[2], 2.0), s.sigma[0] * body.limits[6])
             rollout_kernels.improve(*scene, *following, best, bank, sigma, *costing, s.temperature)
         self._plan = best
         # No faster than the path's limit, or than braking toward that limit.
-        allowed = max(float(way.points[0, 4]), motion.linear_mps - body.limits[5] * period_s)
-        linear, angular = min(float(best[0, 0]), allowed), float(best[0, 1])
+        speed_mps = motion.speed_mps if body.holonomic else motion.linear_mps
+        allowed = max(float(way.points[0, 4]), speed_mps - body.limits[5] * period_s)
+        linear, angular, lateral = min(float(best[0, 0]), allowed), float(best[0, 1]), 0.0
+        if body.holonomic:
+            slower = min(1.0, allowed / max(math.hypot(best[0, 0], best[0, 2]), 1e-9))
+            linear, lateral = slower * float(best[0, 0]), slower * float(best[0, 2])
         for share in _SLOWER:
-            if rollout_kernels.can_stop(*scene, share * linear, share * angular, period_s + _REACTION_S, s.margin_m):
-                still = abs(share * linear) < 0.02 and abs(share * angular) < 0.05 and float(way.points[-1, 3]) > 0.1
-                return VelocityChoice(share * linear, share * angular, still)
+            command = (share * linear, share * angular, share * lateral)
+            if rollout_kernels.can_stop(*scene, command, period_s + _REACTION_S, s.margin_m):
+                standing = abs(command[0]) < 0.02 and abs(command[1]) < 0.05 and abs(command[2]) < 0.02
+                still = standing and float(way.points[-1, 3]) > 0.1
+                return VelocityChoice(command[0], command[1], still, lateral_mps=command[2])
         return VelocityChoice(0.0, 0.0, True)
 
 
-def proposals(settings: MppiSettings) -> list[tuple[float, float, float, float]]:
-    """Parameters of each pursuit: share of the speed, look-ahead (m), lateral offset to the left of the path (m), and
-    the length (m) within which the offset is reached: around an obstacle ahead, or sideways at once out of a corner."""
-    straight = [(share, ahead_m, 0.0, 1.0) for share in settings.shares for ahead_m in settings.looks_ahead_m]
+def proposals(settings: MppiSettings, *, strafing: bool = False) -> list[tuple[float, float, float, float, bool]]:
+    """Parameters of each pursuit: share of the speed, look-ahead (m), lateral offset to the left of the path (m), the
+    length (m) within which the offset is reached (around an obstacle ahead, or sideways at once out of a corner), and
+    whether it strafes, which only those of ``strafing`` do."""
+    ways = (False, True) if strafing else (False,)
+    straight = [
+        (share, ahead_m, 0.0, 1.0, sideways)
+        for sideways in ways
+        for share in settings.shares
+        for ahead_m in settings.looks_ahead_m
+    ]
     return straight + [
-        (share, settings.looks_ahead_m[1], side * aside_m, within_m)
+        (share, settings.looks_ahead_m[1], side * aside_m, within_m, False)
         for share in settings.shares[:2]
         for aside_m in settings.asides_m
         for side in (-1.0, 1.0)
@@ -132,7 +151,7 @@ def beside(points: NDArray[np.float64], aside_m: float, within_m: float) -> NDAr
 
 
 def moved_on(plan: NDArray[np.float64], steps: float) -> NDArray[np.float64]:
-    """The controls ``plan`` (T, 2) from ``steps`` (may be fractional) later on; the last command is repeated at the
+    """The controls ``plan`` (T, C) from ``steps`` (may be fractional) later on; the last command is repeated at the
     end."""
     times = np.minimum(np.arange(len(plan)) + steps, len(plan) - 1)
     low = times.astype(np.int64)
@@ -142,9 +161,9 @@ def moved_on(plan: NDArray[np.float64], steps: float) -> NDArray[np.float64]:
 
 
 @lru_cache(maxsize=4)
-def _noise(rollouts: int) -> NDArray[np.float64]:
+def _noise(rollouts: int, columns: int) -> NDArray[np.float64]:
     random = np.random.default_rng(7)
-    noise = random.standard_normal((_BANKS, rollouts, _KNOTS, 2))
+    noise = random.standard_normal((_BANKS, rollouts, _KNOTS, columns))
     # Part of the noise is small: large noise finds no fine steering.
     noise[:, : rollouts // 3] *= 0.3
     return noise

@@ -79,6 +79,7 @@ class TrackingStep:
     reason: str
     clear: bool = False
     replan: str = ""
+    lateral_mps: float = 0.0
 
 
 class PathTracker:
@@ -228,7 +229,7 @@ class PathTracker:
             )
         choice = self._controller.choose(motion, field, way, body, period_s)
         # Either no motion is admissible, or the body does not move as commanded.
-        still = choice.blocked or (abs(motion.linear_mps) < 0.02 and abs(motion.angular_radps) < 0.05)
+        still = choice.blocked or (motion.speed_mps < 0.02 and abs(motion.angular_radps) < 0.05)
         if self._held(now, still=still):
             if near:
                 self._at_place = True
@@ -239,7 +240,7 @@ class PathTracker:
             words = self.plan.reason
         return TrackingStep(
             choice.linear_mps, choice.angular_radps, "following", words,
-            replan="something is in the way" if choice.blocked else "",
+            replan="something is in the way" if choice.blocked else "", lateral_mps=choice.lateral_mps,
         )  # fmt: skip
 
     def _held(self, now: float, *, still: bool) -> bool:
@@ -257,7 +258,7 @@ class PathTracker:
         target = self.target
         heading = math.nan if target is None else target.theta
         error = 0.0 if math.isnan(heading) else wrap_angle(heading - X_MB.theta)
-        standing = abs(motion.linear_mps) < STANDING[0] and abs(motion.angular_radps) < STANDING[1]
+        standing = motion.speed_mps < STANDING[0] and abs(motion.angular_radps) < STANDING[1]
         if abs(error) <= self.settings.aim * self.goal.tolerance_rad:
             if standing:
                 self._arrived = True
@@ -279,7 +280,7 @@ class PathTracker:
 
     def _turn(self, error: float, motion: MotionState, field: DistanceField, period_s: float) -> float | None:
         """Rate (rad/s) of a turn on the spot that reduces ``error`` (rad); None if an obstacle bars it."""
-        _, _, turn, _, angular_mps2, _ = self._driven_body().limits
+        _, _, turn, _, angular_mps2, *_ = self._driven_body().limits
         rate = min(
             self.settings.turn_radps, turn, math.sqrt(2.0 * 0.4 * angular_mps2 * abs(error)), 1.5 * abs(error) + 0.05
         )
@@ -295,7 +296,7 @@ class PathTracker:
         return bool(
             can_stop(
                 field.distances, field.frame, self._body.outline, self._body.radii, self._body.limits, motion.state,
-                linear, angular, period_s + 0.05, self.settings.spare_m,
+                (linear, angular, 0.0), period_s + 0.05, self.settings.spare_m,
             )
         )  # fmt: skip
 

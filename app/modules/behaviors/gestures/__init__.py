@@ -1,0 +1,1 @@
+"""Behaviors of the arms: where a hand goes and points, and what it grips."""

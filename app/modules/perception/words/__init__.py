@@ -1,0 +1,1 @@
+"""Words: endpointing of utterances, and the beam that hears one utterance by all microphones."""

@@ -1,0 +1,114 @@
+"""The robot's face on its own page: blinks, expresses what is desired, speaks, comes back after a loss, and logs in."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, ConsoleMessage, Page, WebSocketRoute, expect
+
+from app.console.access.token import VARIABLE
+from app.modules.behaviors.face.expression import JOINTS
+from tests.browser.running import Robot, running_robot
+from tests.patience import PATIENCE_MS
+
+CALM = True
+TOKEN = "a token of eight or more"
+#: Waits, in the page's own frames, until a joint as drawn is above or below a position (rad).
+UNTIL = """([joint, position, above]) => {
+  const pose = document.querySelector("[data-testid=face]").dataset.pose;
+  const drawn = Number(pose.split(" ")[joint]);
+  return above ? drawn > position : drawn < position;
+}"""
+#: Keeps what the page says of its link, however shortly.
+LINKS = """window.links = [];
+new MutationObserver(() => window.links.push(document.body.dataset.link)).observe(
+  document, { subtree: true, attributes: true, attributeFilter: ["data-link"] });"""
+
+
+def until(page: Page, joint: str, position: float, *, above: bool) -> None:
+    page.wait_for_function(UNTIL, arg=[JOINTS.index(joint), position, above], timeout=PATIENCE_MS)
+
+
+def test_it_blinks_expresses_speaks_and_comes_back(browser: Browser, robot: Robot) -> None:
+    errors: list[str] = []
+    asked: set[str] = set()
+    streams: list[WebSocketRoute] = []
+
+    def hear(message: ConsoleMessage) -> None:
+        if message.type == "error":
+            errors.append(message.text)
+
+    def relay(stream: WebSocketRoute) -> None:
+        stream.connect_to_server()
+        streams.append(stream)
+
+    context = browser.new_context(viewport={"width": 844, "height": 390})
+    context.set_default_timeout(PATIENCE_MS)
+    page = context.new_page()
+    page.on("console", hear)
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    page.on("request", lambda request: asked.add(request.url))
+    page.add_init_script(LINKS)
+    page.route_web_socket("**/api/v1/face", relay)
+    page.goto(f"{robot.url}/face")
+    page.locator("body[data-link=live]").wait_for()
+    assert page.locator("button, input, a, select").count() == 0, "no controls"
+    assert page.evaluate("document.documentElement.scrollHeight <= innerHeight"), "nothing to scroll"
+    until(page, "eyelids_joint", 0.8, above=True)
+    until(page, "eyelids_joint", 0.4, above=False)
+
+    wish = {"class": "Express", "intensity": 8, "utility": 4, "params": {"expression": "happy"}}
+    status, _, desire = robot.request("POST", "/desires", wish)
+    assert status == 201
+    until(page, "left_mouth_corner_joint", 0.5, above=True)
+    assert robot.request("DELETE", f"/desires/{desire['id']}")[0] == 204
+    until(page, "left_mouth_corner_joint", 0.25, above=False)
+
+    text = 60 * "Aha, I am a robot. "  # until it has been seen, however seldom a busy computer draws
+    said = {"class": "Say", "intensity": 8, "utility": 4, "params": {"text": text}}
+    status, _, desire = robot.request("POST", "/desires", said)
+    assert status == 201
+    expect(page.get_by_test_id("subtitles").locator("mark")).not_to_be_empty()
+    until(page, "lower_lip_joint", 0.15, above=True)
+    assert robot.request("DELETE", f"/desires/{desire['id']}")[0] == 204
+    until(page, "lower_lip_joint", 0.05, above=False)
+    expect(page.get_by_test_id("subtitles")).to_be_empty()
+
+    page.evaluate("window.links = []")
+    streams[0].close()
+    page.wait_for_function("window.links.includes('lost')")
+    page.locator("body[data-link=live]").wait_for()
+    assert len(streams) >= 2
+    assert errors == []
+    assert all(url.startswith((robot.url, "data:")) for url in asked), asked
+    assert not any(d["class"] == "Telepresence" for d in robot.get("/desires")["desires"]), "a face is no viewer"
+
+    console = context.new_page()
+    console.set_viewport_size({"width": 1000, "height": 640})  # a phone has no sheet of shortcuts
+    console.goto(f"{robot.url}/?scene=off")
+    console.locator("[data-testid=connection][data-phase=live]").wait_for()
+    console.get_by_test_id("help").click()
+    with context.expect_page() as opened:
+        console.get_by_test_id("face-link").click()
+    opened.value.locator("body[data-link=live]").wait_for()
+    context.close()
+
+
+def test_a_screen_elsewhere_logs_in_by_its_address(
+    browser: Browser, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(VARIABLE, TOKEN)
+    with running_robot(tmp_path, calm=True) as robot:
+        url = robot.url.partition("#")[0].rstrip("/")
+        context = browser.new_context()
+        context.set_default_timeout(PATIENCE_MS)
+        page = context.new_page()
+        page.goto(f"{url}/face")
+        page.locator("body[data-link=login]").wait_for()
+        expect(page.get_by_text("Log in at the console")).to_be_visible()
+        page.goto("about:blank")
+        page.goto(f"{url}/face#token={TOKEN.replace(' ', '%20')}")
+        page.locator("body[data-link=live]").wait_for()
+        until(page, "eyelids_joint", 0.8, above=True)
+        context.close()
