@@ -85,7 +85,7 @@ function Sphere({ place, large }: { place: "view" | "tab"; large: boolean }) {
         {salient && (
           <button
             type="button"
-            class="icon-button"
+            class="icon-button toggle"
             data-testid="around-salient"
             aria-label={store.salient.value ? "Hide what stands out" : "Show what stands out"}
             aria-pressed={store.salient.value}
