@@ -183,7 +183,7 @@ def steps() -> dict[str, Callable[[Take], NDArray[np.int16]]]:
 
     def by(beam: UtteranceBeam) -> Callable[[Take], NDArray[np.int16]]:
         def hear(take: Take) -> NDArray[np.int16]:
-            sound = take.sound.astype(np.float32) / 32768
+            sound = take.sound.astype(np.float32) / np.float32(32768)
             focused = beam.focus(sound[take.begin - around : take.end + around], sound[: take.begin - 2 * around])
             return levelled(focused.samples.astype(np.float64))
 
@@ -191,8 +191,9 @@ def steps() -> dict[str, Callable[[Take], NDArray[np.int16]]]:
 
     def separated(take: Take) -> NDArray[np.int16]:
         separator = Separator(array, RATE)
-        sound = take.sound.astype(np.float32) / 32768
-        sound = np.pad(sound, ((0, -len(sound) % separator.step), (0, 0)))
+        sound = take.sound.astype(np.float32) / np.float32(32768)
+        missing = np.zeros((-len(sound) % separator.step, len(BOX)), np.float32)
+        sound = np.concatenate([sound, missing])
         blocks = [
             separator.process(sound[at : at + separator.step], [(1, take.direction)], 1).samples[:, 0]
             for at in range(0, len(sound), separator.step)

@@ -43,7 +43,8 @@ def imported(folder: Path) -> dict[str, Path]:
 def test_every_package_that_is_imported_is_asked_for() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     optional = project["optional-dependencies"]
-    extras = [requirement for extra in ("video", "devices", "speech", "piper") for requirement in optional[extra]]
+    used = ("video", "devices", "speech", "piper", "words")
+    extras = [requirement for extra in used for requirement in optional[extra]]
     asked = {named(requirement) for requirement in (*project["dependencies"], *extras)} | PARTS
     providers = metadata.packages_distributions()
     strangers = {}

@@ -29,7 +29,7 @@ function Body({ intention }: { intention: IntentionMessage }) {
         {Object.entries(intention.use).map(([name, use]) => (
           <Meter
             key={name}
-            label={name === "cpu" ? "CPU promised" : name === "recording" ? "CPU for recording" : spaced(name)}
+            label={RESOURCES[name]?.label ?? capital(spaced(name))}
             value={use.used}
             limit={use.capacity}
             text={`${number(use.used)} of ${number(use.capacity)} ${use.unit}`}
@@ -85,6 +85,17 @@ function Body({ intention }: { intention: IntentionMessage }) {
   );
 }
 
+/** The lab's resources in words: the meter's label, and the unit of a strategy's cost. Others go by their names. */
+const RESOURCES: Record<string, { label: string; unit: string }> = {
+  cpu: { label: "CPU promised", unit: "% CPU" },
+  recording: { label: "CPU for recording", unit: "% CPU to record" },
+  power: { label: "Power promised", unit: "W" },
+};
+
+function capital(words: string): string {
+  return words.charAt(0).toUpperCase() + words.slice(1);
+}
+
 function Strategy({ strategy }: { strategy: SelectedStrategy }) {
   const filters = Object.entries(strategy.filters);
   return (
@@ -99,7 +110,7 @@ function Strategy({ strategy }: { strategy: SelectedStrategy }) {
         .filter(([, cost]) => cost > 0)
         .map(([resource, cost]) => (
           <span key={resource} class="cost">
-            {small(cost)} {resource === "cpu" ? "% CPU" : resource}
+            {small(cost)} {RESOURCES[resource]?.unit ?? resource}
           </span>
         ))}
     </p>
