@@ -23,6 +23,18 @@ def wrap_angle(angle: float) -> float:
     return wrapped if wrapped < math.pi else -math.pi
 
 
+def unit_vector(azimuth: float, elevation: float) -> NDArray[np.float64]:
+    """The direction (3,) of two angles (rad): azimuth about z from x, left positive, and elevation, up positive."""
+    ahead = math.cos(elevation)
+    return np.array([ahead * math.cos(azimuth), ahead * math.sin(azimuth), math.sin(elevation)])
+
+
+def azimuth_elevation(v: FloatArray) -> tuple[float, float]:
+    """Azimuth and elevation (rad; left and up positive) of a vector (3,)."""
+    x, y, z = (float(value) for value in v)
+    return math.atan2(y, x), math.atan2(z, math.hypot(x, y))
+
+
 @dataclass(frozen=True, slots=True)
 class Pose2:
     """A planar pose: ``x``, ``y`` in metres, ``theta`` in radians (not necessarily wrapped)."""

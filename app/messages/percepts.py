@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from app.base.geometry import Pose2, Pose3
 from app.messages.base import PerceptKind
 
+#: JSON Schema of a row of cells.
+CELLS: dict[str, Any] = {"type": "array", "items": {"type": "integer", "minimum": 0, "maximum": 255}}
 #: JSON Schema of a row of an array of points.
 POINT: dict[str, Any] = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}
 
@@ -330,3 +332,54 @@ class PerceptEvent:
     confidence: float
     p_OP: tuple[float, float, float] | None
     heading: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class SalientRegion:
+    """A direction that stands out: ``azimuth`` (left positive) and ``elevation`` (rad) from the head, in B's axes.
+
+    ``saliency`` is the sum of the other members, what each feature gives to it, weighted with its gain.
+    """
+
+    azimuth: float
+    elevation: float
+    saliency: float
+    motion: float
+    color: float
+    contrast: float
+    faces: float
+    sounds: float
+
+
+@dataclass(frozen=True, slots=True)
+class SalientRegions:
+    """The most salient regions at ``stamp``, the most salient first, three at most; directions are from ``p_BH``, the
+    middle of the sphere around the head (m in B)."""
+
+    stamp: float
+    p_BH: tuple[float, float, float]
+    regions: tuple[SalientRegion, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SaliencyMap:
+    """How salient all directions around the head are at ``stamp``.
+
+    ``cells`` (rows, columns) uint8: 255 is the saliency ``full``, or more. Rows go from the top down, ``step`` rad
+    each, with level in the middle; columns from azimuth +π to -π (left positive) in the axes of B.
+    """
+
+    stamp: float
+    step: float
+    full: float
+    cells: Annotated[NDArray[np.uint8], Meta(extra_json_schema={"items": CELLS})]
+
+
+@dataclass(frozen=True, slots=True)
+class Fixation:
+    """A direction that was looked at for long enough: ``azimuth`` (left positive) and ``elevation`` (rad) from the
+    head, in the axes of B at ``stamp``."""
+
+    stamp: float
+    azimuth: float
+    elevation: float

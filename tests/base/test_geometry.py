@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.spatial.transform import Rotation
 
-from app.base.geometry import CameraModel, FisheyeModel, Pose2, Pose3, wrap_angle
+from app.base.geometry import CameraModel, FisheyeModel, Pose2, Pose3, azimuth_elevation, unit_vector, wrap_angle
 
 angles = st.floats(-1e4, 1e4)
 metres = st.floats(-100, 100)
@@ -211,3 +211,13 @@ def test_rays_point_where_the_pixels_look(camera: CameraModel, pixels: np.ndarra
     rays = camera.rays(pixels)
     assert np.allclose(np.linalg.norm(rays, axis=-1), 1.0)
     assert np.allclose(camera.project(rays), pixels, atol=1e-6)
+
+
+@given(st.floats(-3.1, 3.1), st.floats(-1.5, 1.5), st.floats(0.1, 10))
+def test_a_direction_and_its_angles_are_each_others_inverse(azimuth: float, elevation: float, length: float) -> None:
+    assert azimuth_elevation(length * unit_vector(azimuth, elevation)) == pytest.approx((azimuth, elevation))
+
+
+def test_angles_of_a_direction_are_positive_to_the_left_and_up() -> None:
+    assert unit_vector(math.pi / 2, 0.0) == pytest.approx((0.0, 1.0, 0.0))
+    assert unit_vector(0.0, math.pi / 2) == pytest.approx((0.0, 0.0, 1.0))

@@ -80,7 +80,7 @@ def test_half_the_rate_is_half_the_utility_and_half_the_cost(table: StrategyTabl
 def test_faces_are_looked_for_finely_or_not_in_both_cameras_at_each_rate(
     table: StrategyTable, fine: bool, full_utility: float
 ) -> None:
-    strategies = [s for s in of_class(table, "LocateFaces") if s.parameters == {"FaceDetector": {"fine": fine}}]
+    strategies = [s for s in of_class(table, "LocateFaces") if s.parameters["FaceDetector"] == {"fine": fine}]
     assert len(strategies) == (4 if fine else 3), "none so weak that nobody's desire is fulfilled"
     full = strategies[0].costs["cpu"]
     for strategy, divisor in zip(strategies, (1, 2, 4, 8), strict=False):

@@ -64,4 +64,4 @@ def test_each_strategy_is_what_it_was_by_itself(file: str) -> None:
     for strategy in table.strategies:
         fine = {"locate-faces": True, "locate-near-faces": False}.get(strategy.name.rpartition("-")[0])
         if fine is not None:
-            assert strategy.parameters == {"FaceDetector": {"fine": fine}}
+            assert strategy.parameters["FaceDetector"] == {"fine": fine}

@@ -28,6 +28,8 @@ from app.messages import (
     LaneState,
     LoadReport,
     PlacedPercepts,
+    SaliencyMap,
+    SalientRegions,
     Scale,
     Speech,
 )
@@ -236,6 +238,8 @@ FROM_ROBOT: dict[str, FrameKind] = {
     "speech": FrameKind(Speech, "On change, up to 20 times a second: what the robot says, for subtitles."),
     "battery": FrameKind(BatteryState, "Once a second, of a body with a battery: its charge."),
     "heard_words": FrameKind(HeardWords, "As they come: an utterance while words are listened for."),
+    "salient_regions": FrameKind(SalientRegions, "Five times a second while it is desired: what stands out around."),
+    "saliency": FrameKind(SaliencyMap, "With it: how salient all directions are."),
     "localization": FrameKind(LocalizationReport, "Up to 10 times a second: where the robot is on the map."),
     "navigation": FrameKind(NavigationModel, "On change: the goal and the state of navigation."),
     "zones": FrameKind(ZoneList, "On change: the zones of the map."),

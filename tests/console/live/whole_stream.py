@@ -2,11 +2,25 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 from app.attention.desires import Source
-from app.messages import BatteryState, HeardWords, Landmark, Landmarks, LoudNoise, Speech
+from app.messages import (
+    BatteryState,
+    HeardWords,
+    Landmark,
+    Landmarks,
+    LoudNoise,
+    SaliencyMap,
+    SalientRegion,
+    SalientRegions,
+    Speech,
+    read_only,
+)
 from app.program.system import System
 from tests.console.live_client import page, voice
 from tests.console.percepts import codes, faces, sound_sources
@@ -32,6 +46,10 @@ def say_everything(system: System, body: Body) -> None:
     ahead, words = (1.0, 0.0, 0.0), ("yes", "no")
     heard = HeardWords(now, "yes", False, confidence=0.9, likeliest="yes", direction=ahead, words=words, language="en")
     system.graph.channel("heard_words").publish(heard)
+    region = SalientRegion(0.5, 0.1, 0.8, motion=0.5, color=0.1, contrast=0.0, faces=0.2, sounds=0.0)
+    system.graph.channel("salient_regions").publish(SalientRegions(now, (0.1, 0.0, 1.3), (region,)))
+    cells = read_only(np.zeros((32, 120), np.uint8))
+    system.graph.channel("saliency").publish(SaliencyMap(now, math.radians(3), 1.0, cells))
     messages: dict[str, Callable[[float], Any]]
     messages = {"localization": localization, "zones": zones, "path": path, "navigation": status, "map": grid}
     for channel, message in {**messages, "local_costmap": grid}.items():

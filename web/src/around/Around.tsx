@@ -3,10 +3,13 @@
 import { effect } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { useApp } from "../state/context";
+import type { Store } from "../state/store";
 import { number } from "../ui/format";
-import { AroundIcon, CloseIcon, EnlargeIcon, ShrinkIcon } from "../ui/icons";
+import { AroundIcon, CloseIcon, EnlargeIcon, SalientIcon, ShrinkIcon } from "../ui/icons";
 import { draw } from "./drawAround";
+import type { Layer } from "./layer";
 import { LAYERS } from "./registry";
+import { fresh as isFresh } from "./saliencyMarks";
 import { SHAPE, type Strip } from "./stripProjection";
 import { type Closed, perceives, whyClosed } from "./whyClosed";
 
@@ -39,7 +42,10 @@ function Sphere({ place, large }: { place: "view" | "tab"; large: boolean }) {
   useEffect(() => paintOn(canvas.current!, large), [large]);
 
   const { now, fresh, closed } = useAround();
-  const seen = LAYERS.map((layer) => layer.words(store.of(layer.type).value, now))
+  const layers = layersOf(store);
+  const salient = isFresh(store.of("salient_regions").value, now);
+  const seen = layers
+    .map((layer) => layer.words(store.of(layer.type).value, now))
     .filter(Boolean)
     .join(", ");
   const blank = seen === "" && panorama.stamp.value === null;
@@ -54,7 +60,12 @@ function Sphere({ place, large }: { place: "view" | "tab"; large: boolean }) {
       aria-label="Around the robot"
     >
       <div class="around-strip">
-        <canvas ref={canvas} role="img" aria-label={`Around the robot: ${words}`} />
+        <canvas
+          ref={canvas}
+          role="img"
+          aria-label={`Around the robot: ${words}`}
+          onPointerMove={(event) => showHover(event.currentTarget, event, store, layers)}
+        />
         {blank && <Nothing closed={closed} />}
         {!fresh && age !== null && (
           <span class="around-age" data-testid="around-age">
@@ -71,6 +82,20 @@ function Sphere({ place, large }: { place: "view" | "tab"; large: boolean }) {
         )}
       </figcaption>
       <div class="camera-tools">
+        {salient && (
+          <button
+            type="button"
+            class="icon-button toggle"
+            data-testid="around-salient"
+            aria-label={store.salient.value ? "Hide what stands out" : "Show what stands out"}
+            aria-pressed={store.salient.value}
+            onClick={() => {
+              store.salient.value = !store.salient.value;
+            }}
+          >
+            <SalientIcon />
+          </button>
+        )}
         <button
           type="button"
           class="icon-button"
@@ -92,12 +117,28 @@ function Sphere({ place, large }: { place: "view" | "tab"; large: boolean }) {
         </button>
       </div>
       <ul class="visually-hidden">
-        {LAYERS.map((layer) => (
+        {layers.map((layer) => (
           <layer.Marks key={layer.type} message={store.of(layer.type).value} now={now} />
         ))}
       </ul>
     </figure>
   );
+}
+
+/** The layers that are shown. */
+function layersOf(store: Store): readonly Layer[] {
+  return LAYERS.filter(({ group }) => group === undefined || store[group].value);
+}
+
+/** Words on what the pointer is over, as the canvas's title. */
+function showHover(canvas: HTMLCanvasElement, event: PointerEvent, store: Store, layers: readonly Layer[]): void {
+  const strip = { width: canvas.clientWidth, height: canvas.clientWidth / SHAPE };
+  const at = { x: event.offsetX, y: event.offsetY };
+  const now = store.now.peek() ?? 0;
+  canvas.title = layers
+    .map((layer) => layer.hover?.(strip, at, store.of(layer.type).peek(), now) ?? "")
+    .filter(Boolean)
+    .join("\n");
 }
 
 /** What is known of all around, and why it is not more. */
@@ -148,7 +189,7 @@ function usePainter() {
       };
       let fades = false;
       draw(context, strip, shown, (pen) => {
-        for (const layer of LAYERS) fades = layer.draw(pen, store.of(layer.type).peek(), now) || fades;
+        for (const layer of layersOf(store)) fades = layer.draw(pen, store.of(layer.type).peek(), now) || fades;
       });
       if (fades) timer = window.setTimeout(later, FADE_STEP_MS);
     };
@@ -163,7 +204,7 @@ function usePainter() {
     });
     sized.observe(canvas);
     const end = effect(() => {
-      for (const layer of LAYERS) void store.of(layer.type).value;
+      for (const layer of layersOf(store)) void store.of(layer.type).value;
       void panorama.stamp.value;
       void store.seconds.value;
       paint();

@@ -31,12 +31,16 @@ export interface Pen {
 
 export interface LayerOf<T extends MessageType> {
   type: T;
+  /** Layers that are shown and hidden together by a button; none: always shown. */
+  group?: "salient";
   /** All of it in words: "1 person ahead, 1 voice at 30° left"; empty: nothing to be seen. `now`: robot's clock, s. */
   words: (message: Message<T> | null, now: number) => string;
   /** Returns whether something fades, so that it has to be drawn again soon. */
   draw: (pen: Pen, message: Message<T> | null, now: number) => boolean;
   /** List items of the same marks, for screen readers. */
   Marks: ComponentType<{ message: Message<T> | null; now: number }>;
+  /** Words on what is at a point of the strip; empty: nothing. */
+  hover?: (strip: Strip, at: Point, message: Message<T> | null, now: number) => string;
 }
 
 export type Layer = LayerOf<MessageType>;

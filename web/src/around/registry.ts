@@ -2,5 +2,6 @@
 
 import type { Layer } from "./layer";
 import { perceivedLayer } from "./PerceivedLayer";
+import { heatLayer, salientLayer } from "./SaliencyLayer";
 
-export const LAYERS: readonly Layer[] = [perceivedLayer];
+export const LAYERS: readonly Layer[] = [heatLayer, perceivedLayer, salientLayer];

@@ -753,6 +753,43 @@ export interface RobotFacts {
   cautions: Caution[];
 }
 
+/**
+ * How salient all directions around the head are at ``stamp``. ``cells`` (rows, columns) uint8: 255 is the saliency
+ * ``full``, or more. Rows go from the top down, ``step`` rad each, with level in the middle; columns from azimuth +π to
+ * -π (left positive) in the axes of B.
+ */
+export interface SaliencyMap {
+  stamp: number;
+  step: number;
+  full: number;
+  cells: number[][];
+}
+
+/**
+ * A direction that stands out: ``azimuth`` (left positive) and ``elevation`` (rad) from the head, in B's axes.
+ * ``saliency`` is the sum of the other members, what each feature gives to it, weighted with its gain.
+ */
+export interface SalientRegion {
+  azimuth: number;
+  elevation: number;
+  saliency: number;
+  motion: number;
+  color: number;
+  contrast: number;
+  faces: number;
+  sounds: number;
+}
+
+/**
+ * The most salient regions at ``stamp``, the most salient first, three at most; directions are from ``p_BH``, the
+ * middle of the sphere around the head (m in B).
+ */
+export interface SalientRegions {
+  stamp: number;
+  p_BH: [number, number, number];
+  regions: SalientRegion[];
+}
+
 /** The recording made of the ring. */
 export interface Saved {
   name: string;
@@ -1134,6 +1171,10 @@ export interface RobotMessages {
   battery: BatteryState;
   /** As they come: an utterance while words are listened for. */
   heard_words: HeardWords;
+  /** Five times a second while it is desired: what stands out around. */
+  salient_regions: SalientRegions;
+  /** With it: how salient all directions are. */
+  saliency: SaliencyMap;
   /** Up to 10 times a second: where the robot is on the map. */
   localization: LocalizationReport;
   /** On change: the goal and the state of navigation. */

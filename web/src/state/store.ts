@@ -94,6 +94,8 @@ export function createStore() {
     camera: signal<InsetMode>(sceneWanted() ? "inset" : "large"),
     /** The strip of all directions around the robot. On a phone its small form is in the tab. */
     around: signal<InsetMode>("inset"),
+    /** Whether what stands out is shown on it. */
+    salient: signal(true),
     /** Whether the 3D view is drawn at all. */
     scene: signal(sceneWanted()),
     help: signal(false),

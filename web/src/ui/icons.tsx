@@ -191,6 +191,13 @@ export const AroundIcon = () => (
     <circle cx="12" cy="12.2" r="1.6" fill="currentColor" />
   </Icon>
 );
+export const SalientIcon = () => (
+  <Icon>
+    <circle cx="12" cy="12" r="2.5" fill="currentColor" />
+    <circle cx="12" cy="12" r="6.5" />
+    <path d="M12 2v3M12 19v3M2 12h3M19 12h3" />
+  </Icon>
+);
 export const HeadphonesIcon = () => (
   <Icon>
     <path d="M4 18v-5a8 8 0 0116 0v5" />

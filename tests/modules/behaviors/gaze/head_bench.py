@@ -27,15 +27,21 @@ HEAD = ActuatorGroup(
 
 
 def bench_of(
-    behavior: str, inputs: Mapping[str, type[Any]], *, workspace: IntentionWorkspace | None = None, **settings: Any
+    behavior: str,
+    inputs: Mapping[str, type[Any]],
+    *,
+    outputs: Mapping[str, type[Any]] | None = None,
+    workspace: IntentionWorkspace | None = None,
+    **settings: Any,
 ) -> Bench:
     """``behavior``: file and class below ``gaze``; with a ``workspace``, it reports accomplishments."""
     link = FakeLink()
     link.description = replace(link.description, model_path=URDF, groups={"head": HEAD})
+    reports = {} if workspace is None else {"accomplishments": Accomplishment}
     return Bench(
         f"app.modules.behaviors.gaze.{behavior}",
         inputs={"joints": JointState, **inputs},
-        outputs={"command": JointCommand} | ({} if workspace is None else {"accomplishments": Accomplishment}),
+        outputs={"command": JointCommand, **(outputs or {}), **reports},
         settings=settings,
         link=link,
         services={} if workspace is None else {IntentionWorkspace: workspace},
