@@ -20,6 +20,13 @@ UNTIL = """([joint, position, above]) => {
   const drawn = Number(pose.split(" ")[joint]);
   return above ? drawn > position : drawn < position;
 }"""
+#: Waits until the sound that the page plays is louder, or softer, than a level (dB of full scale).
+HEARD = """([level, above]) => {
+  const { levelDb } = document.querySelector("[data-testid=listen]").dataset;
+  return levelDb !== "" && (above ? +levelDb > level : +levelDb < level);
+}"""
+#: The fans alone are softer than the one, the robot's own voice is louder than the other.
+FANS_DB, VOICE_DB = -50, -40
 #: Keeps what the page says of its link, however shortly.
 LINKS = """window.links = [];
 new MutationObserver(() => window.links.push(document.body.dataset.link)).observe(
@@ -93,6 +100,22 @@ def test_it_blinks_expresses_speaks_and_comes_back(browser: Browser, robot: Robo
         console.get_by_test_id("face-link").click()
     opened.value.locator("body[data-link=live]").wait_for()
     context.close()
+
+
+def test_a_sentence_is_heard_on_the_page(robot: Robot, page: Page) -> None:
+    """What the loudspeaker says comes through the room and the microphones to who listens, with subtitles."""
+    pytest.importorskip("espeakng_loader", reason="the extra `speech` is not installed: nothing speaks")
+    page.get_by_test_id("listen").click()
+    page.wait_for_function(HEARD, arg=[FANS_DB, False])
+    said = {"class": "Say", "intensity": 8, "utility": 4, "params": {"text": 60 * "Aha, I am a robot. "}}
+    status, _, desire = robot.request("POST", "/desires", said)
+    assert status == 201
+    page.wait_for_function(HEARD, arg=[VOICE_DB, True])
+    expect(page.get_by_test_id("subtitles")).to_contain_text("I am a robot")
+    assert robot.request("DELETE", f"/desires/{desire['id']}")[0] == 204
+    page.wait_for_function(HEARD, arg=[FANS_DB, False])
+    page.get_by_test_id("listen").click()
+    page.locator("[data-testid=listen][aria-pressed=false]").wait_for()
 
 
 def test_a_screen_elsewhere_logs_in_by_its_address(
