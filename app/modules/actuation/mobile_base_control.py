@@ -31,7 +31,7 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Literal, TypeVar
 
-from pydantic import Field
+from pydantic import Field, field_validator
 
 from app.base.errors import ConfigError
 from app.base.moving_shapes import BodyOutline
@@ -72,6 +72,14 @@ class MobileBaseControlSettings(ArbiterSettings):
     docking: str = Field("Docking", description="the behavior that drives into a dock, whose outline alone it may near")
     collision_monitor: Literal["on", "off"] = Field("on", description="off: nothing keeps it from hitting things")
     monitor: MonitorRules = Field(MonitorRules(), description="the collision monitor, for bodies with a laser")
+
+    @field_validator("behaviors")
+    @classmethod
+    def _are_desired(cls, behaviors: tuple[Contender, ...]) -> tuple[Contender, ...]:
+        for contender in behaviors:
+            if contender.unattended:
+                raise ValueError(f"{contender.behavior} cannot be unattended: nothing drives the base without a desire")
+        return behaviors
 
 
 class MobileBaseControl(GroupArbiter[Twist]):

@@ -141,3 +141,9 @@ def test_two_behaviors_on_one_input_are_refused() -> None:
     twice = {"behaviors": [{"input": "teleop", "behavior": n, "priority": 1} for n in ("A", "B")]}
     with pytest.raises(WiringError, match="an input of its own"):
         bench(settings=twice)
+
+
+def test_nothing_drives_the_base_unattended() -> None:
+    settings = {"behaviors": [{"input": "teleop", "behavior": "Wander", "priority": 1, "unattended": True}]}
+    with pytest.raises(WiringError, match=r"Wander cannot be unattended: nothing drives the base without a desire"):
+        bench(settings=settings)
