@@ -4,6 +4,10 @@ Eight microphones on the corners of a box of 0.2 x 0.3 x 0.4 m, a loudspeaker 0.
 6 x 5 x 3 m by image sources. The robot says a sentence of 6 s, then another of 8 s; from 4 s on a person talks, 60
 degrees aside, 1.2 to 1.8 m away, with noise 30 dB below. Both are recorded speech, of different people, the echo 6 to
 10 dB above the talker. Everything else is drawn from the scene's number. Sound is at 16 kHz.
+
+The same again while the robot drives through the second sentence, at 0.3 m/s: the talker, who stands, is 60 degrees
+aside half way through what he says. The room's responses are those of a pose every 4 cm, with a linear crossfade
+between.
 """
 
 from __future__ import annotations
@@ -35,17 +39,24 @@ ROBOT = ("kennedy_1", "kennedy_2", "kennedy_3")
 TALKERS = ("austen_1", "austen_2", "austen_3")
 #: A source within this (degrees) of the talker is the talker; a voice by its probability of being speech.
 NEAR_DEG, VOICE = 20.0, 0.5
+DRIVES_MPS, HOP_S, MARGIN_M = 0.3, 0.125, 0.4
 Sound = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """``played`` (N,), its ``echo`` and the ``talker`` (8, N) with noise; ``azimuth``: of the talker (rad)."""
+    """``played`` (N,), its ``echo`` and the ``talker`` (8, N) with noise; ``azimuths`` of the talker (rad), one every
+    ``HOP_S`` of the second sentence."""
 
     played: Sound
     echo: Sound
     talker: Sound
-    azimuth: float
+    azimuths: Sound
+
+    def azimuth(self, time_s: float) -> float:
+        """Azimuth (rad) of the talker ``time_s`` after the second sentence began."""
+        hop = round(time_s / HOP_S)
+        return float(self.azimuths[min(max(hop, 0), len(self.azimuths) - 1)])
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,39 +78,72 @@ def spoken(names: tuple[str, ...], seconds: float, level: float) -> Sound:
     return np.asarray(np.resize(sound / np.sqrt((sound[active] ** 2).mean()) * level, round(seconds * RATE)))
 
 
-def draw(number: int, rt60_s: float) -> Scene:
-    """Scene ``number``: the sentence before and the one that is judged, one after the other."""
+def draw(number: int, rt60_s: float, speed_mps: float = 0.0) -> Scene:
+    """Scene ``number``: the sentence before and the one that is judged, through which the robot drives at
+    ``speed_mps``, one after the other."""
     rng = np.random.default_rng([2026, number])
-    absorption, order = pra.inverse_sabine(rt60_s, ROOM)
-    room = pra.ShoeBox(ROOM, fs=RATE, materials=pra.Material(absorption), max_order=min(order, 17), air_absorption=True)
-    middle = np.array([*rng.uniform([2.2, 2.0], [3.8, 3.0]), 1.0])
-    heading = rng.uniform(-np.pi, np.pi)
-    c, s = math.cos(heading), math.sin(heading)
-    R_WB = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    azimuth = math.radians(60) * rng.choice([-1, 1])
-    distance = rng.uniform(1.2, 1.8)
-    room.add_source(middle + R_WB @ [0.18, 0.0, 0.05])
-    room.add_source(middle + R_WB @ [distance * math.cos(azimuth), distance * math.sin(azimuth), 0.6])
-    room.add_microphone_array((BOX @ R_WB.T + middle).T)
-    room.compute_rir()
+    inside = False
+    while not inside:
+        middle = np.array([*rng.uniform([2.2, 2.0], [3.8, 3.0]), 1.0])
+        heading = rng.uniform(-np.pi, np.pi)
+        c, s = math.cos(heading), math.sin(heading)
+        R_WB = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        aside = math.radians(60) * rng.choice([-1, 1])
+        distance = rng.uniform(1.2, 1.8)
+        # Half way through what the talker says the robot is where it stands otherwise.
+        ahead_m = speed_mps * (np.arange(0.0, SPEAKS_S + HOP_S, HOP_S) - (TALKS_FROM_S + SPEAKS_S) / 2)
+        ahead_m = ahead_m[: 1 if speed_mps == 0.0 else None]
+        places = middle + ahead_m[:, None] * R_WB[:, 0]
+        mouth = middle + R_WB @ [distance * math.cos(aside), distance * math.sin(aside), 0.6]
+        ways = np.vstack([places, mouth])[:, :2]
+        inside = speed_mps == 0.0 or bool(((ways > MARGIN_M) & (ways < np.array(ROOM[:2]) - MARGIN_M)).all())
+    toward = (mouth - places) @ R_WB
+    responses = [_responses(rt60_s, place, R_WB, mouth) for place in places]
     length = round((BEFORE_S + SPEAKS_S) * RATE)
     played = spoken(tuple(rng.permutation(ROBOT)), BEFORE_S + SPEAKS_S, 0.1)
     begins = round((BEFORE_S + TALKS_FROM_S) * RATE)
     dry = np.zeros(length)
     dry[begins:] = spoken(tuple(rng.permutation(TALKERS)), SPEAKS_S - TALKS_FROM_S, 0.1)
-    echo, talker = (
-        np.stack([fftconvolve(sound, room.rir[m][source])[:length] for m in range(len(BOX))])
-        for source, sound in ((0, played), (1, dry))
-    )
+    echo, talker = (_moving(sound, [each[source] for each in responses]) for source, sound in ((0, played), (1, dry)))
     talker *= np.std(echo) / np.std(talker[:, begins:]) * 10 ** (-rng.uniform(6, 10) / 20)
     talker += rng.normal(0, np.std(talker[:, begins:]) * 10 ** (-30 / 20), talker.shape)
     scale = 0.3 / np.abs(echo + talker).max()
-    return Scene(played * scale, echo * scale, talker * scale, azimuth)
+    return Scene(played * scale, echo * scale, talker * scale, np.arctan2(toward[:, 1], toward[:, 0]))
 
 
-def judge(number: int, rt60_s: float) -> Result:
+def _responses(rt60_s: float, place: Sound, R_WB: Sound, mouth: Sound) -> tuple[list[Sound], list[Sound]]:
+    """The room's responses from the loudspeaker, and from ``mouth``, to each microphone of the robot at ``place``."""
+    absorption, order = pra.inverse_sabine(rt60_s, ROOM)
+    room = pra.ShoeBox(ROOM, fs=RATE, materials=pra.Material(absorption), max_order=min(order, 17), air_absorption=True)
+    room.add_source(place + R_WB @ [0.18, 0.0, 0.05])
+    room.add_source(mouth)
+    room.add_microphone_array((BOX @ R_WB.T + place).T)
+    room.compute_rir()
+    loudspeaker, talker = ([room.rir[m][source] for m in range(len(BOX))] for source in (0, 1))
+    return loudspeaker, talker
+
+
+def _moving(sound: Sound, responses: Sequence[Sequence[Sound]]) -> Sound:
+    """``sound`` (N,) at each microphone (8, N), whose responses change every ``HOP_S`` of the second sentence."""
+    times = np.arange(len(sound)) / RATE - BEFORE_S
+    heard = np.zeros((len(BOX), len(sound)))
+    for hop, each in enumerate(responses):
+        weight = np.clip(1.0 - np.abs(times / HOP_S - hop), 0.0, 1.0)
+        if hop == 0:
+            weight[times < 0] = 1.0
+        if hop == len(responses) - 1:
+            weight[times > hop * HOP_S] = 1.0
+        at = np.flatnonzero(weight)
+        first, last = at[0], at[-1] + 1
+        for m, response in enumerate(each):
+            part = fftconvolve(sound[first:last] * weight[first:last], response)[: len(sound) - first]
+            heard[m, first : first + len(part)] += part
+    return heard
+
+
+def judge(number: int, rt60_s: float, speed_mps: float = 0.0) -> Result:
     """Scene ``number`` through the filter and the localization."""
-    scene = draw(number, rt60_s)
+    scene = draw(number, rt60_s, speed_mps)
     second = round(BEFORE_S * RATE)
     cold = _enhancement(EchoCanceller(len(BOX), FRAME), scene, second)
     warm_canceller = EchoCanceller(len(BOX), FRAME)
@@ -151,7 +195,9 @@ def _heard(scene: Scene) -> tuple[float, float, float]:
                 own_voices.append(any(source.speech >= VOICE for source in active))
             elif time_s > TALKS_FROM_S + 0.5 and talks[min(int(sources.stamp * RATE), len(talks) - 1)]:
                 azimuths = [math.atan2(source.direction[1], source.direction[0]) for source in active]
-                off = [abs((azimuth - scene.azimuth + math.pi) % (2 * math.pi) - math.pi) for azimuth in azimuths]
+                off = [
+                    abs((azimuth - scene.azimuth(time_s) + math.pi) % (2 * math.pi) - math.pi) for azimuth in azimuths
+                ]
                 located.append(any(angle < math.radians(NEAR_DEG) for angle in off))
     return float(np.mean(located)), float(np.mean(own_voices)), 1000 * cpu_s / (len(sound) / RATE)
 
@@ -166,12 +212,13 @@ def measure(quick: bool) -> list[Row]:
     """The rows of all scenes."""
     scenes = range(4 if quick else 30)
     rows = []
-    for rt60_s in (0.3,) if quick else (0.3, 0.45):
+    for rt60_s, speed_mps in ((0.3, 0.0),) if quick else ((0.3, 0.0), (0.45, 0.0), (0.3, DRIVES_MPS)):
+        case = f"RT60 {rt60_s} s" + (", driving" if speed_mps else "")
         results = []
         for number in scenes:
-            results.append(judge(number, rt60_s))
-            print(f"{rt60_s} s, scene {number}: {results[-1]}", file=sys.stderr, flush=True)
-        rows += _rows(f"RT60 {rt60_s} s", results)
+            results.append(judge(number, rt60_s, speed_mps))
+            print(f"{case}, scene {number}: {results[-1]}", file=sys.stderr, flush=True)
+        rows += _rows(case, results)
     return rows
 
 

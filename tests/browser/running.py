@@ -155,7 +155,7 @@ def _program(
         body["streams"]["panorama"]["rate_hz"] = channels["panorama"]["rate_hz"] = CALM_PANORAMA_HZ
         desires = [{"class": "FindQRCodes"}, {"class": "Teleoperation", "security": True}]
         program["modules"]["ScenarioCoordinator"]["settings"] = {"desires": desires}
-    (folder / "robot.yaml").write_text(yaml.safe_dump(body))
+    (folder / "robot.yaml").write_text(yaml.safe_dump(body, sort_keys=False))
     (folder / "channels.yaml").write_text(yaml.safe_dump(channels))
     program |= {
         "robot": "robot.yaml",

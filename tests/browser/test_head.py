@@ -23,7 +23,7 @@ def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
 
 
 def pan(robot: Robot) -> float:
-    """The set-point of the pan joint at the guard (rad, left positive)."""
+    """The set-point of the pan joint at the guard (rad, left positive): the first of the file's first group."""
     rows = robot.wheels()
     return rows[-1].setpoints[0] if rows else 0.0
 
