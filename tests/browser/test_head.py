@@ -68,7 +68,7 @@ def test_a_held_key_turns_the_head_and_not_the_base_and_a_release_holds_it(robot
     )
     page.keyboard.up("KeyJ")
     rested = at_rest(robot, page)
-    assert rested > begin + 0.4
+    assert rested > begin + 0.3, "it comes back by no more than the joint was behind its set-point"
     assert len([row for row in robot.wheels() if row.linear_mps or row.angular_radps]) == driven
     hold_until(
         page, lambda: page.keyboard.down("KeyL"), lambda: page.keyboard.up("KeyL"), lambda: pan(robot) < rested - 0.3
