@@ -25,7 +25,7 @@ from app.base.geometry import Pose2
 from app.base.paths import config_dir
 from app.base.yaml_source import parse
 from app.robots.config import load_robot_config
-from app.robots.simulated.guard_log import GuardRow, read_guard_log
+from app.robots.simulated.guard_log import GuardLogReader, GuardRow
 from app.robots.simulated.world_config import WorldConfig
 from tests.patience import PATIENCE_S
 
@@ -47,7 +47,7 @@ class Robot:
     """A running program: its address, and what a test may know that no module does."""
 
     url: str
-    guard_log: Path
+    guard_log: GuardLogReader
     start: Pose2
     posters: dict[str, tuple[float, float, float]]
     process: subprocess.Popen[str]
@@ -77,7 +77,7 @@ class Robot:
 
     def wheels(self) -> list[GuardRow]:
         """Everything the wheels were given so far."""
-        return read_guard_log(self.guard_log)
+        return self.guard_log.rows()
 
     def true_place(self, text: str) -> tuple[float, float, float]:
         """Where the poster that says ``text`` hangs, in ``odom`` as it would be without drift."""
@@ -124,7 +124,7 @@ def running_program(program: Path, guard_log: Path, start: Pose2) -> Iterator[Ro
     reader.start()
     try:
         posters = {p.text: (p.at[0], p.at[1], p.height) for p in world.posters}
-        yield Robot(_address(lines, output), guard_log, start, posters, process)
+        yield Robot(_address(lines, output), GuardLogReader(guard_log), start, posters, process)
     finally:
         process.terminate()
         process.wait(PATIENCE_S)

@@ -51,17 +51,37 @@ class GuardLog:
                 self._file.write(row)
 
 
+class GuardLogReader:
+    """Reads a log that is still being written: each time only what is new."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._row: struct.Struct | None = None
+        self._read = 0
+        self._rows: list[GuardRow] = []
+
+    def rows(self) -> list[GuardRow]:
+        """All whole rows so far, in a list of the caller's own. Raises OSError."""
+        with self._path.open("rb") as file:
+            file.seek(self._read)
+            data = file.read()
+        if self._row is None:
+            if len(data) < _HEADER.size:
+                return []
+            self._row = _row(*_HEADER.unpack_from(data))
+            data, self._read = data[_HEADER.size :], _HEADER.size
+        whole = len(data) - len(data) % self._row.size
+        self._read += whole
+        self._rows += [
+            GuardRow(when, linear, angular, tuple(setpoints), lateral)
+            for when, linear, angular, lateral, *setpoints in self._row.iter_unpack(data[:whole])
+        ]
+        return list(self._rows)
+
+
 def read_guard_log(path: Path) -> list[GuardRow]:
-    data = path.read_bytes()
-    if len(data) < _HEADER.size:
-        return []
-    row = _row(*_HEADER.unpack_from(data))
-    rows = data[_HEADER.size :]
-    whole = len(rows) - len(rows) % row.size
-    return [
-        GuardRow(when, linear, angular, tuple(setpoints), lateral)
-        for when, linear, angular, lateral, *setpoints in row.iter_unpack(rows[:whole])
-    ]
+    """All whole rows of the log at ``path``. Raises OSError."""
+    return GuardLogReader(path).rows()
 
 
 def _row(joints: int) -> struct.Struct:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from app.robots.simulated.guard_log import GuardLog, GuardRow, read_guard_log
+from app.robots.simulated.guard_log import GuardLog, GuardLogReader, GuardRow, read_guard_log
 
 
 def test_rows_come_back_in_order_and_a_torn_one_is_left_out(tmp_path: Path) -> None:
@@ -18,3 +18,26 @@ def test_rows_come_back_in_order_and_a_torn_one_is_left_out(tmp_path: Path) -> N
     with path.open("ab") as file:
         file.write(b"torn")
     assert read_guard_log(path) == rows
+
+
+def test_a_log_that_is_still_written_is_read_on(tmp_path: Path) -> None:
+    """In pieces of any size, the header's and rows' among them."""
+    whole = tmp_path / "whole.log"
+    log = GuardLog(whole, joints=1)
+    rows = [GuardRow(float(i), 0.1, 0.0, (0.5 * i,)) for i in range(20)]
+    for row in rows:
+        log.write(row)
+    log.close(timeout_s=10.0)
+    data = whole.read_bytes()
+    path = tmp_path / "growing.log"
+    path.touch()
+    reader = GuardLogReader(path)
+    sizes = []
+    for begin in range(0, len(data), 3):
+        with path.open("ab") as file:
+            file.write(data[begin : begin + 3])
+        read = reader.rows()
+        sizes.append(len(read))
+        assert read == rows[: len(read)]
+    assert sizes[-1] == len(rows)
+    assert sizes == sorted(sizes)
