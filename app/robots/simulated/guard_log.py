@@ -52,29 +52,32 @@ class GuardLog:
 
 
 class GuardLogReader:
-    """Reads a log that is still being written: each time only what is new."""
+    """Reads a log that is still being written, each time only what is new; one that was begun again, from its begin."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        self._row: struct.Struct | None = None
+        #: The header and the first row: another log at this path has others.
+        self._begin = b""
         self._read = 0
         self._rows: list[GuardRow] = []
 
     def rows(self) -> list[GuardRow]:
         """All whole rows so far, in a list of the caller's own. Raises OSError."""
         with self._path.open("rb") as file:
+            header = file.read(_HEADER.size)
+            if len(header) < _HEADER.size:
+                return []
+            row = _row(*_HEADER.unpack(header))
+            begin = header + file.read(row.size)
+            if begin != self._begin or not self._read:
+                self._begin, self._read, self._rows = begin, _HEADER.size, []
             file.seek(self._read)
             data = file.read()
-        if self._row is None:
-            if len(data) < _HEADER.size:
-                return []
-            self._row = _row(*_HEADER.unpack_from(data))
-            data, self._read = data[_HEADER.size :], _HEADER.size
-        whole = len(data) - len(data) % self._row.size
+        whole = len(data) - len(data) % row.size
         self._read += whole
         self._rows += [
             GuardRow(when, linear, angular, tuple(setpoints), lateral)
-            for when, linear, angular, lateral, *setpoints in self._row.iter_unpack(data[:whole])
+            for when, linear, angular, lateral, *setpoints in row.iter_unpack(data[:whole])
         ]
         return list(self._rows)
 

@@ -41,3 +41,17 @@ def test_a_log_that_is_still_written_is_read_on(tmp_path: Path) -> None:
         assert read == rows[: len(read)]
     assert sizes[-1] == len(rows)
     assert sizes == sorted(sizes)
+
+
+def test_a_log_that_was_begun_again_is_read_from_its_begin(tmp_path: Path) -> None:
+    """Also where it has more rows by then than the one before."""
+    path = tmp_path / "guard.log"
+    reader = GuardLogReader(path)
+    for first, count in ((0.0, 5), (100.0, 50)):
+        log = GuardLog(path, joints=1)
+        rows = [GuardRow(first + i, 0.1, 0.0, (0.5,)) for i in range(count)]
+        for row in rows:
+            log.write(row)
+        log.close(timeout_s=10.0)
+        assert reader.rows() == rows
+        assert reader.rows() == rows
