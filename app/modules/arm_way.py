@@ -42,8 +42,8 @@ def way(joints: Sequence[JointLimits], begin: Array, goal: Array) -> Array:
     lasts_s = float((2 * speeding_s + cruising_s).max())
     steps = min(max(math.ceil(float(distance.max()) / _STEP_RAD), 1), _MOST_STEPS)
     times = np.linspace(0.0, lasts_s, steps + 1)[:, None]
-    begun, left = np.minimum(times, speeding_s), np.clip(2 * speeding_s + cruising_s - times, 0.0, speeding_s)
-    gone = acceleration * begun**2 / 2 + top * np.clip(times - speeding_s, 0.0, cruising_s)
+    sped, left = np.minimum(times, speeding_s), np.clip(2 * speeding_s + cruising_s - times, 0.0, speeding_s)
+    gone = acceleration * sped**2 / 2 + top * np.clip(times - speeding_s, 0.0, cruising_s)
     gone += acceleration * (speeding_s**2 - left**2) / 2 * (times > speeding_s + cruising_s)
     return np.asarray(begin + np.sign(goal - begin) * np.minimum(gone, distance))
 

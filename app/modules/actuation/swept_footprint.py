@@ -22,6 +22,8 @@ Floats = NDArray[np.float64]
 Points = NDArray[np.complex128]
 """Points of a plane as complex numbers: x + iy, m in ``base_link``."""
 
+#: A slower velocity (m/s) closes in on no edge beyond rounding: it is none.
+_STANDS_MPS = 1e-9
 #: An arc that turns less than this (rad) within the horizon is treated as straight: the error is under 1 mm on 1 m.
 STRAIGHT_RAD = 1e-3
 _TOUCH_RAD = 1e-9
@@ -154,7 +156,7 @@ def contact_times(points: Points, polygon: Polygon, velocity: complex, angular: 
 
 def _straight(points: Points, polygon: Polygon, velocity: complex, horizon_s: float) -> Floats:
     beyond = polygon.edgewise(points)
-    if velocity == 0.0:
+    if abs(velocity) < _STANDS_MPS:
         return np.where(beyond.max(axis=1) < 0, 0.0, np.inf)
     closing = velocity.real * polygon.normals.real + velocity.imag * polygon.normals.imag
     entering, leaving = closing > 1e-12, closing < -1e-12

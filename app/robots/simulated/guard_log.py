@@ -52,7 +52,7 @@ class GuardLog:
 
 
 class GuardLogReader:
-    """Reads a log that is still being written, each time only what is new; one that was begun again, from its begin."""
+    """Reads a log that is still being written, each time only what is new; one started again, from its start."""
 
     def __init__(self, path: Path) -> None:
         self._path = path

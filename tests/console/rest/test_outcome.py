@@ -23,15 +23,15 @@ from tests.patience import PATIENCE_S
 
 
 class Watch:
-    """Who waits in ``workspace``: :attr:`begun` counts requests that wait, :attr:`ended` those that do no more."""
+    """Who waits in ``workspace``: :attr:`arrived` counts requests that wait, :attr:`ended` those that do no more."""
 
     def __init__(self, workspace: IntentionWorkspace, monkeypatch: pytest.MonkeyPatch) -> None:
-        self.begun, self.ended = asyncio.Semaphore(0), asyncio.Semaphore(0)
+        self.arrived, self.ended = asyncio.Semaphore(0), asyncio.Semaphore(0)
         observe = workspace.observe
 
         def watched(callback: Callable[[Any], None]) -> Callable[[], None]:
             stop = observe(callback)
-            self.begun.release()
+            self.arrived.release()
 
             def stopped() -> None:
                 stop()
@@ -65,7 +65,7 @@ async def test_a_request_waits_until_a_behavior_reports(rest: httpx.AsyncClient,
     desire = await desired(rest)
     waiting = [asyncio.create_task(rest.get(f"/desires/{desire.id}", params={"wait": 60})) for _ in range(2)]
     for _ in waiting:
-        await watch.begun.acquire()
+        await watch.arrived.acquire()
     accomplished(system, desire)
     for answer in await asyncio.gather(*waiting):
         report = answered(answer, DesireReport)
@@ -81,7 +81,7 @@ async def test_it_ends_with_the_desire_which_is_known_for_a_while(
 ) -> None:
     desire = await desired(rest)
     waiting = asyncio.create_task(rest.get(f"/desires/{desire.id}?wait=60"))
-    await watch.begun.acquire()
+    await watch.arrived.acquire()
     assert (await rest.delete(f"/desires/{desire.id}")).status_code == 204
     report = answered(await waiting, DesireReport)
     assert report.outcome == "withdrawn"
@@ -123,7 +123,7 @@ async def test_a_client_that_goes_waits_no_more(rest: httpx.AsyncClient, url: st
     desire = await desired(rest)
     async with connected(url) as raw:
         await raw.send(request(f"GET /api/v1/desires/{desire.id}?wait=60"))
-        await watch.begun.acquire()
+        await watch.arrived.acquire()
     await watch.ended.acquire()
 
 
@@ -135,7 +135,7 @@ async def test_a_request_that_waits_does_not_keep_the_console_up(
             watch = Watch(system.workspace, monkeypatch)
             desire = answered(await client.post(f"{url}/api/v1/desires", json=NEW), Desire)
             waiting = asyncio.create_task(client.get(f"{url}/api/v1/desires/{desire.id}?wait=60"))
-            await watch.begun.acquire()
+            await watch.arrived.acquire()
         with pytest.raises(httpx.TransportError):
             await waiting
 

@@ -88,9 +88,9 @@ def ride(
         await link.start()
         try:
             async with Supervisor(graph.modules, clock):
-                begun = Ride(link, clock, graph)
+                ride = Ride(link, clock, graph)
                 await clock.sleep(0.1)
-                return await script(begun)
+                return await script(ride)
         finally:
             await link.stop()
 
@@ -113,12 +113,12 @@ def test_a_person_who_steps_in_front_is_not_touched(robot: RobotConfig, hall: Wo
         "script": [{"wait": reached_s - walk_m / speed_mps}, {"walk": there, "speed": speed_mps}, {"wait": 99}],
     }  # fmt: skip
 
-    async def script(begun: Ride) -> tuple[list[str], float, float]:
-        await begun.drive(0.4, 0.0, reached_s)
-        fast = begun.link.true_pose().x
-        await begun.drive(0.4, 0.0, 3.5)
-        assert begun.link.contacts == ()
-        return begun.limits(), fast, begun.link.true_pose().x
+    async def script(ride: Ride) -> tuple[list[str], float, float]:
+        await ride.drive(0.4, 0.0, reached_s)
+        fast = ride.link.true_pose().x
+        await ride.drive(0.4, 0.0, 3.5)
+        assert ride.link.contacts == ()
+        return ride.limits(), fast, ride.link.true_pose().x
 
     limits, fast, stood = ride(at(robot, 10, 10), hall, script, [person])
     assert fast == pytest.approx(10 + line_m, abs=0.1), "it was under way"
@@ -133,11 +133,11 @@ def test_a_doorway_of_a_metre_is_driven_through(robot: RobotConfig, aside_m: flo
     door = {"at": 10, "width": 1.0}
     world = make_hall(walls=[{"from": (10, 0), "to": (10, 20), "material": "wall", "thickness": 0.15, "doors": [door]}])
 
-    async def script(begun: Ride) -> None:
-        await begun.drive(0.4, 0.0, 4.0 if aside_m else 3.0)
-        said = begun.limits()
-        assert begun.link.contacts == ()
-        assert begun.link.true_pose().x > 10.1
+    async def script(ride: Ride) -> None:
+        await ride.drive(0.4, 0.0, 4.0 if aside_m else 3.0)
+        said = ride.limits()
+        assert ride.link.contacts == ()
+        assert ride.link.true_pose().x > 10.1
         assert not said if aside_m == 0.0 else all(text.startswith("slowed") for text in said)
 
     ride(at(robot, 9.25, 10.0 + aside_m), world, script)
@@ -146,16 +146,16 @@ def test_a_doorway_of_a_metre_is_driven_through(robot: RobotConfig, aside_m: flo
 def test_an_arm_stretched_forward_stops_before_the_wall(robot: RobotConfig, hall: WorldConfig) -> None:
     shoulder = ("left_shoulder_pitch_joint",)
 
-    async def script(begun: Ride) -> tuple[float, list[str]]:
+    async def script(ride: Ride) -> tuple[float, list[str]]:
         for _ in range(30):
-            begun.link.command(JointCommand(begun.clock.now(), "left_arm", shoulder, (-1.57,)))
-            await begun.clock.sleep(0.1)
-        begun.limits()
+            ride.link.command(JointCommand(ride.clock.now(), "left_arm", shoulder, (-1.57,)))
+            await ride.clock.sleep(0.1)
+        ride.limits()
         for _ in range(60):
-            begun.link.command(JointCommand(begun.clock.now(), "left_arm", shoulder, (-1.57,)))
-            await begun.drive(0.3, 0.0, 0.1)
-        assert begun.link.contacts == ()
-        return begun.link.true_pose().x, begun.limits()
+            ride.link.command(JointCommand(ride.clock.now(), "left_arm", shoulder, (-1.57,)))
+            await ride.drive(0.3, 0.0, 0.1)
+        assert ride.link.contacts == ()
+        return ride.link.true_pose().x, ride.limits()
 
     stood, limits = ride(at(robot, 18.5, 10), hall, script)
     wall, hand = 19.9, 0.52
@@ -172,11 +172,11 @@ def test_hands_that_push_on_at_random_touch_nothing(robot: RobotConfig) -> None:
     ]
     chance = random.Random(5)
 
-    async def script(begun: Ride) -> None:
+    async def script(ride: Ride) -> None:
         for _ in range(10):
-            await begun.drive(0.4, chance.uniform(-1.0, 1.0), 0.8)
-        assert begun.link.contacts == ()
-        said = begun.limits()
+            await ride.drive(0.4, chance.uniform(-1.0, 1.0), 0.8)
+        assert ride.link.contacts == ()
+        said = ride.limits()
         assert any(text.startswith("stopped") for text in said), "there was something to run into"
 
     ride(at(robot, 10, 10), make_hall(objects=boxes), script)
@@ -184,17 +184,17 @@ def test_hands_that_push_on_at_random_touch_nothing(robot: RobotConfig) -> None:
 
 @pytest.mark.slow
 def test_out_of_a_tight_place_it_crawls_back_and_turns(robot: RobotConfig, hall: WorldConfig) -> None:
-    async def script(begun: Ride) -> None:
-        await begun.drive(0.4, 0.0, 3.0)
-        stood = begun.link.true_pose()
-        assert begun.limits()[-1].startswith("stopped")
-        await begun.drive(-0.4, 0.0, 2.0)
-        back = begun.link.true_pose()
+    async def script(ride: Ride) -> None:
+        await ride.drive(0.4, 0.0, 3.0)
+        stood = ride.link.true_pose()
+        assert ride.limits()[-1].startswith("stopped")
+        await ride.drive(-0.4, 0.0, 2.0)
+        back = ride.link.true_pose()
         assert 0.12 < stood.x - back.x < 0.21
-        assert begun.limits()[-1] == "slowed: the laser does not see behind"
-        await begun.drive(0.0, 1.0, 1.0)
-        assert begun.link.true_pose().theta > 0.7
-        assert begun.link.contacts == ()
+        assert ride.limits()[-1] == "slowed: the laser does not see behind"
+        await ride.drive(0.0, 1.0, 1.0)
+        assert ride.link.true_pose().theta > 0.7
+        assert ride.link.contacts == ()
 
     ride(at(robot, 19.25, 10.0), hall, script)
 
@@ -208,19 +208,19 @@ def test_a_holonomic_base_strafes_to_a_wall_and_stops_before_it(robot: RobotConf
     streams = robot.streams.model_copy(update={"hokuyo": laser})
     body = robot.model_copy(update={"limits": limits, "base": base, "streams": streams})
 
-    async def script(begun: Ride) -> None:
-        start = begun.link.true_pose()
-        await begun.drive(0.0, 0.0, 2.0, lateral=0.3)
-        went = begun.link.true_pose()
+    async def script(ride: Ride) -> None:
+        start = ride.link.true_pose()
+        await ride.drive(0.0, 0.0, 2.0, lateral=0.3)
+        went = ride.link.true_pose()
         assert went.y - start.y > 0.3
         assert abs(went.x - start.x) < 0.02
         assert abs(went.theta) < 0.02
-        await begun.drive(0.0, 0.0, 6.0, lateral=0.3)
-        assert begun.limits()[-1].startswith("stopped: something 0.1 m to the left")
-        assert begun.link.contacts == ()
-        assert begun.link.true_pose().y < 20.0 - 0.28
-        await begun.drive(0.2, -0.5, 2.0, lateral=-0.2)
-        assert begun.link.true_pose().y < 19.6, "away from it nothing is in the way"
-        assert begun.link.contacts == ()
+        await ride.drive(0.0, 0.0, 6.0, lateral=0.3)
+        assert ride.limits()[-1].startswith("stopped: something 0.1 m to the left")
+        assert ride.link.contacts == ()
+        assert ride.link.true_pose().y < 20.0 - 0.28
+        await ride.drive(0.2, -0.5, 2.0, lateral=-0.2)
+        assert ride.link.true_pose().y < 19.6, "away from it nothing is in the way"
+        assert ride.link.contacts == ()
 
     ride(at(body, 10, 19.1), hall, script)

@@ -34,22 +34,22 @@ def command(b: Bench, pan: float, group: str = "head") -> JointCommand:
 @in_virtual_time
 async def test_the_highest_priority_commands_the_joints_and_is_reported() -> None:
     async with bench() as b:
-        told = b.listen("exploitation")
+        reports = b.listen("exploitation")
         await b.clock.sleep(1.0)
-        assert [(e.behavior, e.group) for e in drain(told)] == [(None, "head")] * 10
+        assert [(e.behavior, e.group) for e in drain(reports)] == [(None, "head")] * 10
         assert b.link.joint_commands == [], "nothing is given without a command: the guard has the last word"
         asked = b.clock.now()
         b.feed("look", command(b, 0.5))
         await b.settle()
         assert [(c.stamp, c.positions) for c in b.link.joint_commands] == [(asked, (0.5,))], "it waits for no beat"
-        assert [(e.stamp, e.behavior) for e in drain(told)] == [(asked, "LookAt")]
+        assert [(e.stamp, e.behavior) for e in drain(reports)] == [(asked, "LookAt")]
         b.feed("nod", command(b, -0.5))
         b.feed("look", command(b, 0.6))
         await b.settle()
         assert b.link.joint_commands[-1].positions == (-0.5,)
-        assert drain(told)[-1].behavior == "Nod"
+        assert drain(reports)[-1].behavior == "Nod"
         await b.clock.sleep(0.5)
-        assert drain(told)[-1].behavior is None
+        assert drain(reports)[-1].behavior is None
         given = len(b.link.joint_commands)
         await b.clock.sleep(1.0)
         assert len(b.link.joint_commands) == given

@@ -109,3 +109,10 @@ def test_the_margin_moves_every_edge_out() -> None:
 def test_what_is_no_footprint_is_refused(corners: tuple[tuple[float, float], ...]) -> None:
     with pytest.raises(ValueError, match="footprint"):
         Polygon.of(corners)
+
+
+@pytest.mark.parametrize("velocity", [1.6e-81 + 0j, 5e-324j, 1e-12 + 0j])
+def test_a_velocity_beyond_rounding_is_none(velocity: complex) -> None:
+    polygon = Polygon.of(SHAPES[0], 0.0)
+    times = contact_times(np.array([0j, 5.0 + 0j]), polygon, velocity, -1e-5, HORIZON_S)
+    assert times.tolist() == [0.0, math.inf]

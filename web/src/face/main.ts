@@ -110,7 +110,7 @@ function animate(): void {
   requestAnimationFrame(animate);
 }
 
-/** A token in the address opens; without one, whoever uses this browser logs in at the console's page. */
+/** A token in the address opens; without one, people log in at the console's page. */
 async function enter(): Promise<void> {
   refused = await asked();
   const token = tokenIn(location.hash);

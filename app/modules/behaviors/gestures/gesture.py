@@ -93,7 +93,7 @@ class Servo:
 
 
 class ArmMove:
-    """A move of ``arm`` along ``route``, postures (4,) rad of which the last is its ``goal``, begun at ``view``."""
+    """A move of ``arm`` along ``route``, postures (4,) rad of which the last is its ``goal``, started at ``view``."""
 
     def __init__(self, arm: Arm, servo: Servo, route: Sequence[Vector], view: GestureView) -> None:
         self.arm = arm

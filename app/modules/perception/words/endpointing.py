@@ -45,7 +45,7 @@ class Endpointer:
 
     @property
     def speaks(self) -> bool:
-        """Whether an utterance has begun and not ended."""
+        """Whether an utterance goes on."""
         return self._begin is not None
 
     def update(self, sound: NDArray[np.float32]) -> list[Utterance]:
