@@ -289,8 +289,11 @@ async def test_a_stop_that_the_guard_does_not_confirm_is_not_called_latched(
 
 
 async def test_a_body_that_falls_silent_is_reported(client: httpx.AsyncClient, system: System, body: Body) -> None:
-    body.emit_status(system.clock.now())
-    assert (await client.get("/robot")).json()["guard"]["state"] == "idle"
+    state = "silent"
+    while state == "silent":  # a busy computer may answer later than a status lasts
+        body.emit_status(system.clock.now())
+        state = (await client.get("/robot")).json()["guard"]["state"]
+    assert state == "idle"
     body.emit_status(system.clock.now() - 2)
     guard = (await client.get("/robot")).json()["guard"]
     assert guard["state"] == "silent"
