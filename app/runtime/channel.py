@@ -67,7 +67,7 @@ class Subscription(Generic[M]):
 
     __slots__ = (
         "_age_s", "_attended", "_capacity", "_closed", "_discarded", "_dropped", "_inbox", "_now",
-        "_on_close", "_on_filter", "_overflowed", "_passed", "_received", "_senders", "_waiter",
+        "_on_close", "_on_filter", "_overflowed", "_passed", "_received", "_resting", "_senders", "_waiter",
         "demands", "filter", "lossless", "name", "taken",
     )  # fmt: skip
 
@@ -100,6 +100,7 @@ class Subscription(Generic[M]):
         self._senders: dict[asyncio.Future[bool], None] = {}
         self._closed = False
         self._attended = True
+        self._resting = False
         self._overflowed = 0
         self._received = self._passed = self._dropped = self._discarded = 0
         #: How many messages the consumer has taken.
@@ -122,14 +123,17 @@ class Subscription(Generic[M]):
         self._passed += 1
         inbox = self._inbox
         if len(inbox) >= self._capacity:
-            self._dropped += 1
+            if self._resting:
+                self._discarded += 1
+            else:
+                self._dropped += 1
             if self.lossless:
                 self._overflowed += 1
                 return
             inbox.popleft()
         inbox.append(message)
         waiter = self._waiter
-        if waiter is not None:
+        if waiter is not None and not self._resting:
             self._waiter = None
             if not waiter.done():
                 waiter.set_result(None)
@@ -139,9 +143,9 @@ class Subscription(Generic[M]):
 
         Raises ChannelClosed at the end, InboxOverflow after a loss, RuntimeError if another task already waits here.
         """
-        if self._inbox and not self._overflowed:
+        if self._inbox and not self._overflowed and not self._resting:
             return self._take()
-        while not self._inbox and not self._overflowed:
+        while (self._resting or not self._inbox) and not self._overflowed:
             if self._closed:
                 raise ChannelClosed(f"{self.name}: the channel is closed")
             if self._waiter is not None and not self._waiter.done():
@@ -175,13 +179,14 @@ class Subscription(Generic[M]):
 
     @property
     def waiting(self) -> bool:
-        return bool(self._inbox)
+        """Whether there is a message to take, and the consumer does not rest."""
+        return bool(self._inbox) and not self._resting
 
     def __aiter__(self) -> Subscription[M]:
         return self
 
     async def __anext__(self) -> M:
-        if self._inbox and not self._overflowed:
+        if self._inbox and not self._overflowed and not self._resting:
             return self._take()
         try:
             return await self.receive()
@@ -214,6 +219,19 @@ class Subscription(Generic[M]):
             self.demands = demands
             self._on_filter()
 
+    def rest(self, resting: bool) -> None:
+        """While ``resting``, the newest messages wait in the inbox and do not wake the consumer; then they are taken.
+
+        Raises ValueError for a lossless inbox: its producers would wait.
+        """
+        if self.lossless:
+            raise ValueError(f"{self.name} is lossless and may not rest")
+        self._resting = resting
+        if not resting and self._inbox and self._waiter is not None:
+            waiter, self._waiter = self._waiter, None
+            if not waiter.done():
+                waiter.set_result(None)
+
     def close(self) -> None:
         """Leave the channel; what waits can still be received, then ChannelClosed is raised. May be called twice."""
         if not self._closed:
@@ -222,7 +240,7 @@ class Subscription(Generic[M]):
 
     def end(self) -> None:
         """Called by the channel: nothing more will come."""
-        self._closed = True
+        self._closed, self._resting = True, False
         if self._waiter is not None and not self._waiter.done():
             self._waiter.set_result(None)
         self._wake_senders()

@@ -11,7 +11,7 @@ from pydantic import BaseModel, Field, ValidationError
 from app.base.errors import ConfigError
 from app.base.extensions import load_named, why_absent
 from app.base.yaml_source import likeliest, validation_message
-from app.runtime.channel import Channel
+from app.runtime.channel import Channel, Subscription
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.clock import Clock
 from app.runtime.digraph import find_cycle
@@ -117,6 +117,9 @@ class FilterBank:
         #: Offsets by name of those that wait for their first opening.
         self._delayed: dict[str, int] = {}
         self._undivided: set[str] = set()
+        #: By module the names of its filters that attention controls, and the inputs that rest while these are closed.
+        self._attended: dict[str, set[str]] = {}
+        self._resting: dict[str, tuple[Subscription[Any], ...]] = {}
 
     def add(self, name: str, rate_filter: RateFilter, *, decimable: bool = True) -> None:
         """Register a filter; one that is not ``decimable`` may only be open or closed."""
@@ -192,7 +195,23 @@ class FilterBank:
             self._filters[name].divisor = after
             if after != CLOSED and name in self._delayed:
                 self._filters[name].begin(self._delayed.pop(name))
+        for module in {name.partition(".")[0] for name in changes}:
+            self._rest(module)
         return changes
+
+    def attend(self, names: Collection[str], subscriptions: Mapping[str, Collection[Subscription[Any]]]) -> None:
+        """Let ``subscriptions``, by module, rest while all filters ``names`` of that module are closed."""
+        for name in names:
+            self._attended.setdefault(name.partition(".")[0], set()).add(name)
+        for module in self._attended:
+            self._resting[module] = tuple(subscriptions.get(module, ()))
+            self._rest(module)
+
+    def _rest(self, module: str) -> None:
+        if subscriptions := self._resting.get(module):
+            closed = not any(self._filters[name].is_open for name in self._attended[module])
+            for subscription in subscriptions:
+                subscription.rest(closed)
 
 
 class Graph:
@@ -259,6 +278,11 @@ class Graph:
             if output is not None and not slot.module.running:
                 output.close_quietly()
         self.filters.apply(dict.fromkeys(names, CLOSED))
+        resting = {
+            name: [p.subscription for p in slot.context.inputs.values() if p.connected and p.rests]
+            for name, slot in self.modules.items()
+        }
+        self.filters.attend(names, resting)
 
     def _check_attended(self, name: str) -> None:
         module, _, port_name = name.partition(".")

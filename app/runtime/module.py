@@ -138,12 +138,15 @@ class Module:
         always_open: bool = False,
         moves: bool = False,
         wants: Wants = "always",
+        rests: bool = False,
     ) -> Input[M]:
         """Declare an input port of ``message_type`` with an inbox of ``capacity`` messages.
 
         ``moves``: what comes in by it can move the body. The output of another module that leads to it stays closed
         unless a strategy names it. ``wants``: whether the source works for this input ``always``, ``if_wanted`` (only
         while an output of this module is wanted), or ``never``; what is published comes in at any rate.
+        ``rests``: while attention has closed all filters that it controls of this module, the newest ``capacity``
+        messages wait without waking it; they come first when one opens. For state that is needed only at work.
         """
         port = self._context.inputs.get(name)
         if port is None:
@@ -156,6 +159,7 @@ class Module:
                 always_open=always_open,
                 moves=moves,
                 wants=wants,
+                rests=rests,
             )
             self._context.inputs[name] = port
         return port

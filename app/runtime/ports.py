@@ -26,6 +26,8 @@ class Input(Generic[M]):
     module's end of a channel.
 
     ``always_open``: attention may not decimate the input; for safety and self-motion, where a gap is a fault.
+    ``rests``: while attention has closed all it controls of the module, the newest ``capacity`` messages wait in the
+    inbox and do not wake the module; see :meth:`Subscription.rest`.
     """
 
     module: str
@@ -37,6 +39,7 @@ class Input(Generic[M]):
     always_open: bool = False
     moves: bool = False
     wants: Wants = "always"
+    rests: bool = False
     channel: Channel[M] | None = field(default=None, init=False)
     _subscription: Subscription[M] | None = field(default=None, init=False)
 

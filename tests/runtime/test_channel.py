@@ -57,6 +57,45 @@ async def test_waiting_consumers_wake_when_a_message_comes(make: Make) -> None:
 
 
 @in_virtual_time
+async def test_a_resting_consumer_is_not_woken_and_has_the_newest_messages_afterwards(make: Make) -> None:
+    numbers = channel()
+    inbox = numbers.subscribe("inbox", capacity=2)
+    waiting = asyncio.create_task(inbox.receive())
+    await asyncio.sleep(1)
+    inbox.rest(True)
+    for value in range(5):
+        numbers.publish(make(value))
+    await asyncio.sleep(1)
+    assert not waiting.done()
+    assert not inbox.waiting, "a consumer that rests is not stuck"
+    counters = inbox.statistics()
+    assert (counters.passed, counters.dropped, counters.discarded, counters.depth) == (5, 0, 3, 2)
+    inbox.rest(False)
+    assert (await waiting).linear_mps == 3
+    assert (await inbox.receive()).linear_mps == 4
+
+
+@in_virtual_time
+async def test_a_consumer_that_begins_to_wait_while_it_rests_takes_nothing(make: Make) -> None:
+    numbers = channel()
+    inbox = numbers.subscribe("inbox")
+    inbox.rest(True)
+    numbers.publish(make(1))
+    waiting = asyncio.create_task(anext(inbox))
+    await asyncio.sleep(1)
+    assert not waiting.done()
+    numbers.close()
+    assert (await waiting).linear_mps == 1, "what waits at the end is drained"
+    with pytest.raises(StopAsyncIteration):
+        await anext(inbox)
+
+
+def test_a_lossless_inbox_may_not_rest() -> None:
+    with pytest.raises(ValueError, match="lossless"):
+        channel().subscribe("log", lossless=True).rest(True)
+
+
+@in_virtual_time
 async def test_decimated_messages_neither_wake_nor_fill(make: Make) -> None:
     numbers = channel()
     inbox = numbers.subscribe("inbox", capacity=10, divisor=3)

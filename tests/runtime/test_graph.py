@@ -40,6 +40,15 @@ class Relay(Module):
         self.relayed = self.output("relayed", Twist)
 
 
+class Sleeper(Module):
+    """Needs its odometry only at work."""
+
+    def __init__(self, context: ModuleContext) -> None:
+        super().__init__(context)
+        self.numbers = self.input("numbers", Twist, capacity=3, rests=True)
+        self.relayed = self.output("relayed", Twist)
+
+
 class OdometryUser(Module):
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
@@ -287,6 +296,29 @@ def test_filters_of_what_may_not_be_decimated_open_and_close(build: Build) -> No
 )
 def test_attending_what_does_not_exist_is_refused(build: Build, name: str, said: str) -> None:
     assert said in refused(build, *WIRED, attended=(name,))
+
+
+def test_an_input_rests_while_attention_has_closed_its_module(build: Build, make: Callable[..., Twist]) -> None:
+    wired = ({"A": (Source, {}, {"numbers": "n"}), "B": (Sleeper, {"numbers": "n"}, {"relayed": "r"})},)
+    graph = build(*wired, {"n": {}, "r": {}}, attended=("B.relayed",))
+    publish = graph.channels["n"].publish
+    inbox = graph.modules["B"].context.inputs["numbers"].subscription
+    for value in range(5):
+        publish(make(value))
+    assert not inbox.waiting
+    graph.filters.apply({"B.relayed": 2})
+    assert inbox.waiting
+    assert [inbox.receive_nowait().linear_mps for _ in range(3)] == [2, 3, 4]
+    graph.filters.apply({"B.relayed": CLOSED})
+    publish(make(5))
+    assert not inbox.waiting
+
+
+def test_no_input_rests_in_a_module_that_no_strategy_names(build: Build, make: Callable[..., Twist]) -> None:
+    modules = {"A": (Source, {}, {"numbers": "n"}), "B": (Sleeper, {"numbers": "n"}, {"relayed": "r"})}
+    graph = build(modules, {"n": {}, "r": {}}, attended=("A.numbers",))
+    graph.channels["n"].publish(make(1))
+    assert graph.modules["B"].context.inputs["numbers"].subscription.waiting
 
 
 def test_attending_an_input_that_is_not_wired_is_refused(build: Build) -> None:

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Protocol
 
 from app.console import reports
 from app.console.live import messages
 from app.console.playback import rate
+from app.console.records.program import SourceState
 from app.messages import Exploitation, JointState, LinkStatus, Odometry
 
 if TYPE_CHECKING:
     from app.program.system import System
 
 PERIOD_S = 0.05
+#: Freshness of sources is judged again after so long (s): it reads every channel of the program.
+SOURCES_PERIOD_S = 0.2
 
 
 class StatusAudience(Protocol):
@@ -37,6 +41,8 @@ class Sampler:
         #: The newest by group of joints.
         self._exploitations: dict[str, Exploitation] = {}
         self._odometry: Odometry | None = None
+        self._sources: tuple[SourceState, ...] = ()
+        self._sources_judged = -math.inf
         #: The last two.
         self._joints: tuple[JointState | None, JointState | None] = (None, None)
 
@@ -76,6 +82,7 @@ class Sampler:
         self._exploitations.clear()
         self._odometry = None
         self._joints = (None, None)
+        self._sources_judged = -math.inf
 
     def _sample(self, now: float) -> None:
         self._sequence += 1
@@ -96,5 +103,11 @@ class Sampler:
             limited=reports.limited(self._exploitation, now, speed),
             groups=reports.groups(status, self._exploitations, speeds, now, rate=speed),
             waits="",
-            sources=reports.source_states(self._system.graph, self._system.freshness.read(now)),
+            sources=self._source_states(now),
         )
+
+    def _source_states(self, now: float) -> tuple[SourceState, ...]:
+        if not 0.0 <= now - self._sources_judged < SOURCES_PERIOD_S:
+            self._sources = reports.source_states(self._system.graph, self._system.freshness.read(now))
+            self._sources_judged = now
+        return self._sources

@@ -70,8 +70,8 @@ class GoToward(Module):
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
         self.scans = self.input("scans", LaserScan)
-        self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True)
-        self.localization = self.input("localization", Localization)
+        self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True, rests=True)
+        self.localization = self.input("localization", Localization, rests=True)
         self.zones = self.input("zones", Zones)
         self.twist = self.output("twist", Twist)
         self.status = self.output("status", NavigationStatus)

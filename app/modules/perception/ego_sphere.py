@@ -102,6 +102,8 @@ class EgoSphere(Module):
         s = self.settings
         self._grid = SphereGrid(math.radians(s.cell_deg), math.radians(s.top_deg))
         self._sphere = self._empty()
+        #: Whether it is not watched any more, and what the sphere has is over.
+        self._over = False
         self._gains = gains_of({}, SaliencyGains())
         self._cameras: dict[str, PictureFeatures] = {}
         self._p_BH = np.zeros(3)
@@ -114,7 +116,7 @@ class EgoSphere(Module):
         self.sources = self.input("sources", SoundSources, capacity=8, wants="if_wanted")
         self.noises = self.input("noises", LoudNoise, capacity=8, wants="if_wanted")
         self.fixations = self.input("fixations", Fixation, capacity=8, wants="never")
-        self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True)
+        self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True, rests=True)
         self.regions = self.output("regions", SalientRegions)
         self.saliency = self.output("saliency", SaliencyMap)
         self.on(self.images, self._see)
@@ -164,7 +166,7 @@ class EgoSphere(Module):
         return self._cameras[image.frame].take(image.stamp, image.color, image.camera, X_OB3 @ image.X_BC, p_OH)
 
     async def _take_faces(self, faces: Faces) -> None:
-        X_OB = await self._poses.at(faces.stamp) if faces.faces else None
+        X_OB = await self._poses.at(faces.stamp) if faces.faces and self._watched else None
         if X_OB is None:
             return
         self._sphere.fade(faces.stamp)
@@ -173,7 +175,7 @@ class EgoSphere(Module):
             self._sphere.add_percept("faces", v_O, face.score, math.radians(self.settings.face_deg))
 
     async def _take_sources(self, sources: SoundSources) -> None:
-        X_OB = await self._poses.at(sources.stamp) if sources.sources else None
+        X_OB = await self._poses.at(sources.stamp) if sources.sources and self._watched else None
         if X_OB is None:
             return
         self._sphere.fade(sources.stamp)
@@ -195,6 +197,10 @@ class EgoSphere(Module):
     def _take_noise(self, noise: LoudNoise) -> None:
         self._noise = noise.stamp
 
+    @property
+    def _watched(self) -> bool:
+        return self.regions.wanted or self.saliency.wanted
+
     async def _take_fixation(self, fixation: Fixation) -> None:
         X_OB = await self._poses.at(fixation.stamp)
         if X_OB is not None:
@@ -204,10 +210,12 @@ class EgoSphere(Module):
     # --- out ---
 
     async def _beat(self) -> None:
-        if not (self.regions.wanted or self.saliency.wanted):
-            # What was seen before it was desired again is over.
-            self._sphere = self._empty()
+        if not self._watched:
+            self._over = True
             return
+        if self._over:
+            # What was seen before it was desired again is over.
+            self._sphere, self._over = self._empty(), False
         if self._newest is None:
             return
         # Of odometry's own instant: of that there is a pose.

@@ -84,7 +84,7 @@ class FaceDetector(Module):
         self._poses = PoseAt(self.clock, self.log, "faces are followed by their place in the image alone")
         self.images = self.input("images", Image)
         self.panorama = self.input("panorama", Image)
-        self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True)
+        self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True, rests=True)
         self.faces = self.output("faces", Faces)
         self.on(self.images, self._detect)
         self.on(self.panorama, self._detect)

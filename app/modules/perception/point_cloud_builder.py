@@ -42,7 +42,7 @@ class PointCloudBuilder(Module):
         self._max_points = self.settings.max_points
         self._poses = PoseAt(self.clock, self.log, "clouds are dropped")
         self.images = self.input("images", Image)
-        self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True)
+        self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True, rests=True)
         self.clouds = self.output("clouds", PointCloud)
         self.on(self.images, self._build)
         self.on(self.odometry, self._poses.add)

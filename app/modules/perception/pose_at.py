@@ -33,14 +33,16 @@ class PoseAt:
         self.late = False
         self._buffer = PoseBuffer(span_s=10.0, tolerance_s=0.0)
         self._newest = float("-inf")
-        self._arrived = asyncio.Event()
+        #: Set by the next message; None while nothing waits for one.
+        self._arrived: asyncio.Event | None = None
 
     def add(self, odometry: Odometry) -> None:
         """Add a pose and wake the waiting calls of :meth:`at`."""
         self._buffer.add(odometry.stamp, odometry.X_OB)
         self._newest = max(self._newest, odometry.stamp)
-        arrived, self._arrived = self._arrived, asyncio.Event()
-        arrived.set()
+        if self._arrived is not None:
+            self._arrived.set()
+            self._arrived = None
 
     async def at(self, stamp: float, patience_s: float = 0.5) -> Pose2 | None:
         """X_OB at ``stamp``; None if odometry did not reach it within ``patience_s`` of the robot's clock, or begins
@@ -68,4 +70,5 @@ class PoseAt:
 
     async def _reached(self, stamp: float) -> None:
         while self._newest < stamp:
+            self._arrived = self._arrived or asyncio.Event()
             await self._arrived.wait()

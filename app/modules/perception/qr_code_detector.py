@@ -100,7 +100,7 @@ class QRCodeDetector(Module):
         self.images = self.input("images", Image)
         self.panorama = self.input("panorama", Image)
         self.scans = self.input("scans", LaserScan, capacity=_SCANS)
-        self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True)
+        self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True, rests=True)
         self.codes = self.output("codes", QRCodes)
         self.landmarks = self.output("landmarks", Landmarks)
         self.on(self.images, self._detect)

@@ -116,7 +116,7 @@ class VoiceLocalizer(Module):
         # Read with each frame of the microphones, not on arrival: what was played meanwhile has come before it.
         self.played = self.input("played", Audio, capacity=188, always_open=True, wants="if_wanted")
         self.audio = self.input("audio", Audio, capacity=94, lossless=True)
-        self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True)
+        self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True, rests=True)
         self.sources = self.output("sources", SoundSources)
         self.separated = self.output("separated", SeparatedSound)
         self.on(self.audio, self._take_audio)

@@ -81,8 +81,8 @@ class GazeBehavior(Module, ABC, Generic[G]):
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
-        self.joints = self.input("joints", JointState, always_open=True)
-        self.odometry = self.input("odometry", Odometry, capacity=50, always_open=True)
+        self.joints = self.input("joints", JointState, always_open=True, rests=True)
+        self.odometry = self.input("odometry", Odometry, capacity=50, always_open=True, rests=True)
         self.command = self.output("command", JointCommand)
         self.on(self.joints, self._take_joints)
         self.every(self.settings.period_s, self._beat)

@@ -99,7 +99,7 @@ class LookAt(GazeBehavior[LookAtParameters]):
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
-        self.localization = self.input("localization", Localization)
+        self.localization = self.input("localization", Localization, rests=True)
         self.landmarks = self.input("landmarks", Landmarks, wants="never")
         self.on(self.localization, self._take_localization)
         self.on(self.landmarks, self._take_landmarks)

@@ -62,9 +62,9 @@ class LookWhereGoing(GazeBehavior[NoParameters]):
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
-        self.base = self.input("base", Exploitation, always_open=True)
+        self.base = self.input("base", Exploitation, always_open=True, rests=True)
         self.path = self.input("path", PlannedPath, wants="never")
-        self.localization = self.input("localization", Localization, wants="never")
+        self.localization = self.input("localization", Localization, wants="never", rests=True)
         self.on(self.base, self._take_exploitation)
         self.on(self.path, self._take_path)
         self.on(self.localization, self._take_localization)

@@ -61,10 +61,10 @@ class ArmBehavior(Module, ABC):
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
-        self.joints = self.input("joints", JointState, always_open=True)
+        self.joints = self.input("joints", JointState, always_open=True, rests=True)
         self.on(self.joints, self._take_joints)
         for side in ("left", "right"):
-            self.on(self.input(side, Exploitation, wants="never"), self._take_report)
+            self.on(self.input(side, Exploitation, wants="never", rests=True), self._take_report)
         self.command = self.output("command", JointCommand)
         self.accomplishments = AccomplishmentReporter(self, self.serves.name)
         self.every(self.settings.period_s, self._beat)

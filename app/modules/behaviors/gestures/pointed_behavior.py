@@ -30,8 +30,8 @@ class PointedBehavior(ArmBehavior):
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
-        self.odometry = self.input("odometry", Odometry, always_open=True)
-        self.localization = self.input("localization", Localization)
+        self.odometry = self.input("odometry", Odometry, always_open=True, rests=True)
+        self.localization = self.input("localization", Localization, rests=True)
         self.on(self.odometry, self._take_odometry)
         self.on(self.localization, self._take_localization)
         self._point: PointOfInterest | None = None
