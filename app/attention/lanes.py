@@ -18,7 +18,7 @@ from app.runtime.graph import Graph
 #: Relative rates are measured over this long.
 WINDOW_S = 1.0
 #: Between two samples while the channel is wanted, and while it is not: a page that comes later shows the past, too.
-PERIOD_S = 0.05
+PERIOD_S = 0.1
 UNWANTED_PERIOD_S = 0.5
 
 
@@ -60,7 +60,7 @@ def filter_counts(graph: Graph, name: str) -> tuple[int, int]:
 
 
 class LaneSampler:
-    """Builds the rows of the ``lanes`` message; :meth:`sample` is called 20 times a second."""
+    """Builds the rows of the ``lanes`` message; :meth:`sample` is called 10 times a second."""
 
     def __init__(self, graph: Graph, classes: Iterable[str], strategies: Iterable[Strategy]) -> None:
         self._graph = graph
@@ -158,7 +158,7 @@ def _state(desire: Desire | None, strategies: list[str], reason: Reason | None) 
 
 
 class LaneMonitor:
-    """Publishes the lanes on ``channel`` until :meth:`run` is cancelled: 20 times a second of ``pace`` while that is
+    """Publishes the lanes on ``channel`` until :meth:`run` is cancelled: 10 times a second of ``pace`` while that is
     wanted, twice a second while it is not. ``now`` is the robot's clock."""
 
     def __init__(

@@ -226,7 +226,7 @@ class FrameKind(NamedTuple):
 FROM_ROBOT: dict[str, FrameKind] = {
     "hello": FrameKind(Hello, "Once, first: what can be seen and done here."),
     "status": FrameKind(Status, "20 times a second: guard, pose, driver, freshness of every source."),
-    "lanes": FrameKind(Lanes, "20 times a second: one row for each desire class."),
+    "lanes": FrameKind(Lanes, "10 times a second: one row for each desire class."),
     "lanes_history": FrameKind(LanesHistory, "Once, before the first `lanes`, and after a `jump`: what they were."),
     "desires": FrameKind(Desires, "On change: every desire."),
     "intention": FrameKind(IntentionReport, "On change, from the first on: what attention chose."),

@@ -102,8 +102,8 @@ class EgoSphere(Module):
         s = self.settings
         self._grid = SphereGrid(math.radians(s.cell_deg), math.radians(s.top_deg))
         self._sphere = self._empty()
-        #: Whether it is not watched any more, and what the sphere has is over.
-        self._over = False
+        #: Whether the sphere was emptied since it was last watched.
+        self._blank = True
         self._gains = gains_of({}, SaliencyGains())
         self._cameras: dict[str, PictureFeatures] = {}
         self._p_BH = np.zeros(3)
@@ -211,11 +211,11 @@ class EgoSphere(Module):
 
     async def _beat(self) -> None:
         if not self._watched:
-            self._over = True
+            if not self._blank:
+                # What was seen before it was desired again is over.
+                self._sphere, self._blank = self._empty(), True
             return
-        if self._over:
-            # What was seen before it was desired again is over.
-            self._sphere, self._over = self._empty(), False
+        self._blank = False
         if self._newest is None:
             return
         # Of odometry's own instant: of that there is a pose.

@@ -75,8 +75,10 @@ async def test_status_and_lanes_come_with_growing_numbers(url: str, system: Syst
         moves = {"linear_mps": 0.1, "angular_radps": -0.2, "lateral_mps": 0.3}
         assert first["odometry"] == {"x": 1.0, "y": 2.0, "theta": 0.5} | moves
         assert first["driver"] is None
-        sources = {source["channel"]: source for source in first["sources"]}
-        assert sources["odometry"]["state"] == "live"
+        sources: dict[str, Any] = {}
+        while sources.get("odometry", {}).get("state") != "live":
+            body.emit("odometry", Odometry(system.clock.now(), Pose2(1.0, 2.0, 0.5), 0.1, -0.2, 0.3))
+            sources = {source["channel"]: source for source in (await ann.until("status"))["sources"]}
         assert sources["odometry"]["expected_hz"] == 100
         assert sources["scan"]["state"] == "closed"
         lanes = await ann.until("lanes")

@@ -2,7 +2,7 @@
 
 import type { Divisors, LaneRow, LaneState, LanesHistory } from "../protocol/types";
 
-/** 20 messages a second for 10 minutes and a little. */
+/** Up to 20 messages a second for 10 minutes and a little. */
 export const CAPACITY = 12_600;
 /** Further apart than this, nothing was heard in between. */
 export const GAP_S = 1;
