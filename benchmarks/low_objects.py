@@ -35,7 +35,7 @@ from app.modules.behaviors.plan_and_follow_path import PlanAndFollowPath
 from app.program.config import load_configuration
 from app.robots.simulated.scenery.furniture import usual_size
 from app.robots.simulated.world_config import ObjectConfig, WorldConfig
-from app.runtime.graph import Pin
+from app.runtime.filter_bank import Pin
 from benchmarks.report import Row, benchmark_main, row
 
 LASER_M, LOWEST_M = 0.40, 0.05

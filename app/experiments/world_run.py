@@ -22,7 +22,8 @@ from app.robots.factory import create_lockstep
 from app.robots.simulated.lockstep import LockstepLink
 from app.robots.simulated.world_config import WorldConfig
 from app.runtime.clock import VirtualClock, run_virtual
-from app.runtime.graph import Pin, load_class
+from app.runtime.filter_bank import Pin
+from app.runtime.graph import load_class
 
 T = TypeVar("T")
 

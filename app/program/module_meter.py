@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from typing import TypeVar
 
 from app.messages import ModuleInput, ModuleOutput, ModuleReport, SubscriptionCounters
-from app.runtime.channel import SubscriptionStatistics
 from app.runtime.graph import ModuleSlot
 from app.runtime.load import LoadMeter
+from app.runtime.subscription import SubscriptionStatistics
 from app.runtime.supervisor import Supervisor
 
 

@@ -46,8 +46,9 @@ from app.runtime.channel import Channel
 from app.runtime.channel_table import ChannelTable
 from app.runtime.clock import Clock, RealClock
 from app.runtime.filter import CLOSED
+from app.runtime.filter_bank import Pin
 from app.runtime.freshness import FreshnessWatch
-from app.runtime.graph import Graph, Pin
+from app.runtime.graph import Graph
 from app.runtime.load import LoadMeter
 from app.runtime.module import Caution
 from app.runtime.replay_clock import ReplayClock

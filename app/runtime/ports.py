@@ -8,9 +8,10 @@ from typing import Generic, Literal, TypeVar
 
 from app.base.observers import Observers
 from app.messages import Message
-from app.runtime.channel import Channel, Subscription
+from app.runtime.channel import Channel
 from app.runtime.errors import ModuleFailed
 from app.runtime.filter import CLOSED, RateFilter
+from app.runtime.subscription import Subscription
 
 M = TypeVar("M", bound=Message)
 

@@ -17,10 +17,10 @@ from app.link import (
 )
 from app.messages import Audio, Image, JointCommand, JointState, LaserScan, LinkStatus, Odometry, Twist
 from app.modules.behaviors.face.expression import JOINTS as FACE_JOINTS
-from app.runtime.channel import Subscription
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.clock import VirtualClock
 from app.runtime.graph import Graph, ModuleSpec
+from app.runtime.subscription import Subscription
 from app.runtime.supervisor import Supervisor
 
 LIMITS = BaseLimits(0.40, 1.00, 0.40, 4.00)

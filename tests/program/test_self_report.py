@@ -15,7 +15,7 @@ from app.messages import Desires, Divisors, IntentionReport, LoadReport, LogLine
 from app.program.config import load_configuration
 from app.program.self_report import SelfReport
 from app.program.system import System
-from app.runtime.channel import Subscription
+from app.runtime.subscription import Subscription
 from tests.console.program import Body, build
 from tests.patience import PATIENCE_S
 

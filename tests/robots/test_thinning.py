@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 
 from app.messages import Twist
 from app.robots.thinning import Thinning
-from app.runtime.channel import Channel, Subscription
+from app.runtime.channel import Channel
 from app.runtime.filter import CLOSED
+from app.runtime.subscription import Subscription
 
 RATE_HZ = 15.0
 

@@ -10,9 +10,10 @@ from hypothesis import strategies as st
 from hypothesis.stateful import Bundle, RuleBasedStateMachine, consumes, initialize, invariant, rule
 
 from app.messages import Twist
-from app.runtime.channel import Channel, Subscription
+from app.runtime.channel import Channel
 from app.runtime.errors import InboxOverflow, WouldBlock
 from app.runtime.filter import CLOSED
+from app.runtime.subscription import Subscription
 
 divisors = st.one_of(st.integers(1, 4), st.just(CLOSED))
 

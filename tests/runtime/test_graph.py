@@ -12,7 +12,8 @@ from app.messages import Message, Odometry, Twist
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.errors import ModuleFailed
 from app.runtime.filter import CLOSED, RateFilter
-from app.runtime.graph import FilterBank, Graph, Pin, WiringError, load_class
+from app.runtime.filter_bank import FilterBank, Pin
+from app.runtime.graph import Graph, WiringError, load_class
 from app.runtime.module import Module, ModuleContext, Settings
 
 Build = Callable[..., Graph]

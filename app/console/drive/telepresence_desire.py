@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from app.attention.desires import Source
 from app.attention.workspace import IntentionWorkspace, UnknownDesire
 from app.runtime.filter import CLOSED
-from app.runtime.graph import Pin
+from app.runtime.filter_bank import Pin
 
 if TYPE_CHECKING:
     from app.program.system import System

@@ -14,7 +14,7 @@ from app.experiments.world_run import WorldRun, run_in_world
 from app.maps.library import MapLibrary
 from app.program.config import load_configuration
 from app.robots.config import RobotConfig
-from app.runtime.graph import Pin
+from app.runtime.filter_bank import Pin
 
 SETTLE_S = 3.0
 #: Image rate (Hz) that is enough for low obstacles; rendering takes most of the time.

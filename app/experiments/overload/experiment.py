@@ -17,7 +17,7 @@ from app.experiments.observation import Observer, Outcome
 from app.experiments.overload.confinement import confined
 from app.experiments.script import ScriptBlocked, Waypoint, drive_script, load_script
 from app.experiments.simulated import SimulatedProgram, simulated_program
-from app.runtime.graph import Pin
+from app.runtime.filter_bank import Pin
 
 #: Time (s) before the measurement, for all modules to start.
 SETTLE_S = 3.0

@@ -18,7 +18,7 @@ from app.attention.strategies import CLOSED
 from app.logs.replay.calibration_runs import Run
 from app.program.config import Configuration
 from app.program.system import System
-from app.runtime.graph import FilterBank, Pin
+from app.runtime.filter_bank import FilterBank, Pin
 from app.runtime.load import CpuMeter
 
 T = TypeVar("T")

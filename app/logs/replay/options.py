@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from app.program.config import Configuration
-from app.runtime.graph import Pin
+from app.runtime.filter_bank import Pin
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,7 +23,7 @@ from app.modules.recording.recorder import Recorder
 from app.program.system import System
 from app.robots.replayed.link import ReplayedLink
 from app.runtime.clock import Clock
-from app.runtime.graph import Pin
+from app.runtime.filter_bank import Pin
 
 
 class Replay:

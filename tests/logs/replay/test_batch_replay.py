@@ -17,7 +17,7 @@ from app.logs.replay.batch_replay import MOST, ExclusiveCpuMeter, batch_program,
 from app.logs.replay.calibration_runs import Measurement, Run
 from app.logs.replay.measure import WARM_UP_S, Bench
 from app.program.config import load_configuration
-from app.runtime.graph import Pin
+from app.runtime.filter_bank import Pin
 from tests.logs.replay.logs import MemoryLog, lab_messages
 
 # Nothing runs on a loop that others wait for: the replay's own loop is virtual.

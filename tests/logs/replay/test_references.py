@@ -22,7 +22,7 @@ pytestmark = pytest.mark.blocking(reason="the virtual loop waits for threads by 
 @pytest.mark.slow
 def test_every_module_makes_of_the_reference_log_what_it_did() -> None:
     differences = compare(measure(LOG), load_values(VALUES))
-    assert differences == [], "meant? `make references` writes them anew"
+    assert differences == [], "meant? `make references` writes them again"
 
 
 def test_the_reference_log_is_replayed_by_its_own_configuration() -> None:

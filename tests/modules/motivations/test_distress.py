@@ -118,7 +118,7 @@ def test_creeping_is_no_getting_on() -> None:
     story.until(21, lambda now: status(now, left_m=3.0))
     # 0.2 m in two minutes, which a behavior calls progress now and then.
     story.until(141, lambda now: status(now, progress=now - (now % 20), left_m=3.0 - 0.2 * (now - GIVEN - 21) / 120))
-    assert list(story.said()) == [(20, "INSISTING")], "it neither ends nor begins anew"
+    assert list(story.said()) == [(20, "INSISTING")], "it neither ends nor begins again"
     # A detour is a longer way; half a metre of that is getting on.
     story.until(142, lambda now: status(now, progress=now, left_m=5.0))
     story.until(150, lambda now: status(now, progress=now, left_m=4.6))

@@ -184,6 +184,6 @@ def test_after_a_restart_numbers_go_on() -> None:
             b.feed("images", None)
             await b.clock.sleep(4.0)
             assert b.supervisor.states["Tested"].restarts == 2
-            assert await look(PILOT) == [1], "where all begins anew, numbers do too"
+            assert await look(PILOT) == [1], "after a restart numbers begin again"
 
     run_virtual(main())

@@ -23,7 +23,7 @@ from app.program.config import Configuration, load_configuration
 from app.robots.config import RobotConfig
 from app.robots.factory import load_body
 from app.robots.simulated.world_config import WorldConfig
-from app.runtime.graph import Pin
+from app.runtime.filter_bank import Pin
 
 LAB = paths.config_dir() / "lab.yaml"
 #: No more than it takes: a test has little time.

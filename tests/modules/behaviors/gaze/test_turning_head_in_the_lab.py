@@ -28,7 +28,7 @@ from app.robots.factory import load_body
 from app.robots.simulated.body import RobotSimulation
 from app.robots.simulated.world import WORLD_GROUP
 from app.robots.simulated.world_config import ObjectConfig, WorldConfig
-from app.runtime.graph import Pin
+from app.runtime.filter_bank import Pin
 from tests.robots.conftest import needs_gl
 
 ME = Source("operator", "a test")

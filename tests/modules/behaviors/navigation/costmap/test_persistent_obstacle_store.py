@@ -94,15 +94,15 @@ async def test_after_a_restart_it_is_read_again_in_either_order(tmp_path: Path) 
     server = FakeMapServer(library)
     await server.save("hall", await layer_of(there(1.0, 2.0), library).files())
     for server_first in (True, False):
-        control, anew = MapService(), PersistentObstacleLayer(ROUND, 1.4)
+        control, reloaded = MapService(), PersistentObstacleLayer(ROUND, 1.4)
         if server_first:
             await control.resume("hall", same=False)
             control.attach(server)
-        await control.add(layer_of(anew, library))
+        await control.add(layer_of(reloaded, library))
         if not server_first:
             await control.resume("hall", same=False)
             control.attach(server)
-        assert len(anew.points) == 1
+        assert len(reloaded.points) == 1
 
 
 async def test_it_is_not_lost_by_saving_without_its_layer_nor_by_a_full_disk(

@@ -122,7 +122,7 @@ def test_lost_it_turns_after_a_moment_so_far_and_no_further_and_again_when_peopl
         assert not search.turns(began + 9.1)
     search.end()
     assert not search.turns(50.0)
-    assert search.turns(51.5), "lost again, it begins anew"
+    assert search.turns(51.5), "lost again, it begins again"
 
 
 def test_barred_it_turns_the_other_way_once() -> None:

@@ -70,7 +70,7 @@ def test_a_box_seen_while_others_drove_stands_there_when_the_body_turns_beside_i
     far = here.run(inputs(300.1, Pose2(-4.0, 0.0, 3.1), look=False), 0.1)
     assert far.around is not None
     assert box_cells(far.around.obstacles) == 0
-    assert len(far.persistent_obstacles) == len(output.persistent_obstacles), "whoever plans knows it from anywhere"
+    assert len(far.persistent_obstacles) == len(output.persistent_obstacles), "a plan has it from anywhere"
 
 
 def test_nothing_is_learned_without_knowing_where() -> None:
