@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from app.base.geometry import Pose3
 from app.robots.simulated.body import VISUAL_GROUP
+from app.robots.simulated.depth_buffer import leave_out_stencil
 from app.robots.simulated.gl import UNUSABLE_GL, GlUnavailable
 from app.robots.simulated.occlusion import Occlusion
 from app.robots.simulated.world import OUT_OF_REACH_GROUP, WORLD_GROUP
@@ -118,6 +119,7 @@ class Renderer:
         self._gl.make_current()
         self._context = mujoco.MjrContext(self._model, mujoco.mjtFontScale.mjFONTSCALE_100)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
+        leave_out_stencil(self._context)
         self._context.readDepthMap = mujoco.mjtDepthMap.mjDEPTH_ZEROFAR
         self._scene = mujoco.MjvScene(self._model, maxgeom=_MAX_GEOMS)
         self._scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = 0
@@ -145,6 +147,7 @@ class Renderer:
         if (width, height) != (self._context.offWidth, self._context.offHeight):
             self._gl.make_current()
             mujoco.mjr_resizeOffscreen(width, height, self._context)
+            leave_out_stencil(self._context)
 
     def draw(self, snapshot: WorldSnapshot, camera: int, view: PerspectiveView) -> None:
         """Draw ``view`` of the world in ``snapshot`` from the model's camera number ``camera``."""
