@@ -49,19 +49,9 @@ class WorldSnapshot:
         return WorldSnapshot(0.0, model.qpos0.copy(), mocap, Pose3.identity())
 
 
-@dataclass(frozen=True, slots=True)
-class FrameRect:
-    """A rectangle of the frame buffer (px), counted from its lower left."""
-
-    x: int
-    y: int
-    width: int
-    height: int
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class PerspectiveView:
-    """A perspective image from the camera's position, drawn at ``place``.
+    """A perspective image of ``width`` x ``height`` (px) from the camera's position.
 
     ``rotation`` (3, 3): its axes (right, up, backwards) in the camera's (right, up, backwards). ``left``, ``right``,
     ``bottom``, ``top``: tangents of the angles from its forward axis to its edges.
@@ -72,7 +62,8 @@ class PerspectiveView:
     right: float
     bottom: float
     top: float
-    place: FrameRect
+    width: int
+    height: int
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -96,6 +87,11 @@ class ViewState:
 
 def _moved(a: NDArray[np.float64], b: NDArray[np.float64]) -> bool:
     return bool(np.abs(a - b).max(initial=0.0) > _STILL)
+
+
+def _rectangle(view: PerspectiveView) -> mujoco.MjrRect:
+    """Where ``view`` is drawn: all views in one place, which then is in the processor's cache."""
+    return mujoco.MjrRect(0, 0, view.width, view.height)
 
 
 def mocap_poses(data: mujoco.MjData) -> NDArray[np.float64]:
@@ -150,7 +146,7 @@ class Renderer:
             leave_out_stencil(self._context)
 
     def draw(self, snapshot: WorldSnapshot, camera: int, view: PerspectiveView) -> None:
-        """Draw ``view`` of the world in ``snapshot`` from the model's camera number ``camera``."""
+        """Draw ``view`` of the world in ``snapshot`` from the model's camera number ``camera``, over the last one."""
         self._set(snapshot)
         eye, axes = self._data.cam_xpos[camera], self._data.cam_xmat[camera].reshape(3, 3)
         self._model.geom_group[:] = np.where(self._in_view(camera, view), self._groups, _CULLED_GROUP)
@@ -159,9 +155,8 @@ class Renderer:
             self._model, self._data, self._option, None, self._camera, mujoco.mjtCatBit.mjCAT_ALL, self._scene
         )
         self._aim(eye, axes, view)
-        place = view.place
         self._gl.make_current()
-        mujoco.mjr_render(mujoco.MjrRect(place.x, place.y, place.width, place.height), self._scene, self._context)
+        mujoco.mjr_render(_rectangle(view), self._scene, self._context)
 
     def view_state(self, snapshot: WorldSnapshot, camera: int, view: PerspectiveView) -> ViewState:
         """What a picture of ``view`` in ``snapshot`` from the model's camera number ``camera`` depends on."""
@@ -169,10 +164,10 @@ class Renderer:
         pose = np.append(self._data.cam_xpos[camera], self._data.cam_xmat[camera])
         return ViewState(pose, self._shapes, self._lights, self._in_view(camera, view))
 
-    def read(self, place: FrameRect, color: NDArray[np.uint8], depth: NDArray[np.float32] | None = None) -> None:
-        """The image at ``place``, row 0 at the *bottom*: ``color`` (H, W, 3), ``depth`` (H, W) from 0 far to 1."""
-        rectangle = mujoco.MjrRect(place.x, place.y, place.width, place.height)
-        mujoco.mjr_readPixels(color, depth, rectangle, self._context)
+    def read(self, view: PerspectiveView, color: NDArray[np.uint8], depth: NDArray[np.float32] | None = None) -> None:
+        """The image of ``view``, drawn last, row 0 at the *bottom*: ``color`` (H, W, 3), ``depth`` (H, W) from 0 far to
+        1."""
+        mujoco.mjr_readPixels(color, depth, _rectangle(view), self._context)
 
     def close(self) -> None:
         self._context.free()
