@@ -54,7 +54,7 @@ class Tiling:
     """The views of a fisheye, side by side in one picture of ``width`` x ``height`` (px) with row 0 at the bottom.
 
     ``first`` (H, W, 2) int16 and ``second`` (H, W) uint16 are OpenCV's fixed-point maps from the fisheye's pixels into
-    that picture. ``seen`` (H, W) uint8 is 255 where the lens has a picture.
+    that picture. ``seen`` (H, W, 3) uint8 is 255 where the lens has a picture.
     """
 
     tiles: tuple[Tile, ...]
@@ -105,7 +105,7 @@ def tile(lens: FisheyeModel, detail: float = 1.0) -> Tiling:
         height=packer.top,
         first=np.asarray(first, np.int16),
         second=np.asarray(second, np.uint16),
-        seen=np.where(seen, 255, 0).astype(np.uint8),
+        seen=np.repeat(np.where(seen, 255, 0).astype(np.uint8)[..., None], 3, axis=2),
     )
 
 

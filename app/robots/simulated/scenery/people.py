@@ -124,12 +124,13 @@ def limb_poses(actor: Actor) -> NDArray[np.float64]:
 
 
 def _placed(frames: dict[str, LimbJoint], actor: Actor) -> NDArray[np.float64]:
-    poses = np.empty((len(LIMBS), 7))
-    c, s = math.cos(actor.heading), math.sin(actor.heading)
-    for row, limb in zip(poses, LIMBS, strict=True):
+    c, s, height = math.cos(actor.heading), math.sin(actor.heading), actor.height_m
+    poses = []
+    for limb in LIMBS:
         frame = frames[limb]
-        x, y, z = (actor.height_m * v for v in frame.at)
+        x, y, z = frame.at
+        x, y, z = height * x, height * y, height * z
         half_yaw, half_pitch = (actor.heading + frame.yaw) / 2, frame.pitch / 2
         cy, sy, cp, sp = math.cos(half_yaw), math.sin(half_yaw), math.cos(half_pitch), math.sin(half_pitch)
-        row[:] = (actor.x + c * x - s * y, actor.y + s * x + c * y, z, cy * cp, -sy * sp, cy * sp, sy * cp)
-    return poses
+        poses.append((actor.x + c * x - s * y, actor.y + s * x + c * y, z, cy * cp, -sy * sp, cy * sp, sy * cp))
+    return np.array(poses)
