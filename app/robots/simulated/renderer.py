@@ -19,10 +19,10 @@ from app.robots.simulated.body import VISUAL_GROUP
 from app.robots.simulated.depth_buffer import leave_out_stencil
 from app.robots.simulated.gl import UNUSABLE_GL, GlUnavailable
 from app.robots.simulated.occlusion import Occlusion
-from app.robots.simulated.world import OUT_OF_REACH_GROUP, WORLD_GROUP
+from app.robots.simulated.world import CAMERA_GROUP, WORLD_GROUP
 
 _MAX_GEOMS = 4000
-_SHOWN_GROUPS = (WORLD_GROUP, OUT_OF_REACH_GROUP, VISUAL_GROUP)
+_SHOWN_GROUPS = (WORLD_GROUP, CAMERA_GROUP, VISUAL_GROUP)
 _CULLED_GROUP = 5
 _SURFACE_PX = 16
 """Of the context's own surface, which nothing is drawn on."""

@@ -17,7 +17,7 @@ from app.robots.simulated.scenery import gait, person_mesh
 from app.robots.simulated.scenery.actor import Actor
 from app.robots.simulated.scenery.gait import LimbJoint
 from app.robots.simulated.scenery.textures import Texture
-from app.robots.simulated.world import OUT_OF_REACH_GROUP, ROBOT_CONTACT, WORLD_CONTACT
+from app.robots.simulated.world import CAMERA_GROUP, ROBOT_CONTACT, WORLD_CONTACT
 from app.robots.simulated.world_config import Color
 
 LIMBS = (
@@ -53,7 +53,7 @@ def _add(spec: mujoco.MjSpec, actor: Actor, number: int, rng: np.random.Generato
         )  # fmt: skip
         body.add_geom(
             name=name, type=mujoco.mjtGeom.mjGEOM_MESH, meshname=name, material=prefix + "skin",
-            group=OUT_OF_REACH_GROUP, contype=0, conaffinity=0, mass=0.0,
+            group=CAMERA_GROUP, contype=0, conaffinity=0, mass=0.0,
         )  # fmt: skip
         if limb.endswith("shin"):
             half = gait.SHIN * height / 2
