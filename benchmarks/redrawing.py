@@ -95,7 +95,7 @@ def run(case: Case, seconds: float, *, thinned: bool = True) -> tuple[float, flo
 
     def draw(self: Renderer, snapshot: WorldSnapshot, camera: int, view: PerspectiveView) -> None:
         nonlocal pixels
-        pixels += view.place.width * view.place.height
+        pixels += view.width * view.height
         drawing(self, snapshot, camera, view)
 
     robot, lab, scenario = simulated_parts(load_robot_config(config_dir() / "robots" / "irl1_tr.yaml"))

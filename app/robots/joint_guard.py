@@ -201,7 +201,14 @@ def step(
     )
     if all(after is before for after, before in zip(setpoints, state.setpoints, strict=True)):
         return state
-    return replace(state, setpoints=setpoints)
+    # At every control step of a joint that moves: replace() takes five times as long
+    return JointGuardState(
+        setpoints,
+        state.command_stamp,
+        refused=state.refused,
+        pressed_s=state.pressed_s,
+        contact=state.contact,
+    )
 
 
 def status(now: float, state: JointGuardState, group: ActuatorGroup, action: JointAction) -> GroupStatus:

@@ -121,18 +121,15 @@ class RobotSimulation:
 
     def true_pose(self) -> Pose2:
         """``X_WB`` in the plane."""
-        x, y, _, w, qx, qy, qz = (float(v) for v in self.data.qpos[self.base_address : self.base_address + 7])
+        x, y, _, w, qx, qy, qz = self.data.qpos[self.base_address : self.base_address + 7].tolist()
         return Pose2(x, y, math.atan2(2 * (w * qz + qx * qy), 1 - 2 * (qy * qy + qz * qz)))
 
     def true_velocity(self) -> BaseVelocity:
         """Velocity of the base in its own frame."""
-        vx, vy = (float(v) for v in self.data.qvel[self.base_velocity : self.base_velocity + 2])
+        vx, vy, _, _, _, turn = self.data.qvel[self.base_velocity : self.base_velocity + 6].tolist()
         heading = self.true_pose().theta
-        return BaseVelocity(
-            vx * math.cos(heading) + vy * math.sin(heading),
-            float(self.data.qvel[self.base_velocity + 5]),
-            vy * math.cos(heading) - vx * math.sin(heading),
-        )
+        c, s = math.cos(heading), math.sin(heading)
+        return BaseVelocity(vx * c + vy * s, turn, vy * c - vx * s)
 
 
 def build_simulation(

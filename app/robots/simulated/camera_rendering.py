@@ -18,9 +18,9 @@ from app.robots.config import KinectConfig, PanoramicCameraConfig, StreamsConfig
 from app.robots.simulated.body import PREFIX
 from app.robots.simulated.camera_models import fisheye_model
 from app.robots.simulated.color_noise import ColorNoise
-from app.robots.simulated.fisheye import Tiling, tile
+from app.robots.simulated.fisheye import Tile, Tiling, tile
 from app.robots.simulated.kinect_noise import KinectNoise
-from app.robots.simulated.renderer import FrameRect, PerspectiveView, Renderer, ViewState, WorldSnapshot
+from app.robots.simulated.renderer import PerspectiveView, Renderer, ViewState, WorldSnapshot
 
 
 class CameraRenderer(Protocol):
@@ -50,7 +50,7 @@ class ChangeDetector:
 
 
 class KinectRenderer:
-    """Colour and depth in one perspective image, drawn at the lower left of the frame buffer."""
+    """Colour and depth in one perspective image."""
 
     def __init__(self, renderer: Renderer, model: mujoco.MjModel, config: KinectConfig, rng: Generator) -> None:
         self._renderer = renderer
@@ -58,8 +58,7 @@ class KinectRenderer:
         self._noise = KinectNoise(config, rng)
         width, height = config.width, config.height
         x, y = (float(s) for s in model.cam_sensorsize[self._camera] / (2 * model.cam_intrinsic[self._camera][:2]))
-        self.place = FrameRect(0, 0, width, height)
-        self._view = PerspectiveView(np.eye(3), -x, right=x, bottom=-y, top=y, place=self.place)
+        self._view = PerspectiveView(np.eye(3), -x, right=x, bottom=-y, top=y, width=width, height=height)
         self._color = np.zeros((height, width, 3), dtype=np.uint8)
         self._depth = np.zeros((height, width), dtype=np.float32)
         # The depth buffer is affine in 1/z, with 0 at the far plane and 1 at the near one
@@ -73,7 +72,7 @@ class KinectRenderer:
     def draw(self, snapshot: WorldSnapshot) -> Iterator[None]:
         if self._watch.changed(snapshot):
             self._renderer.draw(snapshot, self._camera, self._view)
-            self._renderer.read(self.place, self._color, self._depth)
+            self._renderer.read(self._view, self._color, self._depth)
             self.drawn += 1
         yield
 
@@ -91,20 +90,19 @@ class KinectRenderer:
 
 
 class FisheyeRenderer:
-    """The panoramic camera: five perspective images, drawn above ``base`` (px) in the frame buffer. It is set up with
-    its first image: without demand it costs no start time.
+    """The panoramic camera: five perspective images. It is set up with its first image: without demand it costs no
+    start time.
     """
 
     def __init__(
-        self, renderer: Renderer, model: mujoco.MjModel, config: PanoramicCameraConfig, rng: Generator, base: int = 0
+        self, renderer: Renderer, model: mujoco.MjModel, config: PanoramicCameraConfig, rng: Generator
     ) -> None:
         self._renderer = renderer
         self._camera = model.camera(PREFIX + "panorama").id
         self._config = config
         self._rng = rng
-        self._base = base
         self._tiling: Tiling | None = None
-        self._watches: dict[PerspectiveView, ChangeDetector] = {}
+        self._watches: dict[Tile, ChangeDetector] = {}
         self.picture = np.zeros((config.height, config.width, 3), dtype=np.uint8)
         #: How often any of its views was drawn.
         self.drawn = 0
@@ -117,10 +115,10 @@ class FisheyeRenderer:
             self._tiling = self._set_up()
             yield
         # All at first: another camera may draw its own snapshot between the parts
-        changed = [view for view, watch in self._watches.items() if watch.changed(snapshot)]
-        for view in changed:
-            self._renderer.draw(snapshot, self._camera, view)
-            self._read(view.place)
+        changed = [piece for piece, watch in self._watches.items() if watch.changed(snapshot)]
+        for piece in changed:
+            self._renderer.draw(snapshot, self._camera, piece.view)
+            self._read(piece)
             yield
         if changed:
             self._tiling.picture(self._drawn, self.picture)
@@ -132,20 +130,21 @@ class FisheyeRenderer:
         assert self._tiling is not None
         self._noise.add(self.picture, color, self._tiling.seen)
 
-    def _read(self, place: FrameRect) -> None:
-        """Copy one view out of the frame buffer, which rasterises it: the whole buffer would be one long part."""
-        read = np.empty((place.height, place.width, 3), dtype=np.uint8)
-        self._renderer.read(place, read)
-        row = place.y - self._base
-        self._drawn[row : row + place.height, place.x : place.x + place.width] = read
+    def _read(self, piece: Tile) -> None:
+        """Copy one view out of the frame buffer, where the next one is drawn."""
+        view = piece.view
+        read = np.empty((view.height, view.width, 3), dtype=np.uint8)
+        self._renderer.read(view, read)
+        self._drawn[piece.y : piece.y + view.height, piece.x : piece.x + view.width] = read
 
     def _set_up(self) -> Tiling:
         c = self._config
-        tiling = tile(fisheye_model(c), base=self._base)
+        tiling = tile(fisheye_model(c))
         self._drawn = np.zeros((tiling.height, tiling.width, 3), dtype=np.uint8)
         self._noise = ColorNoise(c.height, c.width, c.color_noise, self._rng)
-        self._renderer.reserve(tiling.width, self._base + tiling.height)
-        self._watches = {view: ChangeDetector(self._renderer, self._camera, view) for view in tiling.views}
+        for piece in tiling.tiles:
+            self._renderer.reserve(piece.view.width, piece.view.height)
+            self._watches[piece] = ChangeDetector(self._renderer, self._camera, piece.view)
         return tiling
 
 
@@ -160,6 +159,5 @@ def open_renderers(
         for _ in kinect_renderer.draw(WorldSnapshot.initial(model)):  # OpenGL makes itself ready with the first picture
             pass
     if panorama is not None:
-        base = kinect.height if kinect is not None else 0
-        renderers["panorama"] = FisheyeRenderer(renderer, model, panorama, rngs["panorama"], base)
+        renderers["panorama"] = FisheyeRenderer(renderer, model, panorama, rngs["panorama"])
     return renderers

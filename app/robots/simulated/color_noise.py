@@ -23,8 +23,11 @@ class ColorNoise:
         self._darker = np.clip(np.rint(-noise), 0, 255).astype(np.uint8)
 
     def add(self, picture: NDArray[np.uint8], out: NDArray[np.uint8], where: NDArray[np.uint8] | None = None) -> None:
-        """``picture`` (H, W, 3) uint8 RGB with noise into ``out``; only ``where`` (H, W) is not 0, if it is given."""
+        """``picture`` (H, W, 3) uint8 RGB with noise into ``out``; the bits that ``where`` (H, W, 3) has, if it is
+        given."""
         top, left = (int(i) for i in self._rng.integers(0, SPARE, 2))
         window = (slice(top, top + self._height), slice(left, left + self._width))
-        cv2.add(picture, self._brighter[window], dst=out, mask=where)
-        cv2.subtract(out, self._darker[window], dst=out, mask=where)
+        cv2.add(picture, self._brighter[window], dst=out)
+        cv2.subtract(out, self._darker[window], dst=out)
+        if where is not None:  # sooner than masks of the two
+            cv2.bitwise_and(out, where, dst=out)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.base.geometry import FisheyeModel
-from app.robots.simulated.renderer import FrameRect, PerspectiveView
+from app.robots.simulated.renderer import PerspectiveView
 
 _MARGIN_PX = 2.0
 """Drawn beyond what is shown, so that interpolation at a view's edge finds the same on both sides."""
@@ -41,14 +41,23 @@ _FACES = (
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Tile:
+    """One view of a fisheye, and the column and row (px) of its lower left pixel in the picture of all of them."""
+
+    view: PerspectiveView
+    x: int
+    y: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Tiling:
-    """The views of a fisheye, all within ``width`` x ``height`` (px) of the frame buffer.
+    """The views of a fisheye, side by side in one picture of ``width`` x ``height`` (px) with row 0 at the bottom.
 
     ``first`` (H, W, 2) int16 and ``second`` (H, W) uint16 are OpenCV's fixed-point maps from the fisheye's pixels into
-    that rectangle, read with row 0 at the bottom. ``seen`` (H, W) uint8 is 255 where the lens has a picture.
+    that picture. ``seen`` (H, W, 3) uint8 is 255 where the lens has a picture.
     """
 
-    views: tuple[PerspectiveView, ...]
+    tiles: tuple[Tile, ...]
     width: int
     height: int
     first: NDArray[np.int16]
@@ -60,8 +69,8 @@ class Tiling:
         cv2.remap(drawn, self.first, self.second, cv2.INTER_LINEAR, dst=out, borderMode=cv2.BORDER_CONSTANT)
 
 
-def tile(lens: FisheyeModel, base: int = 0, detail: float = 1.0) -> Tiling:
-    """The views that cover ``lens``, drawn above row ``base`` of the frame buffer.
+def tile(lens: FisheyeModel, detail: float = 1.0) -> Tiling:
+    """The views that cover ``lens``.
 
     ``detail`` scales their resolution; 1 is the fisheye's own in its middle.
     """
@@ -72,8 +81,8 @@ def tile(lens: FisheyeModel, base: int = 0, detail: float = 1.0) -> Tiling:
     ahead = np.stack([-(rays @ a[:, 2]) for a in axes])
     owner = np.where(seen, np.argmax(np.where(seen, ahead, 0.0), axis=0), -1)
     maps = np.full((2, lens.height, lens.width), -1000.0, np.float32)
-    packer = _Packer(base)
-    views = []
+    packer = _Packer()
+    tiles = []
     for number, (face, rotation) in enumerate(zip(_FACES, axes, strict=True)):
         own = owner == number
         if not own.any():  # a narrow lens
@@ -83,18 +92,20 @@ def tile(lens: FisheyeModel, base: int = 0, detail: float = 1.0) -> Tiling:
         per_x, per_y = detail * face.detail * lens.fx, detail * face.detail * lens.fy
         left, right = _extent(x, per_x)
         bottom, top = _extent(y, per_y)
-        place = packer.place(math.ceil((right - left) * per_x), math.ceil((top - bottom) * per_y))
-        views.append(PerspectiveView(rotation, left, right=right, bottom=bottom, top=top, place=place))
-        maps[0][own] = place.x + (x - left) / (right - left) * place.width - 0.5
-        maps[1][own] = place.y - base + (y - bottom) / (top - bottom) * place.height - 0.5
+        width, height = math.ceil((right - left) * per_x), math.ceil((top - bottom) * per_y)
+        view = PerspectiveView(rotation, left, right=right, bottom=bottom, top=top, width=width, height=height)
+        column, row = packer.place(width, height)
+        tiles.append(Tile(view, column, row))
+        maps[0][own] = column + (x - left) / (right - left) * width - 0.5
+        maps[1][own] = row + (y - bottom) / (top - bottom) * height - 0.5
     first, second = cv2.convertMaps(maps[0], maps[1], cv2.CV_16SC2)
     return Tiling(
-        views=tuple(views),
+        tiles=tuple(tiles),
         width=packer.width,
-        height=packer.top - base,
+        height=packer.top,
         first=np.asarray(first, np.int16),
         second=np.asarray(second, np.uint16),
-        seen=np.where(seen, 255, 0).astype(np.uint8),
+        seen=np.repeat(np.where(seen, 255, 0).astype(np.uint8)[..., None], 3, axis=2),
     )
 
 
@@ -103,17 +114,18 @@ def _extent(tangents: NDArray[np.float64], per_unit: float) -> tuple[float, floa
 
 
 class _Packer:
-    """Puts rectangles on shelves as wide as the first one, from row ``base`` up to ``top``."""
+    """Puts rectangles on shelves as wide as the first one, up to row ``top``."""
 
-    def __init__(self, base: int) -> None:
-        self.width = self._used = 0
-        self.top = self._shelf = base
+    def __init__(self) -> None:
+        self.width = self.top = 0
+        self._shelf = self._used = 0
 
-    def place(self, width: int, height: int) -> FrameRect:
+    def place(self, width: int, height: int) -> tuple[int, int]:
+        """Column and row of a rectangle's lower left pixel."""
         if not self.width or self._used + width > self.width:
             self._shelf = self.top
             self._used = 0
-        place = FrameRect(self._used, self._shelf, width, height)
+        place = self._used, self._shelf
         self._used += width
         self.width = max(self.width, self._used)
         self.top = max(self.top, self._shelf + height)

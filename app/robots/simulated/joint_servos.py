@@ -152,7 +152,8 @@ class _GroupServos:
         self._applied = self.state.setpoints
 
     def _measured(self) -> tuple[float, ...]:
-        return tuple(float(self._physics.data.qpos[address]) for address in self._addresses)
+        qpos = self._physics.data.qpos
+        return tuple(qpos.item(address) for address in self._addresses)
 
     def _set_gains(self, number: int, setpoint: JointSetpoint) -> None:
         model, actuator = self._physics.model, self._actuators[number]

@@ -21,12 +21,13 @@ from app.messages import LaserScan
 from app.robots.config import HokuyoConfig
 from app.robots.simulated.body import PREFIX, RobotSimulation
 from app.robots.simulated.scenery.people import LASER_GROUP
-from app.robots.simulated.world import OUT_OF_REACH_GROUP, WORLD_GROUP
+from app.robots.simulated.world import WORLD_GROUP
 
 FAN_S = 0.0035
 """Longest duration of one fan of rays: at 1 rad/s the base turns less than one ray's step in it."""
 _MARGIN_RAD = math.radians(1.0)
 """Pitch and roll of the base, which tilt the fan."""
+_CAST_GROUP, _EXCLUDED_GROUP = 0, 2
 REACH_M = 0.25
 """Greatest deviation of rays from the laser's plane by tilt; shapes beyond are omitted."""
 
@@ -45,9 +46,8 @@ class Laser:
         self._increment = fov / (config.rays - 1)
         angles = self._angle_min + self._increment * np.arange(config.rays)
         self._directions_L = np.stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)], axis=-1)
-        self._groups = np.array([group in (WORLD_GROUP, LASER_GROUP) for group in range(6)], dtype=np.uint8)
-        _leave_out_of_reach(simulation, float(X_BL.translation[2]))
-        self._sight = _RayTargets(simulation)
+        self._groups = np.array([group == _CAST_GROUP for group in range(6)], dtype=np.uint8)
+        self._sight = _RayTargets(simulation, float(X_BL.translation[2]))
         fans = max(1, math.ceil(config.sweep_s / FAN_S))
         self._fans = np.linspace(0, config.rays, fans + 1).astype(int)
         self._distances = np.zeros(config.rays)
@@ -80,11 +80,12 @@ class Laser:
         rotation: NDArray[np.float64] = data.xmat[self._body].reshape(3, 3)
         directions = self._directions_L[first:last] @ rotation.T
         self._directions_W[first:last] = directions
+        self._sight.follow()
         with self._sight.limited(data.xpos[self._body], directions[0], directions[-1], self._config.range_max_m):
             mujoco.mj_multiRay(
-                self._simulation.model, data, data.xpos[self._body], directions.ravel(), self._groups, True, -1,
-                self._geoms[first:last], self._distances[first:last], self._normals[first:last].reshape(-1),
-                last - first, self._config.range_max_m,
+                self._sight.model, self._sight.data, data.xpos[self._body], directions.ravel(), self._groups, True,
+                -1, self._geoms[first:last], self._distances[first:last],
+                self._normals[first:last].reshape(-1), last - first, self._config.range_max_m,
             )  # fmt: skip
 
     def _scan(self) -> LaserScan:
@@ -109,29 +110,58 @@ class Laser:
 
 
 class _RayTargets:
-    """Excludes shapes outside a fan of rays, since ray casting tests every shape for every ray.
+    """What the laser can meet, in a small model of its own: casting a ray passes every shape of a model, one by one.
 
-    Only static shapes are excluded.
+    Shapes of the world that stand still are left out where the laser's plane at ``height_m`` does not come, and, for a
+    fan of rays, outside of it.
     """
 
-    def __init__(self, simulation: RobotSimulation) -> None:
+    def __init__(self, simulation: RobotSimulation, height_m: float) -> None:
         model, data = simulation.model, simulation.data
-        self._groups = model.geom_group
-        standing = (model.geom_group == WORLD_GROUP) & (model.geom_bodyid == 0) & (model.geom_rbound > 0)
-        self._geoms = np.flatnonzero(standing)
+        spec = mujoco.MjSpec()
+        carriers: list[int] = []
+        shapes = np.flatnonzero(np.isin(model.geom_group, (WORLD_GROUP, LASER_GROUP)))
+        for carrier in np.unique(model.geom_bodyid[shapes]):
+            own = shapes[model.geom_bodyid[shapes] == carrier]
+            if carrier == 0:
+                own = own[_in_reach(model, data, own, height_m)]
+                body = spec.worldbody
+            else:
+                carriers.append(int(carrier))
+                body = spec.worldbody.add_body(mocap=True)
+            for geom in own:
+                body.add_geom(
+                    type=model.geom_type[geom],
+                    size=model.geom_size[geom],
+                    pos=model.geom_pos[geom],
+                    quat=model.geom_quat[geom],
+                )
+        self.model = spec.compile()
+        self.data = mujoco.MjData(self.model)
+        self._source, self._carriers = data, carriers
+        self.follow()
+        self._groups = self.model.geom_group
+        still = (self.model.geom_bodyid == 0) & (self.model.geom_rbound > 0)
+        self._geoms = np.flatnonzero(still)
         corners = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, 8).T
-        center, half = model.geom_aabb[self._geoms, :3], model.geom_aabb[self._geoms, 3:]
-        rotation = data.geom_xmat[self._geoms].reshape(-1, 3, 3)
+        center, half = self.model.geom_aabb[self._geoms, :3], self.model.geom_aabb[self._geoms, 3:]
+        rotation = self.data.geom_xmat[self._geoms].reshape(-1, 3, 3)
         boxes = center[:, None] + half[:, None] * corners
         places = np.einsum("gij,gcj->gci", rotation, boxes)[..., :2]
-        self._middles = data.geom_xpos[self._geoms, :2]
+        self._middles = self.data.geom_xpos[self._geoms, :2]
         self._radii = np.hypot(places[..., 0], places[..., 1]).max(axis=1)
+
+    def follow(self) -> None:
+        """Put what moves where it is now."""
+        self.data.mocap_pos[:] = self._source.xpos[self._carriers]
+        self.data.mocap_quat[:] = self._source.xquat[self._carriers]
+        mujoco.mj_kinematics(self.model, self.data)
 
     @contextlib.contextmanager
     def limited(
         self, origin: NDArray[np.float64], first: NDArray[np.float64], last: NDArray[np.float64], range_m: float
     ) -> Iterator[None]:
-        """Exclude static shapes outside the fan from ``origin`` that turns left from ``first`` to ``last``."""
+        """Exclude still shapes outside the fan from ``origin`` that turns left from ``first`` to ``last``."""
         left, right = math.atan2(last[1], last[0]), math.atan2(first[1], first[0])
         half = 0.5 * (left - right) % math.pi + _MARGIN_RAD
         middle = right + half - _MARGIN_RAD
@@ -144,22 +174,19 @@ class _RayTargets:
         # Outside: bounding discs beyond the nearer edge of the fan, or too far ahead
         outside = math.cos(half) * np.abs(aside) - math.sin(half) * ahead > self._radii
         outside |= ahead > range_m + self._radii
-        hidden = self._geoms[outside]
-        self._groups[hidden] = OUT_OF_REACH_GROUP
+        self._groups[self._geoms[outside]] = _EXCLUDED_GROUP
         try:
             yield
         finally:
-            self._groups[hidden] = WORLD_GROUP
+            self._groups[self._geoms] = _CAST_GROUP
 
 
-def _leave_out_of_reach(simulation: RobotSimulation, height_m: float) -> None:
-    """Move static shapes that the laser's plane cannot meet to another group, since casting tests every shape."""
-    model, data = simulation.model, simulation.data
-    for geom in range(model.ngeom):
-        if model.geom_group[geom] != WORLD_GROUP or model.geom_rbound[geom] == 0:
-            continue
-        center, half = model.geom_aabb[geom][:3], model.geom_aabb[geom][3:]
-        up = data.geom_xmat[geom].reshape(3, 3)[2]
-        middle = float(data.geom_xpos[geom][2] + up @ center)
-        if abs(middle - height_m) > REACH_M + float(np.abs(up) @ half):
-            model.geom_group[geom] = OUT_OF_REACH_GROUP
+def _in_reach(
+    model: mujoco.MjModel, data: mujoco.MjData, geoms: NDArray[np.intp], height_m: float
+) -> NDArray[np.bool_]:
+    """Which of the still shapes ``geoms`` (n,) the laser's plane at ``height_m`` can meet."""
+    center, half = model.geom_aabb[geoms, :3], model.geom_aabb[geoms, 3:]
+    up = data.geom_xmat[geoms].reshape(-1, 3, 3)[:, 2]
+    middle = data.geom_xpos[geoms][:, 2] + (up * center).sum(axis=1)
+    near = np.abs(middle - height_m) <= REACH_M + (np.abs(up) * half).sum(axis=1)
+    return np.asarray(near | (model.geom_rbound[geoms] == 0))

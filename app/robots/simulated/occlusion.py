@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 _SECTORS = 1024
+_PER_RAD = _SECTORS / (2 * math.pi)
 _NEAR_FLOOR = 0.01
 _CEILING = "ceiling"
 
@@ -25,7 +26,7 @@ class Occlusion:
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
         starts, ends = _walls(model, data)
         self._starts, self._ends = starts, ends
-        turns = 2 * math.pi / _SECTORS * np.arange(_SECTORS)
+        turns = np.arange(_SECTORS) / _PER_RAD
         self._rays = np.column_stack([np.cos(turns), np.sin(turns)])
         self._radius = model.geom_rbound.copy()
         self._endless = self._radius == 0
@@ -40,9 +41,8 @@ class Occlusion:
         around = distance <= self._radius
         half = np.arcsin(np.where(around, 0.0, self._radius / np.where(around, 1.0, distance)))
         middle = np.arctan2(offset[:, 1], offset[:, 0])
-        scale = _SECTORS / (2 * math.pi)
-        first = np.floor((middle - half) * scale).astype(np.intp)
-        count = np.floor((middle + half) * scale).astype(np.intp) - first + 1
+        first = np.floor((middle - half) * _PER_RAD).astype(np.intp)
+        count = np.floor((middle + half) * _PER_RAD).astype(np.intp) - first + 1
         level = np.frexp(count)[1] - 1  # the largest power of two within count
         last = first + count - (1 << level)
         wall = np.maximum(farthest[level, first % _SECTORS], farthest[level, last % _SECTORS])
@@ -52,14 +52,27 @@ class Occlusion:
         """For each sector (from ray i to ray i + 1) the far distance of the nearest wall that fills it; inf for
         none."""
         a, b = self._starts - eye, self._ends - eye
-        along = b - a
-        # Ray t d meets a + s (b - a): cross products with d give s, with b - a give t
-        across = np.outer(along[:, 1], self._rays[:, 0]) - np.outer(along[:, 0], self._rays[:, 1])
-        with np.errstate(divide="ignore", invalid="ignore"):
-            t = (a[:, 0] * along[:, 1] - a[:, 1] * along[:, 0])[:, None] / across
-            s = (a[:, :1] * self._rays[:, 1] - a[:, 1:] * self._rays[:, 0]) / across
-            met = np.where((t > 0) & (s >= 0) & (s <= 1), t, np.inf)
-        return np.asarray(np.maximum(met, np.roll(met, -1, axis=1)).min(axis=0))
+        cross, dot = _cross(a, b), (a * b).sum(axis=1)
+        right = np.where(cross[:, None] >= 0, a, b)  # the end from which the wall goes to the left
+        along = np.where(cross[:, None] >= 0, b - a, a - b)
+        begin = np.arctan2(right[:, 1], right[:, 0])
+        first = np.ceil(begin * _PER_RAD).astype(np.intp)
+        last = np.floor((begin + np.arctan2(np.abs(cross), dot)) * _PER_RAD).astype(np.intp)
+        # Seen along its length, a wall hides nothing
+        count = np.where(np.abs(cross) > 1e-9, np.maximum(last - first + 1, 0), 0)
+        wall = np.repeat(np.arange(len(count)), count)
+        ray = np.arange(len(wall)) + np.repeat(first - np.cumsum(count) + count, count)
+        # Ray t d meets right + s along: cross products with along give t
+        met = np.abs(cross)[wall] / _cross(self._rays[ray % _SECTORS], along[wall])
+        filled = wall[1:] == wall[:-1]
+        nearest = np.full(_SECTORS, np.inf)
+        np.minimum.at(nearest, ray[:-1][filled] % _SECTORS, np.maximum(met[1:], met[:-1])[filled])
+        return nearest
+
+
+def _cross(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Of vectors (n, 2) in the plane."""
+    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
 
 
 def _walls(model: mujoco.MjModel, data: mujoco.MjData) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -97,5 +110,6 @@ def _range_maxima(values: NDArray[np.float64]) -> NDArray[np.float64]:
     """Row k holds the cyclic maxima over the 2**k values from each index on."""
     rows = [values]
     while 1 << len(rows) <= 2 * len(values):
-        rows.append(np.maximum(rows[-1], np.roll(rows[-1], -(1 << (len(rows) - 1)))))
+        last, shift = rows[-1], (1 << (len(rows) - 1)) % len(values)
+        rows.append(np.maximum(last, np.concatenate((last[shift:], last[:shift]))))
     return np.array(rows)

@@ -16,17 +16,20 @@ from numpy.typing import NDArray
 
 from app.base.geometry import Pose3
 from app.robots.simulated.body import VISUAL_GROUP
+from app.robots.simulated.depth_buffer import leave_out_stencil
 from app.robots.simulated.gl import UNUSABLE_GL, GlUnavailable
 from app.robots.simulated.occlusion import Occlusion
-from app.robots.simulated.world import OUT_OF_REACH_GROUP, WORLD_GROUP
+from app.robots.simulated.world import CAMERA_GROUP, WORLD_GROUP
 
 _MAX_GEOMS = 4000
-_SHOWN_GROUPS = (WORLD_GROUP, OUT_OF_REACH_GROUP, VISUAL_GROUP)
+_SHOWN_GROUPS = (WORLD_GROUP, CAMERA_GROUP, VISUAL_GROUP)
 _CULLED_GROUP = 5
 _SURFACE_PX = 16
 """Of the context's own surface, which nothing is drawn on."""
 _STILL = 1e-4
 """Motion (m, rad) that counts as none: a twentieth of a pixel, a tenth of what depth resolves."""
+_LAYERS = 5
+"""Within which the order of drawing is the model's: sorting all shapes would cost more than it saves."""
 _CORNERS = np.array([(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 
 
@@ -48,19 +51,9 @@ class WorldSnapshot:
         return WorldSnapshot(0.0, model.qpos0.copy(), mocap, Pose3.identity())
 
 
-@dataclass(frozen=True, slots=True)
-class FrameRect:
-    """A rectangle of the frame buffer (px), counted from its lower left."""
-
-    x: int
-    y: int
-    width: int
-    height: int
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class PerspectiveView:
-    """A perspective image from the camera's position, drawn at ``place``.
+    """A perspective image of ``width`` x ``height`` (px) from the camera's position.
 
     ``rotation`` (3, 3): its axes (right, up, backwards) in the camera's (right, up, backwards). ``left``, ``right``,
     ``bottom``, ``top``: tangents of the angles from its forward axis to its edges.
@@ -71,7 +64,8 @@ class PerspectiveView:
     right: float
     bottom: float
     top: float
-    place: FrameRect
+    width: int
+    height: int
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -97,6 +91,11 @@ def _moved(a: NDArray[np.float64], b: NDArray[np.float64]) -> bool:
     return bool(np.abs(a - b).max(initial=0.0) > _STILL)
 
 
+def _rectangle(view: PerspectiveView) -> mujoco.MjrRect:
+    """Where ``view`` is drawn: all views in one place, which then is in the processor's cache."""
+    return mujoco.MjrRect(0, 0, view.width, view.height)
+
+
 def mocap_poses(data: mujoco.MjData) -> NDArray[np.float64]:
     """The poses (n, 7) of scripted bodies, to be kept in a Snapshot."""
     return np.hstack((data.mocap_pos, data.mocap_quat))
@@ -118,15 +117,16 @@ class Renderer:
         self._gl.make_current()
         self._context = mujoco.MjrContext(self._model, mujoco.mjtFontScale.mjFONTSCALE_100)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
+        leave_out_stencil(self._context)
         self._context.readDepthMap = mujoco.mjtDepthMap.mjDEPTH_ZEROFAR
         self._scene = mujoco.MjvScene(self._model, maxgeom=_MAX_GEOMS)
         self._scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = 0
         self._scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = 0
         self._option = mujoco.MjvOption()
         self._option.geomgroup[:] = [group in _SHOWN_GROUPS for group in range(6)]
-        self._camera = mujoco.MjvCamera()
-        self._camera.type = mujoco.mjtCamera.mjCAMERA_FIXED
+        self._unmoved = mujoco.MjvPerturb()
         self._groups = self._model.geom_group.copy()
+        self._shown = np.isin(self._groups, _SHOWN_GROUPS)
         mujoco.mj_kinematics(self._model, self._data)
         self._occlusion = Occlusion(self._model, self._data)
         # Corners (ngeom, 8, 3) of each shape's box, in the shape's axes
@@ -134,7 +134,7 @@ class Renderer:
         self._corners = boxes[..., :3] + _CORNERS * boxes[..., 3:]
         self._placed: WorldSnapshot | None = None
         self._shapes = self._lights = np.zeros((0, 0))
-        self._unhidden: dict[int, NDArray[np.bool_]] = {}
+        self._unhidden: dict[int, NDArray[np.intp]] = {}
         self._touching: dict[tuple[int, PerspectiveView], NDArray[np.bool_]] = {}
         self.near = self._model.vis.map.znear * self._model.stat.extent
         self.far = self._model.vis.map.zfar * self._model.stat.extent
@@ -145,20 +145,29 @@ class Renderer:
         if (width, height) != (self._context.offWidth, self._context.offHeight):
             self._gl.make_current()
             mujoco.mjr_resizeOffscreen(width, height, self._context)
+            leave_out_stencil(self._context)
 
     def draw(self, snapshot: WorldSnapshot, camera: int, view: PerspectiveView) -> None:
-        """Draw ``view`` of the world in ``snapshot`` from the model's camera number ``camera``."""
+        """Draw ``view`` of the world in ``snapshot`` from the model's camera number ``camera``, over the last one."""
         self._set(snapshot)
         eye, axes = self._data.cam_xpos[camera], self._data.cam_xmat[camera].reshape(3, 3)
-        self._model.geom_group[:] = np.where(self._in_view(camera, view), self._groups, _CULLED_GROUP)
-        self._camera.fixedcamid = camera
-        mujoco.mjv_updateScene(
-            self._model, self._data, self._option, None, self._camera, mujoco.mjtCatBit.mjCAT_ALL, self._scene
-        )
+        self._scene.ngeom = 0
+        for layer in self._layers(camera, view):
+            self._model.geom_group[:] = _CULLED_GROUP
+            self._model.geom_group[layer] = self._groups[layer]
+            mujoco.mjv_addGeoms(
+                self._model, self._data, self._option, self._unmoved, mujoco.mjtCatBit.mjCAT_ALL, self._scene
+            )
         self._aim(eye, axes, view)
-        place = view.place
         self._gl.make_current()
-        mujoco.mjr_render(mujoco.MjrRect(place.x, place.y, place.width, place.height), self._scene, self._context)
+        mujoco.mjr_render(_rectangle(view), self._scene, self._context)
+
+    def _layers(self, camera: int, view: PerspectiveView) -> list[NDArray[np.intp]]:
+        """The shapes in view, the nearest first: of what they hide, only the depth is compared. Planes come last."""
+        shapes = np.flatnonzero(self._in_view(camera, view))
+        offset = self._data.geom_xpos[shapes] - self._data.cam_xpos[camera]
+        distance = np.where(self._model.geom_rbound[shapes] == 0, np.inf, (offset * offset).sum(axis=1))
+        return np.array_split(shapes[np.argsort(distance, kind="stable")], _LAYERS)
 
     def view_state(self, snapshot: WorldSnapshot, camera: int, view: PerspectiveView) -> ViewState:
         """What a picture of ``view`` in ``snapshot`` from the model's camera number ``camera`` depends on."""
@@ -166,10 +175,10 @@ class Renderer:
         pose = np.append(self._data.cam_xpos[camera], self._data.cam_xmat[camera])
         return ViewState(pose, self._shapes, self._lights, self._in_view(camera, view))
 
-    def read(self, place: FrameRect, color: NDArray[np.uint8], depth: NDArray[np.float32] | None = None) -> None:
-        """The image at ``place``, row 0 at the *bottom*: ``color`` (H, W, 3), ``depth`` (H, W) from 0 far to 1."""
-        rectangle = mujoco.MjrRect(place.x, place.y, place.width, place.height)
-        mujoco.mjr_readPixels(color, depth, rectangle, self._context)
+    def read(self, view: PerspectiveView, color: NDArray[np.uint8], depth: NDArray[np.float32] | None = None) -> None:
+        """The image of ``view``, drawn last, row 0 at the *bottom*: ``color`` (H, W, 3), ``depth`` (H, W) from 0 far to
+        1."""
+        mujoco.mjr_readPixels(color, depth, _rectangle(view), self._context)
 
     def close(self) -> None:
         self._context.free()
@@ -199,6 +208,7 @@ class Renderer:
             camera.frustum_width = 0.5 * (view.right - view.left) * self.near
             camera.frustum_bottom, camera.frustum_top = view.bottom * self.near, view.top * self.near
             camera.frustum_near, camera.frustum_far = self.near, self.far
+        mujoco.mjv_makeLights(self._model, self._data, self._scene)
         for light in self._scene.lights[: self._scene.nlight]:
             if light.headlight:  # shines where the camera looks, in each of its views alike: else there were seams
                 light.dir[:] = -axes[:, 2]
@@ -211,21 +221,30 @@ class Renderer:
         return self._touching[key]
 
     def _find_in_view(self, camera: int, view: PerspectiveView) -> NDArray[np.bool_]:
-        eye = self._data.cam_xpos[camera]
+        eye, shapes = self._data.cam_xpos[camera], self._unhidden_from(camera)
         rotation = self._data.cam_xmat[camera].reshape(3, 3) @ view.rotation
-        if camera not in self._unhidden:
-            self._unhidden[camera] = ~self._occlusion.hidden(eye, self._data.geom_xpos)
-        centers = (self._data.geom_xpos - eye) @ rotation
-        radius, ahead = self._model.geom_rbound, -centers[:, 2]
-        seen = self._unhidden[camera] & (ahead > -radius)
+        centers = (self._data.geom_xpos[shapes] - eye) @ rotation
+        radius, ahead = self._model.geom_rbound[shapes], -centers[:, 2]
+        touches = ahead > -radius
         for axis, low, high in ((0, view.left, view.right), (1, view.bottom, view.top)):
-            seen &= centers[:, axis] - high * ahead < radius * math.hypot(1.0, high)
-            seen &= low * ahead - centers[:, axis] < radius * math.hypot(1.0, low)
-        near = np.flatnonzero(seen)
-        axes = self._data.geom_xmat[near].reshape(-1, 3, 3)
-        seen[near] = self._boxes_touch(centers[near], rotation.T @ axes, self._corners[near], view)
+            touches &= centers[:, axis] - high * ahead < radius * math.hypot(1.0, high)
+            touches &= low * ahead - centers[:, axis] < radius * math.hypot(1.0, low)
+        near = np.flatnonzero(touches)
+        boxes = shapes[near]
+        axes = rotation.T @ self._data.geom_xmat[boxes].reshape(-1, 3, 3)
+        touches[near] = self._boxes_touch(centers[near], axes, self._corners[boxes], view)
         # Planes are endless: they have neither sphere nor box
-        return np.asarray(seen | ((radius == 0) & self._unhidden[camera]))
+        touches |= radius == 0
+        seen = np.zeros(self._model.ngeom, dtype=np.bool_)
+        seen[shapes[touches]] = True
+        return seen
+
+    def _unhidden_from(self, camera: int) -> NDArray[np.intp]:
+        """Numbers of the shapes that no wall hides from ``camera``."""
+        if camera not in self._unhidden:
+            hidden = self._occlusion.hidden(self._data.cam_xpos[camera], self._data.geom_xpos)
+            self._unhidden[camera] = np.flatnonzero(~hidden & self._shown)
+        return self._unhidden[camera]
 
     def _boxes_touch(
         self,

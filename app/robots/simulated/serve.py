@@ -8,6 +8,8 @@ import socket
 import sys
 import time
 
+import cv2
+
 from app.base.errors import ConfigError
 from app.robots.simulated.camera_models import picture_formats
 from app.robots.simulated.gl import GlUnavailable, check_gl
@@ -38,6 +40,7 @@ def serve(link_descriptor: int, memory_descriptor: int) -> int:
         return _refuse(str(failure))
     signal.signal(signal.SIGTERM, lambda *_: loop.end())
     tune_for_latency()
+    cv2.setNumThreads(1)  # a pool would only fight the program's threads for the cores
     sock.send(Ready(setup_s=time.monotonic() - began))
     loop.run()
     return 0

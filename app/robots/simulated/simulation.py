@@ -34,6 +34,8 @@ from app.robots.thinning import Thinning
 
 STEPS_PER_TURN = 2
 """Physics steps per decision of the guard, which runs at 250 Hz."""
+_POWER_PERIOD_S = 0.02
+"""Over which the power that the battery gives is taken for constant: a motor's changes more slowly."""
 
 
 class Schedule:
@@ -134,7 +136,7 @@ class WorldSimulation:
             self.battery = Battery(robot.battery)
             rates["battery"] = robot.battery.rate_hz
         self._docks = dock_poses(world)
-        self._busy_cores = 0.0
+        self._busy_cores = self._undrawn_s = 0.0
         self._schedules = {name: Schedule(rate) for name, rate in rates.items()}
         self._thinning = {name: Thinning(rates[name]) for name in self._camera_frames}
         self._last_odometry_s = 0.0
@@ -185,12 +187,15 @@ class WorldSimulation:
             if steps % STEPS_PER_TURN == 1:
                 self.joints.step()
             simulation.step()
-            if self._inhabited and self.scenario_state.advance(simulation.time_s, simulation.true_pose()):
+            if self._inhabited and self.scenario_state.due(simulation.time_s):
+                self.scenario_state.advance(simulation.time_s, simulation.true_pose())
                 self._people.pose(simulation.data)
             self._sense(stamp)
             also(stamp)
-        if steps:
-            self._draw_power(steps * TIMESTEP_S)
+        self._undrawn_s += steps * TIMESTEP_S
+        if self._undrawn_s + 1e-9 >= _POWER_PERIOD_S:
+            self._draw_power(self._undrawn_s)
+            self._undrawn_s = 0.0
         if steps == 0 and action.immediate:  # a stop must not wait for the next step
             self.state = guard.step(self.state, action, self._limits, 0.0)
             simulation.drive(self.state.applied)

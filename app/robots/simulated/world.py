@@ -1,8 +1,7 @@
 """The world's builder: a pure function from a WorldConfig to a MuJoCo specification.
 
 Walls are boxes whose local z is the wall's normal, because MuJoCo lays a flat texture along a box's local x and y.
-Everything of the world is geometry group 0, or 2 where the laser's plane never comes; contacts are between robot and
-world alone.
+Everything of the world is geometry group 0, or 2 where only cameras see it; contacts are between robot and world alone.
 """
 
 from __future__ import annotations
@@ -30,7 +29,7 @@ from app.robots.simulated.world_config import (
     WorldConfig,
 )
 
-WORLD_GROUP, OUT_OF_REACH_GROUP = 0, 2
+WORLD_GROUP, CAMERA_GROUP = 0, 2
 WORLD_CONTACT, ROBOT_CONTACT = 2, 1
 _LOOSE_CONTACT = WORLD_CONTACT | ROBOT_CONTACT
 TIMESTEP_S = 0.002

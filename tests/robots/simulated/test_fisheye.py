@@ -189,15 +189,15 @@ def test_a_still_robot_sees_the_same_picture_with_fresh_noise(lab_eye: Eye) -> N
 
 def test_views_take_little_more_than_the_pixels_they_are_for() -> None:
     tiling = tile(LENS)
-    drawn = sum(view.place.width * view.place.height for view in tiling.views)
-    assert len(tiling.views) == 5
+    drawn = sum(piece.view.width * piece.view.height for piece in tiling.tiles)
+    assert len(tiling.tiles) == 5
     assert drawn < 1.15 * LENS.width * LENS.height
-    for view in tiling.views:
-        assert view.place.x + view.place.width <= tiling.width
-        assert view.place.y + view.place.height <= tiling.height
+    for piece in tiling.tiles:
+        assert piece.x + piece.view.width <= tiling.width
+        assert piece.y + piece.view.height <= tiling.height
 
 
 def test_a_narrow_lens_needs_one_view() -> None:
     tiling = tile(FisheyeModel.from_fov(400, 300, math.radians(80), math.radians(60)))
-    assert len(tiling.views) == 1
-    assert tiling.views[0].right == pytest.approx(math.tan(math.radians(40)), abs=0.02)
+    assert len(tiling.tiles) == 1
+    assert tiling.tiles[0].view.right == pytest.approx(math.tan(math.radians(40)), abs=0.02)

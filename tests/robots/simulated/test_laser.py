@@ -105,8 +105,9 @@ def test_shapes_left_out_of_a_fan_are_none_that_it_meets(
     start = StartPose(x=11.0, y=8.0, heading_deg=heading_deg)
     simulation = build_simulation(robot.model_copy(update={"start": start}), lab, TrueBase(0.10, 0.10, 0.44))
     X_BL = load_model(robot.model).pose("hokuyo_link")
-    limited = sweep(simulation, Laser(simulation, hokuyo, X_BL, np.random.default_rng(1)))
-    groups = simulation.model.geom_group.copy()
+    laser = Laser(simulation, hokuyo, X_BL, np.random.default_rng(1))
+    limited = sweep(simulation, laser)
+    assert not laser._sight.model.geom_group.any()  # all are asked again afterwards
 
     simulation = build_simulation(robot.model_copy(update={"start": start}), lab, TrueBase(0.10, 0.10, 0.44))
     with monkeypatch.context() as context:
@@ -114,4 +115,16 @@ def test_shapes_left_out_of_a_fan_are_none_that_it_meets(
         everything = sweep(simulation, Laser(simulation, hokuyo, X_BL, np.random.default_rng(1)))
     np.testing.assert_array_equal(limited.ranges, everything.ranges)
     np.testing.assert_array_equal(limited.intensities, everything.intensities)
-    np.testing.assert_array_equal(groups, simulation.model.geom_group)  # and all are asked again afterwards
+
+
+def test_a_loose_thing_is_met_where_it_is_now(robot: RobotConfig) -> None:
+    crate = {"kind": "box", "at": (12.0, 8.0), "size": (0.4, 0.4, 0.9), "mass_kg": 5.0}
+    simulation, laser, _ = setup(robot, make_hall(objects=[crate]), noise_m=0.0)
+    ahead = 360
+    reach = 10 + sweep(simulation, laser).X_BL.translation[0]
+    assert sweep(simulation, laser).ranges[ahead] == pytest.approx(11.8 - reach, abs=0.02)
+    place = simulation.model.joint(simulation.model.body("box0").jntadr[0]).qposadr[0]
+    simulation.data.qpos[place] += 1.0
+    assert sweep(simulation, laser).ranges[ahead] == pytest.approx(12.8 - reach, abs=0.02)
+    simulation.data.qpos[place + 1] += 2.0
+    assert sweep(simulation, laser).ranges[ahead] == pytest.approx(19.9 - reach, abs=0.02)

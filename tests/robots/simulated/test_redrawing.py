@@ -22,7 +22,7 @@ from app.robots.simulated.camera_rendering import (
     open_renderers,
 )
 from app.robots.simulated.lockstep_world import LockstepWorld
-from app.robots.simulated.renderer import FrameRect, PerspectiveView, Renderer, WorldSnapshot, mocap_poses
+from app.robots.simulated.renderer import PerspectiveView, Renderer, WorldSnapshot, mocap_poses
 from tests.robots.conftest import CONFIG, needs_gl
 
 pytestmark = [needs_gl, pytest.mark.slow]
@@ -84,14 +84,14 @@ def test_pictures_are_those_of_a_camera_that_always_draws(
 ) -> None:
     if still is not None:
         monkeypatch.setattr(renderer_module, "_STILL", still)
-    drawn: list[tuple[int, FrameRect]] = []
+    drawn: list[tuple[int, PerspectiveView]] = []
     drawing = Renderer.draw
 
     def draw(self: Renderer, snapshot: WorldSnapshot, camera: int, view: PerspectiveView) -> None:
-        drawn.append((camera, view.place))
+        drawn.append((camera, view))
         drawing(self, snapshot, camera, view)
 
-    def show(eyes: dict[str, CameraRenderer], snapshot: WorldSnapshot) -> list[tuple[int, FrameRect]]:
+    def show(eyes: dict[str, CameraRenderer], snapshot: WorldSnapshot) -> list[tuple[int, PerspectiveView]]:
         drawn.clear()
         for eye in eyes.values():
             for _ in eye.draw(snapshot):

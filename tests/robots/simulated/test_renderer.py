@@ -14,11 +14,10 @@ from hypothesis import strategies as st
 from app.base.geometry import Pose3
 from app.robots.simulated.camera_rendering import ChangeDetector
 from app.robots.simulated.occlusion import Occlusion
-from app.robots.simulated.renderer import FrameRect, PerspectiveView, Renderer, WorldSnapshot
+from app.robots.simulated.renderer import PerspectiveView, Renderer, WorldSnapshot
 from tests.robots.conftest import needs_gl
 
-PLACE = FrameRect(0, 0, 64, 48)
-AHEAD = PerspectiveView(np.eye(3), -1.0, 1.0, -0.75, 0.75, PLACE)
+AHEAD = PerspectiveView(np.eye(3), -1.0, right=1.0, bottom=-0.75, top=0.75, width=64, height=48)
 #: Two rooms of 6 x 6 m under one ceiling; in the wall between them, at x = 0, a gap of 1 m from y = 1 to 2.
 ROOMS = """
 <mujoco>
@@ -47,7 +46,7 @@ def model() -> mujoco.MjModel:
 @pytest.fixture
 def renderer(model: mujoco.MjModel) -> Iterator[Renderer]:
     renderer = Renderer(model)
-    renderer.reserve(PLACE.width, PLACE.height)
+    renderer.reserve(AHEAD.width, AHEAD.height)
     yield renderer
     renderer.close()
 
@@ -95,10 +94,10 @@ def test_what_is_hidden_would_not_have_shown(model: mujoco.MjModel, renderer: Re
     color = np.zeros((48, 64, 3), np.uint8)
     start = WorldSnapshot.initial(model)
     renderer.draw(start, 0, AHEAD)
-    renderer.read(PLACE, color)
+    renderer.read(AHEAD, color)
     with_far = color.copy()
     renderer.draw(after(start, 1, -20.0), 0, AHEAD)
-    renderer.read(PLACE, color)
+    renderer.read(AHEAD, color)
     np.testing.assert_array_equal(color, with_far)
 
 

@@ -17,7 +17,7 @@ from app.robots.simulated.scenery import gait, person_mesh
 from app.robots.simulated.scenery.actor import Actor
 from app.robots.simulated.scenery.gait import LimbJoint
 from app.robots.simulated.scenery.textures import Texture
-from app.robots.simulated.world import OUT_OF_REACH_GROUP, ROBOT_CONTACT, WORLD_CONTACT
+from app.robots.simulated.world import CAMERA_GROUP, ROBOT_CONTACT, WORLD_CONTACT
 from app.robots.simulated.world_config import Color
 
 LIMBS = (
@@ -53,7 +53,7 @@ def _add(spec: mujoco.MjSpec, actor: Actor, number: int, rng: np.random.Generato
         )  # fmt: skip
         body.add_geom(
             name=name, type=mujoco.mjtGeom.mjGEOM_MESH, meshname=name, material=prefix + "skin",
-            group=OUT_OF_REACH_GROUP, contype=0, conaffinity=0, mass=0.0,
+            group=CAMERA_GROUP, contype=0, conaffinity=0, mass=0.0,
         )  # fmt: skip
         if limb.endswith("shin"):
             half = gait.SHIN * height / 2
@@ -124,12 +124,13 @@ def limb_poses(actor: Actor) -> NDArray[np.float64]:
 
 
 def _placed(frames: dict[str, LimbJoint], actor: Actor) -> NDArray[np.float64]:
-    poses = np.empty((len(LIMBS), 7))
-    c, s = math.cos(actor.heading), math.sin(actor.heading)
-    for row, limb in zip(poses, LIMBS, strict=True):
+    c, s, height = math.cos(actor.heading), math.sin(actor.heading), actor.height_m
+    poses = []
+    for limb in LIMBS:
         frame = frames[limb]
-        x, y, z = (actor.height_m * v for v in frame.at)
+        x, y, z = frame.at
+        x, y, z = height * x, height * y, height * z
         half_yaw, half_pitch = (actor.heading + frame.yaw) / 2, frame.pitch / 2
         cy, sy, cp, sp = math.cos(half_yaw), math.sin(half_yaw), math.cos(half_pitch), math.sin(half_pitch)
-        row[:] = (actor.x + c * x - s * y, actor.y + s * x + c * y, z, cy * cp, -sy * sp, cy * sp, sy * cp)
-    return poses
+        poses.append((actor.x + c * x - s * y, actor.y + s * x + c * y, z, cy * cp, -sy * sp, cy * sp, sy * cp))
+    return np.array(poses)

@@ -95,10 +95,14 @@ class ScenarioState:
             return (actor.x, actor.y, 0.02)
         return actor.mouth
 
-    def advance(self, time_s: float, X_WB: Pose2) -> bool:
-        """Advance the people to ``time_s`` (simulated s), the robot being at ``X_WB``; True if a tick passed."""
+    def due(self, time_s: float) -> bool:
+        """Whether a tick passes up to ``time_s`` (simulated s)."""
+        return (self._ticks + 1) * TICK_S <= time_s + 1e-9
+
+    def advance(self, time_s: float, X_WB: Pose2) -> None:
+        """Advance the people to ``time_s`` (simulated s), the robot being at ``X_WB``."""
         before = self._ticks
-        while (self._ticks + 1) * TICK_S <= time_s + 1e-9:
+        while self.due(time_s):
             self._ticks += 1
             now = self.time_s
             for number, actor in enumerate(self.actors):
@@ -106,7 +110,6 @@ class ScenarioState:
                     self._happened(actor, happening)
         if self._ticks > before or not self._cues:
             self._update_cues()
-        return self._ticks > before
 
     def _happened(self, actor: Actor, what: ActorSound) -> None:
         clip, gain_db = what.clip, what.gain_db
