@@ -32,6 +32,11 @@ class JointBuffer:
             self._stamps.popleft()
             self._positions.popleft()
 
+    @property
+    def newest(self) -> Mapping[str, float] | None:
+        """The positions added last; None before the first."""
+        return self._positions[-1] if self._positions else None
+
     def at(self, stamp: float) -> Mapping[str, float] | None:
         """The positions at ``stamp``, of the joints known on both sides of it; None where the buffer does not reach."""
         if not self._stamps:

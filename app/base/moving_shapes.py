@@ -15,6 +15,11 @@ from app.base.kinematic_model import KinematicModel
 
 Corners = tuple[tuple[float, float], ...]
 
+#: Joints that moved less (rad, m) leave an outline as it is: 6 mm at the hand.
+_MOVED_RAD = 0.01
+
+#: Corners of a hull are whole multiples of this (m).
+_GRAIN_M = 1e-6
 #: Corners of the polygon about a circle: its corners lie 3.5 % outside.
 _CORNERS = 12
 _TURNS = 2 * math.pi / _CORNERS * np.arange(_CORNERS)
@@ -45,8 +50,10 @@ class MovingShapes:
 
     def __init__(self, model: KinematicModel, shapes: Sequence[CollisionShape], joints: Collection[str]) -> None:
         self._model = model
-        self.joints = tuple(joints)
-        moved = [shape for shape in shapes if set(model.moved_by(shape.link)).intersection(joints)]
+        moving = {shape.link: set(model.moved_by(shape.link)).intersection(joints) for shape in shapes}
+        moved = [shape for shape in shapes if moving[shape.link]]
+        #: Those of the joints that move a shape.
+        self.joints = tuple(joint for joint in joints if any(joint in by for by in moving.values()))
         self.links = tuple(dict.fromkeys(shape.link for shape in moved))
         self._capsules = [(shape.link, *shape.capsule()) for shape in moved]
         self._radii = np.array([radius for _, _, _, radius in self._capsules])
@@ -99,6 +106,10 @@ class BodyOutline:
         capsules = self._shapes.at(positions)
         return self._around(capsules.ends[:, :, :2].reshape(-1, 2), np.repeat(capsules.radii, 2))
 
+    def changed(self, before: Mapping[str, float], now: Mapping[str, float]) -> bool:
+        """Whether the outline at joint positions ``now`` (rad, m) by name may differ from the one at ``before``."""
+        return any(abs(now.get(name, 0.0) - before.get(name, 0.0)) > _MOVED_RAD for name in self.joints)
+
     def _around(self, centres: NDArray[np.float64], radii: NDArray[np.float64]) -> Corners:
         points = (centres[:, None, :] + radii[:, None, None] * _CIRCLE).reshape(-1, 2)
         beyond = (points @ self._normals.T > self._offsets).any(axis=1)
@@ -108,19 +119,20 @@ class BodyOutline:
 
 
 def convex_hull(points: Collection[tuple[float, float]]) -> Corners:
-    """The corners of the convex hull of ``points``, counter-clockwise, none of them in line with its neighbours
-    (Andrew's monotone chain)."""
-    ordered = sorted(set(points))
+    """The corners of the convex hull of ``points`` (m, rounded to micrometres), counter-clockwise, none of them in line
+    with its neighbours (Andrew's monotone chain)."""
+    # On whole numbers every turn is exact: a tolerance would drop the end of a side that is upright but for rounding.
+    ordered = sorted({(round(x / _GRAIN_M), round(y / _GRAIN_M)) for x, y in points})
 
-    def half(along: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
-        chain: list[tuple[float, float]] = []
+    def half(along: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
+        chain: list[tuple[int, int]] = []
         for x, y in along:
             while len(chain) > 1:
                 (ax, ay), (bx, by) = chain[-2:]
-                if (bx - ax) * (y - ay) - (by - ay) * (x - ax) > 1e-9:
+                if (bx - ax) * (y - ay) - (by - ay) * (x - ax) > 0:
                     break
                 chain.pop()
             chain.append((x, y))
         return chain[:-1]
 
-    return (*half(ordered), *half(ordered[::-1]))
+    return tuple((x * _GRAIN_M, y * _GRAIN_M) for x, y in (*half(ordered), *half(ordered[::-1])))

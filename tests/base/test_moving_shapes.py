@@ -8,7 +8,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -95,6 +95,7 @@ def test_an_arm_stretched_forward_is_ahead_of_the_footprint() -> None:
 
 
 @given(st.lists(st.tuples(st.floats(-1, 1), st.floats(-1, 1)), min_size=3, max_size=40))
+@example([(0.0, 1.0), (0.0, 0.5), (1e-38, 0.0), (-1.0, 0.0)])  # a side that is upright but for rounding
 def test_a_hull_is_convex_counter_clockwise_and_around_all_points(points: list[tuple[float, float]]) -> None:
     hull = convex_hull(points)
     if len(hull) < 3:

@@ -7,7 +7,7 @@ Pure on values and times: no event loop and no clock of its own.
 from __future__ import annotations
 
 import cmath
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 
 from app.base.geometry import Pose2
@@ -21,8 +21,6 @@ from app.modules.actuation.dock_exemption import FRESH_S, LONGEST_PLATE_M, witho
 
 #: Greatest age (s) of odometry that is extrapolated to now by its own twist.
 _CARRIED_S = 0.1
-#: Joints that moved less (rad, m) leave the outline as it is: 6 mm at the hand.
-_MOVED_RAD = 0.01
 
 
 class CollisionContext:
@@ -152,7 +150,7 @@ class CollisionContext:
                 self._monitor.outline(outline.widest)
             return
         positions = dict(zip(joints.names, joints.positions, strict=True))
-        if self._fitted is None or _moved(outline.joints, self._fitted, positions):
+        if self._fitted is None or outline.changed(self._fitted, positions):
             self._fitted, self._seen = positions, None
             self._monitor.outline(outline.at(positions))
 
@@ -177,10 +175,6 @@ def _twist(stamp: float, allowed: Verdict) -> Twist:
 
 def _stands(twist: Twist) -> bool:
     return twist.angular_radps == 0.0 and _velocity(twist) == 0.0
-
-
-def _moved(names: Iterable[str], before: Mapping[str, float], now: Mapping[str, float]) -> bool:
-    return any(abs(now.get(name, 0.0) - before.get(name, 0.0)) > _MOVED_RAD for name in names)
 
 
 def _is_part(twist: Twist, allowed: Verdict) -> bool:

@@ -21,7 +21,8 @@ the controller chooses velocities along the path (``navigation/tracking/path_tra
 second thread (``navigation/planning/global_planner.py``): once a second, and at once where an obstacle blocks the path
 or localization jumped.
 
-What the depth camera sees of the robot's own arms is left out (``navigation/costmap/self_filter.py``).
+What the depth camera sees of the robot's own arms is left out (``navigation/costmap/self_filter.py``). Arms that are
+stretched out count as part of the body (``navigation/tracking/arm_outline.py``).
 
 It stands still, and publishes the reason, without a trusted pose, with a scan or image older than ``fresh_s``, or with
 dead depth images. Obstacles that the camera sees and the laser does not are kept with the map
@@ -43,7 +44,7 @@ from pydantic import Field
 from app.base.errors import ConfigError
 from app.base.geometry import Pose2
 from app.base.joint_buffer import JointBuffer
-from app.base.moving_shapes import MovingShapes
+from app.base.moving_shapes import BodyOutline, MovingShapes
 from app.maps.library import MapLibrary
 from app.maps.map_service import MapService
 from app.messages import (
@@ -162,7 +163,7 @@ class PlanAndFollowPath(Module):
         self._scan: LaserScan | None = None
         self._image: Image | None = None
         self._positions = JointBuffer()
-        #: What the camera may see of the robot itself; None: nothing.
+        #: What the joints move: the camera may see it, and it may reach beyond the footprint; None: nothing.
         self._own: MovingShapes | None = None
         self._grid: OccupancyGrid | None = None
         self._zones = Zones(0.0, ())
@@ -187,11 +188,13 @@ class PlanAndFollowPath(Module):
         """Load the compiled kernels and look up the body. Raises ModuleFailed for a body that does not drive, or with
         joints whose shapes cannot be read."""
         description = robot_link(self).description
-        if self.joints.connected and self.images.connected and description.groups:
+        outline: BodyOutline | None = None
+        if self.joints.connected and description.groups and description.footprint:
             try:
                 self._own = await self.compute(moving_shapes, description)
             except ConfigError as error:
                 raise ModuleFailed(f"{self.name} does not know the arms of {description.name}: {error}") from None
+            outline = BodyOutline(description.footprint, self._own)
         await self.compute(load_kernels)
         await self.compute(raise_thread_priority)
         s = self.settings
@@ -209,7 +212,9 @@ class PlanAndFollowPath(Module):
         )
         try:
             self._control = await self.compute(
-                lambda: ControlCycle(description, self._controller, settings, depth=self.images.connected)
+                lambda: ControlCycle(
+                    description, self._controller, settings, depth=self.images.connected, outline=outline
+                )
             )
         except ValueError as error:
             raise ModuleFailed(f"{self.name} cannot drive {description.name}: {error}") from None
@@ -311,6 +316,7 @@ class PlanAndFollowPath(Module):
             grid=self._grid,
             is_lost=self._poses.is_lost(now) and self._grid is not None,
             given_mps=self._given_mps,
+            joints=self._positions.newest,
         )
         if self._controller != self._controller_in_use:
             self._controller_in_use = self._controller
@@ -434,6 +440,7 @@ class PlanAndFollowPath(Module):
             opened_up=output.opened_up,
             kept=self._plan,
             why=why,
+            footprint=output.footprint,
             persistent_obstacles=output.persistent_obstacles,
         )
         self._planned_at, self._planned_from, self._planned_for = now, localization, goal

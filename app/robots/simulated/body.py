@@ -139,7 +139,8 @@ def build_simulation(
 
     Raises ConfigError for a model that is no valid URDF or that the physics refuses.
     """
-    spec = build_world(world)
+    streams = robot.streams
+    spec = build_world(world, textured=streams.kinect is not None or streams.panorama is not None)
     add_people(spec, people, world.seed)
     body = mujoco.MjSpec.from_file(str(robot.model))
     kinematics = load_model(robot.model)

@@ -45,8 +45,9 @@ _FRAME: Vector = (0.40, 0.27, 0.17)
 _LEAF = "door"
 
 
-def build_world(config: WorldConfig) -> mujoco.MjSpec:
-    """The world without a robot. The same configuration gives the same world."""
+def build_world(config: WorldConfig, *, textured: bool = True) -> mujoco.MjSpec:
+    """The world without a robot. The same configuration gives the same world. ``textured``: with what is painted on its
+    surfaces, which a camera alone sees, and which is most of the time that building takes."""
     spec = mujoco.MjSpec()
     spec.modelname = config.name
     spec.option.timestep = TIMESTEP_S
@@ -72,14 +73,15 @@ def build_world(config: WorldConfig) -> mujoco.MjSpec:
             specular=[0.15 * light.strength] * 3,
             castshadow=False,
         )
-    _Builder(spec, config).build()
+    _Builder(spec, config, textured).build()
     return spec
 
 
 class _Builder:
-    def __init__(self, spec: mujoco.MjSpec, config: WorldConfig) -> None:
+    def __init__(self, spec: mujoco.MjSpec, config: WorldConfig, textured: bool) -> None:
         self._spec = spec
         self._config = config
+        self._textured = textured
 
     def build(self) -> None:
         self._materials()
@@ -96,9 +98,9 @@ class _Builder:
 
     def _materials(self) -> None:
         for name, material in self._config.materials.items():
-            # zlib.crc32, because hash() of a string differs from process to process
-            pixels = texture(material, self._config.seed ^ zlib.crc32(name.encode()))
-            self._add_texture(name, pixels)
+            if self._textured:
+                # zlib.crc32, because hash() of a string differs from process to process
+                self._add_texture(name, texture(material, self._config.seed ^ zlib.crc32(name.encode())))
             repeat = [1 / material.tile_m[0], 1 / material.tile_m[1]] if material.tile_m else [1.0, 1.0]
             self._add_material(name, repeat, material.tile_m is not None, material.shine, material.glow)
 
@@ -115,7 +117,8 @@ class _Builder:
         material = self._spec.add_material(
             name=name, texrepeat=repeat, texuniform=uniform, specular=shine, shininess=0.3, emission=glow
         )
-        material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = name
+        if self._textured:
+            material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = name
 
     def _geom(
         self, part: Part, X_WP: Pose3, name: str = "", *, body: mujoco.MjsBody | None = None, mass_kg: float = 0.0
@@ -236,7 +239,8 @@ class _Builder:
 
     def _poster(self, number: int, poster: PosterConfig) -> None:
         name = f"poster{number}"
-        self._add_texture(name, poster_page(poster.text, poster.title))
+        if self._textured:
+            self._add_texture(name, poster_page(poster.text, poster.title))
         self._add_material(name, [1.0, 1.0], uniform=False)
         page = Part("box", (0, 0, 0), (LETTER_WIDTH_M, LETTER_HEIGHT_M, 0.001), name, solid=False)
         self._geom(page, X_WP_of_page(poster), name=name)

@@ -135,6 +135,14 @@ def test_the_same_configuration_gives_the_same_world(lab: WorldConfig) -> None:
     assert not np.array_equal(first.tex_data, other.tex_data)
 
 
+def test_without_a_camera_nothing_is_painted_and_all_else_is_the_same(lab: WorldConfig) -> None:
+    painted, plain = build_world(lab).compile(), build_world(lab, textured=False).compile()
+    assert painted.ntex > 0
+    assert plain.ntex == 0
+    for array in ("geom_type", "geom_size", "geom_pos", "geom_quat", "geom_contype", "geom_group", "body_mass"):
+        np.testing.assert_array_equal(getattr(painted, array), getattr(plain, array))
+
+
 @pytest.mark.parametrize("pattern", sorted(textures._PATTERNS))
 def test_every_pattern_has_texture_and_is_reproducible(pattern: str) -> None:
     material = MaterialConfig.model_validate({"pattern": pattern, "color": (160, 120, 80), "second": (90, 70, 50)})

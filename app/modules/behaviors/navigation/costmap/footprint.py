@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,12 +17,15 @@ class Footprint:
 
     ``inscribed_m``: radius of the largest circle about ``base_link`` within the polygon; ``circumscribed_m``: of the
     smallest around it. At any heading the body touches an obstacle nearer than the first, and none further than the
-    second.
+    second. ``passing_m``: half the width of the narrowest passage for the body, where that is more than the first: of a
+    body whose arms are stretched out (:meth:`stretched`). ``with_arms``: it is such an outline.
     """
 
     corners: NDArray[np.float64]
     inscribed_m: float
     circumscribed_m: float
+    passing_m: float
+    with_arms: bool = False
 
     @staticmethod
     def of(description: RobotDescription) -> Footprint:
@@ -43,7 +46,19 @@ class Footprint:
         inscribed = float(_edges(corners)[:, 2].min())
         if inscribed <= 0.0:
             raise ValueError("a footprint lies around base_link: (0, 0) is inside it")
-        return Footprint(corners, inscribed, float(np.linalg.norm(corners, axis=1).max()))
+        return Footprint(corners, inscribed, float(np.linalg.norm(corners, axis=1).max()), inscribed)
+
+    @staticmethod
+    def stretched(corners: NDArray[np.float64], *, sideways: bool) -> Footprint:
+        """Of the outline ``corners`` (N, 2) m of a body with its arms stretched out. It passes between two obstacles
+        that are as far apart as it is wide across its way, also where its own middle passes nearer to one of them;
+        a body that drives ``sideways`` may turn its narrow side to them. Raises ValueError as :meth:`polygon`."""
+        body = Footprint.polygon(corners)
+        if sideways:
+            widths = [float(np.ptp(corners @ normal)) for normal in _edges(corners)[:, :2]]
+        else:
+            widths = [float(np.ptp(corners[:, 1]))]
+        return replace(body, passing_m=max(body.inscribed_m, 0.5 * min(widths)), with_arms=True)
 
     def samples(self, spacing_m: float) -> NDArray[np.float64]:
         """Points (P, 2) float64 m in ``base_link``, at most ``spacing_m`` apart, of the edge (corners included) and of

@@ -54,8 +54,8 @@ class CostSettings:
 class CostField:
     """Cost per metre on the map. The arrays are read-only.
 
-    ``layers`` (H, W) uint8: kind of each cell, and which obstacles, zones or transient obstacles are nearer than the
-    inscribed radius. ``clearance`` (H, W) float32: m from its middle to that of the nearest obstacle (or keep-out
+    ``layers`` (H, W) uint8: kind of each cell, and which obstacles, zones or transient obstacles are nearer than
+    ``lethal_m``. ``clearance`` (H, W) float32: m from its middle to that of the nearest obstacle (or keep-out
     zone), at most ``reach_m`` beyond the circumscribed radius. ``cost`` (H, W) float32: of a metre, >= 1, +inf where
     the body's middle may not be (lethal). ``known``: the field without transient obstacles, None if it is this one.
     """
@@ -80,7 +80,7 @@ class CostField:
     def lethal_m(self) -> float:
         """Clearance below which a cell is lethal."""
         # A little over one cell at least: no path passes a wall between two cells that touch by their corners.
-        return max(self.footprint.inscribed_m, 1.01 * self.frame.resolution_m)
+        return max(self.footprint.passing_m, 1.01 * self.frame.resolution_m)
 
 
 def cost_field(

@@ -38,7 +38,8 @@ class PlanRequest:
     """Input of one planning. ``goal``: pose on the map, heading NaN for any; ``around``: the local costmap, None to
     plan on the map alone; ``opened_up``: unknown cells cost nothing and transient obstacles are ignored; ``kept``: the
     plan in force to this goal; ``why``: the reason to replace it in any case ("": only by a cheaper one);
-    ``persistent_obstacles`` (N, 2): remembered obstacles that the map does not have, m on the map."""
+    ``footprint``: of the body with its arms as they are now, None for the usual one; ``persistent_obstacles`` (N, 2):
+    remembered obstacles that the map does not have, m on the map."""
 
     grid: OccupancyGrid
     zones: tuple[Zone, ...]
@@ -49,6 +50,7 @@ class PlanRequest:
     opened_up: bool = False
     kept: GlobalPlan | None = None
     why: str = ""
+    footprint: Footprint | None = None
     persistent_obstacles: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 2)))
 
 
@@ -78,23 +80,22 @@ class GlobalPlanner:
         self._costs = costs or CostSettings()
         self._plans = plans
         self._better = better
-        self._field: CostField | None = None
-        self._grid: OccupancyGrid | None = None
-        self._made_with: tuple[tuple[Zone, ...], CostSettings] | None = None
-        self._shares: NDArray[np.float32] | None = None
+        self._usual = _Field()
+        #: Of the body with its arms stretched out.
+        self._stretched = _Field()
         self._temporary = TransientObstacles.none()
 
     def find(self, request: PlanRequest) -> PlanResult:
         """A path for ``request``, or a plan without path that gives the reason."""
-        field = self._field_for(request)
+        stretched = request.footprint is not None and request.footprint.with_arms
+        cached = self._stretched if stretched else self._usual
+        costs = replace(self._costs, unknown="free") if request.opened_up else self._costs
+        field = cached.of(request, request.footprint if stretched else self._footprint, costs)
         if request.opened_up or request.around is None:
             self._temporary = TransientObstacles.none()
         if request.around is not None:
             self._temporary = remember(self._temporary, request.around, request.X_MO, field)
-        points = self._temporary.points
-        if len(request.persistent_obstacles) and not request.opened_up:
-            points = np.concatenate((points, off_map(request.persistent_obstacles, field)))
-        live = with_obstacles(field, points) if len(points) else field
+        live = self._live(request, field)
         why = request.why
         kept = request.kept
         rest_cost = math.inf
@@ -103,26 +104,48 @@ class GlobalPlanner:
             why = why or why_replan(check)
             rest_cost = _cost_along(live, kept.poses[check.nearest :])
         found = plan(live, request.X_MB, request.goal, self._plans)
+        if stretched and len(found.poses) == 0:
+            at_rest = self._live(request, self._usual.of(request, self._footprint, costs))
+            found = _because_of_arms(found, plan(at_rest, request.X_MB, request.goal, self._plans))
         if not why and kept is not None and kept.code == "near" and found.code == "way":
             why = "the goal itself can be reached now"
         worse = _cost_along(live, found.poses) > min((1.0 - self._better) * rest_cost, rest_cost - _WORTH_M)
         if kept is not None and len(kept.poses) and not why and (len(found.poses) == 0 or worse):
-            return PlanResult(kept, False, "", self._share_at(field))
+            return PlanResult(kept, False, "", cached.speed_share)
         if kept is not None and found.code == kept.code and len(found.poses) == len(kept.poses) == 0:
-            return PlanResult(found, found.reason != kept.reason, why, self._share_at(field))
-        return PlanResult(found, True, why or "a better way was found", self._share_at(field))
+            return PlanResult(found, found.reason != kept.reason, why, cached.speed_share)
+        return PlanResult(found, True, why or "a better way was found", cached.speed_share)
 
-    def _field_for(self, request: PlanRequest) -> CostField:
-        costs = replace(self._costs, unknown="free") if request.opened_up else self._costs
-        if self._field is None or request.grid is not self._grid or (request.zones, costs) != self._made_with:
-            previous = self._field if (request.zones, costs) == self._made_with else None
-            self._field = cost_field(request.grid, self._footprint, request.zones, costs, previous)
-            self._grid, self._made_with = request.grid, (request.zones, costs)
+    def _live(self, request: PlanRequest, field: CostField) -> CostField:
+        """``field`` with the obstacles that the map does not have."""
+        points = self._temporary.points
+        if len(request.persistent_obstacles) and not request.opened_up:
+            points = np.concatenate((points, off_map(request.persistent_obstacles, field)))
+        return with_obstacles(field, points) if len(points) else field
+
+
+class _Field:
+    """The cost field of one footprint, computed again as far as the map, zones or costs changed."""
+
+    def __init__(self) -> None:
+        self._field: CostField | None = None
+        self._grid: OccupancyGrid | None = None
+        self._made_with: tuple[tuple[Zone, ...], CostSettings, Footprint] | None = None
+        self._shares: NDArray[np.float32] | None = None
+
+    def of(self, request: PlanRequest, footprint: Footprint, costs: CostSettings) -> CostField:
+        made_with = (request.zones, costs, footprint)
+        if self._field is None or request.grid is not self._grid or made_with != self._made_with:
+            previous = self._field if made_with == self._made_with else None
+            self._field = cost_field(request.grid, footprint, request.zones, costs, previous)
+            self._grid, self._made_with = request.grid, made_with
             _, self._shares = rasterize(request.zones, self._field.frame)
         return self._field
 
-    def _share_at(self, field: CostField) -> SpeedAt:
-        shares = self._shares
+    @property
+    def speed_share(self) -> SpeedAt:
+        field, shares = self._field, self._shares
+        assert field is not None
         assert shares is not None
 
         def at(points: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -132,6 +155,13 @@ class GlobalPlanner:
             return found
 
         return at
+
+
+def _because_of_arms(found: GlobalPlan, at_rest: GlobalPlan) -> GlobalPlan:
+    """``found``, a plan without a path, with the arms as the reason where there is one with the arms ``at_rest``."""
+    if len(at_rest.poses) == 0:
+        return at_rest
+    return replace(found, code="arms", reason="the arms are stretched out too far; with them at rest there is a way")
 
 
 def _cost_along(field: CostField, poses: NDArray[np.float64]) -> float:

@@ -43,7 +43,8 @@ class GlobalPlan:
     ``code``: ``way`` (to the goal itself), ``near`` (to ``target``, the nearest reachable place), or without a path:
     ``outside`` (the goal is off the map), ``obstacle`` (the goal and all places near it are occupied), ``walled_off``,
     ``keep_out`` (zones block), ``unknown`` (only unknown space leads there, and it is blocked), ``in_the_way`` (a
-    transient obstacle blocks the only path), ``start_stuck`` (the robot itself cannot get free), ``start_outside``.
+    transient obstacle blocks the only path), ``arms`` (only with the arms at rest there is a path), ``start_stuck``
+    (the robot itself cannot get free), ``start_outside``.
     ``reason`` is a sentence for people, "" for none.
 
     ``poses`` (N, 3) float64 x, y, heading on the map, about ``spacing_m`` apart, (0, 3) without a path. ``target``: end
@@ -219,7 +220,8 @@ def _what_is_at(field: CostField, pose: Pose2, cell: tuple[int, int], who: str =
     if layer & OCCUPIED:
         return f"{who} lies on an obstacle of the map"
     if layer & AT_OCCUPIED:
-        return f"{who} is nearer to an obstacle of the map than the body is wide"
+        wide = "the stretched arms reach" if field.footprint.with_arms else "the body is wide"
+        return f"{who} is nearer to an obstacle of the map than {wide}"
     if layer & AT_TEMPORARY:
         return f"{who} is too near to something that is not on the map"
     if layer & UNKNOWN and not np.isfinite(field.cost[cell]):

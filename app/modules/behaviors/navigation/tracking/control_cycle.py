@@ -3,12 +3,14 @@ used by one thread."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from app.base.geometry import Pose2
+from app.base.moving_shapes import BodyOutline
 from app.link import RobotDescription
 from app.messages import Image, LaserScan, OccupancyGrid
 from app.modules.behaviors.navigation.controller import BodyModel, Controller, DistanceField, MotionState
@@ -22,6 +24,7 @@ from app.modules.behaviors.navigation.planning.goal_planning import GlobalPlan
 from app.modules.behaviors.navigation.planning.reference_path import SpeedAt
 from app.modules.behaviors.navigation.recovery.recovery_behaviors import RecoverySettings
 from app.modules.behaviors.navigation.recovery.stall_detector import StallDetector
+from app.modules.behaviors.navigation.tracking.arm_outline import ArmOutline
 from app.modules.behaviors.navigation.tracking.dynamic_window import PUBLISHED, DynamicWindow
 from app.modules.behaviors.navigation.tracking.mppi import Mppi, MppiSettings
 from app.modules.behaviors.navigation.tracking.path_tracker import (
@@ -81,6 +84,7 @@ class CycleInput:
     the first localization. ``problem``: why neither may be used, "" if both may; ``is_lost``: only ``X_MO`` is
     unusable. ``plan``: a new plan; ``speed_at``: the speed that zones allow along it. ``given_mps``: forward speed that
     the arbiter let through for the last command (m/s); None if it is not reported, then the command counts.
+    ``joints``: the newest positions (rad, m) by name, None where they are not known.
     """
 
     now: float
@@ -95,14 +99,17 @@ class CycleInput:
     grid: OccupancyGrid | None = None
     is_lost: bool = False
     given_mps: float | None = None
+    joints: Mapping[str, float] | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CycleOutput:
-    """Result of one cycle: the command, its state for NavigationStatus, and the costmap. ``persistent_obstacles`` (N,
-    2): the whole persistent obstacle layer, m on the map."""
+    """Result of one cycle: the command, its state for NavigationStatus, and the costmap. ``footprint``: of the body
+    now, with its arms where they are stretched out. ``persistent_obstacles`` (N, 2): the whole persistent obstacle
+    layer, m on the map."""
 
     step: TrackingStep
+    footprint: Footprint
     target: Pose2 | None
     remaining_m: float | None
     progress_stamp: float | None
@@ -122,12 +129,17 @@ class ControlCycle:
         settings: ControlCycleSettings | None = None,
         *,
         depth: bool,
+        outline: BodyOutline | None = None,
     ) -> None:
-        """Raises ValueError for a body that does not move, or a controller that is unknown or not for this body."""
+        """``outline``: of a body with joints that may reach beyond its footprint, which :class:`CycleInput` brings.
+
+        Raises ValueError for a body that does not move, or a controller that is unknown or not for this body."""
         self._settings = settings or ControlCycleSettings()
         self.footprint = Footprint.of(description)
-        padding = _PUBLISHED_PADDING_M if controller == "dwa_published" else 0.0
-        self.body = BodyModel.of(description.footprint, description.limits, padding_m=padding)
+        self._padding_m = _PUBLISHED_PADDING_M if controller == "dwa_published" else 0.0
+        self.body = BodyModel.of(description.footprint, description.limits, padding_m=self._padding_m)
+        self._arms = None if outline is None else ArmOutline(outline, description.footprint)
+        self._footprint_now = self.footprint
         self._path_tracker = PathTracker(
             self.body,
             controller_named(controller, holonomic=self.body.holonomic),
@@ -155,6 +167,7 @@ class ControlCycle:
     def run(self, inputs: CycleInput, period_s: float) -> CycleOutput:
         """Update the costmap, choose velocities, return the result; takes a few milliseconds."""
         self._see(inputs)
+        self._fit(inputs.joints)
         if inputs.scan is not None:
             self._costmap.add_scan(*inputs.scan)
         if inputs.image is not None and self._depth is not None and not self._depth.problem:
@@ -183,6 +196,7 @@ class ControlCycle:
         step = self._within_reach(step, inputs.motion, period_s)
         return CycleOutput(
             step,
+            self._footprint_now,
             path_tracker.target,
             remaining_m=path_tracker.remaining_m,
             progress_stamp=path_tracker.progress_stamp,
@@ -214,6 +228,18 @@ class ControlCycle:
                 self._laser_O = scan.stamp, points_of(scan, begin)
         if inputs.image is not None and self._depth is not None:
             self._depth = update_depth_health(self._depth, inputs.image[0], self._scan)
+
+    def _fit(self, positions: Mapping[str, float] | None) -> None:
+        """Plan and drive with the outline of the body at these joint positions."""
+        arms = self._arms
+        if arms is None or positions is None or not arms.update(positions):
+            return
+        self._footprint_now, body = self.footprint, self.body
+        if arms.stretched:
+            corners = np.array(arms.corners, dtype=np.float64)
+            self._footprint_now = Footprint.stretched(corners, sideways=self.body.holonomic)
+            body = BodyModel.of(arms.corners, self._limits, padding_m=self._padding_m)
+        self._path_tracker.use_body(body)
 
     def _detect_stall(self, inputs: CycleInput) -> None:
         given_mps = self._sent[0] if inputs.given_mps is None else inputs.given_mps

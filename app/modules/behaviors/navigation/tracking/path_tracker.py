@@ -123,6 +123,10 @@ class PathTracker:
     def use_controller(self, controller: Controller) -> None:
         self._controller = controller
 
+    def use_body(self, body: BodyModel) -> None:
+        """Take another outline of the same body: its arms moved."""
+        self._body = body
+
     def go(self, goal: NavigationGoal | None, now: float) -> None:
         """Another goal, or none; the same object changes nothing."""
         if goal is self.goal:
@@ -187,6 +191,9 @@ class PathTracker:
 
     def _without_way(self, now: float, motion: MotionState, field: DistanceField, period_s: float) -> TrackingStep:
         assert self.plan is not None
+        if self.plan.code == "arms":
+            # They are lowered by themselves, or another behavior holds them: no motion of the base helps.
+            return TrackingStep(0.0, 0.0, "waiting", self.plan.reason, replan=self.plan.reason)
         if self.plan.code not in _MAY_PASS:
             return TrackingStep(0.0, 0.0, "unreachable", self.plan.reason, replan=self.plan.reason)
         if self._held(now, still=True):

@@ -23,6 +23,19 @@ def test_radii_of_a_round_body_and_of_a_rectangle() -> None:
     assert OBLONG.circumscribed_m == pytest.approx(math.hypot(0.254, 0.215))
 
 
+def test_an_arm_to_the_side_needs_a_passage_as_wide_as_both_though_the_bodys_middle_may_pass_aside() -> None:
+    arm = np.array([[0.25, -0.25], [0.25, 0.25], [0.05, 0.75], [-0.05, 0.75], [-0.25, 0.25], [-0.25, -0.25]])
+    outline = Footprint.stretched(arm, sideways=False)
+    assert outline.with_arms
+    assert outline.passing_m == pytest.approx(0.5)
+    assert outline.inscribed_m == pytest.approx(Footprint.polygon(arm).inscribed_m)
+    assert Footprint.stretched(arm, sideways=True).passing_m == pytest.approx(outline.inscribed_m)
+    ahead = arm[:, ::-1][::-1]
+    assert Footprint.stretched(ahead, sideways=False).passing_m == pytest.approx(0.25)
+    assert not OBLONG.with_arms
+    assert OBLONG.passing_m == OBLONG.inscribed_m
+
+
 def test_a_body_that_does_not_move_has_none() -> None:
     desk = RobotDescription("desk", Path("desk.urdf"), BaseLimits(1, 1, 1, 1), {}, simulated=False)
     with pytest.raises(ValueError, match="desk has no footprint"):

@@ -19,6 +19,8 @@ SIZE = (0.0, 0.0, 8.0, 5.0)
 WALLS = [*box(0.1, 0.1, 7.9, 4.9), (4.0, 0.1, 4.0, 0.8), (4.0, 1.8, 4.0, 3.6), (4.0, 4.6, 4.0, 4.9)]
 NEAR_DOOR, FAR_DOOR = 1.3, 4.1
 GRID = mapped(WALLS, SIZE)
+#: The square body with an arm stretched to the left: together 1.1 m wide, and the doors are 1 m.
+ASIDE = Footprint.stretched(np.array([*SQUARE[:2], (0.0, 0.85), *SQUARE[2:]]), sideways=False)
 
 
 def global_planner() -> GlobalPlanner:
@@ -118,3 +120,31 @@ def test_what_is_remembered_far_away_is_planned_around_until_nothing_else_leads_
     assert finder.find(request(persistent_obstacles=walls, why="another goal")).plan.code == "way", (
         "on a wall it is the wall"
     )
+
+
+def test_with_an_arm_stretched_to_the_side_it_takes_the_wider_door() -> None:
+    walls = [*box(0.1, 0.1, 7.9, 4.9), (4.0, 0.1, 4.0, 0.8), (4.0, 1.8, 4.0, 3.3), (4.0, 4.8, 4.0, 4.9)]
+    asked = request(grid=mapped(walls, SIZE), why="another goal")
+    planner = global_planner()
+    assert abs(crosses_at(planner.find(asked).plan.poses) - 1.3) < 0.4
+    aside = planner.find(replace(asked, footprint=ASIDE))
+    assert aside.plan.code == "way"
+    assert abs(crosses_at(aside.plan.poses) - 4.05) < 0.3
+    again = planner.find(replace(asked, kept=aside.plan))
+    assert abs(crosses_at(again.plan.poses) - 1.3) < 0.4, "at rest it goes through the nearer one again"
+
+
+def test_where_only_the_arm_is_in_the_way_the_reason_is_the_arm() -> None:
+    planner = global_planner()
+    asked = request(why="another goal", footprint=ASIDE)
+    found = planner.find(asked).plan
+    assert (found.code, len(found.poses)) == ("arms", 0)
+    assert found.reason == "the arms are stretched out too far; with them at rest there is a way"
+    walled = planner.find(replace(asked, grid=mapped([*WALLS, (4.0, 0.1, 4.0, 4.9)], SIZE))).plan
+    assert walled.code == "walled_off"
+
+
+def test_a_place_that_only_the_arm_cannot_go_to_is_said_to_be_so() -> None:
+    found = global_planner().find(request(goal=Pose2(2.0, 0.5, math.nan), footprint=ASIDE)).plan
+    assert found.code == "near"
+    assert "nearer to an obstacle of the map than the stretched arms reach" in found.reason
