@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from app.base.geometry import Pose3
-from app.link import ActuatorGroup
+from app.link import ActuatorGroup, SafeAction
 from app.messages import (
     Audio,
     Exploitation,
@@ -246,6 +246,15 @@ async def test_the_mouth_moves_with_the_voice_of_an_operator_while_that_is_playe
         assert (await given(b, 0.3))[-1][LOWER] > CALM[LOWER] + 0.1, "its own voice"
     async with bench(without="heard") as b:
         assert (await talked(b, 0.3, 8000))[-1][LOWER] > CALM[LOWER] + 0.1
+
+
+@pytest.mark.parametrize("file", ["irl1_tr.yaml", "irl1_holonomic.yaml"])
+def test_a_body_whose_program_is_silent_or_stopped_has_the_calm_face(file: str) -> None:
+    face = load_robot_config(Path(__file__).parents[4] / "config" / "robots" / file).groups["face"]
+    assert (face.stale, face.stop) == (SafeAction.REST, SafeAction.REST)
+    assert dict(zip((joint.name for joint in face.joints), face.rest, strict=True)) == dict(
+        zip(JOINTS, CALM.tolist(), strict=True)
+    )
 
 
 @in_virtual_time
