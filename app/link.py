@@ -60,11 +60,13 @@ class SafeAction(StrEnum):
     """What a group of joints does without a fresh command, and in an emergency stop.
 
     ``hold``: brake within the joints' acceleration and keep the position. ``yield``: keep no position, resist with
-    damping only, so that a person can push it aside; its weight stays compensated.
+    damping only, so that a person can push it aside; its weight stays compensated. ``rest``: go to the group's
+    positions at rest and keep them; only for parts that touch nothing, as a face that may be in mid-blink.
     """
 
     HOLD = "hold"
     YIELD = "yield"
+    REST = "rest"
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,9 +88,10 @@ class JointLimits:
 class ActuatorGroup:
     """Joints that are commanded together: their limits, and the guard's rules for them.
 
-    ``timeout_s``: the age (s) beyond which a command is stale. ``compliant``: whether its commands may set stiffness
-    and damping, within ``stiffness_range`` (N m/rad) and ``damping_range`` (N m s/rad); ``stiffness`` and ``damping``
-    are the values without. A contact (:attr:`JointLimits.contact`) that lasts ``contact_s`` makes the group yield for
+    ``rest``: positions (rad, m) at rest, in the order of ``joints``; none: all 0. ``timeout_s``: the age (s) beyond
+    which a command is stale. ``compliant``: whether its commands may set stiffness and damping, within
+    ``stiffness_range`` (N m/rad) and ``damping_range`` (N m s/rad); ``stiffness`` and ``damping`` are the values
+    without. A contact (:attr:`JointLimits.contact`) that lasts ``contact_s`` makes the group yield for
     ``contact_rest_s``, and until the next command then.
     """
 
@@ -96,6 +99,7 @@ class ActuatorGroup:
     joints: tuple[JointLimits, ...]
     stale: SafeAction = SafeAction.HOLD
     stop: SafeAction = SafeAction.HOLD
+    rest: tuple[float, ...] = ()
     timeout_s: float = 0.25
     compliant: bool = False
     stiffness: float = 0.0

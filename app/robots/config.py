@@ -89,8 +89,11 @@ class ActuatorConfig(_Model):
     joints: Annotated[tuple[str, ...], Field(min_length=1)] = Field(description="names of movable joints of the model")
     velocity: Positive = Field(default=1.0, description="greatest speed (rad/s, m/s where prismatic)")
     acceleration: Positive = Field(default=5.0, description="greatest acceleration (rad/s^2, m/s^2)")
-    stale: SafeAction = Field(default=SafeAction.HOLD, description="without a fresh command: hold or yield")
-    stop: SafeAction = Field(default=SafeAction.HOLD, description="in an emergency stop: hold or yield")
+    stale: SafeAction = Field(default=SafeAction.HOLD, description="without a fresh command: hold, yield or rest")
+    stop: SafeAction = Field(default=SafeAction.HOLD, description="in an emergency stop: hold, yield or rest")
+    rest: tuple[float, ...] = Field(
+        default=(), description="positions (rad) of the action rest, in the order of the joints; none: all 0"
+    )
     timeout_s: Annotated[float, Field(gt=0, le=1)] = Field(default=0.25, description="an older command is stale")
     compliant: bool = Field(default=False, description="commands may set stiffness and damping")
     stiffness: NotNegative = Field(default=60.0, description="N m/rad, of a compliant group without a value given")
@@ -124,8 +127,19 @@ class ActuatorConfig(_Model):
             raise ValueError("a kinematic group has no forces, so it cannot be compliant")
         return self
 
+    @model_validator(mode="after")
+    def _rests_where_it_does_no_harm(self) -> Self:
+        if self.rest and len(self.rest) != len(self.joints):
+            raise ValueError(f"rest has {len(self.rest)} positions for {len(self.joints)} joints")
+        if SafeAction.REST in (self.stale, self.stop) and not self.kinematic:
+            raise ValueError(
+                "rest moves joints in an emergency stop: only a kinematic group may, whose parts touch nothing"
+            )
+        return self
+
     def group(self, name: str, model: KinematicModel) -> ActuatorGroup:
-        """The group's description. Raises ValueError for a joint that the model does not have or that cannot move."""
+        """The group's description. Raises ValueError for a joint that the model does not have or that cannot move, and
+        for a rest beyond its limits."""
         limits: list[JointLimits] = []
         contacts = self.contact or (math.inf,) * len(self.joints)
         for joint_name, contact in zip(self.joints, contacts, strict=True):
@@ -142,8 +156,14 @@ class ActuatorConfig(_Model):
                     effort=joint.effort, contact=contact,
                 )
             )  # fmt: skip
+        for position, joint_limits in zip(self.rest, limits, strict=False):
+            if not joint_limits.lower <= position <= joint_limits.upper:
+                raise ValueError(
+                    f"rest {position:g} of {joint_limits.name} lies outside its limits, {joint_limits.lower:g} to "
+                    f"{joint_limits.upper:g}"
+                )
         return ActuatorGroup(
-            name, tuple(limits), stale=self.stale, stop=self.stop, timeout_s=self.timeout_s,
+            name, tuple(limits), stale=self.stale, stop=self.stop, rest=self.rest, timeout_s=self.timeout_s,
             compliant=self.compliant, stiffness=self.stiffness, damping=self.damping,
             stiffness_range=self.stiffness_range, damping_range=self.damping_range,
             contact_s=self.contact_s, contact_rest_s=self.contact_rest_s,

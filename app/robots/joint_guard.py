@@ -5,7 +5,8 @@ It runs beside the base's guard (``guard.py``), at every control step, independe
 - Set-points approach their goals within each joint's speed and acceleration, and stop there without overshoot. Where a
   goal comes too near to brake in time, the joint overshoots it, but never its own limits of position.
 - A command older than the group's ``timeout_s``, a refused one and an emergency stop end in the group's safe action:
-  ``hold`` brakes within the accelerations and keeps the position; ``yield`` takes the stiffness away.
+  ``hold`` brakes within the accelerations and keeps the position; ``yield`` takes the stiffness away; ``rest`` goes to
+  the group's positions at rest.
 - A joint that feels more from outside than its limit of contact, for a while, makes its group yield: for a time, and
   then until the next command.
 - A joint whose stiffness rises (after yielding, from zero) begins where its torque is unchanged: raised stiffness
@@ -173,7 +174,7 @@ def decide(now: float, state: JointGuardState, group: ActuatorGroup, e_stop: str
     The most severe state wins: emergency stop, contact, refused command, no command or a stale one.
     """
     if e_stop is not None:
-        mode = JointMode.HOLDING if group.stop is SafeAction.HOLD else JointMode.YIELDING
+        mode = JointMode.YIELDING if group.stop is SafeAction.YIELD else JointMode.HOLDING
         return JointAction(mode, f"emergency stop: {e_stop}", group.stop)
     if state.contact is not None:
         return JointAction(JointMode.YIELDING, state.contact.reason, SafeAction.YIELD)
@@ -196,8 +197,8 @@ def step(
 ) -> JointGuardState:
     """The state ``dt_s`` seconds later. ``measured``: positions (rad) of the group's joints now, in its order."""
     setpoints = tuple(
-        _step(setpoint, action.safe, group, limits=limits, measured=position, dt_s=dt_s)
-        for setpoint, limits, position in zip(state.setpoints, group.joints, measured, strict=True)
+        _step(setpoint, action.safe, group, number, measured=position, dt_s=dt_s)
+        for number, (setpoint, position) in enumerate(zip(state.setpoints, measured, strict=True))
     )
     if all(after is before for after, before in zip(setpoints, state.setpoints, strict=True)):
         return state
@@ -248,30 +249,37 @@ def _problem(group: ActuatorGroup, command: JointCommand) -> str:
 def _unattended(state: JointGuardState, group: ActuatorGroup, reason: str) -> JointAction:
     if group.stale is SafeAction.YIELD:
         return JointAction(JointMode.YIELDING, reason, SafeAction.YIELD)
-    braking = any(setpoint.velocity != 0.0 for setpoint in state.setpoints)
-    return JointAction(JointMode.HOLDING if braking else JointMode.IDLE, reason, SafeAction.HOLD)
+    moving = any(setpoint.velocity != 0.0 for setpoint in state.setpoints)
+    return JointAction(JointMode.HOLDING if moving else JointMode.IDLE, reason, group.stale)
+
+
+def _at_rest(group: ActuatorGroup, number: int) -> float:
+    return clamp(group.rest[number] if group.rest else 0.0, group.joints[number])
 
 
 def _step(
     setpoint: JointSetpoint,
     safe: SafeAction | None,
     group: ActuatorGroup,
+    number: int,
     *,
-    limits: JointLimits,
     measured: float,
     dt_s: float,
 ) -> JointSetpoint:
+    limits = group.joints[number]
     if safe is SafeAction.YIELD:
         return _yielding(setpoint, group, limits, measured)
-    hold = safe is SafeAction.HOLD
-    stiffness = group.stiffness if hold else setpoint.wanted_stiffness
-    damping = group.damping if hold else setpoint.wanted_damping
+    stiffness = setpoint.wanted_stiffness if safe is None else group.stiffness
+    damping = setpoint.wanted_damping if safe is None else group.damping
     position, velocity = setpoint.position, setpoint.velocity
     if stiffness > setpoint.stiffness and math.isfinite(measured):
         # The set-point moves towards the joint, so that the rise leaves the torque as it is.
         position = clamp(measured + setpoint.stiffness / stiffness * (position - measured), limits)
         velocity = 0.0
-    goal = _stopping_point(position, velocity, limits) if hold else setpoint.goal
+    if safe is SafeAction.REST:
+        goal = _at_rest(group, number)
+    else:
+        goal = setpoint.goal if safe is None else _stopping_point(position, velocity, limits)
     same = stiffness == setpoint.stiffness and damping == setpoint.damping and goal == setpoint.goal
     if same and velocity == 0.0 and goal == position:
         return setpoint

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from playwright.sync_api import Browser, Page, Playwright
+from playwright.sync_api import Browser, Page, Playwright, expect
 
 from app.base.geometry import FloatArray
 from app.base.kinematic_model import load_model
@@ -38,6 +38,24 @@ MARK_NEAR = """([selector, azimuth, elevation, far]) => {
   if (marks.length > 0) window.lastMarks = marks;
   return marks.some(([a, e]) => Math.abs(a - azimuth) <= far && (elevation === null || Math.abs(e - elevation) <= far));
 }"""
+#: Pixels of a ring's own colour around the place of the first salient region on the strip, in JavaScript; it keeps the
+#: place, at which to look while no region is marked.
+RING_PIXELS = """() => {
+  const canvas = document.querySelector('[data-testid=around] canvas');
+  const mark = document.querySelector('[data-testid=around-region][data-rank="1"]');
+  const turn = 2 * Math.PI, pixel = canvas.width / canvas.clientWidth;
+  if (mark) window.lastRing = [0.5 - mark.dataset.azimuth / turn, mark.dataset.elevation / turn];
+  const [across, up] = window.lastRing ?? [0, 0];
+  const [x, y] = [across * canvas.width, canvas.height / 2 - up * canvas.width];
+  const reach = 11 * pixel;
+  const { data } = canvas.getContext('2d').getImageData(x - reach, y - reach, 2 * reach, 2 * reach);
+  let ring = 0;
+  for (let i = 0; i < data.length; i += 4)
+    ring += Math.abs(data[i] - 255) < 12 && Math.abs(data[i + 1] - 150) < 12 && Math.abs(data[i + 2] - 60) < 12;
+  return ring;
+}"""
+#: Of the 113 of a ring of 9 px, those that no smoothing has changed.
+RING = 25
 
 
 @dataclass(frozen=True)
@@ -58,23 +76,34 @@ def browser(playwright: Playwright) -> Iterator[Browser]:
     chromium.close()
 
 
-@pytest.fixture
-def scenario(tmp_path: Path) -> Path:
+@pytest.fixture(scope="module")
+def scenario(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """One person, 2.5 m ahead on the left, who talks all the time."""
-    path = tmp_path / "scenario.yaml"
+    path = tmp_path_factory.mktemp("scenario") / "scenario.yaml"
     path.write_text(TALKER)
     return path
 
 
-@pytest.fixture
-def robot(tmp_path: Path, scenario: Path) -> Iterator[Robot]:
+@pytest.fixture(scope="module")
+def robot(tmp_path_factory: pytest.TempPathFactory, scenario: Path) -> Iterator[Robot]:
     """A robot in front of the talking person, that wants to see and to hear them and may spend what that takes."""
-    with running_robot(tmp_path, scenario) as running:
+    with running_robot(tmp_path_factory.mktemp("robot"), scenario) as running:
         assert running.request("PATCH", "/resources/cpu", {"capacity": 200})[0] == 200
         for kind in ("LocateFaces", "LocateVoices"):
             wish = {"class": kind, "intensity": 8, "utility": 4, "security": True}
             assert running.request("POST", "/desires", wish)[0] == 201
         yield running
+
+
+def mouth_and_face(robot: Robot, scenario: Path) -> tuple[Direction, Direction]:
+    """Where the mouth and the middle of the face of the talking person really are."""
+    stage = ScenarioState(load_scenario(scenario))
+    stage.advance(5.0, robot.start)
+    (person,) = stage.people
+    # From the mouth half way up to the eyes, 4 % of the height above it, is the middle of the face.
+    x, y, z = person.mouth
+    face = seen_from_the_panorama(robot, (x, y, z + 0.02 * person.height_m))
+    return seen_from_the_panorama(robot, person.mouth), face
 
 
 def seen_from_the_panorama(robot: Robot, p_W: tuple[float, float, float]) -> Direction:
@@ -96,13 +125,7 @@ def wait_for_mark(page: Page, selector: str, azimuth: float, elevation: float | 
 
 def test_a_talking_person_is_marked_and_heard_and_can_be_answered(robot: Robot, page: Page, scenario: Path) -> None:
     """The disc within 10 degrees of the mouth, the frame on the face; samples to hear, and the voice the other way."""
-    stage = ScenarioState(load_scenario(scenario))
-    stage.advance(5.0, robot.start)
-    (person,) = stage.people
-    mouth = seen_from_the_panorama(robot, person.mouth)
-    # From the mouth half way up to the eyes, 4 % of the height above it, is the middle of the face.
-    x, y, z = person.mouth
-    face = seen_from_the_panorama(robot, (x, y, z + 0.02 * person.height_m))
+    mouth, face = mouth_and_face(robot, scenario)
 
     # Without the 3D view the camera fills its place.
     page.get_by_test_id("listen").click()
@@ -126,3 +149,32 @@ def test_a_talking_person_is_marked_and_heard_and_can_be_answered(robot: Robot, 
     page.locator("[data-testid=talk][data-state=idle]").wait_for()
     page.get_by_test_id("listen").click()
     page.locator("[data-testid=listen][aria-pressed=false]").wait_for()
+
+
+def test_what_stands_out_is_ringed_on_the_strip_and_can_be_hidden(robot: Robot, page: Page, scenario: Path) -> None:
+    """The talking person is salient: a ring is drawn there, with words, until that is switched off."""
+    _, face = mouth_and_face(robot, scenario)
+    wish = {"class": "WatchSurroundings", "intensity": 8, "utility": 1}
+    status, _, desire = robot.request("POST", "/desires", wish)
+    assert status == 201
+    wait_for_mark(page, "[data-testid=around-region]", face.azimuth, None, math.radians(15))
+    page.wait_for_function(f"() => ({RING_PIXELS})() > {RING}")
+    summary = page.get_by_test_id("around-text")
+    expect(summary).to_contain_text("most salient")
+    page.get_by_test_id("around-salient").click()
+    expect(page.get_by_test_id("around-region")).to_have_count(0)
+    page.wait_for_function(f"() => ({RING_PIXELS})() < {RING}")
+    expect(summary).not_to_contain_text("most salient")
+    page.get_by_test_id("around-salient").click()
+    page.wait_for_function(f"() => ({RING_PIXELS})() > {RING}")
+    assert robot.request("DELETE", f"/desires/{desire['id']}")[0] == 204
+
+
+def test_the_words_that_are_listened_for_are_on_the_page_while_they_are(robot: Robot, page: Page) -> None:
+    wish = {"class": "ListenForWords", "intensity": 8, "utility": 1, "params": {"words": "left, come here"}}
+    status, _, desire = robot.request("POST", "/desires", wish)
+    assert status == 201
+    page.get_by_test_id("tab-found").click()
+    expect(page.get_by_test_id("listening")).to_have_text("Listening for left, come here")
+    assert robot.request("DELETE", f"/desires/{desire['id']}")[0] == 204
+    expect(page.get_by_test_id("listening")).to_have_count(0)

@@ -194,6 +194,9 @@ def test_a_groups_limits_are_the_models_and_the_files(tmp_path: Path, robot: Rob
             "damping 50 lies outside its damping_range, 0.5 to 40",
         ),
         ("  face: {joints: [eyes_pan_joint], kinematic: true, compliant: true}\n", "a kinematic group has no forces"),
+        ("  head: {joints: [pan_joint], stop: rest}\n", "rest moves joints in an emergency stop: only a kinematic"),
+        ("  face: {joints: [eyes_pan_joint], kinematic: true, rest: [0, 0]}\n", "rest has 2 positions for 1 joints"),
+        ("  face: {joints: [eyes_pan_joint], kinematic: true, rest: [9]}\n", "rest 9 of eyes_pan_joint lies outside"),
     ],
 )
 def test_a_group_that_cannot_be_is_refused_with_file_and_line(

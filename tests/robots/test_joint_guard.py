@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from itertools import pairwise
 
 import pytest
 from hypothesis import given
@@ -205,6 +206,34 @@ def test_a_position_that_is_no_number_does_not_get_through_while_a_group_yields(
     assert arm.positions[-1] == (0.0, 0.1)
 
 
+@pytest.mark.parametrize("stopped", [True, False], ids=["stopped", "stale"])
+def test_a_group_that_is_to_rest_goes_there_at_its_speed_and_stays(stopped: bool) -> None:
+    face = Guarded(replace(HEAD, stale=SafeAction.REST, stop=SafeAction.REST, rest=(-0.5, 0.2)))
+    face.run(0.4, 1.2, -0.3)
+    begin = len(face.pan)
+    face.e_stop = "test" if stopped else ""
+    face.run(3.0, *((1.2, -0.3) if stopped else ()))
+    assert face.positions[-1] == (-0.5, 0.2)
+    assert max(abs(v[0]) for v in face.velocities[begin:]) <= PAN.velocity + 1e-12
+    changes = [abs(after[0] - before[0]) for before, after in pairwise(face.velocities[begin:])]
+    assert max(changes) <= PAN.acceleration * DT + 1e-12
+    assert face.modes[-1] is (JointMode.HOLDING if stopped else JointMode.IDLE)
+    if stopped:
+        face.e_stop, face.state = "", joint_guard.clear_e_stop(face.state, face.group)
+        face.run(0.5)
+        assert face.positions[-1] == (-0.5, 0.2), "it waits for a new command"
+    face.run(3.0, 1.2, -0.3)
+    assert face.positions[-1] == (1.2, -0.3)
+
+
+def test_a_group_rests_at_0_or_as_near_as_it_can_without_positions() -> None:
+    away = replace(TILT, lower=0.1)
+    face = Guarded(replace(HEAD, joints=(PAN, away), stale=SafeAction.REST))
+    face.run(1.0, 0.5, 0.4)
+    face.run(2.0)
+    assert face.positions[-1] == (0.0, 0.1)
+
+
 number = st.floats(allow_nan=True, allow_infinity=True)
 goal = st.one_of(st.floats(-3.0, 3.0), number)
 some_joints = st.sampled_from([("pan",), ("tilt",), ("pan", "tilt"), ("roll",), ()])
@@ -222,7 +251,7 @@ def test_whatever_comes_position_speed_and_acceleration_stay_within_limits(
     stop: SafeAction,
     pushed: tuple[float, float],
 ) -> None:
-    group = replace(HEAD, stale=stale, stop=stop)
+    group = replace(HEAD, stale=stale, stop=stop, rest=(1.0, -0.2))
     state, now, e_stop = joint_guard.at_rest(group, REST), 1000.0, None
     for happening, dt, steps in events:
         if happening is not None:

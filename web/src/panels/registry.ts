@@ -7,6 +7,7 @@ import { mapPanel } from "../map/MapPanel";
 import { mapsPanel } from "../map/Maps";
 import { zonesPanel } from "../map/Zones";
 import { recordingsPanel } from "../recordings/Recordings";
+import { wordsPanel } from "../speech/WordsPanel";
 import { eventsPanel } from "./Events";
 import { foundPanel } from "./Found";
 import { intentionPanel } from "./Intention";
@@ -23,6 +24,7 @@ export const PANELS: readonly Panel[] = [
   lanesPanel,
   aroundPanel,
   peoplePanel,
+  wordsPanel,
   foundPanel,
   loadPanel,
   eventsPanel,

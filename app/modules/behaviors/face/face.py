@@ -4,6 +4,8 @@
     │ Face    in   joints    JointState, 30 Hz; never filtered                                      │
     │         in   gaze      JointCommand of the head, as LookAt gives it; may be absent            │
     │         in   speech    Speech: the mouth; may be absent                                       │
+    │         in   voice     Audio: the voice of an operator who talks through it; may be absent    │
+    │         in   heard     Exploitation of the voice: whether that is played; may be absent       │
     │         in   faces     Faces: a new one is a detection, the nearest is looked at; may be absent│
     │         in   codes     QRCodes: a new one is a detection; may be absent                       │
     │         in   noises    LoudNoise: each is a detection; may be absent                          │
@@ -27,10 +29,21 @@ from pydantic import BaseModel, ConfigDict, Field
 from app.attention.desires import DesireClass
 from app.base.errors import ConfigError
 from app.base.kinematic_model import load_model
-from app.messages import Faces, JointCommand, JointState, LoudNoise, PerceptEvent, QRCodes, Speech
+from app.messages import (
+    Audio,
+    Exploitation,
+    Faces,
+    JointCommand,
+    JointState,
+    LoudNoise,
+    PerceptEvent,
+    QRCodes,
+    Speech,
+)
 from app.modules.behaviors.face.animation import FaceAnimation, FaceState, Novelty
 from app.modules.behaviors.face.expression import CALM, EXPRESSIONS, JOINTS, Expression
 from app.modules.behaviors.face.gaze import EyeGaze
+from app.modules.behaviors.face.voice_mouth import VoiceMouth
 from app.modules.stream_module import robot_link
 from app.runtime.errors import ModuleFailed
 from app.runtime.module import Module, ModuleContext, Settings
@@ -54,6 +67,7 @@ class FaceSettings(Settings):
         frozenset({"dark", "voice"}), description="kinds of percept events that are detections, too"
     )
     look_at_faces: bool = Field(True, description="the eyes look at the nearest face while nothing else is looked at")
+    operator: str = Field("Operator", min_length=1, description="name of the operator's voice at the loudspeaker")
     seed: int = Field(1, description="of the random intervals between blinks")
 
 
@@ -95,7 +109,7 @@ class Face(Module):
     desire_classes = (EXPRESS,)
     Settings = FaceSettings
     settings: FaceSettings
-    auxiliary_inputs = frozenset({"gaze", "speech", "faces", "codes", "noises", "events"})
+    auxiliary_inputs = frozenset({"gaze", "speech", "voice", "heard", "faces", "codes", "noises", "events"})
 
     _animation: FaceAnimation
     _gaze: EyeGaze
@@ -105,6 +119,9 @@ class Face(Module):
         self.joints = self.input("joints", JointState, always_open=True)
         self.gaze = self.input("gaze", JointCommand, wants="never")
         self.speech = self.input("speech", Speech, wants="never")
+        # A fifth of a second of the shortest frames that a page sends.
+        self.voice = self.input("voice", Audio, capacity=20, wants="never")
+        self.heard = self.input("heard", Exploitation, wants="never")
         self.faces = self.input("faces", Faces, wants="never")
         self.codes = self.input("codes", QRCodes, wants="never")
         self.noises = self.input("noises", LoudNoise, wants="never")
@@ -114,6 +131,8 @@ class Face(Module):
         self.on(self.joints, self._take_joints)
         self.on(self.gaze, self._take_gaze)
         self.on(self.speech, self._take_speech)
+        self.on(self.voice, self._take_voice)
+        self.on(self.heard, self._take_heard)
         self.on(self.faces, self._take_faces)
         self.on(self.codes, self._take_codes)
         self.on(self.noises, self._take_noise)
@@ -123,6 +142,8 @@ class Face(Module):
         self._measured: Mapping[str, float] = {}
         self._goal: JointCommand | None = None
         self._said: Speech | None = None
+        self._mouth = VoiceMouth()
+        self._heard: str | None = None
         self._nearest: tuple[float, tuple[float, float, float]] | None = None
         self._known_faces, self._known_codes = Novelty(), Novelty()
         self._detected: float | None = None
@@ -164,6 +185,12 @@ class Face(Module):
 
     def _take_speech(self, speech: Speech) -> None:
         self._said = speech
+
+    def _take_voice(self, voice: Audio) -> None:
+        self._mouth.take(voice.samples, voice.rate, self.clock.now())
+
+    def _take_heard(self, report: Exploitation) -> None:
+        self._heard = report.behavior
 
     def _take_faces(self, seen: Faces) -> None:
         if self._known_faces.any_new((face.track for face in seen.faces), seen.stamp):
@@ -208,6 +235,9 @@ class Face(Module):
         return None
 
     def _viseme(self, now: float) -> str | None:
+        operator = self._mouth.viseme(now)
+        if operator is not None and (not self.heard.connected or self._heard == self.settings.operator):
+            return operator
         said = self._said
         if said is None or said.state != "speaking" or now - said.stamp > _SPEECH_FRESH_S:
             return None

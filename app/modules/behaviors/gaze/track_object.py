@@ -21,7 +21,7 @@ from pydantic import BaseModel, Field
 from app.attention.desires import DesireClass
 from app.base.geometry import Pose3
 from app.messages import Faces, QRCodes
-from app.modules.behaviors.gaze.target_choice import Candidate, TargetChoice
+from app.modules.behaviors.gaze.target_choice import Candidate, ChoiceRules, TargetChoice
 from app.modules.behaviors.gaze.track_percept import TrackPercept
 from app.runtime.module import ModuleContext
 
@@ -65,16 +65,13 @@ class TrackFace(TrackPercept[TrackFaceParameters, Faces]):
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context, "faces", Faces)
 
-    def begin(self, now: float) -> TargetChoice | None:
+    def begin(self, given: TrackFaceParameters, now: float) -> TargetChoice:
         """The face of the desire."""
-        if self.given is None:
-            return None
-        wanted = "" if self.given.track is None else str(self.given.track)
-        return TargetChoice("face" if wanted else "a face", wanted, self.rules(), now)
+        return face_choice(given.track, self.settings.rules(), now)
 
     def candidates(self, percepts: Faces, X_OB: Pose3) -> list[Candidate]:
         """All faces, the nearest first in rank."""
-        return [_candidate(str(face.track), face.p_BF, X_OB) for face in percepts.faces]
+        return face_candidates(percepts, X_OB)
 
 
 class TrackCode(TrackPercept[TrackCodeParameters, QRCodes]):
@@ -86,16 +83,25 @@ class TrackCode(TrackPercept[TrackCodeParameters, QRCodes]):
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context, "codes", QRCodes)
 
-    def begin(self, now: float) -> TargetChoice | None:
+    def begin(self, given: TrackCodeParameters, now: float) -> TargetChoice:
         """The code of the desire."""
-        if self.given is None:
-            return None
-        wanted = self.given.text or ""
-        return TargetChoice("code" if wanted else "a code", wanted, self.rules(), now)
+        wanted = given.text or ""
+        return TargetChoice("code" if wanted else "a code", wanted, self.settings.rules(), now)
 
     def candidates(self, percepts: QRCodes, X_OB: Pose3) -> list[Candidate]:
         """All codes whose place is known, the nearest first in rank."""
         return [_candidate(code.text, code.p_BQ, X_OB) for code in percepts.codes if code.p_BQ is not None]
+
+
+def face_choice(track: int | None, rules: ChoiceRules, now: float) -> TargetChoice:
+    """The choice of the face of number ``track``, the nearest without one."""
+    wanted = "" if track is None else str(track)
+    return TargetChoice("face" if wanted else "a face", wanted, rules, now)
+
+
+def face_candidates(faces: Faces, X_OB: Pose3) -> list[Candidate]:
+    """All faces, the nearest first in rank; the robot at ``X_OB`` in odom."""
+    return [_candidate(str(face.track), face.p_BF, X_OB) for face in faces.faces]
 
 
 def _candidate(name: str, p_BP: tuple[float, float, float], X_OB: Pose3) -> Candidate:

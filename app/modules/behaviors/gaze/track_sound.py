@@ -13,9 +13,10 @@ source without a known distance is taken to be ``range_m`` away: of a direction,
 from __future__ import annotations
 
 import math
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import BaseModel, Field
 
 from app.attention.desires import DesireClass
@@ -64,27 +65,32 @@ class TrackSound(TrackPercept[TrackSoundParameters, SoundSources]):
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context, "sources", SoundSources)
 
-    def begin(self, now: float) -> TargetChoice | None:
+    def begin(self, given: TrackSoundParameters, now: float) -> TargetChoice:
         """The sound of the desire."""
-        given = self.given
-        if given is None:
-            return None
-        what = "a voice" if given.sound == "voice" else "a sound"
-        wanted = "" if given.track is None else str(given.track)
-        return TargetChoice(what, wanted, self.rules(margin=self.settings.margin_db), now)
+        return sound_choice(given.sound, given.track, self.settings, now)
 
     def candidates(self, percepts: SoundSources, X_OB: Pose3) -> list[Candidate]:
         """All sources that sound now, the loudest first in rank."""
-        heard = [source for source in percepts.sources if source.active and self._counts(source)]
-        return [
-            Candidate(str(s.track), np.asarray(X_OB.transform(self._place_of(s, percepts.p_BA))), -s.level_db)
-            for s in heard
-        ]
+        return [] if self.given is None else sound_candidates(percepts, X_OB, self.given.sound, self.settings)
 
-    def _counts(self, source: SoundSource) -> bool:
+
+def sound_choice(sound: Sound, track: int | None, settings: TrackSoundSettings, now: float) -> TargetChoice:
+    """The choice of the source of number ``track``, the loudest without one."""
+    what = "a voice" if sound == "voice" else "a sound"
+    wanted = "" if track is None else str(track)
+    return TargetChoice(what, wanted, settings.rules(margin=settings.margin_db), now)
+
+
+def sound_candidates(heard: SoundSources, X_OB: Pose3, sound: Sound, settings: TrackSoundSettings) -> list[Candidate]:
+    """All sources that sound now, the loudest first in rank; the robot at ``X_OB`` in odom."""
+
+    def counts(source: SoundSource) -> bool:
         # What has not been judged yet is no voice: NaN is at least nothing.
-        return self.given is not None and (self.given.sound == "any" or source.speech >= self.settings.voice)
+        return sound == "any" or source.speech >= settings.voice
 
-    def _place_of(self, source: SoundSource, p_BA: tuple[float, float, float]) -> np.ndarray[Any, np.dtype[np.float64]]:
-        range_m = source.range_m if math.isfinite(source.range_m) else self.settings.range_m
-        return np.array(p_BA) + range_m * np.array(source.direction)
+    def place(source: SoundSource) -> NDArray[np.float64]:
+        range_m = source.range_m if math.isfinite(source.range_m) else settings.range_m
+        return np.asarray(X_OB.transform(np.array(heard.p_BA) + range_m * np.array(source.direction)))
+
+    sources = [source for source in heard.sources if source.active and counts(source)]
+    return [Candidate(str(source.track), place(source), -source.level_db) for source in sources]

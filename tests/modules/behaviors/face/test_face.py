@@ -11,8 +11,10 @@ import numpy as np
 import pytest
 
 from app.base.geometry import Pose3
-from app.link import ActuatorGroup
+from app.link import ActuatorGroup, SafeAction
 from app.messages import (
+    Audio,
+    Exploitation,
     Face,
     Faces,
     JointCommand,
@@ -22,6 +24,8 @@ from app.messages import (
     QRCode,
     QRCodes,
     Speech,
+    Twist,
+    read_only,
 )
 from app.modules.behaviors.face.expression import CALM, JOINTS, VARIANTS
 from app.robots.config import load_robot_config
@@ -37,6 +41,8 @@ INPUTS: dict[str, type[Any]] = {
     "joints": JointState,
     "gaze": JointCommand,
     "speech": Speech,
+    "voice": Audio,
+    "heard": Exploitation,
     "faces": Faces,
     "codes": QRCodes,
     "noises": LoudNoise,
@@ -44,12 +50,12 @@ INPUTS: dict[str, type[Any]] = {
 }
 
 
-def bench(body: ActuatorGroup = ROBOT.groups["face"], **settings: Any) -> Bench:
+def bench(body: ActuatorGroup = ROBOT.groups["face"], without: str = "", **settings: Any) -> Bench:
     link = FakeLink()
     link.description = replace(link.description, model_path=ROBOT.model, groups={"face": body})
     return Bench(
         "app.modules.behaviors.face.face:Face",
-        inputs=INPUTS,
+        inputs={name: kind for name, kind in INPUTS.items() if name != without},
         outputs={"command": JointCommand, "calm": JointCommand},
         settings=settings,
         link=link,
@@ -207,6 +213,48 @@ async def test_the_mouth_moves_with_speech_and_closes_after_it() -> None:
         assert (await given(b, 0.5))[-1][LOWER] == pytest.approx(CALM[LOWER])
         b.feed("speech", speech(b, "open"))
         assert (await given(b, 3.0))[-1][LOWER] == pytest.approx(CALM[LOWER]), "who spoke has failed"
+
+
+async def talked(b: Bench, seconds: float, level: int) -> np.ndarray:
+    """The poses (n, 9) while an operator talks through the robot at ``level`` of full scale 32768."""
+    listening = b.listen("calm")
+    tone = read_only(np.full((960, 1), level, np.int16))
+    for number in range(round(seconds / 0.02)):
+        now = b.clock.now()
+        b.feed("voice", Audio(now, "operator", tone, 48_000, 960 * number, read_only(np.zeros((0, 3)))))
+        await b.clock.sleep(0.02)
+    b.graph.channel("calm").unsubscribe(listening)
+    return np.array([command.positions for command in drain(listening)]).reshape(-1, len(JOINTS))
+
+
+def heard(b: Bench, behavior: str | None) -> None:
+    now = b.clock.now()
+    b.feed("heard", Exploitation(now, behavior, Twist(now, 0.0, 0.0), group="voice"))
+
+
+@in_virtual_time
+async def test_the_mouth_moves_with_the_voice_of_an_operator_while_that_is_played() -> None:
+    async with bench() as b:
+        assert (await talked(b, 0.3, 8000))[-1][LOWER] == pytest.approx(CALM[LOWER]), "it is not played"
+        heard(b, "Operator")
+        b.feed("speech", speech(b, "pursed"))
+        loud, lower, pause = [(await talked(b, 0.3, level))[-1][LOWER] for level in (8000, 2500, 8)]
+        assert loud > lower > pause
+        assert (await given(b, 2.0))[-1][LOWER] == pytest.approx(CALM[LOWER])
+        heard(b, None)
+        b.feed("speech", speech(b, "open"))
+        assert (await given(b, 0.3))[-1][LOWER] > CALM[LOWER] + 0.1, "its own voice"
+    async with bench(without="heard") as b:
+        assert (await talked(b, 0.3, 8000))[-1][LOWER] > CALM[LOWER] + 0.1
+
+
+@pytest.mark.parametrize("file", ["irl1_tr.yaml", "irl1_holonomic.yaml"])
+def test_a_body_whose_program_is_silent_or_stopped_has_the_calm_face(file: str) -> None:
+    face = load_robot_config(Path(__file__).parents[4] / "config" / "robots" / file).groups["face"]
+    assert (face.stale, face.stop) == (SafeAction.REST, SafeAction.REST)
+    assert dict(zip((joint.name for joint in face.joints), face.rest, strict=True)) == dict(
+        zip(JOINTS, CALM.tolist(), strict=True)
+    )
 
 
 @in_virtual_time

@@ -56,6 +56,11 @@ def test_the_face_blinks_expresses_and_speaks(monkeypatch: pytest.MonkeyPatch) -
         desire("Say", text="Aha, a banana.")
         await watch("speaking", 2.0)
         await watch("silent", 4.0)
+        moved.clear()
+        while not moved or dict(zip(moved[-1].names, moved[-1].positions, strict=True))[JOINTS[LIDS]] < 0.9:
+            await run.system.clock.sleep(1 / 30)
+        run.link.e_stop("a test")
+        await watch("stopped", 1.0)
         return shown, [event.text for event in run.system.timeline.query(kinds=["exploitation"])]
 
     shown, events = run_in_world(configuration, body.model_copy(update={"scenario": None}), script)
@@ -69,6 +74,7 @@ def test_the_face_blinks_expresses_and_speaks(monkeypatch: pytest.MonkeyPatch) -
     assert shown["speaking"][:, LOWER].max() > 0.25, "an a is said"
     assert np.ptp(shown["speaking"][:, LOWER]) > 0.2
     assert shown["silent"][-1][LOWER] == pytest.approx(CALM[LOWER])
+    np.testing.assert_allclose(shown["stopped"][-1], CALM, atol=1e-6, err_msg="an emergency stop in mid-blink")
     for name, poses in shown.items():
         for joint, positions in zip(JOINTS, poses.T, strict=True):
             limits = next(each for each in body.groups["face"].joints if each.name == joint)

@@ -141,7 +141,23 @@ async def test_a_place_is_looked_at_once_its_code_was_found() -> None:
         assert off_axis_deg(commands[-1], [2.0, -1.0, 1.3]) < 0.01
 
 
-@pytest.mark.parametrize("params", [{}, {"x": 1.0}, {"x": 1.0, "y": 1.0, "place": "the kitchen"}])
-def test_a_desire_has_a_point_or_a_place(params: dict[str, Any]) -> None:
-    with pytest.raises(InvalidDesire, match="needs x and y, or a place, and not both"):
+@pytest.mark.parametrize(
+    "params",
+    [
+        {},
+        {"x": 1.0},
+        {"x": 1.0, "y": 1.0, "place": "the kitchen"},
+        {"x": 1.0, "face": True},
+        {"face": True, "sound": "voice"},
+        {"track": 3},
+    ],
+)
+def test_a_desire_has_a_point_or_a_place_or_a_face_or_a_sound(params: dict[str, Any]) -> None:
+    with pytest.raises(InvalidDesire, match="needs one of: x and y, a place, a face, a sound"):
         LOOK_AT.validated(params)
+
+
+def test_a_track_is_of_a_face_or_of_a_sound() -> None:
+    assert LOOK_AT.validated({"face": True, "track": 3})["track"] == 3
+    with pytest.raises(InvalidDesire, match="a track is of a face or of a sound"):
+        LOOK_AT.validated({"x": 1.0, "y": 1.0, "track": 3})
