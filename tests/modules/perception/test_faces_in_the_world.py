@@ -48,7 +48,7 @@ class World:
         assert panorama is not None
         model, links = self._simulation.model, load_model(robot.model)
         self._kinect = KinectRenderer(self.renderer, model, kinect, np.random.default_rng(1))
-        self._panorama = FisheyeRenderer(self.renderer, model, panorama, np.random.default_rng(2), kinect.height)
+        self._panorama = FisheyeRenderer(self.renderer, model, panorama, np.random.default_rng(2))
         self._lenses: dict[str, CameraModel | FisheyeModel] = {}
         self._lenses = {"kinect": camera_model(kinect), "panorama": fisheye_model(panorama)}
         self._X_BC = {"kinect": links.pose(kinect.link), "panorama": links.pose(panorama.link)}
