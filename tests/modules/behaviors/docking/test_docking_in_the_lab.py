@@ -16,14 +16,8 @@ from tests.modules.behaviors.docking.lab import ME, X_WD, errors, in_the_lab
 
 pytestmark = pytest.mark.slow
 
-#: In the south corridor, near and far from the dock, looking at it, away from it and aside.
-STARTS = (
-    Pose2(11.0, 4.6, math.pi / 2),
-    Pose2(11.1, 2.2, -math.pi / 2),
-    Pose2(11.6, 1.6, 0.0),
-    Pose2(11.5, 3.6, math.pi),
-    Pose2(11.4, 2.0, -2.4),
-)
+#: In the south corridor: far from the dock and looking away from it; near, looking at it; near and looking aside.
+FAR, AHEAD, ASIDE = Pose2(11.0, 4.6, math.pi / 2), Pose2(11.1, 2.2, -math.pi / 2), Pose2(11.6, 1.6, 0.0)
 
 
 async def docking(run: WorldRun, until: str, limit_s: float = 120.0) -> list[DockingStatus]:
@@ -40,30 +34,41 @@ async def docking(run: WorldRun, until: str, limit_s: float = 120.0) -> list[Doc
     return statuses
 
 
+async def docked(run: WorldRun) -> None:
+    """Wait until it is docked, within 5 cm and 5 degrees of where it should be, and charges."""
+    statuses = await docking(run, "docked")
+    assert [status.state for status in statuses][-1:] == ["docked"], statuses
+    await run.system.clock.sleep(2.0)
+    along, aside, turned_deg = errors(run.link.true_pose())
+    assert abs(along) < 0.05
+    assert abs(aside) < 0.05
+    assert abs(turned_deg) < 5
+    assert run.system.graph.channels["battery"].latest.charging
+    assert run.link.contacts == ()
+
+
 def dock(run: WorldRun, intensity: float = 5.0) -> str:
     return run.system.workspace.add("Dock", intensity=intensity, utility=1, source=ME).id
 
 
-@pytest.mark.parametrize("start", STARTS)
-def test_from_five_poses_it_docks_within_5_cm_and_5_degrees(start: Pose2) -> None:
-    async def script(run: WorldRun) -> tuple[list[str], Pose2, bool, str | None]:
+def test_from_far_it_docks_and_people_can_have_it_undock() -> None:
+    async def script(run: WorldRun) -> None:
         await run.system.clock.sleep(1.0)
         desire = dock(run)
-        statuses = await docking(run, "docked")
-        await run.system.clock.sleep(3.0)
-        battery = run.system.graph.channels["battery"].latest
-        report = run.system.workspace.report(desire)
-        assert run.link.contacts == ()
-        return [status.state for status in statuses], run.link.true_pose(), battery.charging, report.outcome
+        await docked(run)
+        assert run.system.workspace.report(desire).outcome == "done"
+        run.system.workspace.remove(desire)
+        await run.system.clock.sleep(1.0)
+        before = run.link.true_pose()
+        undock = run.system.workspace.add("Undock", intensity=5, utility=1, source=ME).id
+        await docking(run, "idle")
+        await run.system.clock.sleep(1.0)
+        after = run.link.true_pose()
+        assert "Undock" not in run.system.workspace.strongest()
+        assert math.dist((before.x, before.y), (after.x, after.y)) == pytest.approx(0.5, abs=0.05)
+        assert run.system.workspace.report(undock).outcome == "done"
 
-    states, pose, charging, outcome = in_the_lab(start, script)
-    assert states[-1] == "docked", states
-    along, aside, turned_deg = errors(pose)
-    assert abs(along) < 0.05
-    assert abs(aside) < 0.05
-    assert abs(turned_deg) < 5
-    assert charging
-    assert outcome == "done"
+    in_the_lab(FAR, script)
 
 
 def test_a_dock_that_is_not_there_fails_with_a_reason() -> None:
@@ -79,7 +84,7 @@ def test_a_dock_that_is_not_there_fails_with_a_reason() -> None:
         assert not [desire for desire in run.system.workspace.desires() if desire.cls == "GoTo"]
         return statuses[-1], report.outcome, report.reason
 
-    status, outcome, reason = in_the_lab(STARTS[1], script, world=world)
+    status, outcome, reason = in_the_lab(AHEAD, script, world=world)
     assert status.state == "failed"
     assert (outcome, reason) == ("failed", "no dock is seen where it should be")
 
@@ -96,7 +101,7 @@ def test_without_power_it_backs_off_and_tries_again_twice() -> None:
         ]
         return tries, run.system.workspace.report(desire).reason
 
-    tries, reason = in_the_lab(STARTS[1], script, plate_m=0.15)  # too far back for the dock's contacts
+    tries, reason = in_the_lab(AHEAD, script, plate_m=0.15)  # too far back for the dock's contacts
     assert tries == [("approaching", 1), ("backing", 2), ("approaching", 2), ("backing", 3), ("approaching", 3)]
     assert reason == "the charger gives no power, after 3 attempts"
 
@@ -105,8 +110,7 @@ def test_it_leaves_the_dock_backwards_before_it_turns_for_another_place() -> Non
     async def script(run: WorldRun) -> list[Pose2]:
         await run.system.clock.sleep(1.0)
         dock(run)
-        await docking(run, "docked")
-        await run.system.clock.sleep(2.0)
+        await docked(run)
         # A place less desired than charging is none to leave for; a more desired one is.
         there = {"x": 0.0, "y": 0.0}
         run.system.workspace.add("GoTo", intensity=4, utility=1, params=there, source=ME)
@@ -122,7 +126,7 @@ def test_it_leaves_the_dock_backwards_before_it_turns_for_another_place() -> Non
         assert run.link.contacts == ()
         return poses
 
-    poses = in_the_lab(Pose2(11.1, 2.0, -math.pi / 2), script)
+    poses = in_the_lab(AHEAD, script)
     begin = poses[0]
     for pose in poses:
         if math.dist((pose.x, pose.y), (begin.x, begin.y)) < 0.45:
@@ -130,37 +134,15 @@ def test_it_leaves_the_dock_backwards_before_it_turns_for_another_place() -> Non
     assert poses[-1].y - X_WD.y >= 1.3
 
 
-def test_people_can_have_it_undock() -> None:
-    async def script(run: WorldRun) -> tuple[float, str | None]:
-        await run.system.clock.sleep(1.0)
-        desire = dock(run)
-        await docking(run, "docked")
-        run.system.workspace.remove(desire)
-        await run.system.clock.sleep(1.0)
-        before = run.link.true_pose()
-        undock = run.system.workspace.add("Undock", intensity=5, utility=1, source=ME).id
-        await docking(run, "idle")
-        await run.system.clock.sleep(1.0)
-        after = run.link.true_pose()
-        assert "Undock" not in run.system.workspace.strongest()
-        return math.dist((before.x, before.y), (after.x, after.y)), run.system.workspace.report(undock).outcome
-
-    driven, outcome = in_the_lab(Pose2(11.1, 2.0, -math.pi / 2), script)
-    assert driven == pytest.approx(0.5, abs=0.05)
-    assert outcome == "done"
-
-
 def test_a_low_battery_takes_the_robot_to_the_dock_by_itself() -> None:
     async def script(run: WorldRun) -> tuple[list[str], str]:
-        statuses = await docking(run, "docked")
-        await run.system.clock.sleep(2.0)
+        await docked(run)
         wanted = run.system.workspace.wanted("Dock")
         assert wanted is not None
         events = [event.subject for event in run.system.timeline.query(kinds={"battery"})]
-        assert statuses[-1].state == "docked"
         assert run.system.translator.capacities["power"] == 60.0
         return events, wanted.source.name
 
-    events, source = in_the_lab(Pose2(11.1, 2.0, -math.pi / 2), script, charge=0.2)
+    events, source = in_the_lab(ASIDE, script, charge=0.2)
     assert events == ["low", "charging"]
     assert source == "Recharge"

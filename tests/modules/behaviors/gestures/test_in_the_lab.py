@@ -90,7 +90,7 @@ def test_it_points_within_five_degrees_and_turns_to_what_is_behind() -> None:
             X_WF = run.link.true_pose() if frame == "base_link" else run.link.start_pose
             p_WP = X_WF.to_pose3().transform(p_FP)
             params = dict(zip("xyz", point, strict=True))
-            report = await arms.ended(arms.desire("PointAt", **params, frame=frame, hold_s=1.0))
+            report = await arms.ended(arms.desire("PointAt", **params, frame=frame, hold_s=0.5))
             p_BP = run.link.true_pose().to_pose3().inverse().transform(p_WP)
             side = min(("left", "right"), key=lambda side: arms.beside_deg(side, p_BP))
             found[name] = (report.outcome or "", side, arms.beside_deg(side, p_BP), run.link.true_pose().theta)
@@ -182,7 +182,7 @@ def test_gestures_that_interrupt_each_other_do_not_bring_the_arms_into_the_body(
 
         run.link.attach("joints", measure)
         await run.system.clock.sleep(1.0)
-        for number in range(15):
+        for number in range(10):
             cls = "PointAt" if number % 3 == 0 else "Reach"
             point = dict(zip("xyz", random.uniform(*boxes[cls]).tolist(), strict=True))
             desire = arms.desire(cls, **point, frame="base_link", hold_s=0.0)
