@@ -61,13 +61,13 @@ class KinectRenderer:
         self._view = PerspectiveView(np.eye(3), -x, right=x, bottom=-y, top=y, width=width, height=height)
         self._color = np.zeros((height, width, 3), dtype=np.uint8)
         self._depth = np.zeros((height, width), dtype=np.float32)
+        self._inverse_depth = np.zeros((height, width), dtype=np.float32)
         # The depth buffer is affine in 1/z, with 0 at the far plane and 1 at the near one
         self._scale = np.float32((renderer.far - renderer.near) / (renderer.far * renderer.near))
         self._offset = np.float32(1.0 / renderer.far)
         self._watch = ChangeDetector(renderer, self._camera, self._view)
         #: How often it was drawn.
         self.drawn = 0
-        renderer.reserve(width, height)
 
     def draw(self, snapshot: WorldSnapshot) -> Iterator[None]:
         if self._watch.changed(snapshot):
@@ -78,8 +78,11 @@ class KinectRenderer:
 
     @property
     def picture(self) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
-        """Colour (H, W, 3) uint8 RGB and inverse depth (H, W) float32 1/m along the optical axis, row 0 on top."""
-        return self._color[::-1], np.asarray(self._depth[::-1] * self._scale + self._offset)
+        """Colour (H, W, 3) uint8 RGB and inverse depth (H, W) float32 1/m along the optical axis, row 0 on top; both
+        until the next is asked for."""
+        np.multiply(self._depth[::-1], self._scale, out=self._inverse_depth)
+        self._inverse_depth += self._offset
+        return self._color[::-1], self._inverse_depth
 
     def measure(self, color: NDArray[np.uint8], depth: NDArray[np.uint16] | None) -> None:
         """Colour with noise and depth as a Kinect measures it."""
@@ -107,6 +110,7 @@ class FisheyeRenderer:
         #: How often any of its views was drawn.
         self.drawn = 0
         self._drawn: NDArray[np.uint8]
+        self._read_into: NDArray[np.uint8]
         self._noise: ColorNoise
 
     def draw(self, snapshot: WorldSnapshot) -> Iterator[None]:
@@ -131,9 +135,9 @@ class FisheyeRenderer:
         self._noise.add(self.picture, color, self._tiling.seen)
 
     def _read(self, piece: Tile) -> None:
-        """Copy one view out of the frame buffer, where the next one is drawn."""
+        """Copy one view out of its frame buffer, in which another may be drawn next."""
         view = piece.view
-        read = np.empty((view.height, view.width, 3), dtype=np.uint8)
+        read = self._read_into[: view.height * view.width].reshape(view.height, view.width, 3)
         self._renderer.read(view, read)
         self._drawn[piece.y : piece.y + view.height, piece.x : piece.x + view.width] = read
 
@@ -141,9 +145,10 @@ class FisheyeRenderer:
         c = self._config
         tiling = tile(fisheye_model(c))
         self._drawn = np.zeros((tiling.height, tiling.width, 3), dtype=np.uint8)
+        largest = max(piece.view.width * piece.view.height for piece in tiling.tiles)
+        self._read_into = np.zeros((largest, 3), dtype=np.uint8)
         self._noise = ColorNoise(c.height, c.width, c.color_noise, self._rng)
         for piece in tiling.tiles:
-            self._renderer.reserve(piece.view.width, piece.view.height)
             self._watches[piece] = ChangeDetector(self._renderer, self._camera, piece.view)
         return tiling
 

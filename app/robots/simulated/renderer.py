@@ -1,6 +1,6 @@
-"""Drawing with OpenGL: one context and one frame buffer for every camera of the body, on the processor or a card.
+"""Drawing with OpenGL: one context for every camera of the body, on the processor or a card.
 
-A camera's image is one or several perspective views in rectangles of the frame buffer. Shapes hidden by walls or
+A camera's image is one or several perspective views. Shapes hidden by walls or
 outside a view are culled: without a graphics card each drawn shape costs as much as a thousand pixels.
 """
 
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from app.base.geometry import Pose3
 from app.robots.simulated.body import VISUAL_GROUP
-from app.robots.simulated.depth_buffer import leave_out_stencil
+from app.robots.simulated.frame_buffers import FrameBuffers
 from app.robots.simulated.gl import UNUSABLE_GL, GlUnavailable
 from app.robots.simulated.occlusion import Occlusion
 from app.robots.simulated.world import CAMERA_GROUP, WORLD_GROUP
@@ -92,7 +92,6 @@ def _moved(a: NDArray[np.float64], b: NDArray[np.float64]) -> bool:
 
 
 def _rectangle(view: PerspectiveView) -> mujoco.MjrRect:
-    """Where ``view`` is drawn: all views in one place, which then is in the processor's cache."""
     return mujoco.MjrRect(0, 0, view.width, view.height)
 
 
@@ -102,7 +101,7 @@ def mocap_poses(data: mujoco.MjData) -> NDArray[np.float64]:
 
 
 class Renderer:
-    """Draws ``model`` into a frame buffer that grows with what is reserved. Make, use and close it in one thread.
+    """Draws ``model`` into frame buffers. Make, use and close it in one thread.
 
     Raises GlUnavailable where there is no OpenGL to draw with.
     """
@@ -116,8 +115,7 @@ class Renderer:
             raise GlUnavailable(UNUSABLE_GL.format(why=str(failure).splitlines()[0])) from None
         self._gl.make_current()
         self._context = mujoco.MjrContext(self._model, mujoco.mjtFontScale.mjFONTSCALE_100)
-        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
-        leave_out_stencil(self._context)
+        self._buffers = FrameBuffers(self._context)
         self._context.readDepthMap = mujoco.mjtDepthMap.mjDEPTH_ZEROFAR
         self._scene = mujoco.MjvScene(self._model, maxgeom=_MAX_GEOMS)
         self._scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = 0
@@ -139,16 +137,9 @@ class Renderer:
         self.near = self._model.vis.map.znear * self._model.stat.extent
         self.far = self._model.vis.map.zfar * self._model.stat.extent
 
-    def reserve(self, width: int, height: int) -> None:
-        """Enlarge the frame buffer (px) if necessary; its content is lost."""
-        width, height = max(width, self._context.offWidth), max(height, self._context.offHeight)
-        if (width, height) != (self._context.offWidth, self._context.offHeight):
-            self._gl.make_current()
-            mujoco.mjr_resizeOffscreen(width, height, self._context)
-            leave_out_stencil(self._context)
-
     def draw(self, snapshot: WorldSnapshot, camera: int, view: PerspectiveView) -> None:
-        """Draw ``view`` of the world in ``snapshot`` from the model's camera number ``camera``, over the last one."""
+        """Draw ``view`` of the world in ``snapshot`` from the model's camera number ``camera``; any drawn before is
+        lost."""
         self._set(snapshot)
         eye, axes = self._data.cam_xpos[camera], self._data.cam_xmat[camera].reshape(3, 3)
         self._scene.ngeom = 0
@@ -160,6 +151,7 @@ class Renderer:
             )
         self._aim(eye, axes, view)
         self._gl.make_current()
+        self._buffers.use(view.width, view.height)
         mujoco.mjr_render(_rectangle(view), self._scene, self._context)
 
     def _layers(self, camera: int, view: PerspectiveView) -> list[NDArray[np.intp]]:
@@ -181,7 +173,7 @@ class Renderer:
         mujoco.mjr_readPixels(color, depth, _rectangle(view), self._context)
 
     def close(self) -> None:
-        self._context.free()
+        self._buffers.free()
         self._gl.free()
 
     def _set(self, snapshot: WorldSnapshot) -> None:

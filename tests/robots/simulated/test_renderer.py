@@ -46,7 +46,6 @@ def model() -> mujoco.MjModel:
 @pytest.fixture
 def renderer(model: mujoco.MjModel) -> Iterator[Renderer]:
     renderer = Renderer(model)
-    renderer.reserve(AHEAD.width, AHEAD.height)
     yield renderer
     renderer.close()
 

@@ -1,4 +1,4 @@
-"""The frame buffer without a stencil: smaller, and what is drawn and measured in it is the same."""
+"""Frame buffers that fit their pictures: what is drawn and measured in them is the same as in MuJoCo's own."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from app.robots.simulated.depth_buffer import leave_out_stencil
+from app.robots.simulated.frame_buffers import FrameBuffers
 from app.robots.simulated.gl import gl_environment
 from tests.robots.conftest import needs_gl
 
 SIZE = (96, 64)
-_RENDERBUFFER, _STENCIL_BITS, _DEPTH_BITS = 0x8D41, 0x8D55, 0x8D54
+_FRAMEBUFFER, _STENCIL_ATTACHMENT, _OBJECT_TYPE = 0x8D40, 0x8D20, 0x8CD0
 SCENE = """
 <mujoco>
   <visual><quality offsamples="{samples}"/></visual>
@@ -43,30 +43,30 @@ class Scene:
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self.context)
         mujoco.mjr_resizeOffscreen(*SIZE, self.context)
 
-    def picture(self) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
+    def picture(self, width: int = SIZE[0], height: int = SIZE[1]) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
         data, scene = mujoco.MjData(self.model), mujoco.MjvScene(self.model, maxgeom=10)
         mujoco.mj_forward(self.model, data)
         camera = mujoco.MjvCamera()
         mujoco.mjv_defaultFreeCamera(self.model, camera)
         every = mujoco.mjtCatBit.mjCAT_ALL
         mujoco.mjv_updateScene(self.model, data, mujoco.MjvOption(), None, camera, every, scene)
-        rectangle = mujoco.MjrRect(0, 0, *SIZE)
+        rectangle = mujoco.MjrRect(0, 0, width, height)
         mujoco.mjr_render(rectangle, scene, self.context)
-        color, depth = np.zeros((SIZE[1], SIZE[0], 3), np.uint8), np.zeros((SIZE[1], SIZE[0]), np.float32)
+        color, depth = np.zeros((height, width, 3), np.uint8), np.zeros((height, width), np.float32)
         mujoco.mjr_readPixels(color, depth, rectangle, self.context)
         return color, depth
 
-    def bits(self, which: int) -> int:
-        """``_STENCIL_BITS`` or ``_DEPTH_BITS`` of the frame buffer."""
+    def has_stencil(self) -> bool:
+        """Whether there is a stencil in the frame buffer that is drawn in."""
         library = ctypes.CDLL("libEGL.so.1")
         library.eglGetProcAddress.restype = ctypes.c_void_p
-        bind = ctypes.CFUNCTYPE(None, ctypes.c_uint, ctypes.c_uint)(library.eglGetProcAddress(b"glBindRenderbuffer"))
-        arguments = (ctypes.c_uint, ctypes.c_uint, ctypes.POINTER(ctypes.c_int))
-        get = ctypes.CFUNCTYPE(None, *arguments)(library.eglGetProcAddress(b"glGetRenderbufferParameteriv"))
+        arguments = (ctypes.c_uint, ctypes.c_uint, ctypes.c_uint, ctypes.POINTER(ctypes.c_int))
+        address = library.eglGetProcAddress(b"glGetFramebufferAttachmentParameteriv")
         found = ctypes.c_int(-1)
-        bind(_RENDERBUFFER, self.context.offDepthStencil)
-        get(_RENDERBUFFER, which, ctypes.byref(found))
-        return found.value
+        ctypes.CFUNCTYPE(None, *arguments)(address)(
+            _FRAMEBUFFER, _STENCIL_ATTACHMENT, _OBJECT_TYPE, ctypes.byref(found)
+        )
+        return found.value != 0
 
     def close(self) -> None:
         self.context.free()
@@ -80,32 +80,36 @@ def scene() -> Iterator[Scene]:
     scene.close()
 
 
-def test_pictures_and_depths_are_the_same_without_a_stencil(scene: Scene) -> None:
+def test_pictures_and_depths_are_those_of_mujocos_own_frame_buffer(scene: Scene) -> None:
     color, depth = scene.picture()
     assert color.std() > 10
     assert np.unique(depth).size > 100
-    assert scene.bits(_STENCIL_BITS) == 8
-    leave_out_stencil(scene.context)
-    assert scene.bits(_STENCIL_BITS) == 0
-    assert scene.bits(_DEPTH_BITS) == 32
+    assert scene.has_stencil()
+    buffers = FrameBuffers(scene.context)
+    buffers.use(*SIZE)
+    assert not scene.has_stencil()
     again = scene.picture()
     np.testing.assert_array_equal(again[0], color)
     np.testing.assert_array_equal(again[1], depth)
 
 
-def test_another_size_is_drawn_without_a_stencil_too(scene: Scene) -> None:
-    leave_out_stencil(scene.context)
-    color, _ = scene.picture()
-    mujoco.mjr_resizeOffscreen(2 * SIZE[0], 2 * SIZE[1], scene.context)
-    leave_out_stencil(scene.context)
-    assert scene.bits(_STENCIL_BITS) == 0
-    np.testing.assert_array_equal(scene.picture()[0], color)
+def test_each_size_has_its_own(scene: Scene) -> None:
+    buffers = FrameBuffers(scene.context)
+    buffers.use(*SIZE)
+    small = scene.picture()
+    buffers.use(2 * SIZE[0], 2 * SIZE[1])
+    large = scene.picture(2 * SIZE[0], 2 * SIZE[1])
+    buffers.use(*SIZE)
+    np.testing.assert_array_equal(scene.picture()[0], small[0])
+    np.testing.assert_allclose(large[0].mean((0, 1)), small[0].mean((0, 1)), atol=2)
 
 
-def test_several_samples_per_pixel_keep_their_stencil() -> None:
+def test_several_samples_per_pixel_are_drawn_in_mujocos_own() -> None:
     scene = Scene(samples=4)
     color, _ = scene.picture()
-    leave_out_stencil(scene.context)
-    assert scene.bits(_STENCIL_BITS) == 8
+    buffers = FrameBuffers(scene.context)
+    buffers.use(2 * SIZE[0], 2 * SIZE[1])
+    assert (scene.context.offWidth, scene.context.offHeight) == (2 * SIZE[0], 2 * SIZE[1])
+    assert scene.has_stencil()
     np.testing.assert_array_equal(scene.picture()[0], color)
     scene.close()
