@@ -281,6 +281,10 @@ def read_stamp() -> dict[str, Any] | None:
 #: Prefix of a command with lower priority: tests in virtual time leave the processor to those against the clock.
 GIVING_WAY = ("nice", "-n", "3")
 
+#: Libraries of linear algebra compute in the calling thread, as in the program: theirs spin while they wait, at the
+#: cost of the tests beside. Read when numpy is loaded, which a plugin of pytest does before any file of ours.
+SINGLE = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+
 #: Tests that drive programs against the clock, or a browser: these go first, one after another.
 HURRIED = (
     "tests/browser",
@@ -341,6 +345,7 @@ def test(arguments: list[str]) -> int:
     began = time.monotonic()
     set_up({"test", "docs"}, debian=True)
     say(f"set-up took {time.monotonic() - began:.0f} s")
+    os.environ.update(dict.fromkeys(SINGLE, "1"))
     if arguments:
         return run([PYTHON, "-m", "pytest", *arguments])
     with TemporaryFile("w+", encoding="utf-8") as output:

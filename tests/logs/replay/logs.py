@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Collection, Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any, cast
 
@@ -97,6 +98,7 @@ def numbered(count: int, period_s: float = 0.1, channel: str = "odometry") -> li
     ]
 
 
+@cache
 def lab_manifest() -> Manifest:
     """What a recording of the shipped lab carries."""
     system = System(load_configuration(paths.config_dir() / "lab.yaml"))

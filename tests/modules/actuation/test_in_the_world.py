@@ -20,6 +20,8 @@ from app.runtime.graph import Graph, ModuleSpec
 from app.runtime.supervisor import Supervisor
 from tests.robots.conftest import hall, make_hall, robot
 
+pytestmark = pytest.mark.slow
+
 T = TypeVar("T")
 __all__ = ["hall", "robot"]
 
@@ -102,7 +104,6 @@ def at(body: RobotConfig, x: float, y: float, heading_deg: float = 0.0) -> Robot
     return body.model_copy(update={"start": start})
 
 
-@pytest.mark.slow
 def test_a_person_who_steps_in_front_is_not_touched(robot: RobotConfig, hall: WorldConfig) -> None:
     """At 0.4 m/s; the person walks in from aside and stops where the base is about to be."""
     line_m, walk_m, ahead_m, speed_mps = 0.6, 0.9, 0.75, 1.5
@@ -163,7 +164,6 @@ def test_an_arm_stretched_forward_stops_before_the_wall(robot: RobotConfig, hall
     assert limits[-1].startswith("stopped: something")
 
 
-@pytest.mark.slow
 def test_hands_that_push_on_at_random_touch_nothing(robot: RobotConfig) -> None:
     """Forward and round among boxes and posts, whatever is in the way."""
     boxes = [
@@ -182,7 +182,6 @@ def test_hands_that_push_on_at_random_touch_nothing(robot: RobotConfig) -> None:
     ride(at(robot, 10, 10), make_hall(objects=boxes), script)
 
 
-@pytest.mark.slow
 def test_out_of_a_tight_place_it_crawls_back_and_turns(robot: RobotConfig, hall: WorldConfig) -> None:
     async def script(ride: Ride) -> None:
         await ride.drive(0.4, 0.0, 3.0)

@@ -14,6 +14,8 @@ from app.robots.simulated.world_config import WorldConfig
 from app.runtime.clock import VirtualClock, run_virtual
 from tests.robots.conftest import make_hall
 
+pytestmark = pytest.mark.slow
+
 #: A dock whose plates meet at (10, 10) and whose V opens to the west.
 HALL = make_hall(objects=[{"kind": "dock", "at": (10, 10), "yaw_deg": -90}])
 

@@ -34,6 +34,8 @@ from app.robots.simulated.world_config import WorldConfig
 from app.runtime.clock import VirtualClock, run_virtual
 from tests.robots.conftest import make_hall, needs_gl
 
+pytestmark = pytest.mark.slow
+
 T = TypeVar("T")
 WALKING = ScenarioConfig.model_validate(
     {
@@ -155,7 +157,6 @@ def test_an_emergency_stop_holds_until_it_is_cleared_also_over_a_restart(robot: 
     assert free > 5.1
 
 
-@pytest.mark.slow
 def test_two_runs_are_the_same_and_another_seed_is_not(robot: RobotConfig, hall: WorldConfig) -> None:
     async def script(body: Body) -> tuple[Any, ...]:
         body.link.demand("hokuyo", math.inf)
@@ -179,7 +180,6 @@ def test_a_loose_thing_on_a_table_is_no_contact_of_the_body(robot: RobotConfig) 
     assert live(at(robot, 10, 10), make_hall(objects=[table, block]), script) == ()
 
 
-@pytest.mark.slow
 def test_contacts_report_what_was_touched_and_each_time_once(robot: RobotConfig) -> None:
     posts = {"at": [(6.0, 10.0)], "material": "wall"}
     world = make_hall(cylinders=[posts])

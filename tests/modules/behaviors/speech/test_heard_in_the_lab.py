@@ -128,14 +128,14 @@ def test_the_robots_own_voice_is_nobodys() -> None:
         desire(run, "LocateVoices")
         await run.system.clock.sleep(1.0)
         began = run.system.clock.now()
-        desire(run, "Say", text="One. Two. Three.")
-        await run.system.clock.sleep(3 * SPOKEN_S + 0.5)
+        desire(run, "Say", text="One. Two.")
+        await run.system.clock.sleep(2 * SPOKEN_S + 0.5)
         return began, found
 
     began, sources = in_the_lab(script)
     # The fans are heard before; and the first moments, in which nothing is known of the echo, are discarded.
     meanwhile = [message for message in sources if message.stamp > began + 1.0]
-    assert len(meanwhile) > 100
+    assert len(meanwhile) > 60
     active = [source for message in meanwhile for source in message.sources if source.active]
     # Without the filter there are three and more at each instant.
     assert len(active) < 0.05 * len(meanwhile)

@@ -88,9 +88,10 @@ class GlobalPlanner:
     def find(self, request: PlanRequest) -> PlanResult:
         """A path for ``request``, or a plan without path that gives the reason."""
         stretched = request.footprint is not None and request.footprint.with_arms
+        footprint = self._footprint if request.footprint is None or not stretched else request.footprint
         cached = self._stretched if stretched else self._usual
         costs = replace(self._costs, unknown="free") if request.opened_up else self._costs
-        field = cached.of(request, request.footprint if stretched else self._footprint, costs)
+        field = cached.of(request, footprint, costs)
         if request.opened_up or request.around is None:
             self._temporary = TransientObstacles.none()
         if request.around is not None:
