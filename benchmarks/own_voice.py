@@ -24,6 +24,8 @@ import soundfile
 from numpy.typing import NDArray
 from scipy.signal import fftconvolve
 
+from app.base.geometry import wrap_angle
+from app.messages import SoundSource
 from app.modules.perception.voices.microphone_array import MicrophoneArray
 from app.modules.perception.voices.own_voice import EchoCanceller, OwnVoiceFilter
 from app.modules.perception.voices.pipeline import PipelineSettings, VoicePipeline
@@ -62,12 +64,14 @@ class Scene:
 @dataclass(frozen=True, slots=True)
 class Result:
     """Echo return loss enhancement (dB) over 0.5 to 2 s and 2 to 4 s, for a filter that begins and one that is kept;
-    shares of the instants (0 to 1) at which the talker is located, and at which a voice is before he talks."""
+    shares of the instants (0 to 1) at which the talker is located, at which a voice is before he talks, and at which a
+    voice is elsewhere while both speak."""
 
     cold_db: tuple[float, float]
     warm_db: tuple[float, float]
     located: float
     own_voices: float
+    elsewhere: float
     cpu_ms_per_s: float
 
 
@@ -149,8 +153,8 @@ def judge(number: int, rt60_s: float, speed_mps: float = 0.0) -> Result:
     warm_canceller = EchoCanceller(len(BOX), FRAME)
     _enhancement(warm_canceller, scene, 0)
     warm = _enhancement(warm_canceller, scene, second)
-    located, own_voices, cpu = _heard(scene)
-    return Result(cold, warm, located, own_voices, cpu)
+    located, own_voices, elsewhere, cpu = _heard(scene)
+    return Result(cold, warm, located, own_voices, elsewhere, cpu_ms_per_s=cpu)
 
 
 def _enhancement(canceller: EchoCanceller, scene: Scene, begin: int) -> tuple[float, float]:
@@ -170,15 +174,16 @@ def _enhancement(canceller: EchoCanceller, scene: Scene, begin: int) -> tuple[fl
     return one, two
 
 
-def _heard(scene: Scene) -> tuple[float, float, float]:
-    """Shares of instants with the talker located and with a voice before he talks; the filter's CPU time (ms/s)."""
+def _heard(scene: Scene) -> tuple[float, float, float, float]:
+    """Shares of instants with the talker located, with a voice before he talks, and with a voice elsewhere while he
+    does; the filter's CPU time (ms/s)."""
     own_voice = OwnVoiceFilter(len(BOX), RATE)
     pipeline = VoicePipeline(MicrophoneArray(BOX + np.array([0.0, 0.0, 1.0])), RATE, PipelineSettings(separation=False))
     sound = np.clip(np.rint((scene.echo + scene.talker).T * 32768), -32768, 32767).astype(np.int16)
     played = np.clip(np.rint(scene.played * 32768), -32768, 32767).astype(np.int16)
     waiting = np.zeros((0, len(BOX)), np.int16)
     talks = _active(scene.talker[0])
-    located, own_voices = [], []
+    located, own_voices, elsewhere = [], [], []
     cpu_s, at = 0.0, 0
     for begin in range(0, len(sound) - FRAME + 1, FRAME):
         frame = begin, played[begin : begin + FRAME]
@@ -193,13 +198,19 @@ def _heard(scene: Scene) -> tuple[float, float, float]:
             time_s = sources.stamp - BEFORE_S
             if 0 <= time_s < TALKS_FROM_S:
                 own_voices.append(any(source.speech >= VOICE for source in active))
-            elif time_s > TALKS_FROM_S + 0.5 and talks[min(int(sources.stamp * RATE), len(talks) - 1)]:
-                azimuths = [math.atan2(source.direction[1], source.direction[0]) for source in active]
-                off = [
-                    abs((azimuth - scene.azimuth(time_s) + math.pi) % (2 * math.pi) - math.pi) for azimuth in azimuths
-                ]
-                located.append(any(angle < math.radians(NEAR_DEG) for angle in off))
-    return float(np.mean(located)), float(np.mean(own_voices)), 1000 * cpu_s / (len(sound) / RATE)
+            elif time_s > TALKS_FROM_S + 0.5:
+                near = [_near(source, scene.azimuth(time_s)) for source in active]
+                voices = [source.speech >= VOICE for source in active]
+                elsewhere.append(any(voice and not at for voice, at in zip(voices, near, strict=True)))
+                if talks[min(int(sources.stamp * RATE), len(talks) - 1)]:
+                    located.append(any(near))
+    cpu_ms_per_s = 1000 * cpu_s / (len(sound) / RATE)
+    return float(np.mean(located)), float(np.mean(own_voices)), float(np.mean(elsewhere)), cpu_ms_per_s
+
+
+def _near(source: SoundSource, azimuth: float) -> bool:
+    off = math.atan2(source.direction[1], source.direction[0]) - azimuth
+    return abs(wrap_angle(off)) < math.radians(NEAR_DEG)
 
 
 def _active(sound: Sound) -> NDArray[np.bool_]:
@@ -230,6 +241,7 @@ def _rows(case: str, results: Sequence[Result]) -> list[Row]:
         ("echo removed in the next sentence, 2 to 4 s", "dB"): [r.warm_db[1] for r in results],
         ("instants at which the talker is located", "%"): [100 * r.located for r in results],
         ("own voice taken for a voice", "% of instants"): [100 * r.own_voices for r in results],
+        ("a voice elsewhere while both speak", "% of instants"): [100 * r.elsewhere for r in results],
         ("CPU of the filter, eight microphones", "ms/s"): [r.cpu_ms_per_s for r in results],
     }
     rows = [row("own voice", case, metric, unit, values) for (metric, unit), values in figures.items()]

@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
+from app.modules.perception.voices.residual_echo import ResidualEcho
+
 Sound = NDArray[np.float32]
 #: Samples, and the number of the first of them.
 Numbered = tuple[int, NDArray[np.int16]]
@@ -31,11 +33,11 @@ _SMOOTHING = np.float32(0.8)
 _SILENT = 1e-4
 #: The filter is warm once it has removed this (dB) over some blocks, or has learnt for so long (s).
 _WARM_DB, _WARM_S, _WARM_BLOCKS = 20.0, 3.0, 8
-#: What is left counts as another's sound while it is above the echo's envelope by this (dB). The envelope falls by so
-#: many dB a second, as late reverberation, which the filter does not reach.
-_REST_DB, _FALL_DB_S = -14.0, 62.0
-#: Time (s) for which another's sound is let through after it was above, and the gain of all microphones otherwise.
-_HOLD_S, _MUTED = 0.15, np.float32(0.003)
+#: Fall (dB/s) of the echo's envelope: that of late reverberation, which the filter does not reach.
+_FALL_DB_S = 62.0
+#: Another sound is let through from the block on at which it has the first share of the frequencies, until so long (s)
+#: after the last at which it had the second.
+_OPENING, _STAYING, _HOLD_S = 0.05, 0.015, 0.25
 #: Power below which the envelope is over.
 _OVER = 1e-8
 
@@ -107,6 +109,7 @@ class OwnVoiceFilter:
 
     def __init__(self, channels: int, rate: int) -> None:
         self._canceller = EchoCanceller(channels, round(BLOCK_S * rate))
+        self._residual = ResidualEcho(self._canceller.block, rate)
         self._block_s = self._canceller.block / rate
         self._played: deque[tuple[int, Sound]] = deque()
         self._waiting = np.zeros((0, channels), np.int16)
@@ -157,6 +160,7 @@ class OwnVoiceFilter:
             done.append(self._waiting)
             self._waiting = self._waiting[:0]
             self._gain = np.float32(1)
+            self._residual.forget_past()
         return first, np.concatenate(done) if done else samples[:0]
 
     def reset(self) -> None:
@@ -164,6 +168,7 @@ class OwnVoiceFilter:
         self._waiting = self._waiting[:0]
         self._played.clear()
         self._canceller.forget_past()
+        self._residual.forget_past()
         self._envelope = 0.0
 
     def _clean(self, samples: NDArray[np.int16], used: Sequence[int] | None) -> NDArray[np.int16]:
@@ -171,10 +176,9 @@ class OwnVoiceFilter:
         columns = list(range(samples.shape[1])) if used is None else list(used)
         sound = np.ascontiguousarray(samples[:, columns].T).astype(np.float32) / np.float32(32768)
         clean = self._canceller.process(reference, sound, used)
-        before, after = float(np.mean(sound * sound)), float(np.mean(clean * clean))
         if self._cold and float(np.abs(reference).max()) >= _SILENT:
-            self._judge(before, after)
-        gain = self._next_gain(after)
+            self._judge(float(np.mean(sound * sound)), float(np.mean(clean * clean)))
+        gain = self._next_gain(self._residual.others(sound - clean, clean))
         # Closing is sudden: the first block of a sentence would be heard through a ramp.
         ramp = np.linspace(min(self._gain, gain), gain, len(samples), dtype=np.float32)
         self._gain = gain
@@ -190,14 +194,15 @@ class OwnVoiceFilter:
         removed = sum(b for b, _ in self._powers) > _ratio(_WARM_DB) * sum(a for _, a in self._powers)
         self._cold = not (full and removed) and self._learnt_s < _WARM_S
 
-    def _next_gain(self, rest: float) -> np.float32:
-        """The gain after a block of which power ``rest`` is left."""
+    def _next_gain(self, others: float) -> np.float32:
+        """The gain after a block at which another sound has the share ``others`` of the frequencies."""
         self._envelope = max(self._canceller.echo_power, self._envelope * _ratio(-_FALL_DB_S * self._block_s))
-        another = rest > _ratio(_REST_DB) * self._envelope
+        another = others > (_STAYING if self._open_s > 0 else _OPENING)
         self._open_s = _HOLD_S if another else self._open_s - self._block_s
         if self._cold and self._canceller.sounds:
-            return _MUTED
-        return np.float32(1) if self._open_s > 0 or self._envelope <= _OVER else _MUTED
+            return np.float32(0)
+        # Whole silence: what is merely soft is located as well, for levels do not count.
+        return np.float32(self._open_s > 0 or self._envelope <= _OVER)
 
     def _reference(self, first: int, count: int) -> Sound:
         """What was played as number ``first`` and the next; forgets what is older."""

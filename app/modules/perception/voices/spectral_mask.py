@@ -19,7 +19,7 @@ class SpectralMask:
 
     Background: the minimum of the smoothed power over the last one to two seconds (minimum statistics, Martin 2001).
     Reverberation: ``tail`` times the mean power of the last ``tail_s``; it follows loud sound, so direct sound exceeds
-    it at onsets. No weight is below ``floor``.
+    it at onsets. No weight is below ``floor``, which is that of digital silence.
 
     Of the last frame: ``background`` (B,) float32: upper bound of the background's share of the power; ``quiet`` (B,)
     bool: whether only background sounded; ``settled``: whether the first second is over.
@@ -61,4 +61,5 @@ class SpectralMask:
         self.background = np.minimum(np.float32(1), np.float32(_ALONE) * self._lowest / (power + np.float32(_TINY)))
         self.quiet = self._smooth < np.float32(_ALONE_SMOOTH) * self._lowest
         self._room = power + self._keep_tail * (self._room - power)
-        return np.asarray(np.maximum(np.float32(self._floor), 1 - unwanted / (power + np.float32(_TINY))), np.float32)
+        clear = 1 - (unwanted + np.float32(_TINY)) / (power + np.float32(_TINY))
+        return np.asarray(np.maximum(np.float32(self._floor), clear), np.float32)

@@ -41,7 +41,7 @@ def cancelled(
 
 
 def power_db(sound: NDArray[np.float32]) -> float:
-    return float(10 * np.log10(np.mean(sound.astype(np.float64) ** 2)))
+    return float(10 * np.log10(np.mean(sound.astype(np.float64) ** 2) + 1e-20))
 
 
 def noise(shape: tuple[int, ...], seed: int) -> NDArray[np.float32]:
