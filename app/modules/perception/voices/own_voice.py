@@ -51,6 +51,8 @@ class EchoCanceller:
         self.block = block
         self._past = np.zeros(block, np.float32)
         self._reference = np.zeros((partitions, bins), np.complex64)
+        #: Blocks for which the last that was not silent is among the reference.
+        self._lasts = 0
         self._path = np.zeros((channels, partitions, bins), np.complex64)
         self._path_variance = np.full((channels, partitions, bins), _PATH_VARIANCE, np.float32)
         self._rest_variance = np.full((channels, bins), _REST_VARIANCE, np.float32)
@@ -59,7 +61,7 @@ class EchoCanceller:
     @property
     def sounds(self) -> bool:
         """Whether the echo of past blocks still lasts."""
-        return bool(self._past.any() or self._reference.any())
+        return self._lasts > 0
 
     def process(self, reference: Sound, microphones: Sound, used: Sequence[int] | None = None) -> Sound:
         """``microphones`` (M, block) without the echo of ``reference`` (block,), both of full scale 1.
@@ -70,6 +72,8 @@ class EchoCanceller:
         self._reference = np.roll(self._reference, 1, axis=0)
         self._reference[0] = fft.rfft(np.concatenate([self._past, reference]))
         self._past = reference
+        # Of each block the second half is in the spectrum of the block after it.
+        self._lasts = len(self._reference) + 1 if reference.any() else max(0, self._lasts - 1)
         X, W = self._reference, self._path[rows]
         echo = fft.irfft(np.einsum("mpf,pf->mf", W, X), 2 * n, axis=-1)[:, n:]
         self.echo_power = float(np.mean(echo * echo))
@@ -82,6 +86,7 @@ class EchoCanceller:
         """The next block does not follow the last; what was learnt of the echo path is kept."""
         self._past[:] = 0
         self._reference[:] = 0
+        self._lasts = 0
 
     def _learn(self, error: Sound, W: NDArray[np.complex64], rows: slice | NDArray[np.int_]) -> None:
         n, X, P = self.block, self._reference, self._path_variance[rows]
