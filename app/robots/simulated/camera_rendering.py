@@ -61,7 +61,6 @@ class KinectRenderer:
         self._view = PerspectiveView(np.eye(3), -x, right=x, bottom=-y, top=y, width=width, height=height)
         self._color = np.zeros((height, width, 3), dtype=np.uint8)
         self._depth = np.zeros((height, width), dtype=np.float32)
-        self._inverse_depth = np.zeros((height, width), dtype=np.float32)
         # The depth buffer is affine in 1/z, with 0 at the far plane and 1 at the near one
         self._scale = np.float32((renderer.far - renderer.near) / (renderer.far * renderer.near))
         self._offset = np.float32(1.0 / renderer.far)
@@ -78,11 +77,10 @@ class KinectRenderer:
 
     @property
     def picture(self) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
-        """Colour (H, W, 3) uint8 RGB and inverse depth (H, W) float32 1/m along the optical axis, row 0 on top; both
-        until the next is asked for."""
-        np.multiply(self._depth[::-1], self._scale, out=self._inverse_depth)
-        self._inverse_depth += self._offset
-        return self._color[::-1], self._inverse_depth
+        """Colour (H, W, 3) uint8 RGB and inverse depth (H, W) float32 1/m along the optical axis, row 0 on top."""
+        inverse_depth = self._depth[::-1] * self._scale
+        inverse_depth += self._offset
+        return self._color[::-1], inverse_depth
 
     def measure(self, color: NDArray[np.uint8], depth: NDArray[np.uint16] | None) -> None:
         """Colour with noise and depth as a Kinect measures it."""
