@@ -27,7 +27,7 @@ pytestmark = pytest.mark.slow
 
 #: Scans, odometry and sixty other messages a second: an object kept for one message in ten shows. Histories of bounded
 #: length are full after a minute.
-WARM_S, IDLE_S = 60.0, 40.0
+WARM_S, IDLE_S = 60.0, 20.0
 MOST_KEPT = 200
 
 MINUTES = float(os.environ.get("HBBA_SOAK_MINUTES") or 0)

@@ -1,18 +1,20 @@
-"""What people ask for moves the lanes and the filters, and what the robot finds is shown where it is."""
+"""What people ask for moves the lanes and the filters."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Iterator
 
-from playwright.sync_api import Page, WebSocket
+import pytest
+from playwright.sync_api import Page
 
-from tests.browser.held_keys import hold_until
-from tests.browser.running import Robot
-from tests.console.view.viser_frames import viser_messages
+from tests.browser.running import Robot, running_robot
 
-REACH_M = 0.15
+
+@pytest.fixture(scope="module")
+def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
+    """One robot for all tests: each leaves the desires as it found them."""
+    with running_robot(tmp_path_factory.mktemp("robot")) as running:
+        yield running
 
 
 def lane(page: Page, desire_class: str) -> dict[str, str]:
@@ -53,12 +55,16 @@ def test_a_desire_over_rest_moves_lanes_and_filters(robot: Robot, page: Page) ->
 def test_inhibiting_a_class_closes_its_filter(robot: Robot, page: Page) -> None:
     """Utility 0 at a higher intensity silences the class; its module gets nothing more."""
     # The scenario's own desire is as intense as can be: make room first.
-    for desire in robot.get("/desires")["desires"]:
-        if desire["class"] == "FindQRCodes":
-            assert robot.request("PATCH", f"/desires/{desire['id']}", {"intensity": 2})[0] == 200
-    robot.request("POST", "/desires", {"class": "FindQRCodes", "intensity": 8, "utility": 0})
+    found = [desire for desire in robot.get("/desires")["desires"] if desire["class"] == "FindQRCodes"]
+    for desire in found:
+        assert robot.request("PATCH", f"/desires/{desire['id']}", {"intensity": 2})[0] == 200
+    _, _, silencing = robot.request("POST", "/desires", {"class": "FindQRCodes", "intensity": 8, "utility": 0})
     page.locator("[data-testid=lane-FindQRCodes][data-state=inhibited]").wait_for(state="attached")
     assert robot.get("/intention")["filters"]["QRCodeDetector.images"] is None
+    assert robot.request("DELETE", f"/desires/{silencing['id']}")[0] == 204
+    for desire in found:
+        assert robot.request("PATCH", f"/desires/{desire['id']}", {"intensity": desire["intensity"]})[0] == 200
+    page.locator("[data-testid=lane-FindQRCodes]:not([data-state=inhibited])").wait_for(state="attached")
 
 
 def test_a_desire_from_the_page(robot: Robot, page: Page) -> None:
@@ -71,40 +77,4 @@ def test_a_desire_from_the_page(robot: Robot, page: Page) -> None:
     posted = robot.get("/desires")["desires"][-1]
     assert posted["class"] == "FindQRCodes"
     assert posted["source"]["kind"] == "operator"
-
-
-def test_a_poster_driven_up_to_is_found_where_it_hangs(robot: Robot, open_page: Callable[..., Page]) -> None:
-    """Its code is decoded from the rendered picture, listed, and drawn in the scene within 0.15 m of its true place.
-
-    One page drives; a second one then looks at the scene, and what viser's client is sent there is read on its way.
-    """
-    page = open_page()
-    # The robot starts facing one of the posters, a few metres off.
-    text = min(robot.posters, key=lambda text: abs(robot.true_place(text)[1]))
-    page.get_by_test_id("tab-found").click()
-    row = page.locator(f"[data-testid=landmark][data-text='{text}']")
-    hold_until(page, "KeyW", row)
-    seen = [float(row.get_attribute(f"data-{axis}") or "nan") for axis in "xyz"]
-    assert math.dist(seen, robot.true_place(text)) < REACH_M
-    onlooker = open_page(scene=True)
-    drawn: list[dict[str, Any]] = []
-    onlooker.on("websocket", lambda socket: _collect(socket, drawn))
-    onlooker.reload()
-    places = [m["position"] for m in drawn if m["type"] == "SetPositionMessage" and m["name"] == "/odom/landmark_0"]
-    while not places:
-        onlooker.wait_for_timeout(100)
-        places = [m["position"] for m in drawn if m["type"] == "SetPositionMessage" and m["name"] == "/odom/landmark_0"]
-    assert math.dist(places[-1], robot.true_place(text)) < REACH_M
-    assert any(m["type"] == "LabelMessage" and text in str(m) for m in drawn)
-
-
-def _collect(socket: WebSocket, drawn: list[dict[str, Any]]) -> None:
-    """Keep what is said of landmarks on viser's connection."""
-    if "/viser?" not in socket.url:
-        return
-
-    def take(frame: bytes | str) -> None:
-        if isinstance(frame, bytes):
-            drawn.extend(m for m in viser_messages(frame) if "/odom/landmark" in str(m.get("name")))
-
-    socket.on("framereceived", take)
+    assert robot.request("DELETE", f"/desires/{posted['id']}")[0] == 204

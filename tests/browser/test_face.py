@@ -1,19 +1,16 @@
-"""The robot's face on its own page: blinks, expresses what is desired, speaks, comes back after a loss, and logs in."""
+"""The robot's face on its own page: blinks, expresses what is desired, speaks, and comes back after a loss."""
 
 from __future__ import annotations
 
-from pathlib import Path
+from collections.abc import Iterator
 
 import pytest
 from playwright.sync_api import Browser, ConsoleMessage, Page, WebSocketRoute, expect
 
-from app.console.access.token import VARIABLE
 from app.modules.behaviors.face.expression import JOINTS
 from tests.browser.running import Robot, running_robot
 from tests.patience import PATIENCE_MS
 
-CALM = True
-TOKEN = "a token of eight or more"
 #: Waits, in the page's own frames, until a joint as drawn is above or below a position (rad).
 UNTIL = """([joint, position, above]) => {
   const pose = document.querySelector("[data-testid=face]").dataset.pose;
@@ -33,8 +30,20 @@ new MutationObserver(() => window.links.push(document.body.dataset.link)).observ
   document, { subtree: true, attributes: true, attributeFilter: ["data-link"] });"""
 
 
+@pytest.fixture(scope="module")
+def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
+    """One calm robot for all tests: each withdraws what it desired."""
+    with running_robot(tmp_path_factory.mktemp("robot"), calm=True) as running:
+        yield running
+
+
 def until(page: Page, joint: str, position: float, *, above: bool) -> None:
     page.wait_for_function(UNTIL, arg=[JOINTS.index(joint), position, above], timeout=PATIENCE_MS)
+
+
+def watched(robot: Robot) -> bool:
+    """Whether a page desires pictures."""
+    return any(desire["class"] == "Telepresence" for desire in robot.get("/desires")["desires"])
 
 
 def test_it_blinks_expresses_speaks_and_comes_back(browser: Browser, robot: Robot) -> None:
@@ -58,6 +67,8 @@ def test_it_blinks_expresses_speaks_and_comes_back(browser: Browser, robot: Robo
     page.on("request", lambda request: asked.add(request.url))
     page.add_init_script(LINKS)
     page.route_web_socket("**/api/v1/face", relay)
+    while watched(robot):  # by another test's page, for a moment yet
+        page.wait_for_timeout(100)
     page.goto(f"{robot.url}/face")
     page.locator("body[data-link=live]").wait_for()
     assert page.locator("button, input, a, select").count() == 0, "no controls"
@@ -89,7 +100,7 @@ def test_it_blinks_expresses_speaks_and_comes_back(browser: Browser, robot: Robo
     assert len(streams) >= 2
     assert errors == []
     assert all(url.startswith((robot.url, "data:")) for url in asked), asked
-    assert not any(d["class"] == "Telepresence" for d in robot.get("/desires")["desires"]), "a face is no viewer"
+    assert not watched(robot), "a face is no viewer"
 
     console = context.new_page()
     console.set_viewport_size({"width": 1000, "height": 640})  # a phone has no sheet of shortcuts
@@ -116,22 +127,3 @@ def test_a_sentence_is_heard_on_the_page(robot: Robot, page: Page) -> None:
     page.wait_for_function(HEARD, arg=[FANS_DB, False])
     page.get_by_test_id("listen").click()
     page.locator("[data-testid=listen][aria-pressed=false]").wait_for()
-
-
-def test_a_screen_elsewhere_logs_in_by_its_address(
-    browser: Browser, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv(VARIABLE, TOKEN)
-    with running_robot(tmp_path, calm=True) as robot:
-        url = robot.url.partition("#")[0].rstrip("/")
-        context = browser.new_context()
-        context.set_default_timeout(PATIENCE_MS)
-        page = context.new_page()
-        page.goto(f"{url}/face")
-        page.locator("body[data-link=login]").wait_for()
-        expect(page.get_by_text("Log in at the console")).to_be_visible()
-        page.goto("about:blank")
-        page.goto(f"{url}/face#token={TOKEN.replace(' ', '%20')}")
-        page.locator("body[data-link=live]").wait_for()
-        until(page, "eyelids_joint", 0.8, above=True)
-        context.close()

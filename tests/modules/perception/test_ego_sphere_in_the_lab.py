@@ -116,7 +116,7 @@ def test_who_claps_behind_the_robot_is_the_most_salient(tmp_path: Path) -> None:
     }
 
     async def script(run: WorldRun) -> list[float]:
-        found = await first_regions(run, 5.0, {}, "LocateVoices", "DetectNoises")
+        found = await first_regions(run, 3.5, {}, "LocateVoices", "DetectNoises")
         first = [(message, message.regions[0]) for message in found if message.regions]
         assert any(region.sounds > 0 for _, region in first)
         return [off_deg(run, message, region, person_points(run, "Ann")) for message, region in first if region.sounds]
