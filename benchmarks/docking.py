@@ -14,7 +14,7 @@ from app.base import compiled
 from app.base.geometry import Pose2
 from app.experiments.world_run import WorldRun
 from benchmarks.report import Row, benchmark_main, row
-from tests.modules.behaviors.docking.lab import ME, errors, in_the_lab
+from tests.scenery.docking_lab import ME, errors, in_the_lab
 
 POSES = (
     Pose2(11.0, 4.6, math.pi / 2),

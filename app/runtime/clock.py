@@ -157,6 +157,10 @@ class _JumpingSelector(selectors.DefaultSelector):
         return ready
 
 
+#: Real time (s) that a thread may take in a test: on a busy computer as well.
+_TEST_PATIENCE_S = 180.0
+
+
 class VirtualTimeLoop(asyncio.SelectorEventLoop):
     """An event loop in virtual time: time does not pass while a task runs, and jumps to the next timer when all tasks
     wait.
@@ -205,6 +209,6 @@ def in_virtual_time(function: Callable[P, Coroutine[Any, Any, T]]) -> Callable[P
 
     @functools.wraps(function)
     def run(*args: P.args, **kwargs: P.kwargs) -> T:
-        return run_virtual(function(*args, **kwargs))
+        return run_virtual(function(*args, **kwargs), patience_s=_TEST_PATIENCE_S)
 
     return run

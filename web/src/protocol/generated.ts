@@ -1147,7 +1147,7 @@ export interface RobotMessages {
   hello: Hello;
   /** 20 times a second: guard, pose, driver, freshness of every source. */
   status: Status;
-  /** 20 times a second: one row for each desire class. */
+  /** 10 times a second: one row for each desire class. */
   lanes: Lanes;
   /** Once, before the first `lanes`, and after a `jump`: what they were. */
   lanes_history: LanesHistory;

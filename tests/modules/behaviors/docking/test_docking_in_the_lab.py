@@ -12,7 +12,7 @@ from app.base.yaml_source import parse
 from app.experiments.world_run import WorldRun
 from app.messages import DockingStatus
 from app.robots.simulated.world_config import WorldConfig
-from tests.modules.behaviors.docking.lab import ME, X_WD, errors, in_the_lab
+from tests.scenery.docking_lab import ME, X_WD, errors, in_the_lab
 
 pytestmark = pytest.mark.slow
 
