@@ -97,8 +97,8 @@ class Docking(Module):
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
         self.scans = self.input("scans", LaserScan)
-        self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True, rests=True)
-        self.localization = self.input("localization", Localization, rests=True)
+        self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True)
+        self.localization = self.input("localization", Localization)
         self.battery = self.input("battery", BatteryState, always_open=True)
         self.twist = self.output("twist", Twist)
         self.dock = self.output("dock", DockSighting)
