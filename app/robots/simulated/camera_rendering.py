@@ -108,7 +108,6 @@ class FisheyeRenderer:
         #: How often any of its views was drawn.
         self.drawn = 0
         self._drawn: NDArray[np.uint8]
-        self._read_into: NDArray[np.uint8]
         self._noise: ColorNoise
 
     def draw(self, snapshot: WorldSnapshot) -> Iterator[None]:
@@ -135,16 +134,12 @@ class FisheyeRenderer:
     def _read(self, piece: Tile) -> None:
         """Copy one view out of its frame buffer, in which another may be drawn next."""
         view = piece.view
-        read = self._read_into[: view.height * view.width].reshape(view.height, view.width, 3)
-        self._renderer.read(view, read)
-        self._drawn[piece.y : piece.y + view.height, piece.x : piece.x + view.width] = read
+        self._renderer.read(view, self._drawn[piece.y : piece.y + view.height, piece.x : piece.x + view.width])
 
     def _set_up(self) -> Tiling:
         c = self._config
         tiling = tile(fisheye_model(c))
         self._drawn = np.zeros((tiling.height, tiling.width, 3), dtype=np.uint8)
-        largest = max(piece.view.width * piece.view.height for piece in tiling.tiles)
-        self._read_into = np.zeros((largest, 3), dtype=np.uint8)
         self._noise = ColorNoise(c.height, c.width, c.color_noise, self._rng)
         for piece in tiling.tiles:
             self._watches[piece] = ChangeDetector(self._renderer, self._camera, piece.view)

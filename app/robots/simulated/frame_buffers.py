@@ -11,7 +11,10 @@ import ctypes
 import os
 from typing import Any
 
+import cv2
 import mujoco
+import numpy as np
+from numpy.typing import NDArray
 
 from app.robots.simulated.gl import UNUSABLE_GL, GlUnavailable
 
@@ -19,6 +22,7 @@ _FRAMEBUFFER, _RENDERBUFFER = 0x8D40, 0x8D41
 _COLOR_ATTACHMENT, _DEPTH_ATTACHMENT = 0x8CE0, 0x8D00
 _RGBA8, _DEPTH_COMPONENT32F = 0x8058, 0x8CAC
 _COMPLETE = 0x8CD5
+_RGBA, _UNSIGNED_BYTE = 0x1908, 0x1401
 
 
 class FrameBuffers:
@@ -32,6 +36,10 @@ class FrameBuffers:
         self._fit = os.environ.get("MUJOCO_GL") == "egl" and not context.offSamples
         self._first: int = context.offFBO
         self._made: dict[tuple[int, int], int] = {}
+        self._read_into = np.zeros(0, dtype=np.uint8)
+        if self._fit:
+            integers = [ctypes.c_int, ctypes.c_int, ctypes.c_int, ctypes.c_int, ctypes.c_uint, ctypes.c_uint]
+            self._read_pixels = _function("glReadPixels", *integers, ctypes.c_void_p)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, context)
 
     def use(self, width: int, height: int) -> None:
@@ -45,6 +53,20 @@ class FrameBuffers:
         elif width > context.offWidth or height > context.offHeight:
             mujoco.mjr_resizeOffscreen(max(width, context.offWidth), max(height, context.offHeight), context)
         mujoco.mjr_restoreBuffer(context)
+
+    def read_color(self, out: NDArray[np.uint8]) -> None:
+        """Read the colours of the picture drawn last into ``out`` (H, W, 3), of its size, row 0 at the bottom."""
+        height, width, _ = out.shape
+        channels = 4 if self._fit else 3
+        if self._read_into.size < channels * height * width:
+            self._read_into = np.zeros(channels * height * width, dtype=np.uint8)
+        read = self._read_into[: channels * height * width].reshape(height, width, channels)
+        if self._fit:  # as they are stored: OpenCV converts them sooner than OpenGL
+            self._read_pixels(0, 0, width, height, _RGBA, _UNSIGNED_BYTE, read.ctypes.data)
+            cv2.cvtColor(read, cv2.COLOR_RGBA2RGB, dst=out)
+        else:
+            mujoco.mjr_readPixels(read, None, mujoco.MjrRect(0, 0, width, height), self._context)
+            out[:] = read
 
     def free(self) -> None:
         """Free all of them, with their context."""

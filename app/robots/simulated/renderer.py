@@ -170,7 +170,9 @@ class Renderer:
     def read(self, view: PerspectiveView, color: NDArray[np.uint8], depth: NDArray[np.float32] | None = None) -> None:
         """The image of ``view``, drawn last, row 0 at the *bottom*: ``color`` (H, W, 3), ``depth`` (H, W) from 0 far to
         1."""
-        mujoco.mjr_readPixels(color, depth, _rectangle(view), self._context)
+        self._buffers.read_color(color)
+        if depth is not None:
+            mujoco.mjr_readPixels(None, depth, _rectangle(view), self._context)
 
     def close(self) -> None:
         self._buffers.free()

@@ -93,6 +93,17 @@ def test_pictures_and_depths_are_those_of_mujocos_own_frame_buffer(scene: Scene)
     np.testing.assert_array_equal(again[1], depth)
 
 
+def test_colours_are_read_as_mujoco_reads_them(scene: Scene) -> None:
+    buffers = FrameBuffers(scene.context)
+    buffers.use(*SIZE)
+    color, _ = scene.picture()
+    around = np.full((SIZE[1] + 4, SIZE[0] + 6, 3), 7, np.uint8)
+    buffers.read_color(around[1 : SIZE[1] + 1, 2 : SIZE[0] + 2])
+    np.testing.assert_array_equal(around[1 : SIZE[1] + 1, 2 : SIZE[0] + 2], color)
+    around[1 : SIZE[1] + 1, 2 : SIZE[0] + 2] = 7
+    assert (around == 7).all()  # nothing beside it was written
+
+
 def test_each_size_has_its_own(scene: Scene) -> None:
     buffers = FrameBuffers(scene.context)
     buffers.use(*SIZE)
@@ -112,4 +123,7 @@ def test_several_samples_per_pixel_are_drawn_in_mujocos_own() -> None:
     assert (scene.context.offWidth, scene.context.offHeight) == (2 * SIZE[0], 2 * SIZE[1])
     assert scene.has_stencil()
     np.testing.assert_array_equal(scene.picture()[0], color)
+    read = np.zeros_like(color)
+    buffers.read_color(read)
+    np.testing.assert_array_equal(read, color)
     scene.close()
