@@ -23,12 +23,16 @@ POINT: dict[str, Any] = {"type": "array", "items": {"type": "number"}, "minItems
 class QRCode:
     """One decoded code: ``corners`` (4, 2) float32 px, from the code's upper left, clockwise as printed.
 
-    ``p_BQ`` is its centre in ``base_link`` at the message's stamp, None where its depth could not be measured.
+    ``p_BQ`` is its centre in ``base_link`` at the message's stamp, None where it could not be measured. ``n_BQ`` is the
+    unit vector of its outward normal there, towards whom it is read by, with standard deviation ``normal_sigma`` (rad);
+    both None where the surface it hangs on could not be measured.
     """
 
     text: str
     corners: NDArray[np.float32]
     p_BQ: tuple[float, float, float] | None
+    n_BQ: tuple[float, float, float] | None = None
+    normal_sigma: float | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
