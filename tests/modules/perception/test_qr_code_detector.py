@@ -177,7 +177,7 @@ def known(b: Bench) -> tuple[Landmark, ...]:
     """The landmarks that the module knows, published or not."""
     module = b.slot.context.instance
     assert isinstance(module, QRCodeDetector)
-    return module._map.landmarks
+    return module._keeper.map.message(0.0).landmarks
 
 
 async def drive_past(b: Bench, shots: int, scan_delay_s: float = 0.0, wall_y: float = 0.9) -> float:
