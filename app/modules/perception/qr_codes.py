@@ -216,8 +216,8 @@ def _plane(
         if solution[2] <= 0:
             return None
         residual = np.abs(terms @ solution - inverse)
-        spread = float(residual[keep] @ residual[keep]) / max(1, np.count_nonzero(keep) - 3)
+        spread = float(residual[keep] @ residual[keep]) / max(1, int(np.count_nonzero(keep)) - 3)
         covariance = _CORRELATED * spread * np.linalg.inv(normal)
         keep = residual <= 3.0 * max(float(np.median(residual)), 1e-6)
-    a, b, c = solution.tolist()
-    return (a, b, c), covariance
+    a, b, c = (float(value) for value in solution)
+    return (a, b, c), np.asarray(covariance, np.float64)

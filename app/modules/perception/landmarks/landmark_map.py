@@ -381,7 +381,7 @@ class LandmarkMap:
             if rows.any():
                 drift = settings.drift_per_m * (self._driven_m - landmark.driven_m)
                 own = np.linalg.inv(landmark.sightings.information) + drift**2 * np.diag([1.0, 1.0, 0.0])
-                loose = replace(landmark.sightings, information=np.linalg.inv(own))
+                loose = replace(landmark.sightings, information=np.asarray(np.linalg.inv(own), np.float64))
                 landmark = replace(landmark, sightings=self._onto(loose, rows, anchor, self._X_FA[[1]]))
             known.append(landmark)
         self._known = known

@@ -150,4 +150,5 @@ def _by_anchor(anchors: NDArray[np.int64], p: FloatArray, information: FloatArra
     np.add.at(total, rows, information)
     np.add.at(weighted, rows, np.einsum("nij,nj->ni", information, p))
     np.add.at(vectors, rows, headings)
-    return Sightings(ids, np.linalg.solve(total, weighted[..., None])[..., 0], total, vectors)
+    p_KQ = np.asarray(np.linalg.solve(total, weighted[..., None])[..., 0], np.float64)
+    return Sightings(ids, p_KQ, total, vectors)

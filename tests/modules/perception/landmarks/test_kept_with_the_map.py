@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from app.base.geometry import Pose2, Pose3
 from app.maps.library import MapLibrary
@@ -105,7 +106,7 @@ def visit(tmp_path: Path, script: Script, *, fails: bool = False, **settings: fl
     assert bool(made.bench.problem) == fails
 
 
-def assert_at(landmarks: Landmarks, p: object, frame: str = "map") -> None:
+def assert_at(landmarks: Landmarks, p: NDArray[np.float64], frame: str = "map") -> None:
     assert landmarks.frame == frame
     (mark,) = landmarks.landmarks
     np.testing.assert_allclose(mark.p_FQ, p, atol=0.02)
