@@ -99,10 +99,10 @@ class LandmarkKeeper:
             if missed.misses >= self._settings.gone_looks and image.stamp - missed.missed >= self._settings.gone_s:
                 self.map.remove(landmark.id)
                 x, y, _ = at.p.tolist()
+                place = f"x {x:.2f} m, y {y:.2f} m in {self.map.frame}"
                 self._log.info(
-                    "the code %r is gone from x %.2f m, y %.2f m in %s: %d looks at that place did not show it",
-                    landmark.text, x, y, self.map.frame, missed.misses,
-                )  # fmt: skip
+                    "the code %r is gone from %s: %d looks did not show it", landmark.text, place, missed.misses
+                )
 
     def poses(self, stamp: float, found: Sequence[Found], X_OB: Pose2) -> list[LandmarkPose]:
         """Where the robot may be, by the landmarks on the map that say what was found; none while it is localized."""
@@ -149,10 +149,11 @@ class LandmarkKeeper:
         for mark in found:
             if (mark.id, mark.now) not in self._displaced:
                 (x, y, _), (u, v, _) = mark.p_MQ, mark.p_MR
+                there, now = f"x {x:.2f} m, y {y:.2f} m", f"x {u:.2f} m, y {v:.2f} m"
+                off_m = math.dist(mark.p_MQ, mark.p_MR)
                 self._log.warning(
-                    "the code %r hangs at x %.2f m, y %.2f m, %.2f m from x %.2f m, y %.2f m, where the map has it",
-                    mark.text, u, v, math.dist(mark.p_MQ, mark.p_MR), x, y,
-                )  # fmt: skip
+                    "the code %r hangs at %s, %.2f m from %s, where the map has it", mark.text, now, off_m, there
+                )
         self._displaced = frozenset((mark.id, mark.now) for mark in found)
         return DisplacedLandmarks(stamp, found)
 
