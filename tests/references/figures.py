@@ -40,6 +40,7 @@ _HEADER = """\
 TOLERANCES: Mapping[str, float | str] = {
     "channels.qr_codes": 0,
     "channels.landmarks": 2,
+    "channels.displaced_landmarks": 2,
     "qr_codes": 2,
     "landmarks": 0.02,
     "landmarks.sigma": 0.005,
