@@ -59,8 +59,8 @@ from app.messages import (
 from app.modules.perception.fisheye_patches import FisheyePatches
 from app.modules.perception.landmarks.keeper import Found, KeeperSettings, LandmarkKeeper
 from app.modules.perception.landmarks.landmark_file import StoredLandmarks
-from app.modules.perception.landmarks.landmark_map import LandmarkSettings, Seen
 from app.modules.perception.landmarks.landmark_store import LandmarkStore
+from app.modules.perception.landmarks.types import LandmarkSettings, Seen
 from app.modules.perception.laser_ray import WallPoint, scan_points, wall_on_ray
 from app.modules.perception.opencv import use_calling_thread
 from app.modules.perception.pose_at import PoseAt
@@ -200,7 +200,7 @@ class QRCodeDetector(Module):
         if by_laser:
             await self._place_on_walls(image, X_OB, codes)
         elif X_OB is not None:
-            await self._place(image, X_OB, self._found(image, codes))
+            await self._place(image, X_OB, codes)
 
     async def _read(self, image: Image) -> tuple[QRCode, ...]:
         camera = image.camera
@@ -248,13 +248,18 @@ class QRCodeDetector(Module):
                 found.append((code.text, Seen(p_BQ, sigma_m, *_heading(code))))
         return found
 
-    async def _place(self, image: Image, X_OB: Pose2, found: list[Found]) -> None:
+    async def _place(self, image: Image, X_OB: Pose2, codes: tuple[QRCode, ...]) -> None:
+        """Codes placed by depth, and landmarks that are not seen."""
+        shown = self._take(image, X_OB, found := self._found(image, codes))
+        if image.depth is not None and await self._stands(image.stamp, X_OB):
+            self._keeper.look(image, X_OB, shown, {code.text for code in codes if code.p_BQ is None})
+        self._publish_landmarks(image.stamp, seen=bool(found))
+
+    def _take(self, image: Image, X_OB: Pose2, found: list[Found]) -> frozenset[int]:
+        """Take what was found: for a pose of a robot that is lost, else for the landmarks, whose ids are returned."""
         for pose in self._keeper.poses(image.stamp, found, X_OB):
             self.poses.publish(pose)
-        shown = self._keeper.see(image.stamp, found, X_OB)
-        if image.depth is not None and await self._stands(image.stamp, X_OB):
-            self._keeper.look(image, X_OB, shown)
-        self._publish_landmarks(image.stamp, seen=bool(found))
+        return self._keeper.see(image.stamp, found, X_OB)
 
     async def _stands(self, stamp: float, X_OB: Pose2) -> bool:
         before = await self._poses.at(stamp - _STILL_S)
@@ -281,7 +286,8 @@ class QRCodeDetector(Module):
             placed.append(code)
         self.codes.publish(_of(image, tuple(placed)))
         if found:
-            await self._place(image, X_OB, found)
+            self._take(image, X_OB, found)
+            self._publish_landmarks(image.stamp, seen=True)
 
     async def _walls(self, stamp: float) -> tuple[NDArray[np.float64], tuple[float, float], float] | None:
         """The scan nearest to ``stamp``: its points in odom, the laser's position, the angle between its rays."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,9 +12,10 @@ import numpy as np
 from app.base.geometry import Pose2
 from app.messages import DisplacedLandmarks, Image, Keyframes, LandmarkPose, Landmarks, read_only
 from app.modules.perception.landmarks.landmark_file import StoredLandmarks
-from app.modules.perception.landmarks.landmark_map import LandmarkMap, LandmarkSettings, LandmarkState, Seen
+from app.modules.perception.landmarks.landmark_map import LandmarkMap
 from app.modules.perception.landmarks.looks import should_show
 from app.modules.perception.landmarks.robot_pose import pose_by_landmark
+from app.modules.perception.landmarks.types import LandmarkSettings, LandmarkState, Seen
 
 #: A code read in an image, and where.
 Found = tuple[str, Seen]
@@ -86,14 +87,19 @@ class LandmarkKeeper:
         marks = [self.map.take(stamp, text, seen, X_OB) for text, seen in found]
         return frozenset(mark.id for mark in marks if mark is not None)
 
-    def look(self, image: Image, X_OB: Pose2, shown: frozenset[int]) -> None:
-        """Count the landmarks that ``image`` should have shown, but for those ``shown``: the robot stood still."""
-        if not self.map.localized:
+    def look(self, image: Image, X_OB: Pose2, shown: frozenset[int], unplaced: Collection[str]) -> None:
+        """Count the landmarks on the map that ``image`` should have shown, the robot standing.
+
+        Those ``shown`` were, and so may be those with a text that was read ``unplaced``.
+        """
+        if self.map.frame != "map" or not self.map.localized:
             return
         X_FC = self.map.X_FB(X_OB).to_pose3() @ image.X_BC
         for landmark in self.map.known:
             at = self.map.where(landmark)
-            if landmark.id in shown or at.heading is None or not should_show(image, X_FC, at.p, at.heading):
+            if landmark.id in shown or landmark.text in unplaced:
+                continue
+            if at.heading is None or not should_show(image, X_FC, at.p, at.heading):
                 continue
             missed = self.map.miss(landmark.id, image.stamp)
             if missed.misses >= self._settings.gone_looks and image.stamp - missed.missed >= self._settings.gone_s:

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from app.base.errors import ConfigError
 from app.base.npz_source import read_arrays
-from app.modules.perception.landmarks.landmark_map import Anchored
 from app.modules.perception.landmarks.sightings import FloatArray, Sightings
+from app.modules.perception.landmarks.types import Anchored
 
 LANDMARKS_FILE = "landmarks.npz"
 FORMAT = 1

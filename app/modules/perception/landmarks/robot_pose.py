@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.base.geometry import Pose2, wrap_angle
-from app.modules.perception.landmarks.landmark_map import Seen
 from app.modules.perception.landmarks.sightings import Fused
+from app.modules.perception.landmarks.types import Seen
 
 #: Uncertainty of the heading (rad) above which the pose is none: 1 m at 3 m.
 _MOST_SIGMA_RAD = 0.35

@@ -9,7 +9,8 @@ import numpy as np
 
 from app.base.geometry import Pose2
 from app.messages import Keyframes, Landmark
-from app.modules.perception.landmarks.landmark_map import LandmarkMap, Seen
+from app.modules.perception.landmarks.landmark_map import LandmarkMap
+from app.modules.perception.landmarks.types import Seen
 
 Removed = tuple[int, int, Pose2]
 

@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.base.geometry import Pose2
-from app.modules.perception.landmarks.landmark_map import Seen
 from app.modules.perception.landmarks.robot_pose import pose_by_landmark
 from app.modules.perception.landmarks.sightings import Fused
+from app.modules.perception.landmarks.types import Seen
 from tests.modules.perception.landmarks.graphs import seen, turned
 
 POSES = st.builds(Pose2, st.floats(-5, 5), st.floats(-5, 5), st.floats(-3, 3))
