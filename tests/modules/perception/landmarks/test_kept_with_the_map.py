@@ -10,9 +10,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
-from app.base.geometry import Pose2, Pose3
+from app.base.geometry import FloatArray, Pose2, Pose3
 from app.maps.library import MapLibrary
 from app.maps.map_service import Files, MapService
 from app.messages import DisplacedLandmarks, Image, Keyframes, LandmarkPose, Landmarks, Odometry, QRCodes, Zone
@@ -106,7 +105,7 @@ def visit(tmp_path: Path, script: Script, *, fails: bool = False, **settings: fl
     assert bool(made.bench.problem) == fails
 
 
-def assert_at(landmarks: Landmarks, p: NDArray[np.float64], frame: str = "map") -> None:
+def assert_at(landmarks: Landmarks, p: FloatArray, frame: str = "map") -> None:
     assert landmarks.frame == frame
     (mark,) = landmarks.landmarks
     np.testing.assert_allclose(mark.p_FQ, p, atol=0.02)
