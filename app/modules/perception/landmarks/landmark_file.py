@@ -6,6 +6,7 @@ An archive of arrays, as numpy writes them, without pickles. Rows of all landmar
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -62,6 +63,7 @@ def write_landmarks(path: Path, stored: StoredLandmarks) -> None:
             anchor_pose=stored.X_MK,
         )
         file.flush()
+        os.fsync(file.fileno())
 
 
 def read_landmarks(path: Path) -> StoredLandmarks:
