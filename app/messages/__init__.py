@@ -40,6 +40,7 @@ from app.messages.attention import (
 from app.messages.base import Look, Message, PerceptKind, read_only
 from app.messages.driving import Exploitation, LinkStatus, TeleopCommand, Twist
 from app.messages.energy import BatteryState, DockingState, DockingStatus, DockSighting
+from app.messages.landmarks import DisplacedLandmark, DisplacedLandmarks, Keyframes, LandmarkPose
 from app.messages.navigation import (
     GivenUpGoal,
     Localization,
@@ -113,6 +114,8 @@ __all__ = [
     "DesireOutcome",
     "DesireReport",
     "Desires",
+    "DisplacedLandmark",
+    "DisplacedLandmarks",
     "Divisor",
     "Divisors",
     "DockSighting",
@@ -134,7 +137,9 @@ __all__ = [
     "IntentionReport",
     "JointCommand",
     "JointState",
+    "Keyframes",
     "Landmark",
+    "LandmarkPose",
     "Landmarks",
     "LaneRow",
     "LaneState",

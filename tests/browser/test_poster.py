@@ -32,10 +32,12 @@ def test_a_poster_driven_up_to_is_found_where_it_hangs(robot: Robot, open_page: 
     drawn: list[dict[str, Any]] = []
     onlooker.on("websocket", lambda socket: _collect(socket, drawn))
     onlooker.reload()
-    places = [m["position"] for m in drawn if m["type"] == "SetPositionMessage" and m["name"] == "/odom/landmark_0"]
+    # Below the map's node, once the robot is localized on it.
+    nodes = ("/odom/landmark_0", "/odom/map/landmark_0")
+    places = [m["position"] for m in drawn if m["type"] == "SetPositionMessage" and m["name"] in nodes]
     while not places:
         onlooker.wait_for_timeout(100)
-        places = [m["position"] for m in drawn if m["type"] == "SetPositionMessage" and m["name"] == "/odom/landmark_0"]
+        places = [m["position"] for m in drawn if m["type"] == "SetPositionMessage" and m["name"] in nodes]
     assert math.dist(places[-1], robot.true_place(text)) < REACH_M
     assert any(m["type"] == "LabelMessage" and text in str(m) for m in drawn)
 
@@ -47,6 +49,6 @@ def _collect(socket: WebSocket, drawn: list[dict[str, Any]]) -> None:
 
     def take(frame: bytes | str) -> None:
         if isinstance(frame, bytes):
-            drawn.extend(m for m in viser_messages(frame) if "/odom/landmark" in str(m.get("name")))
+            drawn.extend(m for m in viser_messages(frame) if "/landmark_" in str(m.get("name")))
 
     socket.on("framereceived", take)

@@ -89,7 +89,7 @@ async def test_messages_of_its_channels_come_on_the_live_stream(
         assert first["message"]["stamp"] == 1.0
         assert first["message"]["landmarks"][0]["text"] == "door"
         landmarks.publish(Landmarks(2.0, ()))
-        assert (await ann.until("channel"))["message"] == {"stamp": 2.0, "landmarks": []}
+        assert (await ann.until("channel"))["message"] == {"stamp": 2.0, "landmarks": [], "frame": "odom"}
 
 
 def test_one_that_cannot_be_used_is_left_out_with_a_sentence(site: Path, caplog: pytest.LogCaptureFixture) -> None:

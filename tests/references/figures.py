@@ -40,6 +40,7 @@ _HEADER = """\
 TOLERANCES: Mapping[str, float | str] = {
     "channels.qr_codes": 0,
     "channels.landmarks": 2,
+    "channels.displaced_landmarks": 2,
     "qr_codes": 2,
     "landmarks": 0.02,
     "landmarks.sigma": 0.005,
@@ -191,7 +192,7 @@ class _Figures:
         return {
             "qr_codes": dict(sorted(self.codes.items())),
             "landmarks": {
-                "place": {mark.text: [round(x, 3) for x in mark.p_OQ] for mark in landmarks},
+                "place": {mark.text: [round(x, 3) for x in mark.p_FQ] for mark in landmarks},
                 "sigma": {mark.text: round(mark.sigma_m, 3) for mark in landmarks},
                 "sightings": {mark.text: mark.sightings for mark in landmarks},
             },

@@ -42,15 +42,21 @@ _STEEPEST = 1.0 / LEAST_SINE
 _NOISE_M = 0.03
 #: Systematic error of the laser, which averaging does not reduce.
 _LEAST_SIGMA_M = 0.005
+#: The page may hang aslant on its wall.
+_LEAST_SIGMA_RAD = 0.03
 
 
 @dataclass(frozen=True, slots=True)
 class WallPoint:
-    """Intersection of ray and wall: ``point`` (x, y, z) m, ``range_m`` along the ray, ``sigma_m`` of the position."""
+    """Intersection of ray and wall: ``point`` (x, y, z) m, ``range_m`` along the ray, ``sigma_m`` of the position.
+
+    ``heading`` (rad) is the direction of the wall's normal on the camera's side, with ``heading_sigma`` (rad)."""
 
     point: tuple[float, float, float]
     range_m: float
     sigma_m: float
+    heading: float
+    heading_sigma: float
 
 
 def scan_points(scan: LaserScan, X_OB_begin: Pose2, X_OB_end: Pose2) -> NDArray[np.float64]:
@@ -105,7 +111,7 @@ def wall_on_ray(
     window = _around(seen, joined, crossing[0])
     if window is None:
         return None
-    middle, normal, sigma_wall = window
+    middle, normal, sigma_wall, sigma_rad = window
     sine = float(normal @ forward)
     if abs(sine) < LEAST_SINE:
         return None
@@ -119,7 +125,8 @@ def wall_on_ray(
         return None
     slant = abs(sine) * level
     sigma_m = math.hypot(sigma_wall / slant, range_m * ray_sigma_rad / slant)
-    return WallPoint((x, y, z), range_m, sigma_m)
+    outward = -normal if sine > 0 else normal
+    return WallPoint((x, y, z), range_m, sigma_m, math.atan2(outward[1], outward[0]), sigma_rad)
 
 
 def _first_crossing(along: NDArray[np.float64], across: NDArray[np.float64]) -> tuple[int, float] | None:
@@ -148,9 +155,9 @@ def _joined(
 
 def _around(
     seen: NDArray[np.float64], joined: NDArray[np.bool_], pair: int
-) -> tuple[NDArray[np.float64], NDArray[np.float64], float] | None:
-    """A point, the unit normal and the sigma (m) of the line through the points around the crossing, which is between
-    ``pair`` and the next; None where there is no straight wall."""
+) -> tuple[NDArray[np.float64], NDArray[np.float64], float, float] | None:
+    """A point, the unit normal, the sigma of the position (m) and of the direction (rad) of the line through the points
+    around the crossing, which is between ``pair`` and the next; None where there is no straight wall."""
     if not joined[pair]:
         return None
     centre = 0.5 * (seen[pair] + seen[pair + 1])
@@ -171,4 +178,6 @@ def _around(
     rough = math.sqrt(max(0.0, float(spread[0])))
     if rough > ROUGHEST_M:
         return None
-    return middle, axes[:, 0], max(_LEAST_SIGMA_M, rough / math.sqrt(len(wall)))
+    sigma_m = max(_LEAST_SIGMA_M, rough / math.sqrt(len(wall)))
+    # Of a line through points spread along it by so much, by their noise across it
+    return middle, axes[:, 0], sigma_m, math.hypot(_LEAST_SIGMA_RAD, sigma_m / math.sqrt(float(spread[1])))

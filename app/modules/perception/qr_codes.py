@@ -7,12 +7,15 @@ their own pixels; ``laser_ray`` places those that have none.
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass, replace
+
 import cv2
 import numpy as np
 import zxingcpp
 from numpy.typing import NDArray
 
-from app.base.geometry import CameraModel, FisheyeModel
+from app.base.geometry import CameraModel, FisheyeModel, FloatArray
 from app.messages import Image, QRCode, read_only
 from app.modules.perception.fisheye_patches import FisheyePatches
 
@@ -20,6 +23,11 @@ from app.modules.perception.fisheye_patches import FisheyePatches
 FEWEST_DEPTHS = 12
 SMALLEST_SHARE = 0.1
 
+#: Least standard deviation (rad) of a normal: depth has errors that more pixels do not reduce.
+LEAST_NORMAL_SIGMA = 0.02
+
+#: Neighbouring depths err alike: so many pixels count as one.
+_CORRELATED = 25.0
 _UPSCALE = 2
 #: Codes of the same text within this (cosine of the angle) are one, seen in two patches.
 _SAME_PLACE = float(np.cos(np.radians(5.0)))
@@ -33,14 +41,16 @@ def detect(image: Image, upscale: bool = True) -> tuple[QRCode, ...]:
     grey = np.asarray(cv2.cvtColor(image.color, cv2.COLOR_RGB2GRAY), np.uint8)
     codes = []
     for text, corners in decode(grey, upscale):
-        p_CQ = None
+        plane = None
         if image.depth is not None and isinstance(image.camera, CameraModel):
-            p_CQ = locate(corners, image.depth, image.camera)
-        p_BQ = None
-        if p_CQ is not None:
-            x, y, z = image.X_BC.transform(p_CQ).tolist()
-            p_BQ = (x, y, z)
-        codes.append(QRCode(text, read_only(corners), p_BQ))
+            plane = locate(corners, image.depth, image.camera)
+        code = QRCode(text, read_only(corners), None)
+        if plane is not None:
+            code = replace(code, p_BQ=_tuple(image.X_BC.transform(plane.p_CQ)))
+            if plane.n_CQ is not None:
+                normal = _tuple(image.X_BC.rotation @ plane.n_CQ)
+                code = replace(code, n_BQ=normal, normal_sigma=plane.normal_sigma)
+        codes.append(code)
     return tuple(codes)
 
 
@@ -107,14 +117,27 @@ def _read(grey: NDArray[np.uint8]) -> list[tuple[str, NDArray[np.float32]]]:
     return found
 
 
-def locate(corners: NDArray[np.float32], depth: NDArray[np.uint16], camera: CameraModel) -> NDArray[np.float64] | None:
-    """Centre (3,) m of a code in the camera's optical frame, or None where too few of its pixels have depth.
+@dataclass(frozen=True, slots=True, eq=False)
+class CodePlane:
+    """Where a code is in the camera's optical frame: its centre ``p_CQ`` (3,) m, and the unit vector ``n_CQ`` (3,) of
+    its outward normal, towards the camera, with ``normal_sigma`` (rad); None where no plane fits its depths."""
+
+    p_CQ: NDArray[np.float64]
+    n_CQ: NDArray[np.float64] | None
+    normal_sigma: float | None
+
+
+def locate(corners: NDArray[np.float32], depth: NDArray[np.uint16], camera: CameraModel) -> CodePlane | None:
+    """Centre and normal of a code, or None where too few of its pixels have depth.
 
     ``corners`` (4, 2) px, clockwise; ``depth`` (H, W) uint16 mm, 0 = none. The inverse depth of a plane is linear in
     the pixels, so 1/z = a u + b v + c is fitted to the depths inside the corners, twice: the second time without those
     beyond three times the median residual of the first. The centre is where the diagonals cross, which perspective
     leaves in place, at the plane's depth there; the median depth replaces the plane where they differ by more than the
     code's size allows.
+
+    With n . p = d on the plane, (a fx, b fy, c') = n / d, where c' is 1/z at the principal point: the covariance of the
+    fit is that of the normal's direction, too.
     """
     centre = diagonal_crossing(corners.astype(np.float64))
     v, u = _inside(corners, depth.shape)
@@ -124,12 +147,30 @@ def locate(corners: NDArray[np.float32], depth: NDArray[np.uint16], camera: Came
         return None
     u, v, z = u[valid], v[valid], z[valid]
     median = float(np.median(z))
-    z_centre = _plane_depth(u - centre[0], v - centre[1], z)
+    fit = _plane(u - centre[0], v - centre[1], z)
     across = float(np.linalg.norm(corners[0] - corners[2])) / camera.fx * median
-    if z_centre is None or abs(z_centre - median) > 0.5 * across:
-        z_centre = median
-    point: NDArray[np.float64] = camera.back_project(centre, np.array(z_centre)).astype(np.float64)
-    return point
+    if fit is None or abs(1.0 / fit[0][2] - median) > 0.5 * across:
+        return CodePlane(_back_projected(camera, centre, median), None, None)
+    (a, b, c), covariance = fit
+    # From 1/z at the code's centre to 1/z at the principal point, and from pixels to rays.
+    shift = np.array([camera.cx - centre[0], camera.cy - centre[1], 1.0])
+    to_normal = np.array([[camera.fx, 0.0, 0.0], [0.0, camera.fy, 0.0], shift])
+    towards = to_normal @ np.array([a, b, c])
+    length = float(np.linalg.norm(towards))
+    unit = towards / length
+    across_unit = np.eye(3) - np.outer(unit, unit)
+    spread = across_unit @ to_normal @ covariance @ to_normal.T @ across_unit / length**2
+    sigma = math.hypot(LEAST_NORMAL_SIGMA, math.sqrt(max(0.0, float(np.linalg.eigvalsh(spread)[-1]))))
+    return CodePlane(_back_projected(camera, centre, 1.0 / c), -unit, sigma)
+
+
+def _back_projected(camera: CameraModel, pixel: NDArray[np.float64], z: float) -> NDArray[np.float64]:
+    return camera.back_project(pixel, np.array(z)).astype(np.float64)
+
+
+def _tuple(v: FloatArray) -> tuple[float, float, float]:
+    x, y, z = v.tolist()
+    return x, y, z
 
 
 def diagonal_crossing(corners: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -158,8 +199,11 @@ def _inside(corners: NDArray[np.float32], shape: tuple[int, ...]) -> tuple[NDArr
     return v + v0, u + u0
 
 
-def _plane_depth(u: NDArray[np.float64], v: NDArray[np.float64], z: NDArray[np.float64]) -> float | None:
-    """Depth at u = v = 0 of the plane through the depths ``z`` at (``u``, ``v``); None if they lie on a line."""
+def _plane(
+    u: NDArray[np.float64], v: NDArray[np.float64], z: NDArray[np.float64]
+) -> tuple[tuple[float, float, float], NDArray[np.float64]] | None:
+    """a, b, c > 0 of the plane 1/z = a u + b v + c through the depths ``z`` at (``u``, ``v``), and their covariance
+    (3, 3); None if they lie on a line."""
     terms = np.stack((u, v, np.ones_like(z)), axis=-1)
     inverse = 1.0 / z
     keep = np.ones(len(z), dtype=bool)
@@ -172,5 +216,8 @@ def _plane_depth(u: NDArray[np.float64], v: NDArray[np.float64], z: NDArray[np.f
         if solution[2] <= 0:
             return None
         residual = np.abs(terms @ solution - inverse)
+        spread = float(residual[keep] @ residual[keep]) / max(1, int(np.count_nonzero(keep)) - 3)
+        covariance = _CORRELATED * spread * np.linalg.inv(normal)
         keep = residual <= 3.0 * max(float(np.median(residual)), 1e-6)
-    return float(1.0 / solution[2])
+    a, b, c = (float(value) for value in solution)
+    return (a, b, c), np.asarray(covariance, np.float64)

@@ -3,9 +3,11 @@
     ┌─────────────────────────────────────────────────────────────────────────────────────────┐
     │ SLAM2D    in   scans         LaserScan, 40 Hz / φ, in X_BL; the newest alone              │
     │           in   odometry      Odometry, 100 Hz, X_OB in odom; never filtered              │
+    │           in   landmark_poses LandmarkPose, X_MO by a landmark; may be absent            │
     │           out  localization  Localization, one for each scan taken: X_MO, X_MB           │
     │           out  map           OccupancyGrid in map, when it changed, every 1 s at most    │
     │           out  zones         Zones in map, when they change                              │
+    │           out  keyframes     Keyframes in map, with each localization                    │
     │           is the MapServer: save, load, begin, place, search, mark                       │
     └─────────────────────────────────────────────────────────────────────────────────────────┘
 
@@ -16,15 +18,18 @@ pose::
     X_MO = X_MB @ X_OB(stamp)^-1
 
 On a loaded map that does not grow, the pose is tracked (``tracking``). After a time of misfitting scans the robot is
-``lost`` and relocalizes (``searching``), which accepts a pose only after motion (slam/relocalization.py). On a growing
-map, odometry bridges misfitting scans; the map does not grow while the robot is ``lost``: it may have been carried.
+``lost`` and relocalizes (``searching``), which accepts a pose only after motion (slam/relocalization.py), or where a
+landmark suggested it and scans bear it out. On a growing map, odometry bridges misfitting scans; the map does not grow
+while the robot is ``lost``: it may have been carried, and is placed where a landmark says it is. While scans fit, the
+pose is theirs alone.
 ``rays`` (every n-th ray is used) and ``mapping`` (false: the map does not grow) are parameters of the strategies.
 """
 
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Mapping
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -36,9 +41,21 @@ from app.base import compiled
 from app.base.geometry import Pose2
 from app.maps.library import MapLibrary
 from app.maps.map_service import MapService
-from app.messages import LaserScan, Localization, Message, OccupancyGrid, Odometry, Zone, Zones, read_only
+from app.messages import (
+    Keyframes,
+    LandmarkPose,
+    LaserScan,
+    Localization,
+    Message,
+    OccupancyGrid,
+    Odometry,
+    Zone,
+    Zones,
+    read_only,
+)
 from app.modules.perception.pose_at import PoseAt
 from app.modules.perception.slam.initial_map import LastPublished, RestartState, choose_initial_map
+from app.modules.perception.slam.keyframe_view import KeyframePublisher
 from app.modules.perception.slam.localization_quality import FITS_NOT, FitMonitor, empty_grid, spread_of
 from app.modules.perception.slam.map_server import SlamMapServer
 from app.modules.perception.slam.optimizer import OptimizerProcess
@@ -60,6 +77,9 @@ _SURE = 0.8
 #: Number of edges from which the correction runs in another process: it holds the interpreter's lock for about 0.05 ms
 #: per edge.
 _LEAST_EDGES = 400
+#: Time (s) between two places of a lost robot on a growing map by landmarks: scans must have time to fit.
+_PLACE_AGAIN_S = 5.0
+_MOST_SUGGESTED = 8
 #: Time (s) a scan waits for odometry of its stamp.
 _PATIENCE_S = 0.2
 
@@ -85,6 +105,7 @@ MAP_AND_LOCALIZE = DesireClass(
 class SLAM2D(Module):
     title = "SLAM 2D"
     desire_classes = (MAP_AND_LOCALIZE,)
+    auxiliary_inputs = frozenset({"landmark_poses"})
     Settings = SLAM2DSettings
     settings: SLAM2DSettings
 
@@ -105,6 +126,9 @@ class SLAM2D(Module):
         self._search: PoseSearch | None = None
         self._hypotheses: tuple[PoseHypothesis, ...] = ()
         self._search_scan: tuple[LaserScan, Pose2] | None = None
+        #: Poses X_MO by landmarks for the search, and the stamp of the last one at which a lost robot was placed.
+        self._suggested: list[Pose2] = []
+        self._placed_at = -math.inf
         #: For the second thread: loops to close, views to draw, the drawn version.
         self._followed: ScanResult | None = None
         self._extra_views: list[ExtraView] = []
@@ -122,6 +146,10 @@ class SLAM2D(Module):
         self.localization = self.output("localization", Localization)
         self.map = self.output("map", OccupancyGrid)
         self.zones = self.output("zones", Zones)
+        self.landmark_poses = self.input("landmark_poses", LandmarkPose, capacity=_MOST_SUGGESTED, wants="never")
+        self.keyframes = self.output("keyframes", Keyframes)
+        self._keyframes = KeyframePublisher(self.keyframes)
+        self.on(self.landmark_poses, self._take_landmark_pose)
         self.on(self.scans, self._see)
         self.on(self.odometry, self._take_odometry)
         self.every(self.settings.publish_s, self._let_draw)
@@ -197,6 +225,7 @@ class SLAM2D(Module):
         if followed.extra_view is not None:
             self._extra_views.append(followed.extra_view)
         match = followed.match
+        self._keyframes.take(followed.keyframes, match.keyframe, followed.removed)
         if session.grows:
             self._fits.see(match.stamp, match.inliers, match.matched, _SURE, _LEAST_MISFITS)
         else:
@@ -232,10 +261,26 @@ class SLAM2D(Module):
     def _publish(self, place: Localization) -> None:
         covariance = read_only(np.array(place.covariance, np.float64))
         self._published = replace(place, covariance=covariance, map=self.map_name)
+        self._keyframes.publish(self._published)
         self.localization.publish(self._published)
+
+    async def _take_landmark_pose(self, by: LandmarkPose) -> None:
+        """Take a pose by a landmark for a hypothesis; while scans fit, for nothing."""
+        session = self._session
+        if session is None or not (self._fits.lost or self._search is not None or self._search_due):
+            return
+        if not session.grows:
+            self._suggested = [*self._suggested[1 - _MOST_SUGGESTED :], by.X_MO]
+        elif by.stamp - self._placed_at >= _PLACE_AGAIN_S:
+            self._placed_at = by.stamp
+            self.log.info("the robot is lost, and placed by the landmark %r: scans have to bear it out", by.text)
+            await self.compute(session.place, by.X_MO)
+            if session is self._session:
+                self.placed()
 
     def _end_search(self) -> None:
         self._search, self._search_scan, self._hypotheses, self._search_due = None, None, (), False
+        self._suggested = []
         self._fits.begin()
 
     # --- Behind ----------------------------------------------------------------------------------------------------
@@ -267,7 +312,8 @@ class SLAM2D(Module):
         search, sighting, self._search_scan = self._search, self._search_scan, None
         if search is None or sighting is None:
             return
-        X_MO, hypotheses = await self.compute_background(_looked, search, *sighting)
+        suggested, self._suggested = self._suggested, []
+        X_MO, hypotheses = await self.compute_background(_looked, search, *sighting, suggested)
         if search is not self._search:
             return
         self._hypotheses = hypotheses
@@ -348,6 +394,11 @@ class SLAM2D(Module):
         grid = session.grid or empty_grid(settings.cell_m, settings.side_m)
         self._version += 1
         self.map.publish(replace(grid, stamp=now, version=self._version))
+        self._keyframes.begin(session.keyframes())
+        last = Pose2() if self._published is None else self._published.X_MO
+        self._keyframes.publish(
+            Localization(now, last, last @ self.X_OB, np.zeros((3, 3)), state="searching", overlap=0.0, map=name)
+        )
         self.mark(zones)
         self._end_search()
         if session.lost:
@@ -389,6 +440,7 @@ class SLAM2D(Module):
         """Take the initial map into use; returns whether the earlier instance used the same."""
         last_published, self._published, zones = _last(self.map), _last(self.localization), _last(self.zones)
         self._version = 0 if last_published is None else last_published.version
+        self._keyframes.resume()
         last = LastPublished(last_published, self._published, () if zones is None else zones.zones)
         library, settings = self.service(MapLibrary), self.settings
         first = await self.compute_background(
@@ -406,7 +458,9 @@ def _last(output: Output[M]) -> M | None:
     return None if output.channel is None else output.channel.latest
 
 
-def _looked(search: PoseSearch, scan: LaserScan, X_OB: Pose2) -> tuple[Pose2 | None, tuple[PoseHypothesis, ...]]:
+def _looked(
+    search: PoseSearch, scan: LaserScan, X_OB: Pose2, suggested: Sequence[Pose2]
+) -> tuple[Pose2 | None, tuple[PoseHypothesis, ...]]:
     from app.modules.perception.slam.map_session import look
 
-    return look(search, scan, X_OB)
+    return look(search, scan, X_OB, suggested)

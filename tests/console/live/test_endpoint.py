@@ -144,11 +144,12 @@ async def test_landmarks_and_exploitation_are_sent(url: str, system: System) -> 
     async with page(url) as ann:
         await ann.until("landmarks", lambda m: m["landmarks"] == [])
         now = system.clock.now()
-        system.graph.channel("landmarks").publish(Landmarks(now, (Landmark("door A", (1, 2, 1.4), 0.03, 5, 1, 2),)))
+        door = Landmark("door A", (1, 2, 1.4), 0.03, 5, 1, last_seen=2, heading=3.0, heading_sigma=0.05, id=7)
+        system.graph.channel("landmarks").publish(Landmarks(now, (door,), "map"))
         landmarks = await ann.until("landmarks", lambda m: bool(m["landmarks"]))
         assert landmarks["landmarks"][0] == {
             "text": "door A", "x": 1, "y": 2, "z": 1.4, "sigma_m": 0.03, "sightings": 5,
-            "first_seen": 1, "last_seen": 2,
+            "first_seen": 1, "last_seen": 2, "heading": 3.0, "heading_sigma": 0.05, "id": 7, "frame": "map",
         }  # fmt: skip
         system.graph.channel("exploitation").publish(Exploitation(system.clock.now(), "Teleop", Twist(now, 0.1, 0.0)))
         await ann.until("status", lambda s: s["exploited"] == "Teleop")

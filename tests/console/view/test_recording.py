@@ -53,7 +53,7 @@ async def test_the_scene_follows_a_recording_forth_and_back(replay_url: str, pla
             ("SetPositionMessage", "/odom"),
             ("SceneNodeUpdateMessage", "/odom/scan"),
             ("SceneNodeUpdateMessage", "/odom/cloud"),
-            ("BoxMessage", "/odom/landmark_0"),
+            ("BoxMessage", "/odom/map/landmark_0"),
         )
         await gone(viewer, 0.15)
         await visible(viewer, "/odom/cloud", True)

@@ -128,8 +128,8 @@ async def test_a_viewer_is_shown_the_robot_and_what_it_perceives(url: str, syste
             ("SetPositionMessage", "/odom"),
             ("SceneNodeUpdateMessage", "/odom/scan"),
             ("SceneNodeUpdateMessage", "/odom/cloud"),
-            ("BoxMessage", "/odom/landmark_0"),
-            ("LabelMessage", "/odom/landmark_0/text"),
+            ("BoxMessage", "/odom/map/landmark_0"),
+            ("LabelMessage", "/odom/map/landmark_0/text"),
         )
         feeding.cancel()
     moved = [m["position"] for m in viewer.seen if m["type"] == "SetPositionMessage" and m["name"] == "/odom"]
@@ -177,7 +177,9 @@ async def feed(system: System, body: Body) -> None:
         scan = LaserScan(now, "l", ranges, ranges, -1.57, 0.0044, 0.1, 30.0, 0.0125, Pose3.identity())
         body.emit("hokuyo", scan)
         system.graph.channel("point_cloud").publish(PointCloud(now - 0.1, points, colors, Pose2(0.25, 0.5, 0.0)))
-        system.graph.channel("landmarks").publish(Landmarks(now, (Landmark("A", (1, 2, 1.4), 0.1, 1, now, now),)))
+        system.graph.channel("landmarks").publish(
+            Landmarks(now, (Landmark("A", (1, 2, 1.4), 0.1, 1, now, now),), "map")
+        )
         await asyncio.sleep(0.05)
 
 

@@ -58,7 +58,7 @@ def test_a_detector_that_is_off_by_some_centimetres_is_noticed(monkeypatch: pyte
     monkeypatch.setattr(qr_code_detector, "detect", wrong)
     differences = compare(measure(LOG), load_values(VALUES))
     assert differences
-    assert all(line.startswith(("landmarks.place", "channels.landmarks")) for line in differences)
+    assert all(line.startswith(("landmarks.place", "channels.landmarks", "channels.displaced")) for line in differences)
 
 
 # --- Comparing -------------------------------------------------------------------------------------------------------

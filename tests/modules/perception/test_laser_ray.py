@@ -88,6 +88,7 @@ def test_a_long_wall_at_a_known_pose_is_met_where_the_ray_meets_its_plane(
     hit = meet(scan, tuple(X_OB.to_pose3().rotation @ ray), X_OB)
     assert hit is not None
     np.testing.assert_allclose(hit.point, X_OB.to_pose3().transform(expected), atol=2e-3)
+    assert abs(wrap_angle(hit.heading - (theta + turn + math.pi))) < hit.heading_sigma
     assert hit.range_m == pytest.approx(range_m, abs=2e-3)
     assert hit.sigma_m >= 0.005 * range_m
 

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from app.base.geometry import Pose2, Pose3
 from app.messages import Image
@@ -30,8 +31,14 @@ from tests.scenery.posters import PANORAMA, facing_camera, picture
 
 HERE = Pose2()
 PATCHES = FisheyePatches(PANORAMA)
+FloatArray = NDArray[np.float64]
 #: A text that takes 25 x 25 modules: harder to read from afar than a short one.
 LONG = "hbba:tour/stop-2/robot-lab"
+
+
+def angle(one: FloatArray, other: FloatArray) -> float:
+    """Between two unit vectors (rad)."""
+    return float(np.arccos(np.clip(one @ other, -1.0, 1.0)))
 
 
 @pytest.mark.parametrize("distance", [0.8, 1.5, 2.0, 2.5])
@@ -42,6 +49,9 @@ def test_a_poster_is_read_and_placed(distance: float, turn_deg: float) -> None:
     assert code.text == "hbba:stop-1"
     assert code.p_BQ is not None
     assert math.dist(code.p_BQ, tuple(X_OQ.translation)) < 0.01 + 0.005 * distance**2
+    assert code.n_BQ is not None
+    assert code.normal_sigma is not None
+    assert angle(np.array(code.n_BQ), -X_OQ.rotation[:, 2]) < min(3.0 * code.normal_sigma, 0.15)
     half = CODE_M / 2
     square = np.array([(-half, -half, 0), (half, -half, 0), (half, half, 0), (-half, half, 0)])
     expected = KINECT.project((X_BC.inverse() @ X_OQ).transform(square))
@@ -116,7 +126,13 @@ def test_locate_finds_the_centre_of_any_plane_quad(z: float, x: float, y: float,
     depth = np.where((depth > 0.4) & (depth < 6), depth, 0)
     found = locate(corners.astype(np.float32), np.round(depth * 1000).astype(np.uint16), KINECT)
     assert found is not None
-    assert math.dist(found, centre) < 0.004
+    assert math.dist(found.p_CQ, centre) < 0.004
+    # Millimetres over a code that is a few pixels wide tell its direction badly, and it says so.
+    towards = normal / np.linalg.norm(normal) * -math.copysign(1.0, normal @ centre)
+    assert found.n_CQ is not None
+    assert found.normal_sigma is not None
+    assert angle(found.n_CQ, towards) < 4.0 * found.normal_sigma
+    assert found.normal_sigma < 0.03 or z > 2.0
 
 
 def test_a_code_half_out_of_the_picture_is_placed_by_what_is_in_it() -> None:
@@ -124,7 +140,7 @@ def test_a_code_half_out_of_the_picture_is_placed_by_what_is_in_it() -> None:
     corners = np.array([(-40, 200), (39, 200), (39, 280), (-40, 280)], np.float32)
     found = locate(corners, depth, KINECT)
     assert found is not None
-    assert found[2] == pytest.approx(2.0, abs=0.01)
+    assert found.p_CQ[2] == pytest.approx(2.0, abs=0.01)
     assert locate(corners - np.array([100, 0], np.float32), depth, KINECT) is None
 
 
@@ -134,7 +150,8 @@ def test_depths_on_one_line_give_their_median() -> None:
     corners = np.array([(317, 200), (323, 200), (323, 280), (317, 280)], np.float32)
     found = locate(corners, depth, KINECT)
     assert found is not None
-    assert found[2] == pytest.approx(1.5)
+    assert found.p_CQ[2] == pytest.approx(1.5)
+    assert found.n_CQ is None
 
 
 def test_diagonals_cross_where_perspective_puts_the_centre() -> None:

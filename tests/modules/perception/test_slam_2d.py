@@ -15,7 +15,17 @@ from app.base import compiled
 from app.base.geometry import Pose2, Pose3
 from app.maps.library import GRAPH, MapLibrary
 from app.maps.map_service import MapService, MapUnavailable
-from app.messages import LaserScan, Localization, OccupancyGrid, Odometry, Zone, Zones, read_only
+from app.messages import (
+    Keyframes,
+    LandmarkPose,
+    LaserScan,
+    Localization,
+    OccupancyGrid,
+    Odometry,
+    Zone,
+    Zones,
+    read_only,
+)
 from app.modules.perception.slam.map_session import stored_map
 from app.modules.perception.slam_2d import SLAM2D
 from app.runtime.clock import run_virtual
@@ -39,8 +49,8 @@ class Body:
         self.walls = walls
         self.bench = Bench(
             "app.modules.perception.slam_2d:SLAM2D",
-            inputs={"scans": LaserScan, "odometry": Odometry},
-            outputs={"localization": Localization, "map": OccupancyGrid, "zones": Zones},
+            inputs={"scans": LaserScan, "odometry": Odometry, "landmark_poses": LandmarkPose},
+            outputs={"localization": Localization, "map": OccupancyGrid, "zones": Zones, "keyframes": Keyframes},
             services={MapLibrary: library, MapService: self.control},
             settings=settings,
         )
@@ -49,7 +59,10 @@ class Body:
         self._scans = 0
         self.explained_each: list[Localization] = []
         self.maps: list[OccupancyGrid] = []
-        for port, kept in (("localization", self.explained_each), ("map", self.maps)):
+        self.keyframes: list[Keyframes] = []
+        for port, kept in (
+            ("localization", self.explained_each), ("map", self.maps), ("keyframes", self.keyframes)
+        ):  # fmt: skip
             self.bench.graph.channel(port).observe(kept.append)
         self.zones = self.bench.listen("zones")
 
@@ -65,6 +78,11 @@ class Body:
                 self._scans += 1
                 self.bench.feed("scans", scan(self.walls, pose, now, seed=self._scans))
             await self.bench.clock.sleep(0.1)
+
+    def suggest(self, X_WB: Pose2) -> None:
+        """A landmark says that the robot is at ``X_WB``."""
+        X_MO = ROUND[0].inverse() @ X_WB @ self.X_OB.inverse()
+        self.bench.feed("landmark_poses", LandmarkPose(self.bench.clock.now(), X_MO, np.eye(3), 1, "door"))
 
     async def stand(self, seconds: float) -> None:
         await self.go([self.X_WB] * round(seconds * 10))
@@ -134,6 +152,14 @@ def test_it_maps_and_knows_where_it_is_though_wheels_slip(library: MapLibrary) -
     assert body.states() == ["mapping"]
     assert body.is_within(0.05, 0.02)
     last = body.explained_each[-1]
+    graph = body.keyframes[-1]
+    assert (graph.X_MO, graph.X_MB, graph.state) == (last.X_MO, last.X_MB, "mapping")
+    assert graph.ids.tolist() == sorted(set(graph.ids.tolist()))
+    assert graph.keyframe in graph.ids
+    assert (len(graph.poses), len(graph.travelled_m)) == (len(graph.ids), len(graph.ids))
+    x, y, _ = graph.poses[graph.ids.tolist().index(graph.keyframe)]
+    assert math.hypot(x - last.X_MB.x, y - last.X_MB.y) < 2.0
+    assert [one.version for one in body.keyframes] == list(range(1, len(ROUND) + 17)), "one at the begin"
     assert last.map == ""
     assert last.overlap > 0.9
     assert 0 < math.sqrt(last.covariance[0, 0]) < 0.05
@@ -526,3 +552,36 @@ def test_mapping_may_be_left_to_others_and_fewer_rays_do(library: MapLibrary) ->
         assert body.state == "mapping"
 
     assert live(script, library).is_within(0.05, 0.02)
+
+
+@pytest.mark.slow
+def test_a_lost_robot_that_stands_finds_itself_by_a_landmark_that_scans_bear_out(kept: MapLibrary) -> None:
+    async def script(body: Body) -> None:
+        body.X_WB = ROUND[40]
+        await body.control.server.load("hall")
+        await body.stand(2.0)
+        assert body.state == "searching"
+        # The landmark was moved: what it says is not what scans say.
+        body.suggest(ROUND[40] @ Pose2(1.5, 0.6, 0.8))
+        await body.stand(2.0)
+        assert body.state == "searching"
+        body.suggest(ROUND[40] @ Pose2(0.15, -0.1, 0.1))
+        await body.stand(2.0)
+
+    body = live(script, kept)
+    assert body.state == "tracking"
+    assert body.is_within(0.05, 0.02)
+
+
+@pytest.mark.slow
+def test_a_landmark_moves_no_robot_whose_scans_fit(kept: MapLibrary) -> None:
+    async def script(body: Body) -> None:
+        await body.stand(0.2)
+        await body.control.server.load("hall", Pose2())
+        await body.stand(1.0)
+        body.suggest(ROUND[0] @ Pose2(0.2, 0.2, 0.2))
+        await body.stand(1.0)
+
+    body = live(script, kept)
+    assert body.states(3) == ["tracking"]
+    assert body.is_within(0.05, 0.02)

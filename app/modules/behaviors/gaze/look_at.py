@@ -3,7 +3,7 @@
     ┌───────────────────────────────────────────────────────────────────────────────────────────────┐
     │ LookAt    in   joints, odometry  as of every GazeBehavior                                     │
     │           in   localization      Localization, X_MO on the map: for points on the map         │
-    │           in   landmarks         Landmarks, in odom: for places by name                       │
+    │           in   landmarks         Landmarks, in odom or map: for places by name                │
     │           in   faces             Faces, any rate: for faces; may be absent                    │
     │           in   sources           SoundSources, any rate: for sounds; may be absent            │
     │           out  command           JointCommand of the group (rad), 10 Hz while there is a point│
@@ -128,7 +128,7 @@ class LookAt(GazeBehavior[LookAtParameters]):
         self.faces = self.input("faces", Faces, capacity=8, wants="if_wanted")
         self.sources = self.input("sources", SoundSources, capacity=8, wants="if_wanted")
         self._X_MO: Pose2 | None = None
-        self._places: dict[str, NDArray[np.float64]] = {}
+        self._places: dict[str, PointOfInterest] = {}
         self._seen: PerceptFollower[Faces] = PerceptFollower(self.poses, face_candidates)
         self._heard: PerceptFollower[SoundSources] = PerceptFollower(self.poses, self._sounds)
         self._perception = WantedPerception(self)
@@ -152,7 +152,8 @@ class LookAt(GazeBehavior[LookAtParameters]):
         self._X_MO = localization.X_MO if localization.state in LOCALIZED else None
 
     def _take_landmarks(self, message: Landmarks) -> None:
-        self._places = {landmark.text: np.array(landmark.p_OQ) for landmark in message.landmarks}
+        frame: Frame = "map" if message.frame == "map" else "odom"
+        self._places = {mark.text: PointOfInterest(np.array(mark.p_FQ), frame) for mark in message.landmarks}
 
     def _sounds(self, heard: SoundSources, X_OB: Pose3) -> list[Candidate]:
         given = self.given
@@ -189,10 +190,10 @@ class LookAt(GazeBehavior[LookAtParameters]):
 
     def _look_at_point(self, given: LookAtParameters) -> Look:
         if given.place is not None:
-            p_OP = self._places.get(given.place)
-            if p_OP is None:
+            place = self._places.get(given.place)
+            if place is None:
                 return Look(None, f"it waits: no code that was found says {given.place!r}")
-            point = PointOfInterest(p_OP, "odom")
+            point = place
         else:
             point = PointOfInterest(np.array([given.x, given.y, given.z], np.float64), given.frame)
         p_BP = point.in_base(self.X_OB, self._X_MO)

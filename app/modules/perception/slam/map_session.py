@@ -22,6 +22,7 @@ from app.maps.map_service import MapUnavailable
 from app.messages import LaserScan, OccupancyGrid, Zone, read_only
 from app.modules.perception.slam.beam_cache import BeamCache
 from app.modules.perception.slam.grid_views import state_of
+from app.modules.perception.slam.keyframe_view import NO_KEYFRAMES, KeyframeView, Removed, keyframe_view
 from app.modules.perception.slam.likelihood_field import LikelihoodField
 from app.modules.perception.slam.localization_quality import FITS
 from app.modules.perception.slam.loop_closure import LoopJob, LoopOutcome
@@ -78,7 +79,8 @@ class GraphSnapshot:
 class ScanResult:
     """Result of one scan: the match, a job for the other thread, an extra view to draw, and the map's version.
 
-    ``slam``: the mapper that matched it, to which the job's outcome belongs.
+    ``slam``: the mapper that matched it, to which the job's outcome belongs. ``keyframes``: the graph with which the
+    match is consistent; ``removed``: keyframes pruned since the scan before.
     """
 
     match: Match
@@ -86,6 +88,8 @@ class ScanResult:
     extra_view: ExtraView | None
     slam: Slam
     version: int
+    keyframes: KeyframeView
+    removed: tuple[Removed, ...]
 
 
 class MapSession:
@@ -127,6 +131,8 @@ class MapSession:
         self._looked_at: tuple[int, NDArray[np.float32]] | None = None
         self._quiet = 0
         self._beams = BeamCache()
+        #: The newest arrays of the keyframes, of which mapper and version.
+        self._view: tuple[Slam, int, KeyframeView] | None = None
 
     # --- Ahead -----------------------------------------------------------------------------------------------------
 
@@ -162,7 +168,8 @@ class MapSession:
         self._last = scan.stamp, X_OB, match.covariance
         job = None if self._frozen else slam.pending()
         extra_view = None if self._frozen else self._extra_view(scan, match)
-        return ScanResult(match, job, extra_view, slam, slam.version)
+        removed = tuple(slam.take_removed())
+        return ScanResult(match, job, extra_view, slam, slam.version, keyframes=self._keyframes(slam), removed=removed)
 
     def place(self, X_MO: Pose2) -> None:
         """*Ahead.* Set the approximate pose by ``X_MO``."""
@@ -195,6 +202,22 @@ class MapSession:
         if not self.extendable:
             return None
         return self._state if self._slam is None else self._slam.state()
+
+    def keyframes(self) -> KeyframeView:
+        """*Ahead.* The keyframes of a map that no scan was matched on yet."""
+        state = self._state
+        if state is None or not self.extendable:
+            return NO_KEYFRAMES
+        by_id = {keyframe.id: keyframe for keyframe in state.keyframes}
+        return keyframe_view(by_id, dict(zip(by_id, state.poses, strict=True)))
+
+    def _keyframes(self, slam: Slam) -> KeyframeView:
+        """The same arrays as long as nothing changes."""
+        if not self.extendable:
+            return NO_KEYFRAMES
+        if self._view is None or self._view[:2] != (slam, slam.version):
+            self._view = slam, slam.version, slam.view()
+        return self._view[2]
 
     def _follow_from(self, X_MB: Pose2, frozen: bool, covariance: NDArray[np.float64] | None = None) -> Slam:
         state = self._state if self._slam is None else self._slam.state()
@@ -257,8 +280,13 @@ def differ(before: NDArray[np.float32], now: NDArray[np.float32]) -> bool:
     return bool(np.count_nonzero(off) > MOVED_SHARE * len(now))
 
 
-def look(search: PoseSearch, scan: LaserScan, X_OB: Pose2) -> tuple[Pose2 | None, tuple[PoseHypothesis, ...]]:
-    """*Behind.* Give ``search`` a scan: X_MO if a hypothesis is accepted, and all hypotheses."""
+def look(
+    search: PoseSearch, scan: LaserScan, X_OB: Pose2, suggested: Sequence[Pose2] = ()
+) -> tuple[Pose2 | None, tuple[PoseHypothesis, ...]]:
+    """*Behind.* Give ``search`` a scan, and poses X_MO ``suggested`` by landmarks: X_MO if a hypothesis is accepted,
+    and all hypotheses."""
+    for X_MO in suggested:
+        search.suggest(X_MO)
     view = view_of(scan)
     points = view.ends[view.met].astype(np.float64)
     return search.see(SearchScan(points, np.array(view.sensor_xy), X_OB)), search.hypotheses

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from app.base.geometry import Pose2, wrap_angle
 from app.modules.perception.slam.correlative_matching import Pyramid, sought
 from app.modules.perception.slam.edges import edge_information
+from app.modules.perception.slam.keyframe_view import KeyframeView, Removed, keyframe_view
 from app.modules.perception.slam.local_map import DOUBTED_M, STALE_M, LocalMap, local_map
 from app.modules.perception.slam.loop_closure import LoopJob, LoopMemory, LoopOutcome, pose_array
 from app.modules.perception.slam.odometry_calibration import OdometryRatios
@@ -91,6 +92,7 @@ class Slam:
         self._job_knew = (0, 0)
         #: Incremented whenever a keyframe is added, removed or moved.
         self.version = 0
+        self._removed: list[Removed] = []
         self._moved = False
         self._travelled_m = max((keyframe.travelled_m for keyframe in kept.keyframes), default=0.0)
         self._X_MB = Pose2()
@@ -221,6 +223,15 @@ class Slam:
         """Ids (N,) and poses (N, 3) x, y, theta on the map of all keyframes, in the order of ``keyframes``."""
         return np.array(list(self._poses), dtype=np.int64), pose_array(self._poses)
 
+    def view(self) -> KeyframeView:
+        """The keyframes and their poses as arrays."""
+        return keyframe_view(self._keyframes, self._poses)
+
+    def take_removed(self) -> list[Removed]:
+        """The keyframes pruned since the last call, in that order."""
+        removed, self._removed = self._removed, []
+        return removed
+
     def state(self) -> SlamState:
         """The state needed to resume mapping."""
         active = (tuple(submap.keyframes) for submap in self._active) if not self._frozen else ()
@@ -237,6 +248,7 @@ class Slam:
         self._submaps = [*cut.submaps, *self._submaps[known_submaps:]]
         for id in cut.removed:
             del self._keyframes[id], self._poses[id]
+        self._removed += [(id, *cut.replaced[id]) for id in cut.removed]
         self.version += 1
 
     def _in_use(self) -> frozenset[int]:

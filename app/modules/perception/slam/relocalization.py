@@ -4,6 +4,10 @@ Scans of the last metres are combined by odometry, which is accurate over that d
 map (``likelihood_field``). Every pose of nearly the best score is kept as a hypothesis. Each hypothesis is scored with
 further scans. One is accepted when it explains several scans during motion, the search was repeated from a second
 place, and no other scores nearly as well. Two indistinguishable corridors remain two hypotheses.
+
+A pose that something else suggests, a landmark that was seen, is one more hypothesis. It is accepted without motion
+when it explains the scans as well as any must, and no other explains them better: the landmark tells similar places
+apart.
 """
 
 from __future__ import annotations
@@ -18,6 +22,9 @@ from numpy.typing import NDArray
 
 from app.base.geometry import Pose2
 from app.modules.perception.slam.likelihood_field import LikelihoodField
+
+#: Number of suggested poses that are remembered.
+_MOST_SUGGESTED = 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,6 +96,9 @@ class PoseSearch:
         self._searched: list[Pose2] = []
         self._travelled = self._turned = 0.0
         self._scans = 0
+        #: Poses X_MO suggested, the newest last, and whether one of them has not been looked at yet.
+        self._suggested: deque[Pose2] = deque(maxlen=_MOST_SUGGESTED)
+        self._suggestion_due = False
         #: Current hypotheses, the likeliest first.
         self.hypotheses: tuple[PoseHypothesis, ...] = ()
 
@@ -96,6 +106,11 @@ class PoseSearch:
     def overlap(self) -> float:
         """Score of the likeliest hypothesis, in [0, 1]; 0 without any."""
         return self.hypotheses[0].score if self.hypotheses else 0.0
+
+    def suggest(self, X_MO: Pose2) -> None:
+        """Take ``X_MO``, which a landmark gives, for a hypothesis at the next scan."""
+        self._suggested.append(X_MO)
+        self._suggestion_due = True
 
     def see(self, sighting: SearchScan) -> Pose2 | None:
         """Take a scan; returns X_MO once a hypothesis is accepted.
@@ -106,7 +121,8 @@ class PoseSearch:
         if self._seen:
             motion = self._seen[-1].X_OB.inverse() @ sighting.X_OB
             distance = math.hypot(motion.x, motion.y)
-            if distance < settings.apart_m and abs(motion.theta) < settings.apart_rad:
+            apart = distance >= settings.apart_m or abs(motion.theta) >= settings.apart_rad
+            if not apart and not self._suggestion_due:
                 return None
             self._travelled += distance
             self._turned += abs(motion.theta)
@@ -117,11 +133,14 @@ class PoseSearch:
         hypotheses: list[tuple[Pose2, PoseHypothesis | None]] = [
             (place.X_MO @ X_OB, place) for place in self.hypotheses
         ]
+        if self._suggestion_due:
+            hypotheses += [(X_MO @ X_OB, None) for X_MO in self._suggested]
+            self._suggestion_due = False
         if self._search_due(X_OB):
             hypotheses += [(X_MB, None) for X_MB in self._searched_for(together)]
             self._searched.append(X_OB)
         self.hypotheses = self._judged(hypotheses, together, X_OB)
-        return self._believed()
+        return self._believed_with_landmark(X_OB) or self._believed()
 
     def _search_due(self, X_OB: Pose2) -> bool:
         if not self.hypotheses:
@@ -179,6 +198,18 @@ class PoseSearch:
         so_far = (each[-1], 1) if before is None else (before.so_far[0] + each[-1], before.so_far[1] + 1)
         worst = sorted(each)[1 if len(each) > 3 else 0]
         return PoseHypothesis(X_MO, sum(each) / len(each), worst, np.concatenate(explained_each), so_far)
+
+    def _believed_with_landmark(self, X_OB: Pose2) -> Pose2 | None:
+        """The likeliest hypothesis near a suggested pose, if scans bear it out."""
+        settings = self._settings
+        for one in self.hypotheses:
+            at = one.X_MO @ X_OB
+            if not any(close(at, X_MO @ X_OB, settings.same_m, settings.same_rad) for X_MO in self._suggested):
+                continue
+            fits = one.score >= settings.believed and one.worst >= settings.believed_each
+            beaten = any(self._ahead(other, one) for other in self.hypotheses if other is not one)
+            return one.X_MO if fits and not beaten else None
+        return None
 
     def _believed(self) -> Pose2 | None:
         settings = self._settings

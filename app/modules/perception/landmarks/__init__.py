@@ -1,0 +1,1 @@
+"""Landmarks that last: sightings of codes anchored to the map's keyframes."""
