@@ -2,8 +2,8 @@
 
 A map is a folder of its own: ``map.yaml`` and ``map.pgm`` (as ROS's ``map_server`` reads them), ``zones.yaml``, files
 of the module that made it (``graph.npz``, the pose graph with which mapping goes on), and files of others
-(``places.yaml``, named poses; ``obstacles.npz``, obstacles that only a camera sees). A map of another program is used as
-it is once its YAML file is called ``map.yaml``.
+(``places.yaml``, named poses; ``obstacles.npz``, obstacles that only a camera sees). A map of another program is used
+as it is once its YAML file is called ``map.yaml``.
 """
 
 from __future__ import annotations

@@ -39,11 +39,11 @@ class PlaceBook:
         judge: Judge,
         changed: Callable[[str, tuple[Place, ...]], None],
         log: logging.Logger | logging.LoggerAdapter[logging.Logger],
-        former: tuple[str, tuple[Place, ...]] | None = None,
+        former: tuple[str | None, tuple[Place, ...]] | None = None,
     ) -> None:
         """``in_use`` gives the name of the map in use, "" while it has none; ``behind`` calls in a thread where the
-        disk may block; ``changed(map, places)`` is called after every change. ``former``: the map and the places of a
-        book before this one, taken over where that map is still in use."""
+        disk may block; ``changed(map, places)`` is called after every change. ``former``: the places of a
+        book before this one and their map, taken over where the same map is in use; None: on whatever map."""
         self._library = library
         self._in_use = in_use
         self._behind = behind
@@ -111,10 +111,9 @@ class PlaceBook:
     async def load(self, name: str) -> None:
         """Take the places of the map ``name``. Raises MapUnavailable where there is no such map."""
         async with self._one:
-            former, self._former = self._former, None
             self._damage = ""
-            if former is not None and former[0] == name:
-                await self._take(former[1])
+            if (former := self._former_on(name)) is not None:
+                await self._take(former)
                 return
             try:
                 places = await self._behind(self._library.places, name)
@@ -127,9 +126,13 @@ class PlaceBook:
     async def clear(self) -> None:
         """Begin without places: the map has no name, and is new."""
         async with self._one:
-            former, self._former = self._former, None
             self._damage = ""
-            await self._take(former[1] if former is not None and former[0] == "" else ())
+            await self._take(self._former_on("") or ())
+
+    def _former_on(self, name: str) -> tuple[Place, ...] | None:
+        """The places to take over for the first map; None for none."""
+        former, self._former = self._former, None
+        return None if former is None or former[0] not in (name, None) else former[1]
 
     def _write(self, path: Path) -> None:
         write_places(path, self._places)

@@ -70,7 +70,7 @@ class PlaceKeeper(Module):
             judge=self._judge,
             changed=self._publish,
             log=self.log,
-            former=self.persistent.get(_KEPT),
+            former=self._former(),
         )
         self._take(_latest(self.landmarks), _latest(self.map), _latest(self.zones))
         self._stack.callback(maps.on_change(self._book.leave))
@@ -80,6 +80,12 @@ class PlaceKeeper(Module):
     async def stop(self) -> None:
         """Offer them no more."""
         self._stack.close()
+
+    def _former(self) -> tuple[str | None, tuple[Place, ...]] | None:
+        """The places before a failure, or, where a recording jumps, those that were recorded."""
+        former: tuple[str | None, tuple[Place, ...]] | None = self.persistent.get(_KEPT)
+        recorded: Places | None = None if self.places.channel is None else self.places.channel.latest
+        return former if former is not None or recorded is None else (None, recorded.places)
 
     async def _take_landmarks(self, landmarks: Landmarks) -> None:
         self._take(landmarks, None, None)
