@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated
 
@@ -33,8 +34,8 @@ PlaceId = Annotated[
     str,
     Path(description="The place's id.", examples=["robotics-lab"], json_schema_extra={"pattern": f"^{PLACE_ID}$"}),
 ]
-#: A pose on the map older than this (s) is not where the robot is now.
-FRESH_S = 5.0
+#: While SLAM rests, odometry is trusted so far (m) from the last pose on the map; a younger one (s) is always.
+TRUSTED_M, FRESH_S = 1.0, 5.0
 #: So many texts of posters, and characters of each, are listed in a refusal.
 _LISTED, _SHOWN = 12, 60
 _LOCATION = {"Location": {"schema": {"type": "string"}, "description": "Where the place is."}}
@@ -182,7 +183,7 @@ def places_router(system: System) -> APIRouter:
 def robot_on_map(system: System) -> Pose2:
     """``X_MB`` now: by localization, and by odometry since. Raises Problem while it is not known."""
     localization: Localization | None = reports.latest(system.graph, "localization")
-    if localization is None or system.clock.now() - localization.stamp > FRESH_S:
+    if localization is None:
         raise Problem(409, "pose-unknown", "Where the robot is on the map is not known: start SLAM.")
     if localization.state not in ("mapping", "tracking"):
         raise Problem(
@@ -191,7 +192,15 @@ def robot_on_map(system: System) -> Pose2:
     odometry = reports.latest(system.graph, "odometry")
     if odometry is None or odometry.stamp < localization.stamp:
         return localization.X_MB
-    return localization.X_MO @ odometry.X_OB
+    X_MB = localization.X_MO @ odometry.X_OB
+    driven_m = math.hypot(X_MB.x - localization.X_MB.x, X_MB.y - localization.X_MB.y)
+    if system.clock.now() - localization.stamp > FRESH_S and driven_m > TRUSTED_M:
+        raise Problem(
+            409,
+            "pose-unknown",
+            f"The robot has driven {driven_m:.1f} m since SLAM last said where it is on the map: start SLAM.",
+        )
+    return X_MB
 
 
 def _before_poster(server: PlaceServer, place: Place, wanted: PosterChoice) -> Place:

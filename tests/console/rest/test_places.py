@@ -115,15 +115,19 @@ async def test_here_is_where_the_robot_is_now(client: httpx.AsyncClient, system:
     assert "it is lost" in lost["detail"]
     # X_MB = X_MO @ X_OB, with odometry of after the scan.
     system.graph.channel("localization").publish(localization(now, Pose2(1.0, 0.5, math.pi / 2)))
-    odometry = Odometry(now + 0.1, Pose2(2.0, 1.0, 0.25), 0.0, 0.0)
+    odometry = Odometry(now + 0.1, Pose2(2.0, 1.01, 0.25), 0.0, 0.0)
     system.graph.channel("odometry").publish(odometry)
     here = answered(await client.post("/places", json={"here": True}), PlaceReport)
     assert (here.id, here.name, here.source) == ("place", "Place", "here")
-    assert (here.x, here.y, here.heading) == pytest.approx((0.0, 2.5, math.pi / 2 + 0.25), abs=1e-4)
+    assert (here.x, here.y, here.heading) == pytest.approx((-0.01, 2.5, math.pi / 2 + 0.25), abs=1e-4)
     second = answered(await client.post("/places", json={"here": True}), PlaceReport)
     assert (second.id, second.name) == ("place-2", "Place 2")
-    system.graph.channel("localization").publish(localization(now - 60))
-    is_problem(await client.post("/places", json={"here": True}), 409, "pose-unknown")
+    # SLAM rests: odometry alone is trusted for a metre.
+    system.graph.channel("localization").publish(localization(now - 60, Pose2(0.0, 0.0, 0.0)))
+    driven = is_problem(await client.post("/places", json={"here": True}), 409, "pose-unknown")
+    assert "has driven 1.0 m since SLAM" in driven["detail"]
+    system.graph.channel("odometry").publish(Odometry(now + 0.2, Pose2(2.0, 0.9, 0.0), 0.0, 0.0))
+    assert answered(await client.post("/places", json={"here": True}), PlaceReport).y == pytest.approx(0.9)
 
 
 async def test_in_front_of_a_poster_until_it_is_moved_by_hand(
