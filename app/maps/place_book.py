@@ -91,10 +91,9 @@ class PlaceBook:
     async def revise(self) -> None:
         """Judge the places again: the map, its zones or its posters changed."""
         async with self._one:
-            if not (self._loaded and self._places):
-                return
-            after = await self._judge(self._places)
-            if self._loaded and after != self._places:
+            before = self.places
+            after = await self._judge(before) if before else before
+            if self._loaded and after != before:
                 self._places = after
                 self._changed(self._in_use(), after)
 

@@ -93,4 +93,5 @@ def _cells_near(pose: Pose2, grid: OccupancyGrid, radius_m: float) -> NDArray[np
         return np.empty(0, np.int8)
     square = (rows[:, None] + 0.5 - v) ** 2 + (columns[None, :] + 0.5 - u) ** 2
     within = (square <= reach**2) | ((rows[:, None] == math.floor(v)) & (columns[None, :] == math.floor(u)))
-    return grid.cells[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1][within]
+    near: NDArray[np.int8] = grid.cells[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1][within]
+    return near

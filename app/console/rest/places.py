@@ -25,7 +25,7 @@ from app.maps.map_service import MapUnavailable
 from app.maps.place_service import Change, PlaceServer
 from app.maps.places import MOST_PLACES, PLACE_ID, new_id, new_name, with_pose
 from app.maps.poster_places import in_front_of, poster_named
-from app.messages import Localization, Place
+from app.messages import Localization, Odometry, Place
 
 if TYPE_CHECKING:
     from app.program.system import System
@@ -189,7 +189,7 @@ def robot_on_map(system: System) -> Pose2:
         raise Problem(
             409, "pose-unknown", f"The robot does not know where it is on the map: it is {localization.state}."
         )
-    odometry = reports.latest(system.graph, "odometry")
+    odometry: Odometry | None = reports.latest(system.graph, "odometry")
     if odometry is None or odometry.stamp < localization.stamp:
         return localization.X_MB
     X_MB = localization.X_MO @ odometry.X_OB

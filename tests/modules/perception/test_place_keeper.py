@@ -123,8 +123,8 @@ def test_a_refused_edit_changes_nothing(tmp_path: Path, monkeypatch: pytest.Monk
             await kept.edit(lambda places: (*places, Place("other", "Dock", 0, 0, 0)))
         with pytest.raises(ValueError, match="x: should be less than or equal to 1000, not 2000"):
             await kept.edit(lambda places: [with_pose(place, Pose2(2000, 0, 0)) for place in places])
-        with pytest.raises(LookupError):
-            await kept.edit(lambda _: {}["missing"])  # type: ignore[arg-type]
+        with pytest.raises(IndexError):
+            await kept.edit(lambda places: [places[9]])
         await kept.maps.server.save("lab")
 
         def full(*_: object) -> None:
