@@ -61,7 +61,7 @@ function Row({ place }: { place: Place }) {
     <li class="place" data-testid="place" data-id={id} data-name={name} data-source={source} data-problem={problem}>
       <div class="place-head">
         {source === "poster" ? <QrIcon /> : <PlaceIcon />}
-        <b title={source === "poster" ? `In front of ${place.poster}` : name}>{name}</b>
+        <b title={source === "poster" ? `${id}: in front of ${place.poster}` : id}>{name}</b>
         {allowed && (
           <span class="place-actions">
             {store.body.value.goes && (

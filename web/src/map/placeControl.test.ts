@@ -33,13 +33,13 @@ test("a place before a poster is of that one of its text", async () => {
   const { answer, places, said } = page(place("lab"));
   expect(await places.addBefore({ text: "tour:lab", x: 3, y: 4 } as Landmark)).toBe(true);
   expect(answer).toHaveBeenCalledWith({ poster: { text: "tour:lab", near: [3, 4] } });
-  expect(said()).toEqual([["info", "LAB is a place now."]]);
+  expect(said()).toEqual([["info", "New place: LAB."]]);
 });
 
 test("a place where the robot cannot stand is made and says so", async () => {
   const { places, said } = page(place("lab", { problem: "it is in an obstacle of the map" }));
   await places.addHere();
-  expect(said()).toEqual([["warning", "LAB is a place now, but it is in an obstacle of the map."]]);
+  expect(said()).toEqual([["warning", "New place: LAB. It is in an obstacle of the map."]]);
 });
 
 test("a refusal is shown and changes nothing", async () => {

@@ -4,6 +4,7 @@ import { computed, type ReadonlySignal, signal } from "@preact/signals";
 import { inWords, type Rest } from "../protocol/rest";
 import type { Landmark, NewPlace, Place } from "../protocol/types";
 import type { Store } from "../state/store";
+import { sentence } from "../ui/format";
 
 export class PlaceControl {
   /** Whether something was asked for and has not been answered yet. */
@@ -41,8 +42,8 @@ export class PlaceControl {
   private add(place: NewPlace): Promise<boolean> {
     return this.ask(async () => {
       const { name, problem } = await this.rest.addPlace(place);
-      if (problem) this.store.notify("warning", `${name} is a place now, but ${problem}.`);
-      else this.store.notify("info", `${name} is a place now.`);
+      if (problem) this.store.notify("warning", `New place: ${name}. ${sentence(problem)}`);
+      else this.store.notify("info", `New place: ${name}.`);
     });
   }
 
