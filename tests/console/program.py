@@ -92,7 +92,7 @@ modules:
     outputs: {report: navigation_report}
   PlaceKeeper:
     class: app.modules.perception.place_keeper:PlaceKeeper
-    inputs: {landmarks: landmarks, map: map, zones: zones}
+    inputs: {landmarks: landmarks, zones: zones}
     outputs: {places: places}
 """
 
