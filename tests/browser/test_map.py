@@ -164,9 +164,21 @@ def test_a_kept_map_is_loaded_the_robot_finds_itself_and_goes_to_another_room(
     (zone,) = robot.get("/map/zones")["zones"]
     assert min(math.dist(each, (corner.x, corner.y)) for each in zone["polygon"]) < 0.05
 
+    # Where it is becomes a place, which is named, kept with the map, and gone to by its name.
+    page.get_by_test_id("place-here").click()
+    page.get_by_test_id("place-rename").click()
+    page.get_by_test_id("place-name").fill("Hall")
+    page.get_by_test_id("place-rename-confirm").click()
+    page.locator("[data-testid=place][data-name=Hall][data-source=here]").wait_for()
+    (place,) = robot.get("/places")["places"]
+    off = (X_MW @ true_pose(truth)).inverse() @ Pose2(place["x"], place["y"], place["heading"])
+    assert math.hypot(off.x, off.y) < 0.1
+    way = page.get_by_test_id("map-way")
+    page.get_by_test_id("place-go").click()
+    expect(way).to_contain_text("Arrived at Hall")
+
     page.get_by_test_id("map-tool-goal").click()
     drag_on_map(page, X_MW @ SENT_TO)
-    way = page.get_by_test_id("map-way")
     expect(way).to_have_attribute("data-state", "following")
     # Held keys take over for as long as they are held, and the page says what comes then; Space ends the trip.
     hold_until(page, "KeyA", page.get_by_test_id("drive-hint").filter(has_text="continue to the goal"), 5_000)

@@ -14,6 +14,7 @@ from msgspec import Meta, Struct
 from app.console.records.attention import EventList
 from app.console.records.maps import LocalizationState, ZoneList
 from app.console.records.navigation import NavigationModel
+from app.console.records.places import PlaceList
 from app.console.records.program import SourceState
 from app.console.records.recordings import PlaybackReport, RecorderReport
 from app.console.records.robot import GroupReport, Guard, LandmarkReport, OdometryReport, RobotFacts
@@ -147,7 +148,7 @@ class LandmarkList:
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class PoseReport:
     """A pose: m and rad."""
 
     x: float
@@ -166,7 +167,7 @@ class LocalizationReport:
     y: float
     theta: float
     sigma: Annotated[tuple[float, float, float], doc("Standard deviations of x, y (m) and theta (rad).")]
-    X_MO: Annotated[Place, doc("Pose of `odom` on the map.")]
+    X_MO: Annotated[PoseReport, doc("Pose of `odom` on the map.")]
     overlap: Annotated[float, doc("Share of the scan that fits the map, 0 to 1.")]
 
 
@@ -243,6 +244,7 @@ FROM_ROBOT: dict[str, FrameKind] = {
     "localization": FrameKind(LocalizationReport, "Up to 10 times a second: where the robot is on the map."),
     "navigation": FrameKind(NavigationModel, "On change: the goal and the state of navigation."),
     "zones": FrameKind(ZoneList, "On change: the zones of the map."),
+    "places": FrameKind(PlaceList, "On change: the places of the map."),
     "map_info": FrameKind(GridInfo, "Right before each picture of kind 3 (map): what it shows."),
     "costmap_info": FrameKind(GridInfo, "Right before each picture of kind 4 (costmap): what it shows."),
     "pong": FrameKind(Pong, "The answer to `ping`."),

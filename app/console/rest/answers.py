@@ -28,6 +28,7 @@ _WORDS = {
     401: "The console's token is needed.",
     404: "There is no such thing.",
     409: "It cannot be done now.",
+    412: "It was changed since: it is another version than `If-Match` names. `ETag` is the present one.",
     416: "The file has no such part.",
     422: "Something in the request is not allowed; `errors` says which field.",
     429: "Too many wrong tokens came from this address; `Retry-After` says how many seconds to wait.",

@@ -31,6 +31,7 @@ class Place(BaseModel):
     x: float
     y: float
     heading: float | None = None
+    name: str = ""
 
 
 CLASSES = (
@@ -52,8 +53,10 @@ class Life:
         self.progress: float | None = None
         self.left_m = 2.0
 
-    def go(self, x: float = 3.0, y: float = 4.0, heading: float | None = None, **options: Any) -> Desire:
-        params = {"x": x, "y": y, "heading": heading}
+    def go(
+        self, x: float = 3.0, y: float = 4.0, heading: float | None = None, *, name: str = "", **options: Any
+    ) -> Desire:
+        params = {"x": x, "y": y, "heading": heading, "name": name}
         wanted: dict[str, Any] = {"intensity": 6.0, "utility": 1.0, "source": ADA} | options
         return self.workspace.add("GoTo", params=params, **wanted)
 
@@ -188,6 +191,20 @@ def test_an_unreachable_goal_is_given_up_with_its_reason() -> None:
                 assert (ended.outcome, ended.behavior, ended.reason) == ("failed", "Tested", "walls all around")
             assert life.sentences == [
                 "Gave up going to (3.00, 4.00): walls all around. Please help, or send it elsewhere"
+            ]
+
+    run_virtual(main())
+
+
+def test_a_goal_at_a_place_is_called_by_its_name() -> None:
+    async def main() -> None:
+        life = Life()
+        async with life.bench:
+            goal = life.go(name="Robotics lab")
+            for _ in range(2):
+                await life.pass_time(1.5, "unreachable", goal, reason="walls all around")
+            assert life.sentences == [
+                "Gave up going to Robotics lab: walls all around. Please help, or send it elsewhere"
             ]
 
     run_virtual(main())
