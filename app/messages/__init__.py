@@ -75,6 +75,7 @@ from app.messages.percepts import (
     SoundSource,
     SoundSources,
 )
+from app.messages.persons import Person, Persons, PersonState, TorsoColors
 from app.messages.records import (
     Divisors,
     LoadReport,
@@ -158,7 +159,10 @@ __all__ = [
     "Odometry",
     "PerceptEvent",
     "PerceptKind",
+    "Person",
+    "PersonState",
     "PersonTruth",
+    "Persons",
     "PlacedCode",
     "PlacedFace",
     "PlacedPercepts",
@@ -192,6 +196,7 @@ __all__ = [
     "SubscriptionCounters",
     "TeleopCommand",
     "TimelineEvent",
+    "TorsoColors",
     "Twist",
     "Zone",
     "Zones",

@@ -1,0 +1,419 @@
+"""Tracks of persons: faces, legs and voices bound together, each with an identity that survives interruptions.
+
+Faces and legs measure places and are assigned to the tracks of those seen a moment ago (``motion.py``). A track is
+believed to be a person after two faces or half a metre walked: chairs have legs, too. Then it is identified
+(``identities.py``). Voices have directions only, and are bound to persons there (``voices.py``).
+
+The order of observations in a message changes nothing, no number is used again, and what is kept is bounded.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.messages import Person, PersonState, read_only
+from app.modules.perception.people.identities import (
+    Appearance,
+    Colors,
+    Histogram,
+    Identity,
+    IdentityRules,
+    Passable,
+    identify,
+    pruned,
+)
+from app.modules.perception.people.motion import GATE, NEVER, Motion, assigned, costs
+from app.modules.perception.people.torso_color import distance
+from app.modules.perception.people.voices import VoiceHeard, bound
+
+Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class FaceSeen:
+    """A face: its track, and the place of its middle (3,) m in ``odom`` with covariance (3, 3) m²."""
+
+    track: int
+    p_OF: Vector
+    covariance: Vector
+
+
+@dataclass(frozen=True, slots=True)
+class LegsSeen:
+    """What may be the legs of a person: their place (2,) m in ``odom`` with covariance (2, 2) m².
+
+    ``known``: the map has an obstacle there.
+    """
+
+    at: Vector
+    covariance: Vector
+    known: bool
+
+
+@dataclass(frozen=True, slots=True)
+class PersonRules:
+    """Times in s, lengths in m."""
+
+    identity: IdentityRules = field(default_factory=IdentityRules)
+    #: A person not seen for so long is lost; what is not yet believed is forgotten.
+    lost_s: float = 1.2
+    forgotten_s: float = 0.8
+    #: Faces, or the way walked, after which a person is believed.
+    faces: int = 2
+    walked_m: float = 0.5
+    #: Time for colours to come before a person without any is identified, and for others to be found out after a
+    #: mistake was.
+    colors_s: float = 0.8
+    doubt_s: float = 4.0
+    #: Histograms before a person counts as new, or as another than thought.
+    new_samples: int = 5
+    other_samples: int = 6
+    #: Legs at an obstacle of the map count for a person so long after any other sighting.
+    known_s: float = 10.0
+    #: Height of the middle of faces where none was seen.
+    face_m: float = 1.57
+    most: int = 60
+
+
+#: A face and a track that were together keep together: a lower cost, and up to a distance (m) beyond the gate.
+_TOGETHER, _TOGETHER_S, _TOGETHER_M = 8.0, 2.0, 1.2
+#: Cost of a torso that has nothing in common with the track's.
+_UNLIKE = 25.0
+#: Two tracks nearer than this (m) are of one person, unless both have faces.
+_ONE_PERSON_M = 0.4
+#: Floor of a face's standard deviation over ground (m), and of the share of its covariance: its place is a track's,
+#: whose errors last.
+_FACE_FLOOR_M, _FACE_FACTOR = 0.1, 2.0
+_SPOKEN_S = 0.4
+
+
+@dataclass(slots=True, eq=False)
+class _Track:
+    number: int
+    motion: Motion
+    born: float
+    origin: Vector
+    #: Last sighting; the last that was not legs at an obstacle of the map; the last of legs, of a face.
+    seen: float
+    sure: float
+    legs: float = -math.inf
+    face: float = -math.inf
+    face_track: int | None = None
+    faces: dict[int, float] = field(default_factory=dict)
+    faces_seen: int = 0
+    sightings: int = 0
+    #: When it was believed to be a person, None before.
+    believed: float | None = None
+    identity: Identity | None = None
+    #: Whether the identity rests on more than legs that stand.
+    firm: bool = False
+    not_new_before: float = -math.inf
+    colors: Colors = field(default_factory=lambda: Colors(40))
+    recent: Colors = field(default_factory=lambda: Colors(6))
+    z: float | None = None
+    voice: int | None = None
+    spoke: float = -math.inf
+
+
+class PersonTracks:
+    """All persons around. ``next_track`` and ``next_person`` are the numbers of the next new ones."""
+
+    def __init__(self, rules: PersonRules | None = None, next_track: int = 1, next_person: int = 1) -> None:
+        self.rules = rules or PersonRules()
+        self.next_track = next_track
+        self.next_person = next_person
+        self.passable: Passable = lambda a, b: True
+        """Whether no known wall is between two places (2,) m in ``odom``."""
+        self._tracks: list[_Track] = []
+        self._lost: list[_Track] = []
+        self._missing: list[Identity] = []
+        #: Colours by face track, and when they came.
+        self._torsos: dict[int, tuple[float, Colors]] = {}
+        self._voices: dict[int, tuple[float, int]] = {}
+
+    # --- observations ------------------------------------------------------------------------------------------------
+
+    def see_faces(self, stamp: float, faces: Sequence[FaceSeen]) -> None:
+        """Take the faces of one image."""
+        faces = sorted(faces, key=lambda face: face.track)
+        self._advance(stamp)
+        places = np.array([face.p_OF[:2] for face in faces]).reshape(-1, 2)
+        spread = np.array([_over_ground(face.covariance) for face in faces]).reshape(-1, 2, 2)
+        cost = costs([track.motion for track in self._tracks], places, spread)
+        for row, face in enumerate(faces):
+            for column, track in enumerate(self._tracks):
+                cost[row, column] = self._face_cost(float(cost[row, column]), face, track, stamp)
+        pairs = dict(assigned(cost))
+        for row, face in enumerate(faces):
+            track = self._tracks[pairs[row]] if row in pairs else self._new(stamp, places[row], spread[row])
+            if row in pairs:
+                track.motion.update(places[row], spread[row])
+            self._note_face(track, stamp, face)
+        self._settle(stamp)
+
+    def see_torsos(self, stamp: float, histograms: Mapping[int, Histogram]) -> None:
+        """Take the colours (BINS,) below faces, by their tracks."""
+        self._advance(stamp)
+        for face, histogram in sorted(histograms.items()):
+            _, colors = self._torsos.get(face, (stamp, Colors(6)))
+            colors.add(histogram)
+            self._torsos[face] = stamp, colors
+            track = next((t for t in self._tracks if t.face_track == face and stamp - t.face < 0.3), None)
+            if track is not None:
+                track.recent.add(histogram)
+                track.colors.add(histogram)
+        self._torsos = {face: held for face, held in self._torsos.items() if stamp - held[0] < 5.0}
+        self._settle(stamp)
+
+    def see_legs(self, stamp: float, legs: Sequence[LegsSeen]) -> None:
+        """Take what may be legs in one scan."""
+        legs = sorted(legs, key=lambda leg: (float(leg.at[0]), float(leg.at[1])))
+        self._advance(stamp)
+        places = np.array([leg.at for leg in legs]).reshape(-1, 2)
+        spread = np.array([leg.covariance for leg in legs]).reshape(-1, 2, 2)
+        cost = costs([track.motion for track in self._tracks], places, spread)
+        for row, leg in enumerate(legs):
+            for column, track in enumerate(self._tracks):
+                if leg.known and (track.believed is None or stamp - track.sure > self.rules.known_s):
+                    cost[row, column] = NEVER
+        # Persons choose before what is perhaps a chair.
+        believed = np.array([track.believed is not None for track in self._tracks], dtype=bool)
+        if len(self._tracks):
+            cost = np.where(cost < NEVER, cost - np.where(believed, 8.0, 0.0)[None], NEVER)
+        pairs = dict(assigned(cost))
+        for row, leg in enumerate(legs):
+            if row in pairs:
+                track = self._tracks[pairs[row]]
+                track.motion.update(leg.at, leg.covariance)
+            elif leg.known or self._of_a_person(leg.at, stamp):
+                continue
+            else:
+                track = self._new(stamp, leg.at, leg.covariance)
+            self._note_legs(track, stamp, leg)
+        self._settle(stamp)
+
+    def hear(self, stamp: float, p_OA: Vector, voices: Sequence[VoiceHeard]) -> None:
+        """Take the voices heard now at ``p_OA`` (2,) m in ``odom``."""
+        self._advance(stamp)
+        people = {t.number: t.motion.at for t in (*self._tracks, *self._lost) if t.believed is not None}
+        before = {voice: number for voice, (_, number) in self._voices.items()}
+        for voice, number in bound(voices, p_OA, people, before).items():
+            self._voices[voice] = stamp, number
+            track = next(t for t in (*self._tracks, *self._lost) if t.number == number)
+            track.voice, track.spoke = voice, stamp
+        self._voices = {voice: held for voice, held in self._voices.items() if stamp - held[0] < 5.0}
+
+    def persons(self, stamp: float) -> tuple[Person, ...]:
+        """Everybody at ``stamp``, in the order of tracks."""
+        self._advance(stamp)
+        self._settle(stamp)
+        everybody = sorted((*self._tracks, *self._lost), key=lambda track: track.number)
+        return tuple(self._person(track, stamp) for track in everybody)
+
+    # --- tracks ------------------------------------------------------------------------------------------------------
+
+    def _advance(self, stamp: float) -> None:
+        for track in (*self._tracks, *self._lost):
+            track.motion.predict(stamp)
+        rules, kept = self.rules, []
+        for track in self._tracks:
+            unseen = stamp - track.seen
+            if unseen <= (rules.lost_s if track.believed is not None or track.faces_seen else rules.forgotten_s):
+                kept.append(track)
+            elif track.identity is not None:
+                self._miss(track, track.identity)
+                self._lost.append(track)
+        self._tracks = kept
+        self._lost = [track for track in self._lost if stamp - track.seen <= rules.identity.gap_s]
+        self._missing = pruned(self._missing, stamp, rules.identity)
+
+    def _miss(self, track: _Track, identity: Identity) -> None:
+        if all(identity is not other for other in self._missing):
+            self._missing.append(identity)
+
+    def _new(self, stamp: float, at: Vector, covariance: Vector) -> _Track:
+        motion = Motion.begin(stamp, at, covariance)
+        track = _Track(self.next_track, motion, stamp, np.array(at), seen=stamp, sure=stamp)
+        self.next_track += 1
+        self._tracks.append(track)
+        if len(self._tracks) > self.rules.most:
+            gone = min(self._tracks, key=lambda t: (t.believed is not None, t.seen, t.number))
+            self._tracks = [other for other in self._tracks if other is not gone]
+            if gone.identity is not None:
+                self._miss(gone, gone.identity)
+        return track
+
+    def _note_face(self, track: _Track, stamp: float, face: FaceSeen) -> None:
+        track.seen = track.sure = track.face = max(stamp, track.seen)
+        track.face_track = face.track
+        track.faces = {f: at for f, at in track.faces.items() if stamp - at < _TOGETHER_S} | {face.track: stamp}
+        track.faces_seen += 1
+        track.sightings += 1
+        z, sigma2 = float(face.p_OF[2]), float(face.covariance[2, 2]) + 0.02**2
+        track.z = z if track.z is None else track.z + 0.02 / (0.02 + sigma2) * (z - track.z)
+        if track.identity is not None:
+            track.firm = True
+
+    def _note_legs(self, track: _Track, stamp: float, leg: LegsSeen) -> None:
+        track.seen = track.legs = max(stamp, track.seen)
+        if not leg.known:
+            track.sure = max(stamp, track.sure)
+        track.sightings += 1
+
+    def _face_cost(self, cost: float, face: FaceSeen, track: _Track, stamp: float) -> float:
+        if stamp - track.faces.get(face.track, -math.inf) < _TOGETHER_S:
+            if cost >= NEVER and math.dist(face.p_OF[:2], track.motion.at) < _TOGETHER_M:
+                cost = GATE
+            cost -= _TOGETHER if cost < NEVER else 0.0
+        if cost < NEVER and self.rules.identity.colors:
+            held = self._torsos.get(face.track)
+            if held is not None and held[1].mean is not None and track.recent.mean is not None:
+                cost += _UNLIKE * distance(held[1].mean, track.recent.mean) ** 2
+        return cost
+
+    def _of_a_person(self, at: Vector, stamp: float) -> bool:
+        """Whether a person is where a candidate without a track is: the other leg, a bag."""
+        return any(
+            track.believed is not None and math.dist(track.motion.at, at) < _ONE_PERSON_M for track in self._tracks
+        )
+
+    # --- belief and identity -----------------------------------------------------------------------------------------
+
+    def _settle(self, stamp: float) -> None:
+        self._believe(stamp)
+        self._merge(stamp)
+        for track in self._tracks:
+            if track.identity is not None:
+                self._check(track, stamp, track.identity)
+        for track in sorted(self._tracks, key=lambda t: t.number):
+            if track.believed is not None and track.identity is None:
+                self._identify(track, stamp)
+        for track in self._tracks:
+            if track.identity is not None and track.seen > track.identity.stamp:
+                track.identity.stamp, track.identity.at = track.seen, track.motion.at.copy()
+
+    def _believe(self, stamp: float) -> None:
+        rules = self.rules
+        for track in self._tracks:
+            walked = math.dist(track.motion.at, track.origin) >= rules.walked_m and track.sightings >= 4
+            if walked and track.identity is not None:
+                track.firm = True
+            if track.believed is not None:
+                continue
+            if track.faces_seen >= rules.faces or walked:
+                track.believed = stamp
+            elif track.sightings >= 3:
+                self._stand_again(track, stamp)
+
+    def _stand_again(self, track: _Track, stamp: float) -> None:
+        """Take legs where one person was lost a moment ago for theirs: who stood behind somebody need not walk."""
+        gap = self.rules.identity.gap_s
+        near = [
+            identity
+            for identity in self._missing
+            if track.born - identity.stamp <= gap and math.dist(identity.at, track.motion.at) < 0.5
+        ]
+        if len(near) == 1:
+            track.believed = stamp
+            self._take(track, near[0])
+            track.firm = False
+
+    def _merge(self, stamp: float) -> None:
+        for track in sorted(self._tracks, key=lambda t: (t.believed is None, t.identity is None, t.number)):
+            if track.believed is None:
+                continue
+            for other in self._tracks:
+                if other is track or (other.believed is not None and other.number < track.number):
+                    continue
+                both = stamp - other.face < 1.0 and stamp - track.face < 1.0
+                if not both and math.dist(track.motion.at, other.motion.at) < _ONE_PERSON_M:
+                    self._tracks = [t for t in self._tracks if t is not other]
+                    if other.identity is not None:
+                        self._miss(other, other.identity)
+                    return
+
+    def _check(self, track: _Track, stamp: float, identity: Identity) -> None:
+        """Doubt the identity of a track whose colours have become another's."""
+        rules = self.rules
+        if not rules.identity.colors:
+            return
+        far = track.recent.distance(identity.colors, rules.other_samples)
+        if far is None or far < rules.identity.different:
+            if far is not None and far <= rules.identity.same:
+                identity.colors = track.colors if identity.colors.samples < track.colors.samples else identity.colors
+            elif far is None and track.colors.samples > identity.colors.samples:
+                identity.colors = track.colors
+            return
+        track.identity = None
+        self._miss(track, identity)
+        track.believed, track.not_new_before = stamp, stamp + rules.doubt_s
+        track.colors = Colors(40)
+        if track.recent.mean is not None:
+            for _ in range(rules.identity.samples):
+                track.colors.add(track.recent.mean)
+
+    def _identify(self, track: _Track, stamp: float) -> None:
+        rules = self.rules
+        assert track.believed is not None
+        waited = stamp - track.believed
+        if track.colors.samples < rules.identity.samples and waited < rules.colors_s and rules.identity.colors:
+            return
+        weak = [t for t in self._tracks if t.identity is not None and not t.firm and t is not track]
+        missing = [*self._missing, *(t.identity for t in weak if t.identity is not None)]
+        seen = Appearance(track.born, track.origin, track.colors)
+        if track.not_new_before > -math.inf:
+            seen = Appearance(stamp, track.motion.at, track.colors)
+        found = identify(seen, missing, rules.identity, self.passable)
+        if isinstance(found, Identity):
+            for other in weak:
+                if other.identity is found:
+                    other.identity, other.believed = None, None
+                    other.origin, other.sightings, other.faces_seen = other.motion.at.copy(), 0, 0
+            self._take(track, found)
+        elif found == "new" and stamp >= track.not_new_before:
+            if 0 < track.colors.samples < rules.new_samples and waited < 3.0:
+                return
+            self._take(track, Identity(self.next_person, stamp, track.motion.at.copy(), Colors(40)))
+            self.next_person += 1
+
+    def _take(self, track: _Track, identity: Identity) -> None:
+        self._missing = [other for other in self._missing if other is not identity]
+        self._lost = [other for other in self._lost if other.identity is not identity]
+        track.identity = identity
+        track.not_new_before = -math.inf
+        track.firm = track.faces_seen > 0 or math.dist(track.motion.at, track.origin) >= self.rules.walked_m
+
+    # --- out ---------------------------------------------------------------------------------------------------------
+
+    def _person(self, track: _Track, stamp: float) -> Person:
+        x, y, vx, vy = track.motion.x.tolist()
+        state: PersonState = "confirmed"
+        if track.believed is None:
+            state = "tentative"
+        elif track.identity is None:
+            state = "unsure"
+        elif any(track is lost for lost in self._lost):
+            state = "lost"
+        speaking = stamp - track.spoke <= _SPOKEN_S
+        return Person(
+            track.number,
+            None if track.identity is None else track.identity.number,
+            state,
+            p_OP=(x, y, self.rules.face_m if track.z is None else track.z),
+            v_O=(vx, vy),
+            covariance=read_only(track.motion.P[:2, :2].copy()),
+            face=track.face_track if stamp - track.face <= self.rules.lost_s else None,
+            voice=track.voice if speaking else None,
+            legs=stamp - track.legs <= self.rules.lost_s,
+            speaking=speaking,
+            last_seen=track.seen,
+        )
+
+
+def _over_ground(covariance: Vector) -> Vector:
+    return np.asarray(_FACE_FACTOR * covariance[:2, :2] + _FACE_FLOOR_M**2 * np.eye(2))
