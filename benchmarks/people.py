@@ -74,7 +74,7 @@ def judge(messages: Sequence[object], uses: Uses) -> Outcome:
     for message in messages:
         if isinstance(message, Odometry):
             poses.add(message.stamp, message.X_OB)
-    tracks = PersonTracks(PersonRules(identity=IdentityRules(colors=uses.colors)))
+    tracks = PersonTracks(rules=PersonRules(identity=IdentityRules(colors=uses.colors)))
     walls: Walls | None = None
     grid: OccupancyGrid | None = None
     X_MO: Pose2 | None = None

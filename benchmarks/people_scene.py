@@ -1,7 +1,7 @@
 """Four people in the simulated lab, perceived for some minutes, with the truth: what the benchmark of persons replays.
 
-The whole program runs in virtual time in ``config/scenarios/people.yaml``, attention granting what it can of faces,
-voices and mapping; what it publishes is kept, with the world's truth and the colours below each face.
+The whole program runs in virtual time in ``config/scenarios/people.yaml``, with faces, voices and map at the rates of
+``people_strategies.yaml``; what it publishes is kept, with the world's truth and the colours below each face.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import math
 import pickle
 from collections import deque
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import BinaryIO
 
@@ -35,6 +35,7 @@ SCANS, MAP_S = 4, 5.0
 WITHOUT = (
     "QRCodeDetector", "CameraStream", "PanoramaStream", "PointCloudBuilder", "AudioStream", "PerceptPlacer",
     "SoundClassifier", "DarknessDetector", "WordRecognizer", "PerceptEvents", "EgoSphere", "LoudNoiseDetector",
+    "PersonTracker",
 )  # fmt: skip
 
 
@@ -64,12 +65,15 @@ class Torsos:
 def record(seconds: float, path: Path) -> None:
     """Run the scene so long (simulated s) and write what is perceived to ``path``, message after message."""
     program = simulated_program(scenario=paths.config_dir() / "scenarios" / SCENARIO)
+    own = {"strategies": [Path(__file__).with_name("people_strategies.yaml")]}
+    program_of = program.configuration.program.model_copy(update=own)
+    configuration = replace(program.configuration, program=program_of)
     with path.open("wb") as file:
 
         async def script(run: WorldRun) -> None:
             await _perceive(run, seconds, file, program.scenario)
 
-        run_in_world(program.configuration, program.body, script, cameras=True, microphones=True, without=WITHOUT)
+        run_in_world(configuration, program.body, script, cameras=True, microphones=True, without=WITHOUT)
 
 
 def recorded(path: Path) -> Iterator[object]:

@@ -100,3 +100,8 @@ def assigned(cost: Vector) -> list[tuple[int, int]]:
 
     rows, columns = linear_sum_assignment(cost)
     return [(int(r), int(c)) for r, c in zip(rows, columns, strict=True) if cost[r, c] < NEVER / 2]
+
+
+def prepare() -> None:
+    """Load lazily imported packages in a module's thread, where the delay blocks no other work."""
+    assigned(np.zeros((1, 1)))

@@ -123,7 +123,7 @@ class _Track:
 class PersonTracks:
     """All persons around. ``next_track`` and ``next_person`` are the numbers of the next new ones."""
 
-    def __init__(self, rules: PersonRules | None = None, next_track: int = 1, next_person: int = 1) -> None:
+    def __init__(self, next_track: int = 1, next_person: int = 1, rules: PersonRules | None = None) -> None:
         self.rules = rules or PersonRules()
         self.next_track = next_track
         self.next_person = next_person

@@ -181,7 +181,7 @@ def test_the_order_within_messages_changes_nothing(order: random.Random) -> None
 @given(st.integers(0, 2**32 - 1))
 def test_numbers_are_used_once_and_memory_is_bounded(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    tracks = PersonTracks(PersonRules(most=10))
+    tracks = PersonTracks(rules=PersonRules(most=10))
     owners: dict[int, int] = {}
     for k in range(40):
         t = k * 0.3
