@@ -129,7 +129,8 @@ def judge(messages: Sequence[object], uses: Uses) -> Outcome:
                 held,
                 instants=held.instants + 1,
                 in_view=held.in_view + (person in seen),
-                thought=held.thought + Counter(thought if person in message.speaking else ()),
+                # Others who talk at the same time may be heard, too.
+                thought=held.thought + Counter(n for n in thought if n == person or n not in message.talking),
             )
     seconds = max(end - begin, 1e-9)
     return Outcome(

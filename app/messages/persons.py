@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
+from msgspec import Meta
 from numpy.typing import NDArray
+
+from app.messages.percepts import POINT
 
 PersonState = Literal["tentative", "confirmed", "unsure", "lost"]
 
@@ -45,7 +48,7 @@ class Person:
     state: PersonState
     p_OP: tuple[float, float, float]
     v_O: tuple[float, float]
-    covariance: NDArray[np.float64]
+    covariance: Annotated[NDArray[np.float64], Meta(extra_json_schema={"items": POINT})]
     face: int | None
     voice: int | None
     legs: bool

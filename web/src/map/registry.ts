@@ -3,5 +3,6 @@
 import { landmarksLayer } from "./landmarksLayer";
 import type { Layer } from "./layer";
 import { peopleLayer } from "./peopleLayer";
+import { personsLayer } from "./personsLayer";
 
-export const LAYERS: readonly Layer[] = [landmarksLayer, peopleLayer];
+export const LAYERS: readonly Layer[] = [landmarksLayer, peopleLayer, personsLayer];

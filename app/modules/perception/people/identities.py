@@ -33,8 +33,8 @@ class IdentityRules:
     gap_s: float = 8.0
     #: Distances of histograms (0 to 1) of the same person at most, of different ones at least, and between two
     #: candidates at least.
-    same: float = 0.35
-    different: float = 0.5
+    same: float = 0.4
+    different: float = 0.55
     apart: float = 0.1
     #: Histograms of a track before they count.
     samples: int = 3
@@ -85,11 +85,12 @@ class Appearance:
 
 
 def identify(
-    seen: Appearance, missing: Iterable[Identity], rules: IdentityRules, passable: Passable
+    seen: Appearance, missing: Iterable[Identity], rules: IdentityRules, passable: Passable | None
 ) -> Identity | Literal["new", "unsure"]:
     """Which of the identities ``missing`` (those that nobody in view has) the person ``seen`` is.
 
-    ``passable(a, b)``: whether no known wall is between two places.
+    ``passable(a, b)``: whether no known wall is between two places; None: place alone identifies nobody, for there were
+    several who may have come here.
     """
     colored = rules.colors and seen.colors.samples >= rules.samples
     near: list[Identity] = []
@@ -102,7 +103,7 @@ def identify(
         far = seen.colors.distance(identity.colors, rules.samples) if rules.colors else None
         if far is not None and far >= rules.different:
             continue
-        within = gap_s <= rules.gap_s and passable(identity.at, seen.at)
+        within = passable is not None and gap_s <= rules.gap_s and passable(identity.at, seen.at)
         if within:
             near.append(identity)
         if far is not None and far <= rules.same:
@@ -113,9 +114,9 @@ def identify(
         return _of_alike(sorted(alike, key=lambda pair: (pair[0], pair[1].number)), near, rules)
     if len(near) == 1:
         return near[0]
-    if len(near) > 1:
+    if len(near) > 1 or possible:
         return "unsure"
-    return "unsure" if possible else "new"
+    return "new" if colored or passable is not None else "unsure"
 
 
 def _of_alike(

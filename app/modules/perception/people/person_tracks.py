@@ -28,7 +28,6 @@ from app.modules.perception.people.identities import (
     pruned,
 )
 from app.modules.perception.people.motion import GATE, NEVER, Motion, assigned, costs
-from app.modules.perception.people.torso_color import distance
 from app.modules.perception.people.voices import VoiceHeard, bound
 
 Vector = NDArray[np.float64]
@@ -70,6 +69,8 @@ class PersonRules:
     #: mistake was.
     colors_s: float = 0.8
     doubt_s: float = 4.0
+    #: While colours of anybody came within so long, a person without any is not numbered as new.
+    colored_s: float = 60.0
     #: Histograms before a person counts as new, or as another than thought.
     new_samples: int = 5
     other_samples: int = 6
@@ -90,6 +91,14 @@ _ONE_PERSON_M = 0.4
 #: whose errors last.
 _FACE_FLOOR_M, _FACE_FACTOR = 0.1, 2.0
 _SPOKEN_S = 0.4
+#: What was perceived so long ago (s) is perceived.
+_RECENT_S = 0.7
+#: What stood so often (sightings) within so far (m) of one spot is furniture until it walks. A person beside it is
+#: within such a distance (m), and slower than so (m/s).
+_STOOD, _SPOT_M = 15, 0.2
+_BESIDE_M, _STANDS_MPS = 0.3, 0.4
+#: Histograms of a face's track and a person's before an unlike pair is refused, and from which distance on it is.
+_COLORS, _UNLIKE_FROM = 3, 0.65
 
 
 @dataclass(slots=True, eq=False)
@@ -110,8 +119,9 @@ class _Track:
     #: When it was believed to be a person, None before.
     believed: float | None = None
     identity: Identity | None = None
-    #: Whether the identity rests on more than legs that stand.
+    #: Whether the identity rests on more than legs that stand, and whether the place has become too doubtful for one.
     firm: bool = False
+    doubtful: bool = False
     not_new_before: float = -math.inf
     colors: Colors = field(default_factory=lambda: Colors(40))
     recent: Colors = field(default_factory=lambda: Colors(6))
@@ -134,7 +144,10 @@ class PersonTracks:
         self._missing: list[Identity] = []
         #: Colours by face track, and when they came.
         self._torsos: dict[int, tuple[float, Colors]] = {}
+        self._torso = -math.inf
         self._voices: dict[int, tuple[float, int]] = {}
+        #: Where something with legs stood and did not walk.
+        self._furniture: list[Vector] = []
 
     # --- observations ------------------------------------------------------------------------------------------------
 
@@ -163,10 +176,15 @@ class PersonTracks:
             _, colors = self._torsos.get(face, (stamp, Colors(6)))
             colors.add(histogram)
             self._torsos[face] = stamp, colors
+            self._torso = stamp
             track = next((t for t in self._tracks if t.face_track == face and stamp - t.face < 0.3), None)
             if track is not None:
                 track.recent.add(histogram)
-                track.colors.add(histogram)
+                # Who passes before a person does not change what the person wears.
+                worn = track.colors if track.identity is None else track.identity.colors
+                far = track.recent.distance(worn, self.rules.identity.samples)
+                if far is None or far < self.rules.identity.same:
+                    worn.add(histogram)
         self._torsos = {face: held for face, held in self._torsos.items() if stamp - held[0] < 5.0}
         self._settle(stamp)
 
@@ -177,14 +195,11 @@ class PersonTracks:
         places = np.array([leg.at for leg in legs]).reshape(-1, 2)
         spread = np.array([leg.covariance for leg in legs]).reshape(-1, 2, 2)
         cost = costs([track.motion for track in self._tracks], places, spread)
+        furniture = [leg.known or self._is_furniture(leg.at) for leg in legs]
         for row, leg in enumerate(legs):
             for column, track in enumerate(self._tracks):
-                if leg.known and (track.believed is None or stamp - track.sure > self.rules.known_s):
-                    cost[row, column] = NEVER
-        # Persons choose before what is perhaps a chair.
-        believed = np.array([track.believed is not None for track in self._tracks], dtype=bool)
-        if len(self._tracks):
-            cost = np.where(cost < NEVER, cost - np.where(believed, 8.0, 0.0)[None], NEVER)
+                if cost[row, column] < NEVER:
+                    cost[row, column] = self._legs_cost(float(cost[row, column]), leg, track, stamp, furniture[row])
         pairs = dict(assigned(cost))
         for row, leg in enumerate(legs):
             if row in pairs:
@@ -261,9 +276,10 @@ class PersonTracks:
 
     def _note_legs(self, track: _Track, stamp: float, leg: LegsSeen) -> None:
         track.seen = track.legs = max(stamp, track.seen)
-        if not leg.known:
-            track.sure = max(stamp, track.sure)
         track.sightings += 1
+        self._note_furniture(track)
+        if not leg.known and not self._is_furniture(leg.at):
+            track.sure = max(stamp, track.sure)
 
     def _face_cost(self, cost: float, face: FaceSeen, track: _Track, stamp: float) -> float:
         if stamp - track.faces.get(face.track, -math.inf) < _TOGETHER_S:
@@ -272,9 +288,31 @@ class PersonTracks:
             cost -= _TOGETHER if cost < NEVER else 0.0
         if cost < NEVER and self.rules.identity.colors:
             held = self._torsos.get(face.track)
-            if held is not None and held[1].mean is not None and track.recent.mean is not None:
-                cost += _UNLIKE * distance(held[1].mean, track.recent.mean) ** 2
+            far = None if held is None else held[1].distance(track.recent, 1)
+            if held is not None and far is not None:
+                if far >= _UNLIKE_FROM and min(held[1].samples, track.recent.samples) >= _COLORS:
+                    return NEVER
+                cost += _UNLIKE * far**2
         return cost
+
+    def _legs_cost(self, cost: float, leg: LegsSeen, track: _Track, stamp: float, furniture: bool) -> float:
+        if track.believed is None:
+            return NEVER if leg.known else cost
+        if furniture:
+            # Who stands beside a chair stays; who walks past does not become one.
+            stands = math.dist(leg.at, track.motion.at) < _BESIDE_M and track.motion.speed < _STANDS_MPS
+            if not stands or stamp - track.sure > self.rules.known_s:
+                return NEVER
+            return cost
+        return cost - _TOGETHER
+
+    def _is_furniture(self, at: Vector) -> bool:
+        return any(math.dist(spot, at) < _SPOT_M for spot in self._furniture)
+
+    def _note_furniture(self, track: _Track) -> None:
+        stood = track.sightings >= _STOOD and math.dist(track.motion.at, track.origin) < _SPOT_M
+        if track.believed is None and stood and not self._is_furniture(track.origin):
+            self._furniture = [*self._furniture[-self.rules.most + 1 :], track.origin]
 
     def _of_a_person(self, at: Vector, stamp: float) -> bool:
         """Whether a person is where a candidate without a track is: the other leg, a bag."""
@@ -313,6 +351,8 @@ class PersonTracks:
     def _stand_again(self, track: _Track, stamp: float) -> None:
         """Take legs where one person was lost a moment ago for theirs: who stood behind somebody need not walk."""
         gap = self.rules.identity.gap_s
+        if self._is_furniture(track.motion.at):
+            return
         near = [
             identity
             for identity in self._missing
@@ -324,14 +364,14 @@ class PersonTracks:
             track.firm = False
 
     def _merge(self, stamp: float) -> None:
-        for track in sorted(self._tracks, key=lambda t: (t.believed is None, t.identity is None, t.number)):
+        order = sorted(self._tracks, key=lambda t: (t.believed is None, stamp - t.face > _RECENT_S, t.number))
+        for rank, track in enumerate(order):
             if track.believed is None:
                 continue
-            for other in self._tracks:
-                if other is track or (other.believed is not None and other.number < track.number):
+            for other in order[rank + 1 :]:
+                if other.believed is not None and _perceived_apart(track, other, stamp):
                     continue
-                both = stamp - other.face < 1.0 and stamp - track.face < 1.0
-                if not both and math.dist(track.motion.at, other.motion.at) < _ONE_PERSON_M:
+                if math.dist(track.motion.at, other.motion.at) < _ONE_PERSON_M:
                     self._tracks = [t for t in self._tracks if t is not other]
                     if other.identity is not None:
                         self._miss(other, other.identity)
@@ -344,10 +384,6 @@ class PersonTracks:
             return
         far = track.recent.distance(identity.colors, rules.other_samples)
         if far is None or far < rules.identity.different:
-            if far is not None and far <= rules.identity.same:
-                identity.colors = track.colors if identity.colors.samples < track.colors.samples else identity.colors
-            elif far is None and track.colors.samples > identity.colors.samples:
-                identity.colors = track.colors
             return
         track.identity = None
         self._miss(track, identity)
@@ -360,15 +396,16 @@ class PersonTracks:
     def _identify(self, track: _Track, stamp: float) -> None:
         rules = self.rules
         assert track.believed is not None
-        waited = stamp - track.believed
-        if track.colors.samples < rules.identity.samples and waited < rules.colors_s and rules.identity.colors:
+        few = track.colors.samples < rules.identity.samples
+        if few and stamp - track.believed < rules.colors_s and rules.identity.colors:
             return
         weak = [t for t in self._tracks if t.identity is not None and not t.firm and t is not track]
         missing = [*self._missing, *(t.identity for t in weak if t.identity is not None)]
         seen = Appearance(track.born, track.origin, track.colors)
         if track.not_new_before > -math.inf:
             seen = Appearance(stamp, track.motion.at, track.colors)
-        found = identify(seen, missing, rules.identity, self.passable)
+        found = identify(seen, missing, rules.identity, None if track.doubtful else self.passable)
+        track.doubtful = track.doubtful or found == "unsure"
         if isinstance(found, Identity):
             for other in weak:
                 if other.identity is found:
@@ -376,16 +413,21 @@ class PersonTracks:
                     other.origin, other.sightings, other.faces_seen = other.motion.at.copy(), 0, 0
             self._take(track, found)
         elif found == "new" and stamp >= track.not_new_before:
-            if 0 < track.colors.samples < rules.new_samples and waited < 3.0:
+            few = track.colors.samples < rules.new_samples
+            if rules.identity.colors and few and stamp - self._torso < rules.colored_s:
+                # Colours will say whether it is somebody known.
                 return
-            self._take(track, Identity(self.next_person, stamp, track.motion.at.copy(), Colors(40)))
+            self._take(track, Identity(self.next_person, stamp, track.motion.at.copy(), track.colors))
             self.next_person += 1
 
     def _take(self, track: _Track, identity: Identity) -> None:
         self._missing = [other for other in self._missing if other is not identity]
         self._lost = [other for other in self._lost if other.identity is not identity]
+        if identity.colors.samples < self.rules.identity.samples <= track.colors.samples:
+            identity.colors = track.colors
         track.identity = identity
         track.not_new_before = -math.inf
+        track.doubtful = False
         track.firm = track.faces_seen > 0 or math.dist(track.motion.at, track.origin) >= self.rules.walked_m
 
     # --- out ---------------------------------------------------------------------------------------------------------
@@ -413,6 +455,13 @@ class PersonTracks:
             speaking=speaking,
             last_seen=track.seen,
         )
+
+
+def _perceived_apart(a: _Track, b: _Track, stamp: float) -> bool:
+    """Whether two tracks have faces, or legs, each of its own."""
+    return (stamp - a.face < _RECENT_S and stamp - b.face < _RECENT_S) or (
+        stamp - a.legs < _RECENT_S and stamp - b.legs < _RECENT_S
+    )
 
 
 def _over_ground(covariance: Vector) -> Vector:

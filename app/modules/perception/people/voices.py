@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from app.base.geometry import wrap_angle
 
 #: Greatest angle (rad) between a voice and its person, and how much farther off the next person must be.
-GATE_RAD, APART_RAD = math.radians(12), math.radians(10)
+GATE_RAD, APART_RAD = math.radians(12), math.radians(5)
 #: A voice stays with its person while no other is nearer to it by this (rad).
-_STAYS_RAD = math.radians(5)
+_STAYS_RAD = math.radians(3)
 
 
 @dataclass(frozen=True, slots=True)
