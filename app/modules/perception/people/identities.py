@@ -73,6 +73,8 @@ class Identity:
     stamp: float
     at: Vector
     colors: Colors
+    #: Whether it was lost beside somebody else, who may be it.
+    crossed: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,7 +105,8 @@ def identify(
         far = seen.colors.distance(identity.colors, rules.samples) if rules.colors else None
         if far is not None and far >= rules.different:
             continue
-        within = passable is not None and gap_s <= rules.gap_s and passable(identity.at, seen.at)
+        alone = not (rules.colors and identity.crossed and identity.colors.samples >= rules.samples)
+        within = alone and passable is not None and gap_s <= rules.gap_s and passable(identity.at, seen.at)
         if within:
             near.append(identity)
         if far is not None and far <= rules.same:

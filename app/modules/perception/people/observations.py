@@ -18,6 +18,9 @@ Vector = NDArray[np.float64]
 #: Probability of being speech from which a sound is a voice.
 _SPEECH = 0.5
 _OCCUPIED = 65
+#: A range of less certainty (m) is a guess by heights, the same in all images of a face, and errs by such a share.
+#: and at least a distance (m), for directions alone may bring a filter ever nearer.
+_GUESSED_M, _GUESSED_SHARE, _GUESSED_LEAST_M = 0.1, 0.25, 1.0
 #: Distance (m) from both ends of a way within which obstacles do not count: a person stands there.
 _ENDS_M = 0.3
 
@@ -26,10 +29,18 @@ def faces_seen(faces: Faces, X_OB: Pose2) -> list[FaceSeen]:
     """The faces of one image, the robot at ``X_OB`` at its stamp."""
     X_OB3 = X_OB.to_pose3()
     R = X_OB3.rotation
-    return [
-        FaceSeen(face.track, np.asarray(X_OB3.transform(np.array(face.p_BF)), np.float64), R @ face.covariance @ R.T)
-        for face in faces.faces
-    ]
+    seen = []
+    for face in faces.faces:
+        p_BF = np.array(face.p_BF)
+        covariance = face.covariance
+        if face.range_sigma_m > _GUESSED_M:
+            towards = p_BF - faces.X_BC.translation
+            away = float(np.linalg.norm(towards))
+            along = max(_GUESSED_SHARE, _GUESSED_LEAST_M / max(away, 0.1))
+            covariance = covariance + along**2 * np.outer(towards, towards)
+        p_OF = np.asarray(X_OB3.transform(p_BF), np.float64)
+        seen.append(FaceSeen(face.track, p_OF, np.asarray(R @ covariance @ R.T)))
+    return seen
 
 
 def voices_heard(sources: SoundSources, X_OB: Pose2) -> tuple[Vector, list[VoiceHeard]]:

@@ -76,6 +76,8 @@ class PersonRules:
     other_samples: int = 6
     #: Legs at an obstacle of the map count for a person so long after any other sighting.
     known_s: float = 10.0
+    #: Who is lost so near to somebody else may have been taken for them.
+    crossing_m: float = 0.9
     #: Height of the middle of faces where none was seen.
     face_m: float = 1.57
     most: int = 60
@@ -119,8 +121,8 @@ class _Track:
     #: When it was believed to be a person, None before.
     believed: float | None = None
     identity: Identity | None = None
-    #: Whether the identity rests on more than legs that stand, and whether the place has become too doubtful for one.
-    firm: bool = False
+    #: Whether colours agreed since the track has its identity, and whether the place is too doubtful for giving one.
+    agreed: bool = False
     doubtful: bool = False
     not_new_before: float = -math.inf
     colors: Colors = field(default_factory=lambda: Colors(40))
@@ -185,6 +187,7 @@ class PersonTracks:
                 far = track.recent.distance(worn, self.rules.identity.samples)
                 if far is None or far < self.rules.identity.same:
                     worn.add(histogram)
+                    track.agreed = track.agreed or far is not None
         self._torsos = {face: held for face, held in self._torsos.items() if stamp - held[0] < 5.0}
         self._settle(stamp)
 
@@ -241,6 +244,12 @@ class PersonTracks:
             if unseen <= (rules.lost_s if track.believed is not None or track.faces_seen else rules.forgotten_s):
                 kept.append(track)
             elif track.identity is not None:
+                track.identity.crossed = any(
+                    other is not track
+                    and other.believed is not None
+                    and math.dist(other.motion.at, track.identity.at) < rules.crossing_m
+                    for other in self._tracks
+                )
                 self._miss(track, track.identity)
                 self._lost.append(track)
         self._tracks = kept
@@ -271,8 +280,6 @@ class PersonTracks:
         track.sightings += 1
         z, sigma2 = float(face.p_OF[2]), float(face.covariance[2, 2]) + 0.02**2
         track.z = z if track.z is None else track.z + 0.02 / (0.02 + sigma2) * (z - track.z)
-        if track.identity is not None:
-            track.firm = True
 
     def _note_legs(self, track: _Track, stamp: float, leg: LegsSeen) -> None:
         track.seen = track.legs = max(stamp, track.seen)
@@ -339,8 +346,6 @@ class PersonTracks:
         rules = self.rules
         for track in self._tracks:
             walked = math.dist(track.motion.at, track.origin) >= rules.walked_m and track.sightings >= 4
-            if walked and track.identity is not None:
-                track.firm = True
             if track.believed is not None:
                 continue
             if track.faces_seen >= rules.faces or walked:
@@ -356,12 +361,13 @@ class PersonTracks:
         near = [
             identity
             for identity in self._missing
-            if track.born - identity.stamp <= gap and math.dist(identity.at, track.motion.at) < 0.5
+            if not (identity.crossed and identity.colors.samples)
+            and track.born - identity.stamp <= gap
+            and math.dist(identity.at, track.motion.at) < 0.5
         ]
         if len(near) == 1:
             track.believed = stamp
             self._take(track, near[0])
-            track.firm = False
 
     def _merge(self, stamp: float) -> None:
         order = sorted(self._tracks, key=lambda t: (t.believed is None, stamp - t.face > _RECENT_S, t.number))
@@ -388,10 +394,8 @@ class PersonTracks:
         track.identity = None
         self._miss(track, identity)
         track.believed, track.not_new_before = stamp, stamp + rules.doubt_s
-        track.colors = Colors(40)
-        if track.recent.mean is not None:
-            for _ in range(rules.identity.samples):
-                track.colors.add(track.recent.mean)
+        # Afresh, for the last ones are of both.
+        track.colors, track.recent = Colors(40), Colors(6)
 
     def _identify(self, track: _Track, stamp: float) -> None:
         rules = self.rules
@@ -399,8 +403,11 @@ class PersonTracks:
         few = track.colors.samples < rules.identity.samples
         if few and stamp - track.believed < rules.colors_s and rules.identity.colors:
             return
-        weak = [t for t in self._tracks if t.identity is not None and not t.firm and t is not track]
-        missing = [*self._missing, *(t.identity for t in weak if t.identity is not None)]
+        colored = track.colors.samples >= rules.identity.samples
+        # An identity that somebody has by place alone may turn out to be that of whom the colours show.
+        weak = [t for t in self._tracks if colored and t is not track and t.identity is not None and not t.agreed]
+        claimed = [t.identity for t in weak if t.identity is not None and t.identity.colors.samples]
+        missing = [*self._missing, *claimed]
         seen = Appearance(track.born, track.origin, track.colors)
         if track.not_new_before > -math.inf:
             seen = Appearance(stamp, track.motion.at, track.colors)
@@ -409,8 +416,7 @@ class PersonTracks:
         if isinstance(found, Identity):
             for other in weak:
                 if other.identity is found:
-                    other.identity, other.believed = None, None
-                    other.origin, other.sightings, other.faces_seen = other.motion.at.copy(), 0, 0
+                    other.identity, other.doubtful = None, True
             self._take(track, found)
         elif found == "new" and stamp >= track.not_new_before:
             few = track.colors.samples < rules.new_samples
@@ -428,7 +434,7 @@ class PersonTracks:
         track.identity = identity
         track.not_new_before = -math.inf
         track.doubtful = False
-        track.firm = track.faces_seen > 0 or math.dist(track.motion.at, track.origin) >= self.rules.walked_m
+        track.agreed = track.colors.samples >= self.rules.identity.samples
 
     # --- out ---------------------------------------------------------------------------------------------------------
 
