@@ -246,7 +246,7 @@ class _Senses:
                     return False
         if camera == "kinect":
             return abs(azimuth) < KINECT_HALF_RAD and 0.5 < away < KINECT_REACH_M and self._rng.random() < 0.97
-        return abs(azimuth) < PANORAMA_HALF_RAD and self._rng.random() < np.interp(away, DISTANCES_M, FOUND)
+        return abs(azimuth) < PANORAMA_HALF_RAD and bool(self._rng.random() < np.interp(away, DISTANCES_M, FOUND))
 
     def _sighting(self, person: PersonTruth, camera: str, X_WB: Pose2, X_BC: Pose3) -> FaceSighting:
         x, y = X_WB.inverse().transform(np.array((person.mouth[0], person.mouth[1]))).tolist()

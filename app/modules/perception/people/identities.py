@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -75,15 +75,21 @@ class Identity:
     colors: Colors
     #: Whether it was lost beside somebody else, who may be it.
     crossed: bool = False
+    #: Where and when colours agreed with it last, None before; place alone may have been wrong since.
+    agreed: tuple[float, Vector] | None = None
+    #: Numbers of those who were seen at the same time, in their own colours.
+    together: set[int] = field(default_factory=set)
 
 
 @dataclass(frozen=True, slots=True)
 class Appearance:
-    """A person who appeared at ``stamp``, ``at`` (2,) m, in these ``colors``."""
+    """A person who appeared at ``stamp``, ``at`` (2,) m, and is ``here`` (2,) m ``now``, in these ``colors``."""
 
     stamp: float
     at: Vector
     colors: Colors
+    now: float
+    here: Vector
 
 
 def identify(
@@ -100,13 +106,14 @@ def identify(
     possible: list[Identity] = []
     for identity in sorted(missing, key=lambda i: i.number):
         gap_s = max(0.0, seen.stamp - identity.stamp)
-        if math.dist(seen.at, identity.at) > rules.reach_m + rules.reach_mps * gap_s:
+        reached = _reached((seen.stamp, seen.at), (identity.stamp, identity.at), rules)
+        if not reached and (identity.agreed is None or not _reached((seen.now, seen.here), identity.agreed, rules)):
             continue
         far = seen.colors.distance(identity.colors, rules.samples) if rules.colors else None
         if far is not None and far >= rules.different:
             continue
         alone = not (rules.colors and identity.crossed and identity.colors.samples >= rules.samples)
-        within = alone and passable is not None and gap_s <= rules.gap_s and passable(identity.at, seen.at)
+        within = reached and alone and passable is not None and gap_s <= rules.gap_s and passable(identity.at, seen.at)
         if within:
             near.append(identity)
         if far is not None and far <= rules.same:
@@ -122,12 +129,21 @@ def identify(
     return "new" if colored or passable is not None else "unsure"
 
 
+def _reached(seen: tuple[float, Vector], last: tuple[float, Vector], rules: IdentityRules) -> bool:
+    """Whether who was at ``last`` (stamp, place) can be where another is ``seen``."""
+    return math.dist(seen[1], last[1]) <= rules.reach_m + rules.reach_mps * max(0.0, seen[0] - last[0])
+
+
 def _of_alike(
     alike: list[tuple[float, Identity]], near: list[Identity], rules: IdentityRules
 ) -> Identity | Literal["unsure"]:
     best = [identity for far, identity in alike if far - alike[0][0] < rules.apart]
-    if len(best) > 1:
-        best = [identity for identity in best if any(identity is other for other in near)]
+    nearest = [identity for identity in best if any(identity is other for other in near)]
+    if len(best) > 1 and nearest:
+        best = nearest
+    if len(best) > 1 and not any(a.number in b.together for a in best for b in best):
+        # Alike, and never seen together: one person, who was numbered twice.
+        return min(best, key=lambda identity: identity.number)
     return best[0] if len(best) == 1 else "unsure"
 
 

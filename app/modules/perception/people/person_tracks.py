@@ -78,6 +78,7 @@ class PersonRules:
     known_s: float = 10.0
     #: Who is lost so near to somebody else may have been taken for them.
     crossing_m: float = 0.9
+    confused_m: float = 0.6
     #: Height of the middle of faces where none was seen.
     face_m: float = 1.57
     most: int = 60
@@ -93,12 +94,16 @@ _ONE_PERSON_M = 0.4
 #: whose errors last.
 _FACE_FLOOR_M, _FACE_FACTOR = 0.1, 2.0
 _SPOKEN_S = 0.4
+#: Colours that agreed so long ago (s) hold an identity against another in the same colours.
+_AGREED_S = 1.5
 #: What was perceived so long ago (s) is perceived.
 _RECENT_S = 0.7
 #: What stood so often (sightings) within so far (m) of one spot is furniture until it walks. A person beside it is
 #: within such a distance (m), and slower than so (m/s).
 _STOOD, _SPOT_M = 15, 0.2
 _BESIDE_M, _STANDS_MPS = 0.3, 0.4
+#: Furniture not seen for so long (s) is forgotten: people stand in one place again and again.
+_FURNITURE_S = 20.0
 #: Histograms of a face's track and a person's before an unlike pair is refused, and from which distance on it is.
 _COLORS, _UNLIKE_FROM = 3, 0.65
 
@@ -121,12 +126,13 @@ class _Track:
     #: When it was believed to be a person, None before.
     believed: float | None = None
     identity: Identity | None = None
-    #: Whether colours agreed since the track has its identity, and whether the place is too doubtful for giving one.
-    agreed: bool = False
+    #: When colours agreed with its identity last, and whether the place is too doubtful for giving one.
+    agreed: float = -math.inf
     doubtful: bool = False
     not_new_before: float = -math.inf
     colors: Colors = field(default_factory=lambda: Colors(40))
     recent: Colors = field(default_factory=lambda: Colors(6))
+    torso: float = -math.inf
     z: float | None = None
     voice: int | None = None
     spoke: float = -math.inf
@@ -148,8 +154,8 @@ class PersonTracks:
         self._torsos: dict[int, tuple[float, Colors]] = {}
         self._torso = -math.inf
         self._voices: dict[int, tuple[float, int]] = {}
-        #: Where something with legs stood and did not walk.
-        self._furniture: list[Vector] = []
+        #: Where something with legs stood and did not walk, and when it was seen last.
+        self._furniture: list[tuple[float, Vector]] = []
 
     # --- observations ------------------------------------------------------------------------------------------------
 
@@ -182,12 +188,15 @@ class PersonTracks:
             track = next((t for t in self._tracks if t.face_track == face and stamp - t.face < 0.3), None)
             if track is not None:
                 track.recent.add(histogram)
+                track.torso = stamp
                 # Who passes before a person does not change what the person wears.
                 worn = track.colors if track.identity is None else track.identity.colors
                 far = track.recent.distance(worn, self.rules.identity.samples)
                 if far is None or far < self.rules.identity.same:
                     worn.add(histogram)
-                    track.agreed = track.agreed or far is not None
+                    track.agreed = track.agreed if far is None else stamp
+                elif track.identity is None and track.recent.samples >= self.rules.other_samples:
+                    track.colors, track.recent = Colors(40), Colors(6)
         self._torsos = {face: held for face, held in self._torsos.items() if stamp - held[0] < 5.0}
         self._settle(stamp)
 
@@ -255,6 +264,7 @@ class PersonTracks:
         self._tracks = kept
         self._lost = [track for track in self._lost if stamp - track.seen <= rules.identity.gap_s]
         self._missing = pruned(self._missing, stamp, rules.identity)
+        self._furniture = [held for held in self._furniture if stamp - held[0] < _FURNITURE_S]
 
     def _miss(self, track: _Track, identity: Identity) -> None:
         if all(identity is not other for other in self._missing):
@@ -314,12 +324,13 @@ class PersonTracks:
         return cost - _TOGETHER
 
     def _is_furniture(self, at: Vector) -> bool:
-        return any(math.dist(spot, at) < _SPOT_M for spot in self._furniture)
+        return any(math.dist(spot, at) < _SPOT_M for _, spot in self._furniture)
 
     def _note_furniture(self, track: _Track) -> None:
         stood = track.sightings >= _STOOD and math.dist(track.motion.at, track.origin) < _SPOT_M
-        if track.believed is None and stood and not self._is_furniture(track.origin):
-            self._furniture = [*self._furniture[-self.rules.most + 1 :], track.origin]
+        if track.believed is None and stood:
+            others = [held for held in self._furniture if math.dist(held[1], track.origin) > _SPOT_M]
+            self._furniture = [*others[-self.rules.most + 1 :], (track.seen, track.origin)]
 
     def _of_a_person(self, at: Vector, stamp: float) -> bool:
         """Whether a person is where a candidate without a track is: the other leg, a bag."""
@@ -332,6 +343,7 @@ class PersonTracks:
     def _settle(self, stamp: float) -> None:
         self._believe(stamp)
         self._merge(stamp)
+        self._doubt_crossing(stamp)
         for track in self._tracks:
             if track.identity is not None:
                 self._check(track, stamp, track.identity)
@@ -341,6 +353,12 @@ class PersonTracks:
         for track in self._tracks:
             if track.identity is not None and track.seen > track.identity.stamp:
                 track.identity.stamp, track.identity.at = track.seen, track.motion.at.copy()
+        agreed = [(t, t.identity) for t in self._tracks if t.identity is not None and stamp - t.agreed < _AGREED_S]
+        numbers = {identity.number for _, identity in agreed}
+        for track, identity in agreed:
+            identity.agreed = stamp, track.motion.at.copy()
+            together = identity.together | numbers - {identity.number}
+            identity.together = set(sorted(together)[-self.rules.identity.most :])
 
     def _believe(self, stamp: float) -> None:
         rules = self.rules
@@ -350,6 +368,8 @@ class PersonTracks:
                 continue
             if track.faces_seen >= rules.faces or walked:
                 track.believed = stamp
+                # What stood there was this person.
+                self._furniture = [held for held in self._furniture if math.dist(held[1], track.origin) > 2 * _SPOT_M]
             elif track.sightings >= 3:
                 self._stand_again(track, stamp)
 
@@ -383,6 +403,24 @@ class PersonTracks:
                         self._miss(other, other.identity)
                     return
 
+    def _doubt_crossing(self, stamp: float) -> None:
+        """Take their identities from those who pass so near to each other that the laser may confuse them.
+
+        Who is seen in the own colours meanwhile keeps it; the others have it again by their colours.
+        """
+        rules = self.rules
+        if not rules.identity.colors:
+            return
+        believed = [track for track in self._tracks if track.believed is not None]
+        for track in believed:
+            identity = track.identity
+            if identity is None or identity.colors.samples < rules.identity.samples or stamp - track.agreed < _AGREED_S:
+                continue
+            if any(o is not track and math.dist(o.motion.at, track.motion.at) < rules.confused_m for o in believed):
+                identity.crossed = True
+                self._miss(track, identity)
+                track.identity, track.doubtful = None, True
+
     def _check(self, track: _Track, stamp: float, identity: Identity) -> None:
         """Doubt the identity of a track whose colours have become another's."""
         rules = self.rules
@@ -405,12 +443,14 @@ class PersonTracks:
             return
         colored = track.colors.samples >= rules.identity.samples
         # An identity that somebody has by place alone may turn out to be that of whom the colours show.
-        weak = [t for t in self._tracks if colored and t is not track and t.identity is not None and not t.agreed]
+        weak = [
+            t
+            for t in self._tracks
+            if colored and t is not track and t.identity is not None and stamp - t.agreed > _AGREED_S
+        ]
         claimed = [t.identity for t in weak if t.identity is not None and t.identity.colors.samples]
         missing = [*self._missing, *claimed]
-        seen = Appearance(track.born, track.origin, track.colors)
-        if track.not_new_before > -math.inf:
-            seen = Appearance(stamp, track.motion.at, track.colors)
+        seen = Appearance(track.born, track.origin, track.colors, now=stamp, here=track.motion.at)
         found = identify(seen, missing, rules.identity, None if track.doubtful else self.passable)
         track.doubtful = track.doubtful or found == "unsure"
         if isinstance(found, Identity):
@@ -434,7 +474,7 @@ class PersonTracks:
         track.identity = identity
         track.not_new_before = -math.inf
         track.doubtful = False
-        track.agreed = track.colors.samples >= self.rules.identity.samples
+        track.agreed = track.torso if track.colors.samples >= self.rules.identity.samples else -math.inf
 
     # --- out ---------------------------------------------------------------------------------------------------------
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from app.base.geometry import wrap_angle
 
 #: Greatest angle (rad) between a voice and its person, and how much farther off the next person must be.
-GATE_RAD, APART_RAD = math.radians(12), math.radians(5)
+GATE_RAD, APART_RAD = math.radians(8), math.radians(5)
 #: A voice stays with its person while no other is nearer to it by this (rad).
 _STAYS_RAD = math.radians(3)
 
