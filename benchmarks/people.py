@@ -1,8 +1,10 @@
 """Persons among four people in the simulated lab: who is where, whether each keeps one identity, and who speaks.
 
-The scene (``people_scene.py``) is perceived once; the tracker then goes through it with all it can use, and without
-each. A person is *in view* within 6 m ahead of the laser with nothing between; *overall* are all four all the time,
-also in other rooms. Found is what is within 1 m.
+The scene is perceived once; the tracker then goes through it with all it can use, and without each. Faces and voices
+are drawn from measured figures (``people_percepts.py``, two minutes of CPU), or, with ``HBBA_PEOPLE=perceived``,
+perceived in rendered pictures and sound (``people_scene.py``, a quarter of an hour). A person is *in view* within 6 m
+ahead of the laser with nothing between; *overall* are all four all the time, also in other rooms. Found is what is
+within 1 m.
 """
 
 from __future__ import annotations
@@ -27,6 +29,7 @@ from app.modules.perception.people.legs import legs_seen
 from app.modules.perception.people.observations import Walls, faces_seen, voices_heard
 from app.modules.perception.people.person_tracks import PersonRules, PersonTracks
 from app.modules.perception.people.torso_color import histogram
+from benchmarks.people_percepts import model
 from benchmarks.people_scene import Torsos, Truth, record, recorded
 from benchmarks.report import Row, benchmark_main, row
 from benchmarks.tracking_metrics import Frame, Hypothesis, Point, Scores, matched, score
@@ -35,8 +38,8 @@ BENCHMARK = "people"
 WITHIN_M, VIEW_M, LEGS_M = 1.0, 6.0, 8.0
 #: Every so many instants of the truth are scored: 5 a second.
 EVERY = 4
-#: A recording of the scene to use in place of a new one.
-RECORDED = "HBBA_PEOPLE_SCENE"
+#: ``perceived``: the whole program perceives the scene.
+SCENE = "HBBA_PEOPLE"
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,11 +191,10 @@ CASES = {
 
 def measure(quick: bool) -> list[Row]:
     """The rows of all cases; ten minutes of the scene, in quick half a minute."""
-    named = os.environ.get(RECORDED)
+    perceive = record if os.environ.get(SCENE) == "perceived" else model
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(named) if named else Path(folder) / "scene.pickle"
-        if not named:
-            record(30.0 if quick else 600.0, path)
+        path = Path(folder) / "scene.pickle"
+        perceive(30.0 if quick else 600.0, path)
         messages = list(recorded(path))
     rows = []
     for case, uses in CASES.items():
