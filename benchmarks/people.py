@@ -27,8 +27,9 @@ from app.messages import Faces, LaserScan, Localization, OccupancyGrid, Odometry
 from app.modules.perception.people.identities import IdentityRules
 from app.modules.perception.people.legs import legs_seen
 from app.modules.perception.people.observations import Walls, faces_seen, voices_heard
-from app.modules.perception.people.person_tracks import PersonRules, PersonTracks
+from app.modules.perception.people.person_tracks import PersonTracks
 from app.modules.perception.people.torso_color import histogram
+from app.modules.perception.people.values import PersonRules
 from benchmarks.people_percepts import model
 from benchmarks.people_scene import Torsos, Truth, record, recorded
 from benchmarks.report import Row, benchmark_main, row

@@ -34,7 +34,8 @@ from app.messages import (
 from app.modules.perception.people.legs import legs_seen
 from app.modules.perception.people.motion import prepare
 from app.modules.perception.people.observations import Walls, faces_seen, voices_heard
-from app.modules.perception.people.person_tracks import LegsSeen, PersonTracks
+from app.modules.perception.people.person_tracks import PersonTracks
+from app.modules.perception.people.values import LegsSeen
 from app.modules.perception.pose_at import PoseAt
 from app.runtime.module import Module, ModuleContext, Settings
 

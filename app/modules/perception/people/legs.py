@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from app.base.geometry import Pose2
 from app.messages import LaserScan, OccupancyGrid
 from app.modules.leg_detection import legs, unknown_to
-from app.modules.perception.people.person_tracks import LegsSeen
+from app.modules.perception.people.values import LegsSeen
 
 #: Greatest distance (m) of the two legs of a person who walks.
 _STRIDE_M = 0.5

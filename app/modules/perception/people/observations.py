@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from app.base.geometry import Pose2
 from app.messages import Faces, OccupancyGrid, SoundSources
-from app.modules.perception.people.person_tracks import FaceSeen
+from app.modules.perception.people.values import FaceSeen
 from app.modules.perception.people.voices import VoiceHeard
 
 Vector = NDArray[np.float64]

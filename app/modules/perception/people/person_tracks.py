@@ -22,66 +22,15 @@ from app.modules.perception.people.identities import (
     Colors,
     Histogram,
     Identity,
-    IdentityRules,
     Passable,
     identify,
     pruned,
 )
 from app.modules.perception.people.motion import GATE, NEVER, Motion, assigned, costs
+from app.modules.perception.people.values import FaceSeen, LegsSeen, PersonRules
 from app.modules.perception.people.voices import VoiceHeard, bound
 
 Vector = NDArray[np.float64]
-
-
-@dataclass(frozen=True, slots=True)
-class FaceSeen:
-    """A face: its track, and the place of its middle (3,) m in ``odom`` with covariance (3, 3) m²."""
-
-    track: int
-    p_OF: Vector
-    covariance: Vector
-
-
-@dataclass(frozen=True, slots=True)
-class LegsSeen:
-    """What may be the legs of a person: their place (2,) m in ``odom`` with covariance (2, 2) m².
-
-    ``known``: the map has an obstacle there.
-    """
-
-    at: Vector
-    covariance: Vector
-    known: bool
-
-
-@dataclass(frozen=True, slots=True)
-class PersonRules:
-    """Times in s, lengths in m."""
-
-    identity: IdentityRules = field(default_factory=IdentityRules)
-    #: A person not seen for so long is lost; what is not yet believed is forgotten.
-    lost_s: float = 1.2
-    forgotten_s: float = 0.8
-    #: Faces, or the way walked, after which a person is believed.
-    faces: int = 2
-    walked_m: float = 0.5
-    #: Time for colours to come before a person without any is identified, and for others to be found out after a
-    #: mistake was.
-    colors_s: float = 0.8
-    doubt_s: float = 4.0
-    #: While colours of anybody came within so long, a person without any is not numbered as new.
-    colored_s: float = 60.0
-    #: Histograms before a person counts as new, or as another than thought.
-    new_samples: int = 5
-    other_samples: int = 6
-    #: Legs at an obstacle of the map count for a person so long after any other sighting.
-    known_s: float = 10.0
-    #: Who is lost so near to somebody else may have been taken for them.
-    crossing_m: float = 0.9
-    confused_m: float = 0.6
-    #: Height of the middle of faces where none was seen.
-    face_m: float = 1.57
-    most: int = 60
 
 
 #: A face and a track that were together keep together: a lower cost, and up to a distance (m) beyond the gate.
@@ -419,7 +368,7 @@ class PersonTracks:
             if any(o is not track and math.dist(o.motion.at, track.motion.at) < rules.confused_m for o in believed):
                 identity.crossed = True
                 self._miss(track, identity)
-                track.identity, track.doubtful = None, True
+                _forget_identity(track)
 
     def _check(self, track: _Track, stamp: float, identity: Identity) -> None:
         """Doubt the identity of a track whose colours have become another's."""
@@ -429,11 +378,9 @@ class PersonTracks:
         far = track.recent.distance(identity.colors, rules.other_samples)
         if far is None or far < rules.identity.different:
             return
-        track.identity = None
         self._miss(track, identity)
-        track.believed, track.not_new_before = stamp, stamp + rules.doubt_s
-        # Afresh, for the last ones are of both.
-        track.colors, track.recent = Colors(40), Colors(6)
+        _forget_identity(track)
+        track.believed, track.not_new_before, track.doubtful = stamp, stamp + rules.doubt_s, False
 
     def _identify(self, track: _Track, stamp: float) -> None:
         rules = self.rules
@@ -456,7 +403,7 @@ class PersonTracks:
         if isinstance(found, Identity):
             for other in weak:
                 if other.identity is found:
-                    other.identity, other.doubtful = None, True
+                    _forget_identity(other)
             self._take(track, found)
         elif found == "new" and stamp >= track.not_new_before:
             few = track.colors.samples < rules.new_samples
@@ -501,6 +448,12 @@ class PersonTracks:
             speaking=speaking,
             last_seen=track.seen,
         )
+
+
+def _forget_identity(track: _Track) -> None:
+    """Leave ``track`` unsure, until colours that are seen from now on identify it: the last ones may be of both."""
+    track.identity, track.doubtful = None, True
+    track.colors, track.recent = Colors(40), Colors(6)
 
 
 def _perceived_apart(a: _Track, b: _Track, stamp: float) -> bool:

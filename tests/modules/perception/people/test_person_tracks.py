@@ -12,8 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from app.messages import Person
-from app.modules.perception.people.person_tracks import FaceSeen, LegsSeen, PersonRules, PersonTracks
+from app.modules.perception.people.person_tracks import PersonTracks
 from app.modules.perception.people.torso_color import histogram
+from app.modules.perception.people.values import FaceSeen, LegsSeen, PersonRules
 from app.modules.perception.people.voices import VoiceHeard
 
 ORANGE, BLUE, WHITE = (196, 88, 52), (74, 92, 132), (226, 224, 216)
@@ -142,6 +143,30 @@ def test_two_who_cross_keep_their_identities() -> None:
     after = {p.face: p.person for p in play(tracks, ways, faces, begin=2.0, end=8.0)}
     assert before == after
     assert set(before) == {1, 2}
+
+
+def test_known_persons_whose_legs_cross_are_unsure_until_their_colours_are_seen() -> None:
+    tracks = PersonTracks()
+    ways = (lambda t: (0.5 * t, 0.2), lambda t: (4.0 - 0.5 * t, -0.2))
+    faces = [(1, ways[0], ORANGE), (2, ways[1], BLUE)]
+    before = {p.face: p.person for p in play(tracks, ways, faces, end=2.0)}
+    crossed = play(tracks, ways, begin=2.0, end=5.5)
+    assert {(p.state, p.person) for p in crossed if p.state != "lost"} == {("unsure", None)}
+    again = [(3, ways[0], ORANGE), (4, ways[1], BLUE)]
+    after = {p.face: p.person for p in play(tracks, ways, again, begin=5.5, end=8.0) if p.state == "confirmed"}
+    assert after == {3: before[1], 4: before[2]}
+
+
+def test_who_walks_past_a_chair_does_not_become_one() -> None:
+    tracks = PersonTracks()
+    chair = standing(2.5, 0.3)
+
+    def way(t: float) -> tuple[float, float] | None:
+        return (0.5 * (t - 2.0), 0.0) if 2.0 < t < 6.8 else None
+
+    play(tracks, [chair, way], end=6.8)
+    left = play(tracks, [chair], begin=6.8, end=9.5)
+    assert all(p.state in ("tentative", "lost") for p in left)
 
 
 def test_a_voice_is_of_the_person_in_its_direction_alone() -> None:
