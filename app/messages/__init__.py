@@ -79,6 +79,7 @@ from app.messages.percepts import (
     SoundSource,
     SoundSources,
 )
+from app.messages.persons import Person, Persons, PersonState, TorsoColors
 from app.messages.records import (
     Divisors,
     LoadReport,
@@ -166,7 +167,10 @@ __all__ = [
     "Odometry",
     "PerceptEvent",
     "PerceptKind",
+    "Person",
+    "PersonState",
     "PersonTruth",
+    "Persons",
     "Place",
     "PlaceSource",
     "PlacedCode",
@@ -203,6 +207,7 @@ __all__ = [
     "SubscriptionCounters",
     "TeleopCommand",
     "TimelineEvent",
+    "TorsoColors",
     "Twist",
     "Zone",
     "Zones",

@@ -5,12 +5,14 @@
     │                in   panorama   Image of the fisheye, 10 Hz / φ                               │
     │                in   odometry   Odometry, 100 Hz, X_OB in odom; never filtered                │
     │                out  faces      Faces, with each image taken, px and m in base_link           │
+    │                out  torsos     TorsoColors, with each image in which there are any           │
     └─────────────────────────────────────────────────────────────────────────────────────────────┘
 
 Detects faces with YuNet, in the fisheye's image after unrolling (``faces/yunet.py``, ``faces/panorama.py``). Positions
 come from depth, or without depth from the direction and the distribution of people's heights
 (``faces/face_position.py``, ``height_prior.py``). Each face has a track number for as long as it is visible in either
-camera (``faces/face_tracks.py``). Both cameras are optional, and either may be closed.
+camera (``faces/face_tracks.py``). Both cameras are optional, and either may be closed. The colours below the faces are
+given out for recognizing persons, where something wants them (``people/torso_color.py``).
 
 ``min_score`` is a parameter of the desire LocateFaces. ``fine`` is a parameter of its strategies: without it images are
 reduced first, which takes a third of the CPU time and halves the range of detection.
@@ -25,12 +27,13 @@ import numpy as np
 from pydantic import BaseModel, Field
 
 from app.attention.desires import DesireClass
-from app.messages import Face, Faces, Image, Odometry, read_only
+from app.messages import Face, Faces, Image, Odometry, TorsoColors, read_only
 from app.modules.perception.faces.face_position import FaceLocator, FaceSighting
 from app.modules.perception.faces.face_tracks import FaceTracks, TrackedFace, TrackModel, prepare
 from app.modules.perception.faces.yunet import THRESHOLD
 from app.modules.perception.height_prior import HeightPrior
 from app.modules.perception.opencv import use_calling_thread
+from app.modules.perception.people.torso_color import BINS, histogram, torso_pixels
 from app.modules.perception.pose_at import PoseAt
 from app.runtime.module import Module, ModuleContext, Settings
 
@@ -86,6 +89,7 @@ class FaceDetector(Module):
         self.panorama = self.input("panorama", Image)
         self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True, rests=True)
         self.faces = self.output("faces", Faces)
+        self.torsos = self.output("torsos", TorsoColors)
         self.on(self.images, self._detect)
         self.on(self.panorama, self._detect)
         self.on(self.odometry, self._poses.add)
@@ -110,6 +114,10 @@ class FaceDetector(Module):
         faces = tuple(_face(sighting, where) for sighting, where in zip(sightings, placed, strict=True))
         height, width = image.color.shape[:2]
         self.faces.publish(Faces(image.stamp, image.frame, width=width, height=height, X_BC=image.X_BC, faces=faces))
+        if faces and self.torsos.wanted:
+            colors = await self.compute(_torso_colors, image, faces)
+            if colors.tracks:
+                self.torsos.publish(colors)
 
     def _find(self, image: Image, min_score: float, fine: bool) -> list[FaceSighting]:
         assert self._looker is not None
@@ -117,6 +125,13 @@ class FaceDetector(Module):
         self._looker.finder.threshold = min_score
         longest = settings.fine_px if fine else settings.coarse_px
         return self._looker.look(image, longest, settings.fine_px_per_rad if fine else settings.coarse_px_per_rad)
+
+
+def _torso_colors(image: Image, faces: tuple[Face, ...]) -> TorsoColors:
+    found = {face.track: torso_pixels(image, face.p_BF) for face in faces}
+    histograms = {track: histogram(pixels) for track, pixels in found.items() if pixels is not None}
+    rows = np.array(list(histograms.values()), np.float32).reshape(-1, BINS)
+    return TorsoColors(image.stamp, image.frame, tuple(histograms), read_only(rows))
 
 
 def _face(sighting: FaceSighting, placed: TrackedFace) -> Face:

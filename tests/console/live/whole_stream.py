@@ -15,6 +15,8 @@ from app.messages import (
     Landmark,
     Landmarks,
     LoudNoise,
+    Person,
+    Persons,
     SaliencyMap,
     SalientRegion,
     SalientRegions,
@@ -48,6 +50,20 @@ def say_everything(system: System, body: Body) -> None:
     system.graph.channel("heard_words").publish(heard)
     region = SalientRegion(0.5, 0.1, 0.8, motion=0.5, color=0.1, contrast=0.0, faces=0.2, sounds=0.0)
     system.graph.channel("salient_regions").publish(SalientRegions(now, (0.1, 0.0, 1.3), (region,)))
+    someone = Person(
+        4,
+        3,
+        "confirmed",
+        p_OP=(1.0, 0.5, 1.6),
+        v_O=(0.1, 0.0),
+        covariance=read_only(0.01 * np.eye(2)),
+        face=7,
+        voice=None,
+        legs=True,
+        speaking=False,
+        last_seen=now,
+    )
+    system.graph.channel("persons").publish(Persons(now, (someone,)))
     cells = read_only(np.zeros((32, 120), np.uint8))
     system.graph.channel("saliency").publish(SaliencyMap(now, math.radians(3), 1.0, cells))
     messages: dict[str, Callable[[float], Any]]

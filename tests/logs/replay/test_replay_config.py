@@ -123,6 +123,7 @@ def test_modules_that_would_hear_nothing_stay_out_with_their_strategies() -> Non
     assert "ScenarioCoordinator.landmarks gets nothing: the log has no landmarks" in deaf
     some = (
         "PerceptEvents.",
+        "PersonTracker.",
         "ScenarioCoordinator.",
         "PlaceKeeper.landmarks ",
         "PlanAndFollowPath.images ",

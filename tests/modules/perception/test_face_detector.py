@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from app.base.geometry import Pose2
-from app.messages import Face, Faces, Image, Odometry
+from app.messages import Face, Faces, Image, Odometry, TorsoColors
 from app.runtime.clock import run_virtual
 from tests.modules.fakes import Bench, drain
 from tests.scenery.face_scenes import FaceCard, facing, kinect_image, panorama_image
@@ -102,6 +102,27 @@ def test_either_camera_may_be_missing(camera: str) -> None:
             assert (face.range_sigma_m > 0.2) == (camera == "panorama")
             assert not face.landmarks.flags.writeable
             assert not face.covariance.flags.writeable
+
+    run_virtual(main())
+
+
+def test_what_is_below_each_face_is_published_by_its_track() -> None:
+    async def main() -> None:
+        b = Bench(
+            "app.modules.perception.face_detector:FaceDetector",
+            inputs={"panorama": Image, "odometry": Odometry},
+            outputs={"faces": Faces, "torsos": TorsoColors},
+        )
+        # Of a card the Kinect sees by its depth that no torso is below it.
+        async with b:
+            seen, colors = b.listen("faces"), b.listen("torsos")
+            at = b.clock.now()
+            be_at(b, at, Pose2())
+            b.feed("panorama", panorama_image(at, Pose2(), [PILOT]))
+            faces, torsos = await seen.receive(), await colors.receive()
+            assert (torsos.stamp, torsos.frame) == (faces.stamp, faces.frame)
+            assert torsos.tracks == tuple(face.track for face in faces.faces)
+            assert torsos.histograms.sum(axis=1) == pytest.approx([1.0])
 
     run_virtual(main())
 

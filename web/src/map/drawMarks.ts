@@ -210,6 +210,32 @@ export function drawPerson(context: Context, place: Point): void {
   context.stroke();
 }
 
+/** A person by name: filled while speaking, faint while lost. */
+export function drawNamedPerson(
+  context: Context,
+  { x, y }: Point,
+  name: string,
+  { speaking, state }: { speaking: boolean; state: string },
+): void {
+  context.globalAlpha = state === "lost" ? 0.45 : 1;
+  disc(context, { x, y }, 6.5);
+  context.fillStyle = speaking ? colors.PERSON : "#0b0f15";
+  context.fill();
+  context.lineWidth = 2.5;
+  context.strokeStyle = colors.PERSON;
+  context.stroke();
+  context.font = "600 11px system-ui, 'DejaVu Sans', sans-serif";
+  context.textAlign = "center";
+  context.textBaseline = "bottom";
+  const text = speaking ? `${name}, speaking` : name;
+  context.lineWidth = 3;
+  context.strokeStyle = "rgb(0 0 0 / 0.7)";
+  context.strokeText(text, x, y - 9);
+  context.fillStyle = "#ffffff";
+  context.fillText(text, x, y - 9);
+  context.globalAlpha = 1;
+}
+
 export function drawCursor(context: Context, { x, y }: Point): void {
   for (const [color, width] of [
     ["#0b0f15", 4],

@@ -8,6 +8,7 @@ import { peopleLayer } from "./peopleLayer";
 import { placesLayer } from "./placesLayer";
 
 type OnScreen = (place: Point & { frame?: string }) => Point | null;
+import { personsLayer } from "./personsLayer";
 
 /** The places that a layer draws at; `known`: whether it is known where `odom` is on the map. */
 function placesOf(draw: (context: Context, onScreen: OnScreen) => void, known = true) {
@@ -56,4 +57,25 @@ test("nothing is drawn while it is not known where odom is on the map", () => {
   expect(placesOf(draw, false)).toEqual([]);
   message.landmarks.push({ text: "desk", x: 3, y: 4, frame: "map" } as Landmark);
   expect(placesOf(draw, false)).toHaveLength(1);
+});
+
+test("persons are drawn with their numbers, who speaks is said, and what may be a chair is left out", () => {
+  const persons = [
+    { person: 3, state: "confirmed", p_OP: [1, 2, 1.6], speaking: true },
+    { person: null, state: "unsure", p_OP: [2, 2, 1.6], speaking: false },
+    { person: null, state: "tentative", p_OP: [3, 2, 1.6], speaking: false },
+  ];
+  const message = { type: "persons", stamp: 1, persons } as unknown as Message<"persons">;
+  const written: unknown[] = [];
+  const context = new Proxy({} as Record<string, unknown>, {
+    get: (_, name) => (text: unknown, x: number, y: number) => {
+      if (name === "fillText") written.push([text, x, y]);
+    },
+    set: () => true,
+  });
+  personsLayer.draw(context as unknown as Context, message, ({ x, y }) => ({ x: 10 * x, y: 10 * y }));
+  expect(written).toEqual([
+    ["Person 3, speaking", 10, 11],
+    ["Person ?", 20, 11],
+  ]);
 });

@@ -555,6 +555,36 @@ export interface OdometryReport {
   lateral_mps: number;
 }
 
+/**
+ * A person, by all that is perceived of them. ``track`` is the number of one uninterrupted perception and ``person``
+ * the identity, which is kept over interruptions: None while ``tentative`` (not yet believed to be a person) and while
+ * ``unsure`` (a person, but one of several known ones, or a new one). A person ``lost`` was not perceived for a second,
+ * and is predicted. No number is used again. ``p_OP`` (m, in ``odom``) is the middle of the face, its height that of
+ * people in general where none was seen; ``v_O`` (m/s) the velocity over ground, ``covariance`` (2, 2) float64 m² of
+ * the place over ground. ``face`` and ``voice`` are the tracks of what is bound to the person now, None without;
+ * ``legs`` whether the laser sees them. ``speaking``: the voice sounds now. ``last_seen`` (s, robot's clock) by a
+ * camera or the laser.
+ */
+export interface Person {
+  track: number;
+  person: number | null;
+  state: "confirmed" | "lost" | "tentative" | "unsure";
+  p_OP: [number, number, number];
+  v_O: [number, number];
+  covariance: [number, number][];
+  face: number | null;
+  voice: number | null;
+  legs: boolean;
+  speaking: boolean;
+  last_seen: number;
+}
+
+/** All persons at ``stamp``, in the order of their tracks. */
+export interface Persons {
+  stamp: number;
+  persons: Person[];
+}
+
 /** Every place of the map in use, in the order of their making. */
 export interface PlaceList {
   places: PlaceReport[];
@@ -1253,6 +1283,8 @@ export interface RobotMessages {
   salient_regions: SalientRegions;
   /** With it: how salient all directions are. */
   saliency: SaliencyMap;
+  /** 10 times a second while it is desired: who is around, in `odom`. */
+  persons: Persons;
   /** Up to 10 times a second: where the robot is on the map. */
   localization: LocalizationReport;
   /** On change: the goal and the state of navigation. */

@@ -1,8 +1,4 @@
-"""Leg inflation: room beside what may be legs, for people are wider than their legs in the scan.
-
-A leg candidate is a short run of neighbouring rays in front of its background, at most ``WIDEST_M`` wide. Runs at
-obstacles of the map (a table's leg, a post) are not candidates.
-"""
+"""Leg inflation: room beside what may be legs, for people are wider than their legs in the scan."""
 
 from __future__ import annotations
 
@@ -13,60 +9,16 @@ from numpy.typing import NDArray
 
 from app.base.geometry import Pose2
 from app.messages import LaserScan, OccupancyGrid
+from app.modules.leg_detection import legs, unknown_to
 
-#: Width of a candidate (m): two shins that cover each other, 0.4 m above the floor, are no wider; one is no narrower.
-NARROWEST_M, WIDEST_M = 0.04, 0.35
-#: Jump of range (m) between neighbouring rays that separates two objects, and a leg from its background.
-_APART_M = 0.12
-#: Range (m) beyond which too few rays meet a leg, and people are too far to matter.
+#: Range (m) beyond which people are too far to matter.
 _FURTHEST_M = 3.0
-#: Distance (m) from an obstacle of the map within which a run counts as that obstacle.
-_ON_MAP_M = 0.15
-_OCCUPIED = 65
 _RING = 12
-
-
-def legs(scan: LaserScan) -> NDArray[np.float64]:
-    """The middles (N, 2) of leg candidates, m in the laser's frame."""
-    ranges = np.where(scan.ranges >= scan.range_min, scan.ranges, np.inf).astype(np.float64)
-    ranges[ranges >= scan.range_max] = np.inf
-    with np.errstate(invalid="ignore"):
-        jumps = np.abs(np.diff(ranges)) > _APART_M  # two that met nothing: no jump
-    begins = np.concatenate(([0], np.flatnonzero(jumps) + 1))
-    ends = np.concatenate((begins[1:], [len(ranges)]))
-    found = []
-    for begin, end in zip(begins, ends, strict=True):
-        run = ranges[begin:end]
-        if end - begin < 2 or not np.isfinite(run).all() or run.min() > _FURTHEST_M:
-            continue
-        width = float(run.mean()) * (end - begin) * abs(scan.angle_increment)
-        if not NARROWEST_M <= width <= WIDEST_M:
-            continue
-        left = ranges[begin - 1] if begin > 0 else math.inf
-        right = ranges[end] if end < len(ranges) else math.inf
-        if left < run[0] or right < run[-1]:
-            continue  # a nearer object hides the rest
-        angle = scan.angle_min + scan.angle_increment * (begin + end - 1) / 2
-        found.append((run.min() * math.cos(angle), run.min() * math.sin(angle)))
-    return np.array(found, dtype=np.float64).reshape(-1, 2)
-
-
-def unknown_to(grid: OccupancyGrid, points: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Which of ``points`` (N, 2), m on the map, are away from the map's obstacles."""
-    reach = math.ceil(_ON_MAP_M / grid.resolution_m)
-    rows, columns = grid.cells.shape
-    away = np.ones(len(points), dtype=np.bool_)
-    for k, (x, y) in enumerate(points):
-        row, column = (math.floor((p - q) / grid.resolution_m) for p, q in zip((y, x), grid.origin[::-1], strict=True))
-        if 0 <= row < rows and 0 <= column < columns:
-            around = grid.cells[max(row - reach, 0) : row + reach + 1, max(column - reach, 0) : column + reach + 1]
-            away[k] = not (around >= _OCCUPIED).any()
-    return away
 
 
 def beside(scan: LaserScan, X_OB: Pose2, X_MO: Pose2, grid: OccupancyGrid, room_m: float) -> NDArray[np.float64]:
     """Points (N, 2), m in ``odom``, on a circle of ``room_m`` around each leg candidate that the map does not have."""
-    found = legs(scan)
+    found = legs(scan, _FURTHEST_M)
     in_space = np.column_stack((found, np.zeros(len(found))))
     middles = np.asarray((X_OB.to_pose3() @ scan.X_BL).transform(in_space)[:, :2], dtype=np.float64)
     middles = middles[unknown_to(grid, X_MO.transform(middles))]

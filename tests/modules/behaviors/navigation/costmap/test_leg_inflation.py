@@ -7,24 +7,11 @@ from dataclasses import replace
 import numpy as np
 
 from app.base.geometry import Pose2, Pose3
-from app.modules.behaviors.navigation.costmap.leg_inflation import beside, legs
+from app.modules.behaviors.navigation.costmap.leg_inflation import beside
 from tests.modules.behaviors.driven_world import box, mapped
 from tests.modules.behaviors.navigation.boxes import World
 
-WALL = (3.0, -3.0, 3.2, 3.0, 0.0, 2.5)
-SHINS = ((1.5, 0.06, 1.6, 0.16, 0.0, 0.8), (1.5, -0.16, 1.6, -0.06, 0.0, 0.8))
 GRID = mapped([*box(0.1, 0.1, 7.9, 7.9), (3.0, 2.0, 3.05, 2.0)], (0.0, 0.0, 8.0, 8.0))
-
-
-def test_both_shins_are_found_and_neither_a_wall_nor_a_door_post_nor_a_crate() -> None:
-    scan = World((WALL, *SHINS)).scan(0.0, Pose2())
-    found = legs(scan) + np.array([0.2, 0.0])
-    assert np.abs(found - np.array([[1.5, -0.11], [1.5, 0.11]])).max() < 0.03
-    crate = (1.5, 0.5, 1.9, 1.2, 0.0, 1.0)
-    gap = ((2.0, -3.0, 2.1, -0.5, 0.0, 2.0), (2.0, 0.5, 2.1, 3.0, 0.0, 2.0), WALL)
-    assert not len(legs(World((WALL, crate)).scan(0.0, Pose2())))
-    assert not len(legs(World(gap).scan(0.0, Pose2())))
-    assert not len(legs(World(()).scan(0.0, Pose2())))
 
 
 def test_room_is_left_around_legs_but_not_around_a_post_of_the_map() -> None:
