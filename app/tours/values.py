@@ -48,8 +48,11 @@ class Rule:
 
 _SAID = Rule(r"[\s\S]*\S[\s\S]*", "a text, not space alone")
 _LINE = Rule(r"[^\n\r]*\S[^\n\r]*", "a text on one line, not space alone")
+#: No space, no ASCII beside letters, no signs of Latin-1; a form that regular expressions of JSON Schema share.
+_LETTERS = r"[^\s\x00-\x40\x5b-\x60\x7b-\xbf]+"
 _HEARD = Rule(
-    r"[^\W\d_]+(?:[ '][^\W\d_]+)*", "a word or short phrase of letters, with single spaces or apostrophes between them"
+    rf"{_LETTERS}(?:[ ']{_LETTERS})*",
+    "a word or short phrase of letters, with single spaces or apostrophes between them",
 )
 
 #: Id of a tour, stop or question: it never changes, so that files, codes and reports can refer to it.
@@ -81,8 +84,13 @@ CodeText = Annotated[str, Field(max_length=LONGEST_CODE), _SAID]
 
 
 def _scalar(value: Any) -> Any:
-    if value is None or isinstance(value, str | bool) or (isinstance(value, int | float) and math.isfinite(value)):
-        return value
+    match value:
+        case None | bool():
+            return value
+        case int() | float() if math.isfinite(value):
+            return value
+        case str() if not any("\ud800" <= character <= "\udfff" for character in value):
+            return value
     raise ValueError("should be a text, a number, true, false or null")
 
 

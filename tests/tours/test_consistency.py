@@ -40,6 +40,7 @@ def stop(**more: Any) -> dict[str, Any]:
         (stop(do=[{"show": {"file": "../x.jpg", "alt": {"en": "x"}}}]), "stops.0.do.0.show.file", "a path within"),
         (stop(do=[{"show": {"file": "x.exe", "alt": {"en": "x"}}}]), "stops.0.do.0.show.file", "ends in .jpg"),
         (stop(do=[{"gesture": {"class": "Wave", "params": {"a": [1]}}}]), "stops.0.do.0.gesture.params.a", "a number"),
+        (stop(do=[{"gesture": {"class": "A", "params": {"a": "\ud800"}}}]), "stops.0.do.0.gesture.params.a", "a text"),
         (stop(do=[{"wait": {"claps": 2}}]), "stops.0.do.0.wait.at_most_s", "is missing"),
         (stop(do=[{"wait": {"at_most_s": 5, "words": {"en": ["4!"]}}}]), "stops.0.do.0.wait.words.en.0", "of letters"),
         (stop(poster="HBBA:GO"), "stops.0.poster", "after HBBA: comes STOP/ or SAY/, not 'GO'"),
