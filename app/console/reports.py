@@ -146,17 +146,21 @@ def _is_fresh(exploitation: Exploitation, now: float, rate: float) -> bool:
 
 
 def landmarks(message: Landmarks | None) -> tuple[LandmarkReport, ...]:
-    """Every landmark, in ``odom``."""
+    """Every landmark, in its message's frame."""
     if message is None:
         return ()
     return tuple(
         LandmarkReport(
             landmark.text,
-            *landmark.p_OQ,
+            *landmark.p_FQ,
             sigma_m=landmark.sigma_m,
             sightings=landmark.sightings,
             first_seen=landmark.first_seen,
             last_seen=landmark.last_seen,
+            heading=landmark.heading,
+            heading_sigma=landmark.heading_sigma,
+            id=landmark.id,
+            frame=message.frame,
         )
         for landmark in message.landmarks
     )

@@ -2,8 +2,8 @@
 
 A map is a folder of its own: ``map.yaml`` and ``map.pgm`` (as ROS's ``map_server`` reads them), ``zones.yaml``, files
 of the module that made it (``graph.npz``, the pose graph with which mapping goes on), and files of others
-(``obstacles.npz``, obstacles that only a camera sees). A map of another program is used as it is once its YAML file is
-called ``map.yaml``.
+(``places.yaml``, named poses; ``obstacles.npz``, obstacles that only a camera sees). A map of another program is used
+as it is once its YAML file is called ``map.yaml``.
 """
 
 from __future__ import annotations
@@ -26,13 +26,14 @@ from app.base.named_library import NamedLibrary, data_folder
 from app.maps.map_file import MOST_CELLS, pgm_bytes, read_map, yaml_text
 from app.maps.map_service import MapUnavailable
 from app.maps.picture import shown_png
+from app.maps.places import read_places, write_places
 from app.maps.zones import read_zones, zones_text
-from app.messages import OccupancyGrid, Zone
+from app.messages import OccupancyGrid, Place, Zone
 
 #: Age (s) beyond which an unfinished map is abandoned.
 _ABANDONED_S = 3600.0
 
-MAP, PICTURE, ZONES, GRAPH = "map.yaml", "map.pgm", "zones.yaml", "graph.npz"
+MAP, PICTURE, ZONES, GRAPH, PLACES = "map.yaml", "map.pgm", "zones.yaml", "graph.npz", "places.yaml"
 
 
 class UnknownMap(MapUnavailable):
@@ -73,8 +74,10 @@ class MapLibrary(NamedLibrary):
 
     def __init__(self, folder: Path) -> None:
         super().__init__(folder)
-        #: Several threads call the methods: none may see a map that is half replaced.
+        #: Several threads call the methods: none may see a map that is half replaced,
         self._replacing = threading.Lock()
+        #: and no file may be replaced in a folder that another thread is just making a new one of.
+        self._writing = threading.Lock()
 
     def names(self) -> list[str]:
         """Every map there is, sorted."""
@@ -138,6 +141,10 @@ class MapLibrary(NamedLibrary):
         """Its zones."""
         return read_zones(self.existing(name) / ZONES)
 
+    def places(self, name: str) -> tuple[Place, ...]:
+        """Its places."""
+        return read_places(self.existing(name) / PLACES)
+
     def picture(self, name: str) -> bytes:
         """PNG, as people draw maps: free white, occupied black, unknown grey."""
         return shown_png(self.grid(name))
@@ -160,19 +167,30 @@ class MapLibrary(NamedLibrary):
             raise OSError(
                 errno.EFBIG, f"a map of more than {MOST_CELLS // 10**6} million cells could not be read again"
             )
-        along = [] if not former else list(_kept_beside(self.path(former), others or {}))
+        with self._writing:
+            self._keep(path, grid, zones, others or {}, former)
+
+    def _keep(
+        self,
+        path: Path,
+        grid: OccupancyGrid,
+        zones: Iterable[Zone],
+        others: Mapping[str, Callable[[Path], None]],
+        former: str,
+    ) -> None:
+        along = [] if not former else list(_kept_beside(self.path(former), others))
         self.folder.mkdir(parents=True, exist_ok=True)
         new = Path(tempfile.mkdtemp(prefix=".new-", dir=self.folder))
         try:
             _write(new / PICTURE, pgm_bytes(grid))
             _write(new / ZONES, zones_text(zones).encode())
-            for file, write in (others or {}).items():
+            for file, write in others.items():
                 write(new / file)
             for kept in along:
                 _write(new / kept.name, kept.read_bytes())
             _write(new / MAP, yaml_text(grid, PICTURE).encode())
             new.chmod(0o755)
-            old = self.folder / f".{name}.old"
+            old = self.folder / f".{path.name}.old"
             with self._replacing:
                 if path.exists():
                     shutil.rmtree(old, ignore_errors=True)
@@ -185,10 +203,19 @@ class MapLibrary(NamedLibrary):
 
     def keep_zones(self, name: str, zones: Iterable[Zone]) -> None:
         """Replace the zones of the map ``name``."""
-        path = self.existing(name) / ZONES
-        new = path.with_name(f".{ZONES}.new")
-        _write(new, zones_text(zones).encode())
-        new.replace(path)
+        with self._writing:
+            path = self.existing(name) / ZONES
+            new = path.with_name(f".{ZONES}.new")
+            _write(new, zones_text(zones).encode())
+            new.replace(path)
+
+    def keep_places(self, name: str, places: Iterable[Place]) -> None:
+        """Replace the places of the map ``name``, wholly or not at all."""
+        with self._writing:
+            path = self.existing(name) / PLACES
+            new = path.with_name(f".{PLACES}.new")
+            write_places(new, places)
+            new.replace(path)
 
     def rename(self, name: str, to: str) -> None:
         """Call the map ``name`` ``to`` from now on. Raises MapNameTaken where another has that name."""

@@ -7,6 +7,7 @@ is relocalized; ``odom`` never jumps.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -105,6 +106,39 @@ class Zones:
 
     stamp: float
     zones: tuple[Zone, ...]
+
+
+#: How a place came to be: by its coordinates, where the robot stood, or in front of a poster (a QR code), with which it
+#: moves.
+PlaceSource = Literal["hand", "here", "poster"]
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A named pose on the map in use: ``x``, ``y`` (m) and ``heading`` (rad, in [-π, π)).
+
+    ``id`` never changes; ``name`` is for people, and no two places of a map share one. A place of the source
+    ``poster`` is in front of the landmark with the number ``landmark`` and the text ``poster``; 0 and "" for others.
+    ``problem``: why the robot cannot stand there, or what is doubtful about it, in words; "" for nothing.
+    """
+
+    id: str
+    name: str
+    x: float
+    y: float
+    heading: float
+    source: PlaceSource = "hand"
+    poster: str = ""
+    landmark: int = 0
+    problem: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Places:
+    """Every place of the map in use, in the order of their making; published when one changes."""
+
+    stamp: float
+    places: tuple[Place, ...]
 
 
 @dataclass(frozen=True, slots=True)

@@ -48,22 +48,36 @@ class QRCodes:
 
 @dataclass(frozen=True, slots=True)
 class Landmark:
-    """Repeated sightings of one code merged: ``p_OQ`` in ``odom`` (m) with standard deviation ``sigma_m``."""
+    """A code that hangs somewhere: its sightings, fused.
+
+    ``p_FQ`` is its centre (m) in the frame F of :class:`Landmarks`, ``sigma_m`` the standard deviation along each
+    axis. ``heading`` is the direction in F (rad, in [-pi, pi[) of the horizontal part of the code's outward normal, the
+    side it is read from, with standard deviation ``heading_sigma`` (rad); both None while unknown. ``first_seen`` and
+    ``last_seen`` are stamps of images. ``id`` is a number from 1 that it keeps on its map; the same text may hang in
+    several places.
+    """
 
     text: str
-    p_OQ: tuple[float, float, float]
+    p_FQ: tuple[float, float, float]
     sigma_m: float
     sightings: int
     first_seen: float
     last_seen: float
+    heading: float | None = None
+    heading_sigma: float | None = None
+    id: int = 0
 
 
 @dataclass(frozen=True, slots=True)
 class Landmarks:
-    """Every landmark known so far, in the order of first sight; published when one is added or moves."""
+    """Every landmark known so far, in the order of first sight; published when one is added, moves or is removed.
+
+    ``frame`` F is ``map`` once the robot has been localized on the map in use, and ``odom`` without a map.
+    """
 
     stamp: float
     landmarks: tuple[Landmark, ...]
+    frame: str = "odom"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

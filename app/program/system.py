@@ -32,6 +32,7 @@ from app.logs.recorder_service import RecorderService
 from app.maps.library import MapLibrary
 from app.maps.library import default_folder as default_maps_folder
 from app.maps.map_service import MapService
+from app.maps.place_service import PlaceService
 from app.messages import Accomplishment, BatteryState, Exploitation, LoadReport, PerceptEvent, PerceptKind
 from app.program.attachments import snapshot
 from app.program.battery_watch import BatteryWatch
@@ -105,6 +106,7 @@ class System:
         self.recorder = RecorderService()
         self.maps = maps or MapLibrary(default_maps_folder())
         self.map = MapService()
+        self.places = PlaceService()
         services: dict[type[object], object] = {
             RobotLink: self.link,
             IntentionWorkspace: self.workspace,
@@ -113,6 +115,7 @@ class System:
             RecorderService: self.recorder,
             MapLibrary: self.maps,
             MapService: self.map,
+            PlaceService: self.places,
             ChannelTable: ChannelTable(configuration.channels),
         }
         self.graph = Graph(

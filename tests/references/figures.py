@@ -191,7 +191,7 @@ class _Figures:
         return {
             "qr_codes": dict(sorted(self.codes.items())),
             "landmarks": {
-                "place": {mark.text: [round(x, 3) for x in mark.p_OQ] for mark in landmarks},
+                "place": {mark.text: [round(x, 3) for x in mark.p_FQ] for mark in landmarks},
                 "sigma": {mark.text: round(mark.sigma_m, 3) for mark in landmarks},
                 "sightings": {mark.text: mark.sightings for mark in landmarks},
             },

@@ -141,7 +141,7 @@ class LanesHistory:
 
 @dataclass(frozen=True, slots=True)
 class LandmarkList:
-    """What was found, in `odom`."""
+    """What was found, each in its `frame`."""
 
     landmarks: tuple[LandmarkReport, ...]
 
@@ -233,7 +233,7 @@ FROM_ROBOT: dict[str, FrameKind] = {
     "events": FrameKind(EventList, "As they come: events, oldest first."),
     "load": FrameKind(LoadReport, "Once a second: what the modules take of the computer."),
     "recorder": FrameKind(RecorderReport, "On change, and once a second while it records: the Recorder."),
-    "landmarks": FrameKind(LandmarkList, "On change: what was found, in `odom`."),
+    "landmarks": FrameKind(LandmarkList, "On change: what was found, each in its `frame`."),
     "perceived": FrameKind(PlacedPercepts, "On change: what the robot sees and hears."),
     "speech": FrameKind(Speech, "On change, up to 20 times a second: what the robot says, for subtitles."),
     "battery": FrameKind(BatteryState, "Once a second, of a body with a battery: its charge."),

@@ -71,16 +71,20 @@ class OdometryReport:
 
 @dataclass(frozen=True, slots=True)
 class LandmarkReport:
-    """A QR code found, in `odom` (m)."""
+    """A QR code found: where its centre is in `frame` (m)."""
 
     text: str
     x: float
     y: float
     z: float
-    sigma_m: float
+    sigma_m: Annotated[float, doc("Standard deviation along each axis.")]
     sightings: int
     first_seen: Stamp
     last_seen: Stamp
+    heading: Annotated[float | None, doc("Direction in `frame` (rad) of its outward normal; null: unknown.")]
+    heading_sigma: Annotated[float | None, doc("Standard deviation of `heading` (rad).")]
+    id: Annotated[int, doc("A number that it keeps on its map: one text may hang in several places.")]
+    frame: Annotated[str, doc("`map` once the robot was localized on it, else `odom`.")]
 
 
 @dataclass(frozen=True, slots=True)

@@ -24,7 +24,7 @@ from app.console.view.ground import FloorLayers, Ground
 from app.console.view.person_nodes import People
 from app.console.view.scene_state import World
 from app.console.view.viewer_rate import AT_LEAST, Pace
-from app.messages import Landmark
+from app.messages import Landmark, Landmarks
 
 WORLD, BASE = "/odom", "/base_link"
 _POSTER_M = (0.22, 0.22, 0.28)
@@ -50,7 +50,7 @@ class ViewerScene:
     def __init__(self, client: viser.ClientHandle, body: Body, layers: FloorLayers) -> None:
         self._client = client
         self._drawn = World()
-        self._posters: list[tuple[viser.BoxHandle, viser.LabelHandle]] = []
+        self._posters: dict[str, list[tuple[viser.BoxHandle, viser.LabelHandle]]] = {"odom": [], "map": []}
         scene = client.scene
         with client.atomic():
             self._world = scene.add_frame(WORLD, show_axes=False)
@@ -98,7 +98,7 @@ class ViewerScene:
             if world.joints is not None and world.joints is not before.joints:
                 new += self._body.move(world.joints)
             if world.landmarks is not before.landmarks:
-                self._draw_landmarks(() if world.landmarks is None else world.landmarks.landmarks)
+                self._draw_landmarks(world.landmarks)
                 new += 1
             if world.scan is None:
                 if before.scan is not None:
@@ -130,20 +130,27 @@ class ViewerScene:
                 self._drawn = replace(world, robot=before.robot)
         return new
 
-    def _draw_landmarks(self, landmarks: Sequence[Landmark]) -> None:
-        """A card with its text at each poster found."""
+    def _draw_landmarks(self, known: Landmarks | None) -> None:
+        """A card with its text at each poster found, below the map's node where it is on the map."""
+        for frame, posters in self._posters.items():
+            marks = known.landmarks if known is not None and known.frame == frame else ()
+            self._draw_posters(f"{WORLD}/map" if frame == "map" else WORLD, posters, marks)
+
+    def _draw_posters(
+        self, parent: str, posters: list[tuple[viser.BoxHandle, viser.LabelHandle]], landmarks: Sequence[Landmark]
+    ) -> None:
         scene = self._client.scene
         for number, landmark in enumerate(landmarks):
-            if number == len(self._posters):
-                node = f"{WORLD}/landmark_{number}"
+            if number == len(posters):
+                node = f"{parent}/landmark_{number}"
                 card = scene.add_box(node, color=(250, 204, 80), dimensions=_POSTER_M, opacity=0.75, cast_shadow=False)
                 label = scene.add_label(f"{node}/text", landmark.text, position=(0, 0, 0.3), anchor="bottom-center")
-                self._posters.append((card, label))
-            card, label = self._posters[number]
-            card.position = np.array(landmark.p_OQ)
+                posters.append((card, label))
+            card, label = posters[number]
+            card.position = np.array(landmark.p_FQ)
             card.visible = True
             label.text = landmark.text
-        for card, _ in self._posters[len(landmarks) :]:
+        for card, _ in posters[len(landmarks) :]:
             card.visible = False
 
 

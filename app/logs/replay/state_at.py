@@ -7,12 +7,12 @@ from typing import Any
 
 from app.logs.log import Log, Logged
 from app.logs.mcap.damage import skipping
-from app.messages import JointState, Landmarks, Localization, OccupancyGrid, Odometry, Zones
+from app.messages import JointState, Landmarks, Localization, OccupancyGrid, Odometry, Places, Zones
 
 #: The body's motion belongs to the images and scans taken meanwhile: every such message is used, not the last alone.
 MOTION = (Odometry, JointState)
 #: Messages that accumulate since the beginning: a module that restarts cannot compute them.
-ACCUMULATED = (Landmarks, OccupancyGrid, Localization, Zones)
+ACCUMULATED = (Landmarks, OccupancyGrid, Localization, Zones, Places)
 
 #: The body's motion begins this long (s) before the first image or scan, so that poses can be interpolated.
 LEAD_S = 0.1

@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 
 from app.logs.ros import typestore
-from app.logs.ros.frames import ODOM
 from app.logs.ros.native_types import GeneratedConverter
 from app.logs.ros.record import Record, RecordTopic
-from app.messages import Landmark, Landmarks
+from app.messages import Landmarks
 
 _MARKERS = "visualization_msgs/msg/MarkerArray"
 _SPHERE, _TEXT, _DELETE_ALL = 2, 9, 3
@@ -29,37 +28,39 @@ class LandmarksConverter(GeneratedConverter):
         super().__init__(channel, Landmarks)
         self._markers = RecordTopic(f"/{channel}/markers", _MARKERS, None)
         self.topics = (*self.topics, self._markers)
-        self._drawn: tuple[Landmark, ...] = ()
+        self._drawn = Landmarks(0.0, ())
 
     def encode(self, message: Landmarks, stamp_ns: int) -> list[Record]:
         records = super().encode(message, stamp_ns)
-        if _moved(self._drawn, message.landmarks):
-            self._drawn = message.landmarks
-            data = typestore.serialise(_MARKERS, _markers(message.landmarks, stamp_ns))
+        if _moved(self._drawn, message):
+            self._drawn = message
+            data = typestore.serialise(_MARKERS, _markers(message, stamp_ns))
             records.insert(0, Record(self._markers.name, _MARKERS, stamp_ns, data))
         return records
 
 
-def _moved(before: tuple[Landmark, ...], now: tuple[Landmark, ...]) -> bool:
-    if [landmark.text for landmark in before] != [landmark.text for landmark in now]:
+def _moved(before: Landmarks, now: Landmarks) -> bool:
+    if before.frame != now.frame or [mark.text for mark in before.landmarks] != [mark.text for mark in now.landmarks]:
         return True
-    return any(math.dist(a.p_OQ, b.p_OQ) > _STEP_M for a, b in zip(before, now, strict=True))
+    pairs = zip(before.landmarks, now.landmarks, strict=True)
+    return any(math.dist(a.p_FQ, b.p_FQ) > _STEP_M for a, b in pairs)
 
 
-def _markers(landmarks: tuple[Landmark, ...], stamp_ns: int) -> list[Any]:
-    markers = [_marker(0, _SPHERE, (0.0, 0.0, 0.0), "", stamp_ns, action=_DELETE_ALL)]
-    for i, landmark in enumerate(landmarks):
-        x, y, z = landmark.p_OQ
-        markers.append(_marker(2 * i, _SPHERE, (x, y, z), "", stamp_ns))
-        markers.append(_marker(2 * i + 1, _TEXT, (x, y, z + _SIZE_M), typestore.encodable(landmark.text), stamp_ns))
+def _markers(message: Landmarks, stamp_ns: int) -> list[Any]:
+    header = typestore.make("std_msgs/msg/Header", typestore.time(stamp_ns), message.frame)
+    markers = [_marker(header, 0, _SPHERE, (0.0, 0.0, 0.0), action=_DELETE_ALL)]
+    for i, landmark in enumerate(message.landmarks):
+        x, y, z = landmark.p_FQ
+        markers.append(_marker(header, 2 * i, _SPHERE, (x, y, z)))
+        text = typestore.encodable(landmark.text)
+        markers.append(_marker(header, 2 * i + 1, _TEXT, (x, y, z + _SIZE_M), text=text))
     return markers
 
 
 def _marker(
-    number: int, kind: int, position: tuple[float, float, float], text: str, stamp_ns: int, action: int = 0
+    header: Any, number: int, kind: int, position: tuple[float, float, float], *, text: str = "", action: int = 0
 ) -> Any:
     make = typestore.make
-    header = make("std_msgs/msg/Header", typestore.time(stamp_ns), ODOM)
     unit = make("geometry_msgs/msg/Quaternion", 0.0, 0.0, 0.0, 1.0)
     no_bytes = np.zeros(0, np.uint8)
     return make(

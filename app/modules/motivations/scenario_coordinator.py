@@ -122,8 +122,8 @@ class ScenarioCoordinator(Module):
 
     async def _take_landmarks(self, message: Landmarks) -> None:
         for landmark in message.landmarks[self._known :]:
-            x, y, _ = landmark.p_OQ
-            self.log.info("found QR code %r at x %.2f m, y %.2f m in odom", landmark.text, x, y)
+            x, y, _ = landmark.p_FQ
+            self.log.info("found QR code %r at x %.2f m, y %.2f m in %s", landmark.text, x, y, message.frame)
         self._known = max(self._known, len(message.landmarks))
 
     async def _take_noise(self, noise: LoudNoise) -> None:

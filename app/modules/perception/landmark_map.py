@@ -68,7 +68,7 @@ class LandmarkMap:
         for index, landmark in enumerate(self._landmarks):
             if landmark.text != text:
                 continue
-            distance = math.dist(landmark.p_OQ, p_OQ)
+            distance = math.dist(landmark.p_FQ, p_OQ)
             if distance <= max(self._gate_m, 3.0 * (sigma_m + landmark.sigma_m)):
                 best = min(best, (distance, index)) if best is not None else (distance, index)
         return None if best is None else best[1]
@@ -78,10 +78,10 @@ def merged(landmark: Landmark, stamp: float, p_OQ: Point, sigma_m: float, floor_
     """``landmark`` after one more sighting at ``p_OQ`` with standard deviation ``sigma_m`` (> 0)."""
     P, R = landmark.sigma_m**2, sigma_m**2
     share = P / (P + R)
-    x, y, z = (a + share * (b - a) for a, b in zip(landmark.p_OQ, p_OQ, strict=True))
+    x, y, z = (a + share * (b - a) for a, b in zip(landmark.p_FQ, p_OQ, strict=True))
     return replace(
         landmark,
-        p_OQ=(x, y, z),
+        p_FQ=(x, y, z),
         sigma_m=max(floor_m, math.sqrt((1.0 - share) * P)),
         sightings=landmark.sightings + 1,
         first_seen=min(landmark.first_seen, stamp),

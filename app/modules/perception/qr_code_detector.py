@@ -203,7 +203,7 @@ class QRCodeDetector(Module):
         if known.stamp - published.stamp >= self.settings.refresh_s:
             return True
         places: list[tuple[Point, Point]] = [
-            (a.p_OQ, b.p_OQ) for a, b in zip(published.landmarks, known.landmarks, strict=True)
+            (a.p_FQ, b.p_FQ) for a, b in zip(published.landmarks, known.landmarks, strict=True)
         ]
         return any(math.dist(before, now) > self.settings.moved_m for before, now in places)
 

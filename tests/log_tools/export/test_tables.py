@@ -116,7 +116,7 @@ def test_lists_are_json_and_words_stay_words(tmp_path: Path) -> None:
     log = MemoryLog([Logged(BEGIN, "landmarks", Landmarks(BEGIN, (landmark,))), Logged(BEGIN, "log", line)])
     export(log, Wish("csv", tmp_path))
     (row,) = table(tmp_path, "landmarks")
-    assert json.loads(row["landmarks"])[0]["p_OQ"] == [1.0, 2.0, 0.5]
+    assert json.loads(row["landmarks"])[0]["p_FQ"] == [1.0, 2.0, 0.5]
     assert table(tmp_path, "log")[0]["text"] == line.text
 
 

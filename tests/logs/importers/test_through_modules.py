@@ -73,4 +73,4 @@ def test_the_detector_reads_and_places_a_code_in_a_bag(
     landmarks: Landmarks = said["landmarks"][-1]
     (landmark,) = landmarks.landmarks
     assert landmark.text == TEXT
-    np.testing.assert_allclose(landmark.p_OQ, (WALL_X, *CENTRE), atol=0.02)
+    np.testing.assert_allclose(landmark.p_FQ, (WALL_X, *CENTRE), atol=0.02)

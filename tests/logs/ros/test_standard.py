@@ -202,9 +202,9 @@ def test_landmarks_are_drawn_again_when_one_is_new_or_elsewhere_but_not_at_every
     lamp = Landmark("lamp", (1.0, 2.0, 0.5), 0.01, 3, STAMP, STAMP)
     lists = [
         (lamp,),
-        (replace(lamp, p_OQ=(1.002, 2.0, 0.5), sightings=4),),
-        (replace(lamp, p_OQ=(1.2, 2.0, 0.5)),),
-        (replace(lamp, p_OQ=(1.2, 2.0, 0.5)), replace(lamp, text="door \udcff")),
+        (replace(lamp, p_FQ=(1.002, 2.0, 0.5), sightings=4),),
+        (replace(lamp, p_FQ=(1.2, 2.0, 0.5)),),
+        (replace(lamp, p_FQ=(1.2, 2.0, 0.5)), replace(lamp, text="door \udcff")),
     ]
     written = [codec.encode(Landmarks(STAMP, landmarks), to_ns(STAMP)) for landmarks in lists]
     assert [[record.topic for record in records] for records in written] == [
@@ -219,6 +219,8 @@ def test_landmarks_are_drawn_again_when_one_is_new_or_elsewhere_but_not_at_every
     ]  # fmt: skip
     assert {m.header.frame_id for m in markers} == {"odom"}
     assert (markers[0].pose.position.x, markers[0].scale.x) == (1.2, 0.1)
+    placed = codec.encode(Landmarks(STAMP, lists[3], "map"), to_ns(STAMP))
+    assert {m.header.frame_id for m in decoded(placed[0]).markers} == {"map"}
 
 
 def test_half_a_character_in_a_log_line_does_not_end_a_recording() -> None:

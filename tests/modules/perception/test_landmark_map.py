@@ -24,7 +24,7 @@ def test_without_a_floor_it_is_the_mean_weighted_by_precision(
     (landmark,) = known.landmarks
     weights = np.array([1 / FREE.sigma_m(s[3]) ** 2 for s in sightings])
     mean = (weights[:, None] * np.array([s[:3] for s in sightings])).sum(axis=0) / weights.sum()
-    np.testing.assert_allclose(landmark.p_OQ, mean, atol=1e-9)
+    np.testing.assert_allclose(landmark.p_FQ, mean, atol=1e-9)
     assert landmark.sigma_m == pytest.approx(1 / math.sqrt(weights.sum()), rel=1e-6)
     assert landmark.sightings == len(sightings)
     assert (landmark.first_seen, landmark.last_seen) == (0.0, len(sightings) - 1.0)
@@ -42,14 +42,14 @@ def test_a_landmark_stays_among_its_sightings_and_its_sigma_above_the_floor(
         before = landmark.sigma_m
     for axis in range(3):
         seen = [s[axis] for s in sightings]
-        assert min(seen) - 1e-9 <= landmark.p_OQ[axis] <= max(seen) + 1e-9
+        assert min(seen) - 1e-9 <= landmark.p_FQ[axis] <= max(seen) + 1e-9
 
 
 def test_a_near_sighting_outweighs_a_far_one() -> None:
     known = LandmarkMap()
     known.see(0.0, "a", (4.0, 0.0, 1.0), 4.0)
     landmark = known.see(1.0, "a", (4.2, 0.0, 1.0), 1.0)
-    assert landmark.p_OQ[0] > 4.18
+    assert landmark.p_FQ[0] > 4.18
 
 
 def test_a_landmark_can_follow_drift_for_ever() -> None:
@@ -59,7 +59,7 @@ def test_a_landmark_can_follow_drift_for_ever() -> None:
     for i in range(50):
         known.see(1000.0 + i, "a", (1.3, 0.0, 1.0), 1.0)
     (landmark,) = known.landmarks
-    assert landmark.p_OQ[0] == pytest.approx(1.3, abs=0.01)
+    assert landmark.p_FQ[0] == pytest.approx(1.3, abs=0.01)
 
 
 def test_the_same_text_in_two_places_is_two_landmarks_in_the_order_seen() -> None:
@@ -69,7 +69,7 @@ def test_the_same_text_in_two_places_is_two_landmarks_in_the_order_seen() -> Non
     known.see(2.0, "stop", (0.0, 0.0, 1.0), 1.0)
     known.see(3.0, "exit", (5.1, 0.0, 1.0), 1.0)
     known.see(4.0, "exit", (0.1, 0.0, 1.0), 1.0)
-    assert [(m.text, m.sightings, round(m.p_OQ[0])) for m in known.landmarks] == [
+    assert [(m.text, m.sightings, round(m.p_FQ[0])) for m in known.landmarks] == [
         ("exit", 2, 0),
         ("exit", 2, 5),
         ("stop", 1, 0),

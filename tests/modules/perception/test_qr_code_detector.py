@@ -50,7 +50,7 @@ def test_a_moving_robot_with_late_odometry_places_a_code_by_the_images_own_stamp
             assert seen[0].frame == "kinect_optical_frame"
             (landmark,) = drain(landmarks)[-1].landmarks
             assert landmark.text == "stop"
-            assert math.dist(landmark.p_OQ, tuple(STOP.translation)) < 0.02
+            assert math.dist(landmark.p_FQ, tuple(STOP.translation)) < 0.02
             assert landmark.sightings >= 10
             assert landmark.sigma_m < 0.05
 
@@ -107,7 +107,7 @@ def test_landmarks_are_reported_when_added_or_moved_and_outlive_a_restart() -> N
             assert await look(0.0) == [], "the same again is not"
             (moved,) = await look(0.5)
             assert moved.landmarks[0].sightings == 3
-            x = moved.landmarks[0].p_OQ[0] - still["stop"].translation[0]
+            x = moved.landmarks[0].p_FQ[0] - still["stop"].translation[0]
             assert await look(x) == []
             await b.clock.sleep(1.0)
             (again,) = await look(x)
@@ -211,7 +211,7 @@ def test_a_panoramas_code_hangs_where_its_ray_meets_the_wall_that_the_laser_sees
             assert len(drain(landmarks)) == 1
             (landmark,) = known(b)
             assert landmark.sightings == len(seen)
-            assert math.dist(landmark.p_OQ, tuple(DOOR.translation)) < 0.03
+            assert math.dist(landmark.p_FQ, tuple(DOOR.translation)) < 0.03
             assert 0.01 < landmark.sigma_m < 0.05
 
     run_virtual(main())
@@ -255,6 +255,6 @@ def test_both_cameras_move_one_landmark_and_time_does_not_go_back() -> None:
             assert stamps == sorted(stamps)
             (landmark,) = known(b)
             assert landmark.sightings == 3
-            assert math.dist(landmark.p_OQ, tuple(DOOR.translation)) < 0.03
+            assert math.dist(landmark.p_FQ, tuple(DOOR.translation)) < 0.03
 
     run_virtual(main())

@@ -6,8 +6,11 @@ import type { Point } from "./mapProjection";
 
 export interface LayerOf<T extends MessageType> {
   type: T;
-  /** `onScreen`: a place in `odom` (m) in px; null while it is not known where `odom` is on the map. */
-  draw: (context: Context, message: Message<T>, onScreen: (place: Point) => Point | null) => void;
+  /**
+   * `onScreen`: a place in `odom` (m), or on the map where its `frame` says so, in px; null while it is not known where
+   * `odom` is on the map.
+   */
+  draw: (context: Context, message: Message<T>, onScreen: (place: Point & { frame?: string }) => Point | null) => void;
 }
 
 export type Layer = LayerOf<MessageType>;

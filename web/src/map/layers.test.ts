@@ -6,8 +6,10 @@ import { landmarksLayer } from "./landmarksLayer";
 import type { Point } from "./mapProjection";
 import { peopleLayer } from "./peopleLayer";
 
+type OnScreen = (place: Point & { frame?: string }) => Point | null;
+
 /** The places that a layer draws at; `known`: whether it is known where `odom` is on the map. */
-function placesOf(draw: (context: Context, onScreen: (place: Point) => Point | null) => void, known = true) {
+function placesOf(draw: (context: Context, onScreen: OnScreen) => void, known = true) {
   const places: [number, number][] = [];
   const context = new Proxy({} as Record<string, unknown>, {
     get: (_, name) => (x: number, y: number) => {
@@ -15,7 +17,9 @@ function placesOf(draw: (context: Context, onScreen: (place: Point) => Point | n
     },
     set: () => true,
   });
-  draw(context as unknown as Context, ({ x, y }) => (known ? { x: 10 * x, y: 10 * y } : null));
+  draw(context as unknown as Context, ({ x, y, frame }) =>
+    known || frame === "map" ? { x: 10 * x, y: 10 * y } : null,
+  );
   return places;
 }
 
@@ -32,8 +36,9 @@ test("a person is drawn where the distance is known", () => {
 
 test("nothing is drawn while it is not known where odom is on the map", () => {
   const message = { type: "landmarks" as const, landmarks: [{ text: "door", x: 1, y: 2 } as Landmark] };
-  const draw = (context: Context, onScreen: (place: Point) => Point | null) =>
-    landmarksLayer.draw(context, message, onScreen);
+  const draw = (context: Context, onScreen: OnScreen) => landmarksLayer.draw(context, message, onScreen);
   expect(placesOf(draw)).toHaveLength(1);
   expect(placesOf(draw, false)).toEqual([]);
+  message.landmarks.push({ text: "desk", x: 3, y: 4, frame: "map" } as Landmark);
+  expect(placesOf(draw, false)).toHaveLength(1);
 });

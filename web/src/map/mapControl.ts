@@ -311,7 +311,7 @@ export class MapControl {
   }
 }
 
-function robotOn(localization: LocalizationReport | null, odometry: Pose | null): Pose | null {
+export function robotOn(localization: LocalizationReport | null, odometry: Pose | null): Pose | null {
   if (!localization) return null;
   return odometry ? composed(localization.X_MO, odometry) : localization;
 }

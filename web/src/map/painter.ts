@@ -53,8 +53,8 @@ export function paintOn(canvas: HTMLCanvasElement, place: MapPlace, { store, map
       percepts: (context, onScreen) => {
         for (const layer of LAYERS) {
           const message = store.of(layer.type).peek();
-          const place = (point: Point) => {
-            const there = onMap(point);
+          const place = (point: Point & { frame?: string }) => {
+            const there = point.frame === "map" ? point : onMap(point);
             return there && onScreen(there);
           };
           if (message) layer.draw(context, message, place);

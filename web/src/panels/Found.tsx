@@ -1,6 +1,8 @@
 /** The QR codes found so far: what they say, where they are from here, how sure and how fresh. */
 
-import type { Landmark, Status } from "../protocol/types";
+import { robotOn } from "../map/mapControl";
+import type { Pose } from "../map/mapProjection";
+import type { Landmark } from "../protocol/types";
 import { useApp } from "../state/context";
 import type { Message } from "../state/latest";
 import { ago, number } from "../ui/format";
@@ -29,7 +31,7 @@ function Found({ message }: { message: Message<"landmarks"> | null }) {
       ) : (
         <ul class="landmarks">
           {landmarks.map((landmark) => (
-            <Row key={`${landmark.text}@${landmark.first_seen}`} landmark={landmark} />
+            <Row key={`${landmark.text}@${landmark.id || landmark.first_seen}`} landmark={landmark} />
           ))}
         </ul>
       )}
@@ -41,6 +43,8 @@ function Row({ landmark }: { landmark: Landmark }) {
   const { store } = useApp();
   const now = store.seconds.value;
   const { text, x, y, z, sigma_m, sightings, last_seen } = landmark;
+  const odometry = store.of("status").value?.odometry ?? null;
+  const robot = landmark.frame === "map" ? robotOn(store.of("localization").value, odometry) : odometry;
   return (
     <li
       class="landmark"
@@ -55,7 +59,7 @@ function Row({ landmark }: { landmark: Landmark }) {
       <div>
         <p class="landmark-text">{text}</p>
         <p class="muted small">
-          {bearing(landmark, store.of("status").value?.odometry ?? null)}
+          {bearing(landmark, robot)}
           {`at (${number(x, 2)}, ${number(y, 2)}, ${number(z, 2)}) m ± ${number(sigma_m * 100, 0)} cm`}
         </p>
         <p class="muted small">
@@ -68,10 +72,10 @@ function Row({ landmark }: { landmark: Landmark }) {
 }
 
 /** "2.4 m away, ahead on the left, " from where the robot stands. */
-function bearing(landmark: Landmark, odometry: Status["odometry"]): string {
-  if (!odometry) return "";
-  const [dx, dy] = [landmark.x - odometry.x, landmark.y - odometry.y];
-  const turn = Math.atan2(dy, dx) - odometry.theta;
+function bearing(landmark: Landmark, robot: Pose | null): string {
+  if (!robot) return "";
+  const [dx, dy] = [landmark.x - robot.x, landmark.y - robot.y];
+  const turn = Math.atan2(dy, dx) - robot.theta;
   const angle = Math.atan2(Math.sin(turn), Math.cos(turn));
   const side = angle > 0 ? "left" : "right";
   const size = Math.abs(angle);

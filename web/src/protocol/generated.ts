@@ -337,23 +337,32 @@ export interface KeptMap {
   problem: string | null;
 }
 
-/** What was found, in `odom`. */
+/** What was found, each in its `frame`. */
 export interface LandmarkList {
   landmarks: LandmarkReport[];
 }
 
-/** A QR code found, in `odom` (m). */
+/** A QR code found: where its centre is in `frame` (m). */
 export interface LandmarkReport {
   text: string;
   x: number;
   y: number;
   z: number;
+  /** Standard deviation along each axis. */
   sigma_m: number;
   sightings: number;
   /** Seconds of the robot's clock (Unix epoch). */
   first_seen: number;
   /** Seconds of the robot's clock (Unix epoch). */
   last_seen: number;
+  /** Direction in `frame` (rad) of its outward normal; null: unknown. */
+  heading: number | null;
+  /** Standard deviation of `heading` (rad). */
+  heading_sigma: number | null;
+  /** A number that it keeps on its map: one text may hang in several places. */
+  id: number;
+  /** `map` once the robot was localized on it, else `odom`. */
+  frame: string;
 }
 
 /** A lane before now. */
@@ -1161,7 +1170,7 @@ export interface RobotMessages {
   load: LoadReport;
   /** On change, and once a second while it records: the Recorder. */
   recorder: RecorderReport;
-  /** On change: what was found, in `odom`. */
+  /** On change: what was found, each in its `frame`. */
   landmarks: LandmarkList;
   /** On change: what the robot sees and hears. */
   perceived: PlacedPercepts;

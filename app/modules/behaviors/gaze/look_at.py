@@ -3,7 +3,7 @@
     ┌───────────────────────────────────────────────────────────────────────────────────────────────┐
     │ LookAt    in   joints, odometry  as of every GazeBehavior                                     │
     │           in   localization      Localization, X_MO on the map: for points on the map         │
-    │           in   landmarks         Landmarks, in odom: for places by name                       │
+    │           in   landmarks         Landmarks, in odom or map: for places by name                │
     │           out  command           JointCommand of the group (rad), 10 Hz while there is a point│
     │           out  accomplishments   Accomplishment, when the eye looks at the point              │
     └───────────────────────────────────────────────────────────────────────────────────────────────┘
@@ -104,7 +104,7 @@ class LookAt(GazeBehavior[LookAtParameters]):
         self.on(self.localization, self._take_localization)
         self.on(self.landmarks, self._take_landmarks)
         self._X_MO: Pose2 | None = None
-        self._places: dict[str, NDArray[np.float64]] = {}
+        self._places: dict[str, PointOfInterest] = {}
 
     async def start(self) -> None:
         """Read the body's model, and the landmarks known already. Raises ModuleFailed as GazeBehavior does."""
@@ -116,7 +116,8 @@ class LookAt(GazeBehavior[LookAtParameters]):
         self._X_MO = localization.X_MO if localization.state in LOCALIZED else None
 
     async def _take_landmarks(self, message: Landmarks) -> None:
-        self._places = {landmark.text: np.array(landmark.p_OQ) for landmark in message.landmarks}
+        frame: Frame = "map" if message.frame == "map" else "odom"
+        self._places = {mark.text: PointOfInterest(np.array(mark.p_FQ), frame) for mark in message.landmarks}
 
     def look(self, now: float) -> Look:
         """The point of the desire, where the robot is now."""
@@ -124,10 +125,10 @@ class LookAt(GazeBehavior[LookAtParameters]):
         if given is None:
             return Look(None)
         if given.place is not None:
-            p_OP = self._places.get(given.place)
-            if p_OP is None:
+            place = self._places.get(given.place)
+            if place is None:
                 return Look(None, f"it waits: no code that was found says {given.place!r}")
-            point = PointOfInterest(p_OP, "odom")
+            point = place
         else:
             point = PointOfInterest(np.array([given.x, given.y, given.z], np.float64), given.frame)
         p_BP = point.in_base(self.X_OB, self._X_MO)

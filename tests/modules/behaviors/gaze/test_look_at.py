@@ -141,6 +141,18 @@ async def test_a_place_is_looked_at_once_its_code_was_found() -> None:
         assert off_axis_deg(commands[-1], [2.0, -1.0, 1.3]) < 0.01
 
 
+@in_virtual_time
+async def test_a_place_on_the_map_is_looked_at_from_where_the_robot_is_on_it() -> None:
+    async with bench() as b:
+        b.feed("odometry", Odometry(b.clock.now(), Pose2(0.0, 0.0, math.pi / 2), 0.0, 0.0))
+        found = Landmark("the kitchen", (1.0, 7.0, 1.3), 0.02, sightings=3, first_seen=1.0, last_seen=2.0)
+        b.feed("landmarks", Landmarks(b.clock.now(), (found,), "map"))
+        assert await looked(b, 0.5, place="the kitchen") == []
+        b.feed("localization", localized(b, Pose2(0.0, 5.0, 0.0), "tracking"))
+        commands = await looked(b, 0.5, place="the kitchen")
+        assert off_axis_deg(commands[-1], [2.0, -1.0, 1.3]) < 0.01
+
+
 @pytest.mark.parametrize("params", [{}, {"x": 1.0}, {"x": 1.0, "y": 1.0, "place": "the kitchen"}])
 def test_a_desire_has_a_point_or_a_place(params: dict[str, Any]) -> None:
     with pytest.raises(InvalidDesire, match="needs x and y, or a place, and not both"):
