@@ -60,7 +60,7 @@ Id = Annotated[str, Rule(r"[a-z0-9][a-z0-9-]{0,39}", "an id: 1 to 40 small lette
 #: A language's tag: ``en``, ``fr``, ``en-gb``.
 Language = Annotated[str, Rule(r"[a-z]{2,3}(-[a-z0-9]{1,8}){0,4}", "a language's tag, as en, fr or en-gb")]
 #: Id of a place on the map.
-PlaceId = Annotated[str, Field(min_length=1, max_length=100)]
+PlaceId = Annotated[str, Rule(r"[a-z0-9-]{1,40}", "a place's id: 1 to 40 small letters, digits and hyphens")]
 
 _Said = Annotated[str, Field(max_length=LONGEST_TEXT), _SAID]
 _Line = Annotated[str, Field(max_length=LONGEST_TITLE), _LINE]

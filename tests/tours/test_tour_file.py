@@ -32,6 +32,7 @@ points = st.tuples(numbers, numbers, st.floats(-9, 9)).map(list)
 scalars = st.one_of(
     st.none(), st.booleans(), st.integers(), st.floats(allow_nan=False, allow_infinity=False), st.text()
 )
+places = st.from_regex(r"[a-z0-9-]{1,40}", fullmatch=True)
 params = st.dictionaries(st.text(characters, max_size=9), scalars, max_size=3)
 steps = st.fixed_dictionaries(
     {"say": texts},
@@ -47,7 +48,7 @@ steps = st.fixed_dictionaries(
     },
 )
 stops = st.fixed_dictionaries(
-    {"id": st.from_regex(r"[a-z0-9][a-z0-9-]{0,39}", fullmatch=True), "place": said, "title": titles},
+    {"id": st.from_regex(r"[a-z0-9][a-z0-9-]{0,39}", fullmatch=True), "place": places, "title": titles},
     optional={
         "do": st.lists(steps, max_size=2),
         "poster": said.map("x".__add__),
@@ -58,7 +59,7 @@ stops = st.fixed_dictionaries(
 tours = st.fixed_dictionaries(
     {"title": titles, "map": lines, "stops": st.lists(stops, max_size=3, unique_by=(lambda s: s["id"],))},
     optional={
-        "home": said,
+        "home": places,
         "pace": st.fixed_dictionaries({"speed": st.floats(0.01, 1), "give_up_s": st.integers(5, 600)}),
         "schedule": st.just([{"days": ["mon", "fri"], "times": ["00:00", "12:30"]}]),
     },
