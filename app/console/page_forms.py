@@ -19,16 +19,16 @@ def localization_report(message: Localization) -> messages.LocalizationReport:
     """Where the robot is on the map."""
     variances = np.clip(np.diagonal(message.covariance), 0.0, None)
     x, y, theta = (_rounded(float(sigma)) for sigma in np.sqrt(variances))
-    place = _place(message.X_MB)
+    robot = _pose(message.X_MB)
     return messages.LocalizationReport(
         stamp=message.stamp,
         state=cast(LocalizationState, message.state),
         map=message.map,
-        x=place.x,
-        y=place.y,
-        theta=place.theta,
+        x=robot.x,
+        y=robot.y,
+        theta=robot.theta,
         sigma=(x, y, theta),
-        X_MO=_place(message.X_MO),
+        X_MO=_pose(message.X_MO),
         overlap=_rounded(message.overlap),
     )
 
@@ -68,8 +68,8 @@ def form(message: Any) -> Any:
     return message if make is None else make(message)
 
 
-def _place(pose: Pose2) -> messages.Place:
-    return messages.Place(_rounded(pose.x), _rounded(pose.y), _rounded(pose.theta, 5))
+def _pose(pose: Pose2) -> messages.PoseReport:
+    return messages.PoseReport(_rounded(pose.x), _rounded(pose.y), _rounded(pose.theta, 5))
 
 
 def _rounded(value: float, digits: int = 4) -> float:

@@ -147,7 +147,7 @@ class LandmarkList:
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class PoseReport:
     """A pose: m and rad."""
 
     x: float
@@ -166,7 +166,7 @@ class LocalizationReport:
     y: float
     theta: float
     sigma: Annotated[tuple[float, float, float], doc("Standard deviations of x, y (m) and theta (rad).")]
-    X_MO: Annotated[Place, doc("Pose of `odom` on the map.")]
+    X_MO: Annotated[PoseReport, doc("Pose of `odom` on the map.")]
     overlap: Annotated[float, doc("Share of the scan that fits the map, 0 to 1.")]
 
 

@@ -9,8 +9,8 @@ from pydantic import BaseModel, Field
 from app.messages.base import Stamp
 
 
-class PlaceModel(BaseModel):
-    """A place on the map."""
+class GoalPoseModel(BaseModel):
+    """A goal on the map."""
 
     x: float
     y: float
@@ -21,7 +21,7 @@ class GivenUpModel(BaseModel):
     """A goal that the robot has given up."""
 
     stamp: Stamp
-    goal: PlaceModel
+    goal: GoalPoseModel
     reason: str = Field(description="Why, in words.")
 
 
@@ -32,8 +32,8 @@ class NavigationModel(BaseModel):
     behavior: str = Field(description="Empty before the first report.")
     state: Literal["idle", "planning", "following", "recovering", "waiting", "arrived", "unreachable"]
     reason: str = Field(description="In words, and what would help.")
-    goal: PlaceModel | None
-    target: PlaceModel | None = Field(description="The nearest reachable place, which it drives to.")
+    goal: GoalPoseModel | None
+    target: GoalPoseModel | None = Field(description="The nearest reachable place, which it drives to.")
     remaining_m: float | None
     recoveries: int
     desire: str | None = Field(description="Id of the strongest desire to go somewhere.")

@@ -13,7 +13,7 @@ import pytest
 
 from app.attention.desires import Desire, Source
 from app.console.live.hub import Hub
-from app.console.records.navigation import GivenUpModel, NavigationModel, PlaceModel
+from app.console.records.navigation import GivenUpModel, GoalPoseModel, NavigationModel
 from app.maps.map_service import Files, MapUnavailable
 from app.program.system import System
 from tests.console.answers import answered
@@ -102,7 +102,7 @@ async def test_what_became_of_it_is_reported(client: httpx.AsyncClient, system: 
     desired, going = await goal_now(client)
     assert desired is not None
     assert desired.id == going.desire == desire["id"]
-    assert going.goal == PlaceModel(x=3.0, y=1.0, theta=None)
+    assert going.goal == GoalPoseModel(x=3.0, y=1.0, theta=None)
     assert going.path == [(0.0, 0.0), (0.2, 0.0)]
 
 

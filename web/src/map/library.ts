@@ -2,7 +2,7 @@
 
 import { batch, computed, effect, type ReadonlySignal, signal } from "@preact/signals";
 import { inWords, type Rest } from "../protocol/rest";
-import type { KeptMaps, Place } from "../protocol/types";
+import type { KeptMaps, PoseReport } from "../protocol/types";
 import type { Store } from "../state/store";
 
 /** A module that is only starting is asked for again so soon. */
@@ -64,7 +64,7 @@ export class MapLibrary {
     return this.ask(`Saving ${name}…`, () => this.rest.saveMap(name), `Saved as ${name}.`);
   }
 
-  load(name: string, options: { pose?: Place; extend: boolean }): Promise<boolean> {
+  load(name: string, options: { pose?: PoseReport; extend: boolean }): Promise<boolean> {
     return this.ask(`Loading ${name}…`, () => this.awake(this.rest.loadMap(name, options)), `${name} is in use.`);
   }
 

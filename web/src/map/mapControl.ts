@@ -3,7 +3,7 @@
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
 import { typesText } from "../drive/driveController";
 import { inWords } from "../protocol/rest";
-import type { Desire, LocalizationReport, Place, Zone } from "../protocol/types";
+import type { Desire, LocalizationReport, PoseReport, Zone } from "../protocol/types";
 import type { Session } from "../state/session";
 import type { MapPlace, Store } from "../state/store";
 import { around, freeOf } from "./fitting";
@@ -201,7 +201,7 @@ export class MapControl {
     if (ended) this.store.notify("info", "The goal is cancelled.");
   }
 
-  async place(pose: Place): Promise<void> {
+  async place(pose: PoseReport): Promise<void> {
     await this.ask("pose", () => this.session.rest.placeRobot(pose));
   }
 

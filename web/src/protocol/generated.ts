@@ -195,9 +195,17 @@ export interface FaceReport {
 /** A goal that the robot has given up. */
 export interface GivenUpModel {
   stamp: number;
-  goal: PlaceModel;
+  goal: GoalPoseModel;
   /** Why, in words. */
   reason: string;
+}
+
+/** A goal on the map. */
+export interface GoalPoseModel {
+  x: number;
+  y: number;
+  /** null: any heading. */
+  theta: number | null;
 }
 
 /** What the picture that follows, of the same `seq`, shows. */
@@ -443,7 +451,7 @@ export interface LocalizationReport {
   /** Standard deviations of x, y (m) and theta (rad). */
   sigma: [number, number, number];
   /** Pose of `odom` on the map. */
-  X_MO: Place;
+  X_MO: PoseReport;
   /** Share of the scan that fits the map, 0 to 1. */
   overlap: number;
 }
@@ -518,9 +526,9 @@ export interface NavigationModel {
   state: "idle" | "planning" | "following" | "recovering" | "waiting" | "arrived" | "unreachable";
   /** In words, and what would help. */
   reason: string;
-  goal: PlaceModel | null;
+  goal: GoalPoseModel | null;
   /** The nearest reachable place, which it drives to. */
-  target: PlaceModel | null;
+  target: GoalPoseModel | null;
   remaining_m: number | null;
   recoveries: number;
   /** Id of the strongest desire to go somewhere. */
@@ -545,21 +553,6 @@ export interface OdometryReport {
   linear_mps: number;
   angular_radps: number;
   lateral_mps: number;
-}
-
-/** A pose: m and rad. */
-export interface Place {
-  x: number;
-  y: number;
-  theta: number;
-}
-
-/** A place on the map. */
-export interface PlaceModel {
-  x: number;
-  y: number;
-  /** null: any heading. */
-  theta: number | null;
 }
 
 /**
@@ -663,6 +656,13 @@ export interface Pong {
   t: number | null;
   /** Seconds of the robot's clock (Unix epoch). */
   stamp: number;
+}
+
+/** A pose: m and rad. */
+export interface PoseReport {
+  x: number;
+  y: number;
+  theta: number;
 }
 
 /** Why a desired class gets what it gets. */

@@ -15,7 +15,7 @@ export type {
   PlacedFace as SeenFace,
   PlacedPercepts as Perceived,
   PlacedSound as HeardSound,
-  PlaceModel as GoalPlace,
+  GoalPoseModel as GoalPlace,
   PlaybackReport as Playback,
   RecorderReport as Recorder,
   RecordingList as Recordings,
