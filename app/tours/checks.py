@@ -170,8 +170,8 @@ def _texts(tour: Tour) -> Iterator[tuple[KeyPath, Mapping[str, str]]]:
 
 def _heard(tour: Tour) -> Iterator[tuple[KeyPath, Mapping[str, Any]]]:
     if (confirm := tour.greeting.confirm) is not None:
-        yield ("greeting", "confirm", "yes"), confirm.yes
-        yield ("greeting", "confirm", "no"), confirm.no
+        yield ("greeting", "confirm", "agree"), confirm.agree
+        yield ("greeting", "confirm", "decline"), confirm.decline
     for number, stop in enumerate(tour.stops):
         for index, question in enumerate(stop.questions):
             yield ("stops", number, "questions", index, "words"), question.words

@@ -137,11 +137,11 @@ class Stop(TourPart):
 
 
 class Confirmation(TourPart):
-    """An invitation that waits for a yes, heard or pressed."""
+    """A question before the tour begins, agreed to by a word or a press."""
 
     ask: Text
-    yes: Words = Field(default={}, description="Words that accept, by language; a button is always there.")
-    no: Words = Field(default={}, description="Words that decline, by language.")
+    agree: Words = Field(default={}, description="Words that agree, by language; a button is always there.")
+    decline: Words = Field(default={}, description="Words that decline, by language.")
     at_most_s: float = Field(20.0, ge=2, le=120, description="Seconds after which no answer is a no.")
 
 

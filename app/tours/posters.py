@@ -11,7 +11,7 @@ import textwrap
 import unicodedata
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final, Literal
+from typing import Any, Final
 
 import numpy as np
 import segno
@@ -24,12 +24,9 @@ from matplotlib.path import Path as Outline
 from numpy.typing import NDArray
 
 from app.tours.model import Stop, Tour
+from app.tours.paper import PAPERS, Paper
 from app.tours.values import text_in
 
-Paper = Literal["a4", "letter"]
-
-#: Width and height (mm).
-PAPERS: Final[Mapping[Paper, tuple[float, float]]] = {"a4": (210.0, 297.0), "letter": (215.9, 279.4)}
 CODE_MM: Final = 180.0
 #: A Kinect of 640 pixels reads a code, face on, from so many times the width of a module.
 REACH: Final = 350

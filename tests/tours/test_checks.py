@@ -109,7 +109,7 @@ def test_words_that_the_recognizer_does_not_know_are_named() -> None:
     assert all(problem.severity == "warning" for problem in problems)
     deaf = replace(AROUND, unknown_words={})
     assert [severity for _, severity in found(deaf)] == ["warning", "warning"]
-    confirm = {"ask": {"en": "Shall I?"}, "yes": {"en": ["Yes please"]}, "no": {"en": ["no"]}}
+    confirm = {"ask": {"en": "Shall I?"}, "agree": {"en": ["Yes please"]}, "decline": {"en": ["no"]}}
     asked = words_by_language(tour(greeting={"confirm": confirm}))
     assert asked == {"en": {"yes", "please", "no"}}
 

@@ -13,12 +13,11 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from numpy.typing import NDArray
 
 from app.modules.perception.qr_codes import decode
+from app.tours.paper import PAPERS, Paper
 from app.tours.posters import (
     CODE_MM,
     HANG,
-    PAPERS,
     NoPosters,
-    Paper,
     Poster,
     is_drawable,
     modules_of,
