@@ -17,7 +17,7 @@ from app.console.records.tours import TourList, TourProblemReport, TourReport, T
 from app.console.rest.answers import BYTES, Json, problems
 from app.console.rest.entity_tags import IfMatch, check_match, etag, tagged, with_etag
 from app.console.rest.routing import router as api_router
-from app.speech.recognition import RecognizerConfig
+from app.program.recognizer import recognizer_of
 from app.tours.checks import check
 from app.tours.consistency import tour_of
 from app.tours.library import NoVersion, ShippedTour, TooManyTours, TourError, TourTaken, UnknownTour
@@ -65,7 +65,7 @@ def tours_router(system: System) -> APIRouter:
     """Routes of ``/tours``."""
     router = api_router("tours")
     store = system.tours
-    recognizer = _recognizer(system)
+    recognizer = recognizer_of(system.config)
 
     @router.get("/tours", response_model=TourList, summary="List all tours", responses=problems(409))
     async def list_tours() -> Response:
@@ -249,15 +249,15 @@ def tours_router(system: System) -> APIRouter:
         try:
             kept = store.get(name)
         except (ConfigError, ValueError) as damage:
-            return TourSummary(name, {}, (), "", 0, False, "", errors=0, warnings=0, problem=str(damage))
+            return damaged(name, str(damage))
         tour = kept.tour
         severities = [problem.severity for problem in checked(tour)]
         return TourSummary(
-            tour.id,
-            tour.title,
-            tour.languages,
-            tour.map,
-            sum(not stop.left_out for stop in tour.stops),
+            id=tour.id,
+            title=tour.title,
+            languages=tour.languages,
+            map=tour.map,
+            stops=sum(not stop.left_out for stop in tour.stops),
             shipped=kept.shipped,
             etag=etag(version(tour)),
             errors=severities.count("error"),
@@ -301,6 +301,22 @@ def tours_router(system: System) -> APIRouter:
 def version(tour: Tour) -> dict[str, Any]:
     """All of ``tour``, as it is sent and as its tag is made of."""
     return tour.model_dump(mode="json", by_alias=True)
+
+
+def damaged(name: str, problem: str) -> TourSummary:
+    """The summary of a file that is no tour."""
+    return TourSummary(
+        id=name,
+        title={},
+        languages=(),
+        map="",
+        stops=0,
+        shipped=False,
+        etag="",
+        errors=0,
+        warnings=0,
+        problem=problem,
+    )
 
 
 async def _on_disk(function: Callable[..., T], *args: Any) -> T:
@@ -362,12 +378,3 @@ def _same_id(tour_id: str, tour: Tour) -> None:
 
 def _reports(found: tuple[TourProblem, ...]) -> tuple[TourProblemReport, ...]:
     return tuple(TourProblemReport(problem.field, problem.message, problem.severity) for problem in found)
-
-
-def _recognizer(system: System) -> RecognizerConfig | None:
-    """What recognizes words in this program; None: no module does."""
-    for slot in system.graph.modules.values():
-        found = getattr(slot.module.settings, "recognizer", None)
-        if isinstance(found, RecognizerConfig):
-            return found
-    return None
