@@ -104,8 +104,8 @@ def _of_words(tour: Tour, around: Surroundings) -> Iterator[TourProblem]:
                 for phrase in phrases:
                     other = taken.setdefault((language, phrase.lower()), question.id)
                     if other != question.id:
-                        path = ("stops", number, "questions", index, "words", language)
-                        yield TourProblem(path, f"{phrase!r} is a word of the question {other}, too", "error")
+                        where = ("stops", number, "questions", index, "words", language)
+                        yield TourProblem(where, f"{phrase!r} is a word of the question {other}, too", "error")
     if around.unknown_words is None:
         return
     for path, words in _heard(tour):

@@ -47,7 +47,7 @@ steps = st.fixed_dictionaries(
         "wait": st.fixed_dictionaries({"at_most_s": st.floats(0.1, 600)}, optional={"words": words, "press": titles}),
     },
 )
-stops = st.fixed_dictionaries(
+stops: st.SearchStrategy[dict[str, Any]] = st.fixed_dictionaries(
     {"id": st.from_regex(r"[a-z0-9][a-z0-9-]{0,39}", fullmatch=True), "place": places, "title": titles},
     optional={
         "do": st.lists(steps, max_size=2),
@@ -56,7 +56,7 @@ stops = st.fixed_dictionaries(
         "on_failure": st.just({"reach": {"then": "end"}}),
     },
 )
-tours = st.fixed_dictionaries(
+tours: st.SearchStrategy[dict[str, Any]] = st.fixed_dictionaries(
     {"title": titles, "map": lines, "stops": st.lists(stops, max_size=3, unique_by=(lambda s: s["id"],))},
     optional={
         "home": places,

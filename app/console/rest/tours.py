@@ -56,9 +56,9 @@ TourId = Annotated[
 TourBody = Annotated[
     dict[str, Any], Body(description="A tour, as `GET /tour-schema` describes it.", examples=[EXAMPLE])
 ]
-_LOCATION = {"Location": {"schema": {"type": "string"}, "description": "Where the tour is."}}
-_CREATED = {201: {"description": "It was created.", "headers": _LOCATION}}
-_GONE = {204: {"description": "There was no such tour at that time: it is gone."}}
+_LOCATION: dict[str, Any] = {"Location": {"schema": {"type": "string"}, "description": "Where the tour is."}}
+_CREATED: dict[int | str, dict[str, Any]] = {201: {"description": "It was created.", "headers": _LOCATION}}
+_GONE: dict[int | str, dict[str, Any]] = {204: {"description": "There was no such tour at that time: it is gone."}}
 
 
 def tours_router(system: System) -> APIRouter:
