@@ -20,9 +20,11 @@ from app.console import schema
 from app.console.live.messages import FROM_ROBOT, FaceReport
 from app.console.live.protocol import FromPage, TimedMessage
 from app.console.records.maps import MapList
+from app.console.records.places import PlaceReport
 from app.console.records.recordings import RecordingList, ReplayReport, Saved
 from app.console.rest.map_models import GoalRequest, LoadRequest, RenameRequest, ZonesRequest
 from app.console.rest.models import DesireChange, NewDesire
+from app.console.rest.place_models import NewPlace, PlaceChange
 from app.console.rest.playback_models import PlaybackChange
 from app.console.rest.recording_models import NewRecording, SaveRequest
 from app.console.rest.session import LoginRequest
@@ -30,7 +32,7 @@ from app.console.rest.session import LoginRequest
 ROOT = Path(__file__).resolve().parents[1]
 FILE = ROOT / "web" / "src" / "protocol" / "generated.ts"
 #: Answers of REST, and of the stream of the face, that a page reads and that are no messages of the live stream.
-ANSWERS = (FaceReport, MapList, RecordingList, ReplayReport, Saved)
+ANSWERS = (FaceReport, MapList, PlaceReport, RecordingList, ReplayReport, Saved)
 #: Bodies of requests to REST that the page makes.
 REQUESTS = (
     DesireChange,
@@ -38,7 +40,9 @@ REQUESTS = (
     LoadRequest,
     LoginRequest,
     NewDesire,
+    NewPlace,
     NewRecording,
+    PlaceChange,
     PlaybackChange,
     RenameRequest,
     SaveRequest,

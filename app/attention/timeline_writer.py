@@ -20,17 +20,17 @@ _KINDS = {"rest": "REST client"}
 def note_desires(timeline: Timeline, change: WorkspaceChange) -> bool:
     """Note what a transaction did. Returns whether it can matter: a longer life alone cannot, and is not noted."""
     for desire in change.added:
-        _note_desire(timeline, "added", desire, f"{source_words(desire.source)} desires {desire.cls}")
+        _note_desire(timeline, "added", desire, f"{source_words(desire.source)} desires {_wish(desire)}")
     moved = bool(change.added or change.removed)
     for before, after in change.changed:
         if msgspec.structs.replace(before, expires=after.expires) != after:
             moved = True
-            _note_desire(timeline, "changed", after, f"desire for {after.cls} changed")
+            _note_desire(timeline, "changed", after, f"desire for {_wish(after)} changed")
     for desire, report in change.accomplished:
         _note_accomplishment(timeline, desire, report)
     for removal in change.removed:
         desire = removal.desire
-        _note_desire(timeline, removal.reason, desire, f"desire for {desire.cls} {removal.reason}")
+        _note_desire(timeline, removal.reason, desire, f"desire for {_wish(desire)} {removal.reason}")
     return moved
 
 
@@ -81,9 +81,15 @@ def source_words(source: Source) -> str:
     return kind if source.name in ("", source.kind) else f"{kind} {source.name}"
 
 
+def _wish(desire: Desire) -> str:
+    """The class of a desire, with what people call that which it is about, where its parameters have such a name."""
+    name = desire.params.get("name")
+    return f"{desire.cls} {name!r}" if isinstance(name, str) and name else desire.cls
+
+
 def _note_accomplishment(timeline: Timeline, desire: Desire, report: Accomplishment) -> None:
     words = "is done" if report.outcome == "done" else "failed"
-    text = f"{desire.cls} of {source_words(desire.source)} {words}, as {report.behavior} reports"
+    text = f"{_wish(desire)} of {source_words(desire.source)} {words}, as {report.behavior} reports"
     data = {
         "id": desire.id,
         "class": desire.cls,

@@ -27,6 +27,7 @@ from app.console.rest.desires import desires_router
 from app.console.rest.goal import goal_router
 from app.console.rest.maps import maps_router
 from app.console.rest.percepts import percepts_router
+from app.console.rest.places import places_router
 from app.console.rest.playback import playback_router
 from app.console.rest.program import program_router, robot_router
 from app.console.rest.recordings import recordings_router
@@ -100,6 +101,7 @@ def create_app(
         robot_router(system, hub),
         percepts_router(system),
         maps_router(system),
+        places_router(system),
         goal_router(system, hub),
         tours_router(system),
         program_router(system, hub),

@@ -12,7 +12,9 @@ from app.base.geometry import Pose2
 from app.console import reports
 from app.console.live import messages
 from app.console.records.maps import LocalizationState, ZoneKind, ZoneList, ZoneReport
-from app.messages import Desires, Landmarks, Localization, Zone, Zones
+from app.console.records.places import PlaceList, PlaceReport
+from app.console.wire import etag
+from app.messages import Desires, Landmarks, Localization, Place, Places, Zone, Zones
 
 
 def localization_report(message: Localization) -> messages.LocalizationReport:
@@ -48,17 +50,41 @@ def zone_reports(zones: Iterable[Zone]) -> ZoneList:
     )
 
 
+def place_version(place: Place) -> object:
+    """What people edit of a place: its version, of which its entity tag is made."""
+    pose = None if place.source == "poster" else (place.x, place.y, place.heading)
+    return place.id, place.name, place.source, place.poster, pose
+
+
+def place_report(place: Place) -> PlaceReport:
+    """One place."""
+    return PlaceReport(
+        place.id,
+        place.name,
+        x=place.x,
+        y=place.y,
+        heading=place.heading,
+        source=place.source,
+        poster=place.poster,
+        landmark=place.landmark,
+        problem=place.problem,
+        etag=etag(place_version(place)),
+    )
+
+
 #: By message type, the record of a message.
 FORMS: Mapping[type[Any], Callable[[Any], Any]] = {
     Landmarks: lambda message: messages.LandmarkList(reports.landmarks(message)),
     Localization: localization_report,
     Zones: lambda message: zone_reports(message.zones),
+    Places: lambda message: PlaceList(tuple(map(place_report, message.places))),
 }
 #: The same of types that list what there is, before the first message: there is nothing.
 NOTHING: Mapping[type[Any], Any] = {
     Desires: Desires(0.0, ()),
     Landmarks: messages.LandmarkList(()),
     Zones: ZoneList(()),
+    Places: PlaceList(()),
 }
 
 

@@ -5,6 +5,7 @@ Arrays are lists (of lists) of their numbers.
 
 from __future__ import annotations
 
+import hashlib
 from typing import Any
 
 import msgspec
@@ -33,3 +34,8 @@ def encode_text(value: Any) -> str:
 def frame(kind: str, record: Any) -> str:
     """``record`` as the message ``kind`` of the live stream: its members after the member ``type``."""
     return f'{{"type":"{kind}",{encode_text(record)[1:]}'
+
+
+def etag(version: Any) -> str:
+    """The entity tag of ``version``, anything with a JSON: 16 hexadecimal digits, quoted."""
+    return f'"{hashlib.sha256(encode(version)).hexdigest()[:16]}"'

@@ -50,6 +50,20 @@ def test_an_accomplishment_is_noted_before_the_desire_leaves(outcome: Accomplish
     assert (left.kind, left.data["change"]) == ("desire", outcome)
 
 
+def test_what_a_desire_is_about_is_called_by_its_name() -> None:
+    timeline = Timeline(10, lambda: 1.0)
+    params = {"x": 1.0, "y": 2.0, "place": "robotics-lab", "name": "Robotics lab"}
+    desire = Desire("d1", "GoTo", 8.0, 2.0, False, params, Source("operator", "Ann"), 1.0, None)
+    report = Accomplishment(1.0, "d1", "Drive", "done", "arrived at (1.00, 2.00)")
+    note_desires(timeline, WorkspaceChange((desire,), (), ()))
+    note_desires(timeline, WorkspaceChange(removed=(Removal(desire, "done"),), accomplished=((desire, report),)))
+    assert [event.text for event in timeline.query()] == [
+        "operator Ann desires GoTo 'Robotics lab' (intensity 8, utility 2)",
+        "GoTo 'Robotics lab' of operator Ann is done, as Drive reports: arrived at (1.00, 2.00)",
+        "desire for GoTo 'Robotics lab' done (intensity 8, utility 2)",
+    ]
+
+
 def test_a_report_alone_changes_no_selection() -> None:
     desire = Desire("d1", "Look", 8.0, 2.0, False, {}, Source("operator", "Ann"), 1.0, None)
     report = Accomplishment(1.0, "d1", "Look", "done")

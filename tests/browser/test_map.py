@@ -183,3 +183,16 @@ def test_a_kept_map_is_loaded_the_robot_finds_itself_and_goes_to_another_room(
     assert abs(reached.theta) < FACED_RAD
     # Reached, it is desired no more.
     page.get_by_test_id("map-cancel").wait_for(state="detached")
+
+    # Where it is becomes a place, which is named, kept with the map, and gone to by its name.
+    page.get_by_test_id("place-here").click()
+    page.get_by_test_id("place-rename").click()
+    page.get_by_test_id("place-name").fill("Sofa")
+    page.get_by_test_id("place-rename-confirm").click()
+    page.locator("[data-testid=place][data-name=Sofa][data-source=here]").wait_for()
+    (place,) = robot.get("/places")["places"]
+    assert place["id"] == "place"
+    apart = SENT_TO.inverse() @ MAPPED_FROM @ Pose2(place["x"], place["y"], place["heading"])
+    assert math.hypot(apart.x, apart.y) < REACHED_M
+    page.get_by_test_id("place-go").click()
+    expect(way).to_contain_text("Arrived at Sofa")

@@ -92,6 +92,10 @@ modules:
     class: app.modules.behaviors.navigation_reporter:NavigationReporter
     inputs: {navigation: navigation, going_toward: going_toward, path: path, localization: localization}
     outputs: {report: navigation_report}
+  PlaceKeeper:
+    class: app.modules.perception.place_keeper:PlaceKeeper
+    inputs: {landmarks: landmarks, map: map, zones: zones}
+    outputs: {places: places}
 """
 
 #: Added to the program where recording is what is tested.
@@ -139,6 +143,7 @@ panorama_jpeg: {type: EncodedImage, log: never}
 localization: {type: Localization, frame: map, decimable: false, external: true, page: {every_hz: 10}}
 map: {type: OccupancyGrid, latched: true, frame: map, decimable: false, external: true}
 zones: {type: Zones, latched: true, frame: map, decimable: false, external: true, page: {every_hz: 10}}
+places: {type: Places, latched: true, frame: map, decimable: false, page: {every_hz: 10}}
 navigation: {type: NavigationStatus, latched: true, decimable: false, external: true}
 path: {type: PlannedPath, latched: true, decimable: false, external: true}
 local_costmap: {type: OccupancyGrid, frame: odom, log: never, external: true}

@@ -7,6 +7,7 @@ import { DriveController } from "./drive/driveController";
 import { GridFeed } from "./map/gridFeed";
 import { MapLibrary } from "./map/library";
 import { MapControl } from "./map/mapControl";
+import { PlaceControl } from "./map/placeControl";
 import { PlaybackController } from "./playback/playbackController";
 import { CAMERA, PANORAMA } from "./protocol/picture";
 import { RecordingControl } from "./recordings/recordingControl";
@@ -61,6 +62,7 @@ panorama.canvas = document.createElement("canvas");
 const listening = new Listening(store, session);
 const map = new MapControl(store, session);
 const maps = new MapLibrary(store, session.rest, map.shown, () => map.desireMap());
+const places = new PlaceControl(store, session.rest);
 const grid = {
   map: new GridFeed(session, "map", map.shown),
   costmap: new GridFeed(
@@ -73,7 +75,21 @@ const talking = new Talking(store, session, listening);
 
 render(
   <AppContext.Provider
-    value={{ store, session, drive, camera, panorama, listening, talking, playback, recordings, map, maps, grid }}
+    value={{
+      store,
+      session,
+      drive,
+      camera,
+      panorama,
+      listening,
+      talking,
+      playback,
+      recordings,
+      map,
+      maps,
+      places,
+      grid,
+    }}
   >
     <App />
   </AppContext.Provider>,

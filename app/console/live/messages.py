@@ -14,6 +14,7 @@ from msgspec import Meta, Struct
 from app.console.records.attention import EventList
 from app.console.records.maps import LocalizationState, ZoneList
 from app.console.records.navigation import NavigationModel
+from app.console.records.places import PlaceList
 from app.console.records.program import SourceState
 from app.console.records.recordings import PlaybackReport, RecorderReport
 from app.console.records.robot import GroupReport, Guard, LandmarkReport, OdometryReport, RobotFacts
@@ -243,6 +244,7 @@ FROM_ROBOT: dict[str, FrameKind] = {
     "localization": FrameKind(LocalizationReport, "Up to 10 times a second: where the robot is on the map."),
     "navigation": FrameKind(NavigationModel, "On change: the goal and the state of navigation."),
     "zones": FrameKind(ZoneList, "On change: the zones of the map."),
+    "places": FrameKind(PlaceList, "On change: the places of the map."),
     "map_info": FrameKind(GridInfo, "Right before each picture of kind 3 (map): what it shows."),
     "costmap_info": FrameKind(GridInfo, "Right before each picture of kind 4 (costmap): what it shows."),
     "pong": FrameKind(Pong, "The answer to `ping`."),

@@ -11,6 +11,7 @@ from app.attention.desires import SCALE, Desire, Source
 from app.attention.reports import desire_class_report, desires_report
 from app.attention.workspace import KEEP
 from app.console.access.operators import operator_name
+from app.console.drive.place_goals import with_place
 from app.console.problems import Problem
 from app.console.records.attention import DesireClassList
 from app.console.rest.answers import Json, problems
@@ -111,7 +112,8 @@ def desires_router(system: System) -> APIRouter:
         """Attention weighs it at once: the intention that follows is on the live stream and in `GET /intention`.
 
         A desire with a `ttl` expires by itself, so that a client that dies leaves nothing behind. Refused while there
-        are 1000 desires from the console.
+        are 1000 desires from the console. `params` of GoTo may be a `place` of the map, by its id, instead of
+        coordinates.
         """
         body = new.model_dump(by_alias=True)
         if known := store.find(idempotency_key, body):
@@ -123,7 +125,7 @@ def desires_router(system: System) -> APIRouter:
             intensity=new.intensity,
             utility=new.utility,
             security=new.security,
-            params=new.params,
+            params=with_place(system, new.cls, new.params),
             source=source_of(request),
             ttl=new.ttl,
         )
@@ -159,10 +161,11 @@ def desires_router(system: System) -> APIRouter:
         "/desires/{desire_id}",
         response_model=Desire,
         summary="Change a desire in place",
-        responses=problems(400, 404, 422),
+        responses=problems(400, 404, 409, 422),
     )
     async def change_desire(desire_id: DesireId, change: DesireChange) -> Response:
-        """Members left out stay. `params` replaces all parameters; `ttl` counts from now, null makes it stay."""
+        """Members left out stay. `params` replaces all parameters, and may name a `place` as for a new desire; `ttl`
+        counts from now, null makes it stay."""
         given = change.model_fields_set
         for field in ("intensity", "utility", "security", "params"):
             if field in given and getattr(change, field) is None:
@@ -177,7 +180,7 @@ def desires_router(system: System) -> APIRouter:
             intensity=KEEP if change.intensity is None else change.intensity,
             utility=KEEP if change.utility is None else change.utility,
             security=KEEP if change.security is None else change.security,
-            params=KEEP if change.params is None else change.params,
+            params=KEEP if change.params is None else with_place(system, workspace.get(desire_id).cls, change.params),
             ttl=change.ttl if "ttl" in given else KEEP,
         )
         return Json(desire)

@@ -20,7 +20,6 @@ done on what there is: a script need not ask first.
 
 from __future__ import annotations
 
-import hashlib
 import re
 from collections.abc import Mapping
 from typing import Annotated, Any
@@ -29,7 +28,9 @@ from fastapi import Header
 
 from app.console.problems import Problem
 from app.console.rest.answers import Json
-from app.console.wire import encode
+from app.console.wire import etag
+
+__all__ = ["IfMatch", "check_match", "etag", "tagged", "with_etag"]
 
 #: The parameter of a route that changes something: the header ``If-Match``, None where it was left out.
 IfMatch = Annotated[
@@ -45,11 +46,6 @@ IfMatch = Annotated[
 #: A list of entity tags, weak ones among them.
 _TAGS = re.compile(r'\s*(?:(?:W/)?"[\x21\x23-\x7e\x80-\xff]*"\s*(?:,\s*|$))+')
 _TAG = re.compile(r'(W/)?"([\x21\x23-\x7e\x80-\xff]*)"')
-
-
-def etag(version: Any) -> str:
-    """The entity tag of ``version``, anything with a JSON: 16 hexadecimal digits, quoted."""
-    return f'"{hashlib.sha256(encode(version)).hexdigest()[:16]}"'
 
 
 def tagged(record: Any, *, version: Any = None, status: int = 200, headers: Mapping[str, str] | None = None) -> Json:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from fastapi import APIRouter, Request
 from fastapi.responses import Response
@@ -12,6 +12,7 @@ from app.attention.desires import Desire
 from app.base.geometry import wrap_angle
 from app.console import reports
 from app.console.drive.goals import GO_TO, REPORT, asked_here, dismiss_given_up, withdraw
+from app.console.drive.place_goals import goal_at
 from app.console.live.hub import Hub
 from app.console.problems import Problem
 from app.console.records.navigation import NavigationModel
@@ -63,7 +64,8 @@ def goal_router(system: System, hub: Hub) -> APIRouter:
     async def set_goal(goal: GoalRequest, request: Request) -> Response:
         """Creates a desire of class GoTo, or changes the one that was created so before: there is one goal of people at
         a time, and a second takes the first one's place. Attention weighs it as any other; how the robot does is in
-        `navigation` of GET /goal and of the live stream. The same goal again changes nothing."""
+        `navigation` of GET /goal and of the live stream. The same goal again changes nothing. A goal by `place` is the
+        pose that the place has now; one in an obstacle of the map or in a keep-out zone is refused."""
         if hub.driving.recording:
             raise Problem(409, "a-recording", RECORDING)
         if hub.driving.lease.e_stopped:
@@ -72,9 +74,7 @@ def goal_router(system: System, hub: Hub) -> APIRouter:
             raise Problem(
                 409, "cannot-go", "This program goes nowhere by itself: it has no strategy for the class GoTo."
             )
-        params = {"x": goal.x, "y": goal.y}
-        if goal.heading is not None:
-            params["heading"] = wrap_angle(goal.heading)
+        params = _where_to(system, goal)
         if goal.speed is not None:
             params["speed"] = goal.speed
         source = source_of(request)
@@ -108,3 +108,22 @@ def goal_router(system: System, hub: Hub) -> APIRouter:
         return Response(status_code=204)
 
     return router
+
+
+def _where_to(system: System, goal: GoalRequest) -> dict[str, Any]:
+    """Parameters of the desire. Raises Problem where ``goal`` is not one of both kinds, or its place is of no use."""
+    if goal.place is not None:
+        given = [name for name in ("x", "y", "heading") if getattr(goal, name) is not None]
+        if given:
+            words = "is given by the place; leave it out, or leave out place"
+            errors = [(name, words) for name in given]
+            raise Problem(422, "invalid-request", "; ".join(map(": ".join, errors)), errors=errors)
+        return goal_at(system, goal.place, "place")
+    missing = [name for name in ("x", "y") if getattr(goal, name) is None]
+    if missing:
+        errors = [(name, "is missing; a goal has x and y, or place") for name in missing]
+        raise Problem(422, "invalid-request", "; ".join(map(": ".join, errors)), errors=errors)
+    params = {"x": goal.x, "y": goal.y}
+    if goal.heading is not None:
+        params["heading"] = wrap_angle(goal.heading)
+    return params

@@ -76,11 +76,16 @@ class ZonesRequest(Request):
 
 
 class GoalRequest(Request):
-    """A goal for the robot."""
+    """A goal for the robot: ``x`` and ``y``, or ``place``."""
 
-    model_config = ConfigDict(json_schema_extra={"examples": [{"x": 2.5, "y": 1.0, "heading": 1.57}]})
+    model_config = ConfigDict(
+        json_schema_extra={"examples": [{"x": 2.5, "y": 1.0, "heading": 1.57}, {"place": "robotics-lab"}]}
+    )
 
-    x: Metres = Field(description="On the map (m).")
-    y: Metres = Field(description="On the map (m).")
+    x: Metres | None = Field(None, description="On the map (m).")
+    y: Metres | None = Field(None, description="On the map (m).")
+    place: str | None = Field(
+        None, max_length=100, description="Id of a place of the map, instead of `x`, `y` and `heading`."
+    )
     heading: Radians | None = Field(None, description="On the map (rad); null: any heading.")
     speed: float | None = Field(None, gt=0, le=1, description="Share of the robot's greatest speed; null: as usual.")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pydantic import BaseModel, Field
 
 from app.attention.desires import DesireClass
+from app.maps.places import LONGEST_ID, LONGEST_NAME
 from app.maps.zones import FURTHEST_M
 from app.modules.behaviors.accomplishment_reporter import AccomplishmentReporter
 from app.modules.behaviors.navigation.tracking.desired_goal import goal_of
@@ -24,6 +25,13 @@ class GoToParameters(BaseModel, extra="forbid", title="Go to a place", allow_inf
         0.2, ge=0.05, le=3.2, title="Turned enough", description="So many rad from the heading will do."
     )
     speed: float = Field(1.0, gt=0, le=1, title="Speed", description="Share of the robot's greatest speeds, 0 to 1.")
+    place: str = Field(
+        "",
+        max_length=LONGEST_ID,
+        title="Place",
+        description="Id of the place of the map that this is; over REST it may be given alone, without coordinates.",
+    )
+    name: str = Field("", max_length=LONGEST_NAME, title="Name", description="What people call it.")
 
 
 GO_TO = DesireClass(

@@ -222,5 +222,7 @@ def goal_of(desire: Desire) -> Pose2:
 
 
 def place(desire: Desire) -> str:
+    if name := desire.params.get("name"):
+        return str(name)
     goal = goal_of(desire)
     return f"({goal.x:.2f}, {goal.y:.2f})"

@@ -155,7 +155,8 @@ function Way() {
   const { map, store } = useApp();
   const goal = goalOf(store.of("desires").value?.desires);
   const place = store.of("localization").value;
-  const words = wayWords(store.of("navigation").value, goal, store.rows.value, store.seconds.value, place);
+  const places = store.of("places").value?.places ?? [];
+  const words = wayWords(store.of("navigation").value, goal, store.rows.value, store.seconds.value, place, places);
   const { tool } = map.tools.value;
   const hint = hintWords(map.tools.value, goal === null && store.stands.value);
   const problem = map.problem.value;

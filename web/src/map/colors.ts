@@ -15,6 +15,7 @@ export const KEEP_OUT = "#ff8a4c";
 export const SLOW = "#f0e442";
 export const PERSON = "rgb(70 225 140)";
 export const POSTER = "rgb(250 204 80)";
+export const PLACE = "#8fd3ff";
 
 type Rgba = readonly [number, number, number, number];
 const FREE: Rgba = [46, 57, 73, 255];

@@ -1,6 +1,6 @@
 /** Draws what stands on the map: the robot and how sure it is, goals, the start, people, posters, the cursor. */
 
-import { type Context, disc, stroke, trace } from "./canvas";
+import { type Context, disc, FONT, outlined, stroke, trace } from "./canvas";
 import * as colors from "./colors";
 import { type MapView, type Point, type Pose, screenAngle } from "./mapProjection";
 
@@ -14,6 +14,8 @@ export interface Body {
   astray: boolean;
 }
 
+/** Characters of a name that is drawn whole. */
+const LONGEST = 24;
 /** The robot is never drawn smaller. */
 const LEAST_ROBOT_PX = 9;
 
@@ -163,6 +165,32 @@ export function drawStart(context: Context, { x, y }: Point): void {
   context.stroke();
   disc(context, { x, y }, 3.5);
   context.stroke();
+}
+
+/** A dot with an arrow to where one stands there looking, and its name; `doubtful`: only its outline. */
+export function drawPlace(context: Context, at: Point, angle: number, name: string, doubtful: boolean): void {
+  context.save();
+  context.translate(at.x, at.y);
+  context.rotate(angle);
+  context.lineJoin = "round";
+  for (const [color, width] of [
+    ["#0b0f15", 5],
+    [colors.PLACE, 2],
+  ] as const) {
+    context.strokeStyle = context.fillStyle = color;
+    context.lineWidth = width;
+    context.beginPath();
+    context.arc(0, 0, 6, 0.5, 2 * Math.PI - 0.5);
+    context.lineTo(14, 0);
+    context.closePath();
+    context.stroke();
+  }
+  if (!doubtful) context.fill();
+  context.restore();
+  context.font = `600 11.5px ${FONT}`;
+  context.textAlign = "center";
+  context.textBaseline = "top";
+  outlined(context, name.length > LONGEST ? `${name.slice(0, LONGEST - 1)}…` : name, at.x, at.y + 10, colors.PLACE);
 }
 
 export function drawPoster(context: Context, { x, y }: Point): void {

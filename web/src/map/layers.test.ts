@@ -1,10 +1,11 @@
 import { expect, test } from "vitest";
-import type { Landmark } from "../protocol/types";
+import type { Landmark, Place } from "../protocol/types";
 import type { Message } from "../state/latest";
 import type { Context } from "./canvas";
 import { landmarksLayer } from "./landmarksLayer";
 import type { Point } from "./mapProjection";
 import { peopleLayer } from "./peopleLayer";
+import { placesLayer } from "./placesLayer";
 
 type OnScreen = (place: Point & { frame?: string }) => Point | null;
 
@@ -32,6 +33,20 @@ test("a person is drawn where the distance is known", () => {
     ],
   } as unknown as Message<"perceived">;
   expect(placesOf((context, onScreen) => peopleLayer.draw(context, perceived, onScreen))).toEqual([[10, 20]]);
+});
+
+test("a place is drawn on the map with its heading, also while it is not known where odom is", () => {
+  const turns: number[] = [];
+  const context = new Proxy({} as Record<string, unknown>, {
+    get: (_, name) => (value: number) => void (name === "rotate" && turns.push(value)),
+    set: () => true,
+  });
+  const place = { name: "Lab", x: 1, y: 2, heading: Math.PI / 2, problem: "" } as Place;
+  const message = { type: "places" as const, places: [place] };
+  placesLayer.draw(context as unknown as Context, message, ({ x, y, frame }) =>
+    frame === "map" ? { x: 10 * x, y: -10 * y } : null,
+  );
+  expect(turns).toEqual([expect.closeTo(-Math.PI / 2)]);
 });
 
 test("nothing is drawn while it is not known where odom is on the map", () => {

@@ -3,7 +3,7 @@
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
 import { typesText } from "../drive/driveController";
 import { inWords } from "../protocol/rest";
-import type { Desire, LocalizationReport, PoseReport, Zone } from "../protocol/types";
+import type { Desire, GoalRequest, LocalizationReport, PoseReport, Zone } from "../protocol/types";
 import type { Session } from "../state/session";
 import type { MapPlace, Store } from "../state/store";
 import { around, freeOf } from "./fitting";
@@ -167,7 +167,15 @@ export class MapControl {
   }
 
   async goTo(x: number, y: number, heading: number | null): Promise<void> {
-    const goal = { x, y, ...(heading === null ? {} : { heading }) };
+    await this.send({ x, y, ...(heading === null ? {} : { heading }) });
+  }
+
+  /** To where the place with this id is now. */
+  async goToPlace(id: string): Promise<void> {
+    await this.send({ place: id });
+  }
+
+  private async send(goal: GoalRequest): Promise<void> {
     this.sending = this.ask("goal", () => this.session.rest.setGoal(goal));
     await this.sending;
   }

@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import type { Desire, LaneRow, LocalizationReport, Navigation } from "../protocol/types";
+import type { Desire, LaneRow, LocalizationReport, Navigation, Place } from "../protocol/types";
 import { emptyWords, goalOf, hintWords, lengthWords, placeWords, poseWords, wayWords } from "./mapText";
 import { AT_REST, type Tools } from "./mapTools";
 
@@ -61,7 +61,12 @@ describe("the goal that counts", () => {
       desire({ id: "c", created: 12, params: { x: 1, y: 2, heading: 0.5 } }),
       desire({ id: "d", class: "SLAM" }),
     ];
-    expect(goalOf(goals)).toEqual({ x: 1, y: 2, theta: 0.5, id: "c", asked: true });
+    expect(goalOf(goals)).toEqual({ x: 1, y: 2, theta: 0.5, id: "c", asked: true, name: "" });
+  });
+
+  test("has the name of the place that it was given by", () => {
+    const params = { x: 1, y: 2, heading: 0.5, place: "lab", name: "Robotics lab" };
+    expect(goalOf([desire({ params })])!.name).toBe("Robotics lab");
   });
 
   test("is none without a trip, or where it may not go", () => {
@@ -133,6 +138,17 @@ describe("the way", () => {
     expect(wayWords(going({ state: "idle", goal: null }), null, [])).toBeNull();
     expect(wayWords(going({ state: "arrived", stamp: 10 }), null, [], 20)).not.toBeNull();
     expect(wayWords(going({ state: "arrived", stamp: 10 }), null, [], 60)).toBeNull();
+  });
+
+  test("to a place is called as that is, also when it is over", () => {
+    const places = [{ id: "lab", name: "Robotics lab", x: 3, y: 4.04 } as Place];
+    const words = (state: Navigation["state"]) => wayWords(going({ state }), null, [], null, null, places);
+    expect(words("following")!.text).toMatch(/^Going to Robotics lab/);
+    expect(words("arrived")!.text).toBe("Arrived at Robotics lab");
+    expect(placeWords({ x: 3, y: 4.1 }, places)).toBe("(3.0, 4.1)");
+    // The place has moved since: the goal has not.
+    const named = goalOf([desire({ params: { x: 3, y: 4, name: "Lab" } })]);
+    expect(wayWords(going({}), named, [], null, null, [])!.text).toMatch(/^Going to Lab/);
   });
 
   test("to a new goal is not yet that to the old one", () => {

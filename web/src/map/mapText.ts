@@ -1,6 +1,6 @@
 /** Where the robot is, where it goes and why not, in plain words. Pure. */
 
-import type { Desire, GoalPlace, LaneRow, LocalizationReport, Navigation } from "../protocol/types";
+import type { Desire, GoalPlace, LaneRow, LocalizationReport, Navigation, Place } from "../protocol/types";
 import { number, reasonText, sentence } from "../ui/format";
 import type { Tools } from "./mapTools";
 
@@ -21,6 +21,8 @@ export interface Goal extends GoalPlace {
   id: string;
   /** Asked for over the console, by people or programs. */
   asked: boolean;
+  /** What the place is called that it was given by; empty: it was given by coordinates. */
+  name: string;
 }
 
 const CLASS = "GoTo";
@@ -34,10 +36,10 @@ const START_M = 0.05;
 export function goalOf(desires: readonly Desire[] | null | undefined): Goal | null {
   const strongest = tripsOf(desires)[0];
   if (!strongest) return null;
-  const { x, y, heading } = strongest.params;
+  const { x, y, heading, name } = strongest.params;
   if (typeof x !== "number" || typeof y !== "number") return null;
   const theta = typeof heading === "number" ? heading : null;
-  return { x, y, theta, id: strongest.id, asked: isAsked(strongest) };
+  return { x, y, theta, id: strongest.id, asked: isAsked(strongest), name: typeof name === "string" ? name : "" };
 }
 
 /** Everything that sends the robot anywhere, what speaks for the class first: of it, the next takes over. */
@@ -52,14 +54,22 @@ export function isAsked({ source }: Desire): boolean {
   return ASKED.has(source.kind);
 }
 
-/** "the start", "(3.2, −1)". */
-export function placeWords({ x, y }: { x: number; y: number }): string {
-  return Math.hypot(x, y) < START_M ? "the start" : `(${coordinate(x)}, ${coordinate(y)})`;
+/** "Robotics lab", "the start", "(3.2, −1)"; `goal`: what was desired, which may have a name. */
+export function placeWords(
+  at: { x: number; y: number },
+  places: readonly Place[] = [],
+  goal: Goal | null = null,
+): string {
+  if (goal?.name && apart(at, goal) <= NEAR_M) return goal.name;
+  const place = places.find((one) => apart(at, one) < START_M);
+  if (place) return place.name;
+  return Math.hypot(at.x, at.y) < START_M ? "the start" : `(${coordinate(at.x)}, ${coordinate(at.y)})`;
 }
 
 /**
  * The state of the trip in words; null: there is none. `place`: where
- * the robot believes to be, since one that does not know is not stuck.
+ * the robot believes to be, since one that does not know is not stuck. A goal
+ * at one of `places` is called as it is.
  */
 export function wayWords(
   navigation: Navigation | null,
@@ -67,27 +77,28 @@ export function wayWords(
   rows: readonly LaneRow[],
   now: number | null = null,
   place: LocalizationReport | null = null,
+  places: readonly Place[] = [],
 ): Phrase | null {
   if (!goal && navigation?.given_up) {
     const { goal: place, reason } = navigation.given_up;
     const why = sentence(reason) || "It cannot be reached.";
-    return { tone: "bad", text: `Gave up on ${placeWords(place)}`, more: why, over: true };
+    return { tone: "bad", text: `Gave up on ${placeWords(place, places)}`, more: why, over: true };
   }
   const lane = rows.find((row) => row.class === CLASS);
   const past = navigation?.state === "idle" || (navigation?.state === "arrived" && !goal && isOld(navigation, now));
   const current = past ? null : navigation;
   const to = current?.goal ?? goal;
   if (!to) return null;
-  const where = placeWords(to);
+  const where = placeWords(to, places, goal);
   // Of a new goal the behavior has not spoken yet, or attention has given it nothing.
   if (goal && (!current?.goal || apart(current.goal, goal) > NEAR_M)) {
     if (lane && (lane.state === "unfulfilled" || lane.state === "inhibited"))
       return {
         tone: "warn",
-        text: `Not going to ${placeWords(goal)}`,
+        text: `Not going to ${placeWords(goal, places, goal)}`,
         more: sentence(reasonText(lane.state, lane.text)),
       };
-    return { tone: "busy", text: `Setting out for ${placeWords(goal)}…`, more: "" };
+    return { tone: "busy", text: `Setting out for ${placeWords(goal, places, goal)}…`, more: "" };
   }
   if (!current) return null;
   const reason = sentence(current.reason);

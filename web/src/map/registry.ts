@@ -1,7 +1,8 @@
-/** What is drawn of percepts on the map, lowest first: one line for each type of message. */
+/** What is drawn of percepts and places on the map, lowest first: one line for each type of message. */
 
 import { landmarksLayer } from "./landmarksLayer";
 import type { Layer } from "./layer";
 import { peopleLayer } from "./peopleLayer";
+import { placesLayer } from "./placesLayer";
 
-export const LAYERS: readonly Layer[] = [landmarksLayer, peopleLayer];
+export const LAYERS: readonly Layer[] = [landmarksLayer, placesLayer, peopleLayer];

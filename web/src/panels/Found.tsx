@@ -2,6 +2,7 @@
 
 import { robotOn } from "../map/mapControl";
 import type { Pose } from "../map/mapProjection";
+import { placeOf, posterLack } from "../map/placeControl";
 import type { Landmark } from "../protocol/types";
 import { useApp } from "../state/context";
 import type { Message } from "../state/latest";
@@ -67,7 +68,40 @@ function Row({ landmark }: { landmark: Landmark }) {
           {now !== null && `, last ${ago(now - last_seen)}`}
         </p>
       </div>
+      <PlaceButton landmark={landmark} />
     </li>
+  );
+}
+
+/** Makes a place in front of it, or goes to the one that is there. */
+function PlaceButton({ landmark }: { landmark: Landmark }) {
+  const { map, places, store } = useApp();
+  if (!places.kept.value || !map.allowed.value) return null;
+  const place = placeOf(places.all.value, landmark);
+  if (place)
+    return store.body.value.goes ? (
+      <button
+        type="button"
+        class="button small"
+        data-testid="landmark-go"
+        title={`Go to ${place.name}`}
+        onClick={() => void map.goToPlace(place.id)}
+      >
+        Go
+      </button>
+    ) : null;
+  const lack = posterLack(landmark);
+  return (
+    <button
+      type="button"
+      class="button small quiet"
+      data-testid="landmark-place"
+      title={lack || "Make a place in front of it"}
+      disabled={lack !== "" || places.busy.value}
+      onClick={() => void places.addBefore(landmark)}
+    >
+      Place
+    </button>
   );
 }
 

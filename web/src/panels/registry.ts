@@ -5,6 +5,7 @@ import { desiresPanel } from "../desires/DesiresPanel";
 import { lanesPanel } from "../lanes/Lanes";
 import { mapPanel } from "../map/MapPanel";
 import { mapsPanel } from "../map/Maps";
+import { placesPanel } from "../map/Places";
 import { zonesPanel } from "../map/Zones";
 import { recordingsPanel } from "../recordings/Recordings";
 import { eventsPanel } from "./Events";
@@ -18,6 +19,7 @@ export const PANELS: readonly Panel[] = [
   intentionPanel,
   desiresPanel,
   mapPanel,
+  placesPanel,
   zonesPanel,
   mapsPanel,
   lanesPanel,

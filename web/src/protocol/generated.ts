@@ -555,6 +555,35 @@ export interface OdometryReport {
   lateral_mps: number;
 }
 
+/** Every place of the map in use, in the order of their making. */
+export interface PlaceList {
+  places: PlaceReport[];
+}
+
+/** A named pose on the map. */
+export interface PlaceReport {
+  /** Never changes. */
+  id: string;
+  /** For people; no two places share one. */
+  name: string;
+  /** On the map (m). */
+  x: number;
+  /** On the map (m). */
+  y: number;
+  /** On the map (rad). */
+  heading: number;
+  /** `hand`: by its coordinates. `here`: where the robot stood. `poster`: in front of one, which it follows. */
+  source: "hand" | "here" | "poster";
+  /** Text of that poster; empty: none. */
+  poster: string;
+  /** Number of that poster's landmark on this map; 0: none. */
+  landmark: number;
+  /** Why the robot cannot stand there, or what is doubtful, in words; empty: nothing. */
+  problem: string;
+  /** Its version, for `If-Match`. A pose that follows its poster is no new version. */
+  etag: string;
+}
+
 /**
  * A QR code in one image of ``camera``: its ``corners`` (4, 2) float64 px, in the order of ``QRCode``, in the image of
  * ``image`` (width, height) px.
@@ -987,12 +1016,14 @@ export interface EStopMessage {
   type: "e_stop";
 }
 
-/** A goal for the robot. */
+/** A goal for the robot: ``x`` and ``y``, or ``place``. */
 export interface GoalRequest {
   /** On the map (m). */
-  x: number;
+  x?: number | null;
   /** On the map (m). */
-  y: number;
+  y?: number | null;
+  /** Id of a place of the map, instead of `x`, `y` and `heading`. */
+  place?: string | null;
   /** On the map (rad); null: any heading. */
   heading?: number | null;
   /** Share of the robot's greatest speed; null: as usual. */
@@ -1048,6 +1079,20 @@ export interface NewDesire {
   ttl?: number | null;
 }
 
+/** A place to create. */
+export interface NewPlace {
+  /** For people; null: the poster's text, or a name with a number. */
+  name?: string | null;
+  /** By its coordinates. */
+  pose?: PlacePose | null;
+  /** Where the robot is now, with the heading that it has. */
+  here?: boolean;
+  /** In front of a poster, looking at it; it moves with the poster as the map is corrected. */
+  poster?: PosterChoice | null;
+  /** Never changes; null: made of the name. */
+  id?: string | null;
+}
+
 /** A recording to make. */
 export interface NewRecording {
   /** Empty: the date and time at which it begins. */
@@ -1069,6 +1114,22 @@ export interface PingMessage {
   rtt_ms?: number | null;
 }
 
+/** A change of a place; members left out stay. */
+export interface PlaceChange {
+  /** For people; no two places of a map share one. */
+  name?: string;
+  /** By hand: it follows no poster from then on. */
+  pose?: PlacePose;
+}
+
+/** A pose on the map. */
+export interface PlacePose {
+  x: number;
+  y: number;
+  /** Heading on the map, left positive. */
+  heading: number;
+}
+
 /** A change of the playback; members left out stay. */
 export interface PlaybackChange {
   playing?: boolean | null;
@@ -1084,6 +1145,14 @@ export interface PoseRequest {
   y: number;
   /** Heading on the map, left positive. */
   theta: number;
+}
+
+/** A poster (a QR code) that was found on the map. */
+export interface PosterChoice {
+  /** What it says. */
+  text: string;
+  /** x and y (m) on the map: of several with this text the nearest to there; null: the first. */
+  near?: [number, number] | null;
 }
 
 /** Give the wheel back. */
@@ -1190,6 +1259,8 @@ export interface RobotMessages {
   navigation: NavigationModel;
   /** On change: the zones of the map. */
   zones: ZoneList;
+  /** On change: the places of the map. */
+  places: PlaceList;
   /** Right before each picture of kind 3 (map): what it shows. */
   map_info: GridInfo;
   /** Right before each picture of kind 4 (costmap): what it shows. */

@@ -10,7 +10,10 @@ import type {
   LoginRequest,
   MapList,
   NewDesire,
+  NewPlace,
   NewRecording,
+  Place,
+  PlaceChange,
   PlaybackChange,
   PlaybackReport,
   PoseRequest,
@@ -156,6 +159,20 @@ export class Rest {
     await this.ask("PUT", "/map/zones", { zones: [...zones] } satisfies ZonesRequest);
   }
 
+  async addPlace(place: NewPlace): Promise<Place> {
+    return (await this.ask("POST", "/places", place)) as Place;
+  }
+
+  /** Refused where another editor has changed it since. */
+  async changePlace({ id, etag }: Place, change: PlaceChange): Promise<void> {
+    await this.ask("PATCH", placePath(id), change, { "If-Match": etag });
+  }
+
+  /** Refused where another editor has changed it since. */
+  async deletePlace({ id, etag }: Place): Promise<void> {
+    await this.ask("DELETE", placePath(id), undefined, { "If-Match": etag });
+  }
+
   async setGoal(goal: GoalRequest): Promise<void> {
     await this.ask("PUT", "/goal", goal);
   }
@@ -193,6 +210,10 @@ export class Rest {
 
 function mapPath(name: string): string {
   return `/maps/${encodeURIComponent(name)}`;
+}
+
+function placePath(id: string): string {
+  return `/places/${encodeURIComponent(id)}`;
 }
 
 async function readProblem(response: Response): Promise<Problem> {

@@ -5,6 +5,7 @@ import type { FromRobot as Declared, FaceReport, GridInfo as Grid, LaneRow, Noti
 export type {
   DesireClassReport as DesireClass,
   DriveMessage as DriveCommand,
+  GoalPoseModel as GoalPlace,
   IntentionReport as Intention,
   LandmarkReport as Landmark,
   LoadReport as Load,
@@ -15,7 +16,7 @@ export type {
   PlacedFace as SeenFace,
   PlacedPercepts as Perceived,
   PlacedSound as HeardSound,
-  GoalPoseModel as GoalPlace,
+  PlaceReport as Place,
   PlaybackReport as Playback,
   RecorderReport as Recorder,
   RecordingList as Recordings,

@@ -6,6 +6,7 @@ import type { DriveController } from "../drive/driveController";
 import type { GridFeed } from "../map/gridFeed";
 import type { MapLibrary } from "../map/library";
 import type { MapControl } from "../map/mapControl";
+import type { PlaceControl } from "../map/placeControl";
 import type { PlaybackController } from "../playback/playbackController";
 import type { RecordingControl } from "../recordings/recordingControl";
 import type { Listening } from "../sound/listening";
@@ -27,6 +28,8 @@ export interface App {
   map: MapControl;
   /** The kept maps. */
   maps: MapLibrary;
+  /** The places of the map in use. */
+  places: PlaceControl;
   /** The pictures of map and local costmap. */
   grid: { map: GridFeed; costmap: GridFeed };
 }

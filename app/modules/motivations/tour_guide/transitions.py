@@ -130,8 +130,7 @@ def _pressed(progress: Progress, event: Pressed, view: View, scene: Scene) -> Pr
             skipped = replace(progress, skipped=(*progress.skipped, progress.stop))
             return _sent(skipped, progress.stop + 1, view, scene)
         case "undo_skip" if progress.skipped and _subject(progress) in _ON_THE_WAY | _AT_A_STOP:
-            *skipped, last = progress.skipped
-            return _sent(replace(progress, skipped=tuple(skipped)), last, view, scene)
+            return _sent(replace(progress, skipped=progress.skipped[:-1]), progress.skipped[-1], view, scene)
     return progress
 
 
