@@ -110,7 +110,10 @@ def _pressed(progress: Progress, event: Pressed, view: View, scene: Scene) -> Pr
     match event.button:
         case "start":
             return _invited(progress, view, scene.tour)
-        case "end" if progress.is_running and progress.state not in ("parting", "going_home"):
+        case "end" if progress.state == "paused" and progress.to_press:
+            # Not even the way home is begun by anything but a press to go on.
+            return _enter(progress, "idle", view, reason="it was ended")
+        case "end" if progress.is_running and _subject(progress) not in ("parting", "going_home"):
             return _part(progress, view, "it was ended")
         case "agree" if progress.state == "confirming":
             return _lead(progress, view, scene)
@@ -119,7 +122,7 @@ def _pressed(progress: Progress, event: Pressed, view: View, scene: Scene) -> Pr
         case "pause" if progress.is_running:
             return _paused(progress, view, "it was paused", to_press=True)
         case "resume" if progress.state == "paused" and not view.e_stop:
-            return _resumed(progress, view, scene)
+            return resumed(progress, view, scene)
         case "retry" if progress.state == "blocked":
             return _lead(progress, view, scene, progress.stop)
         case "next" if progress.state == "listening":
@@ -150,7 +153,7 @@ def _subject(progress: Progress) -> State:
     return progress.resume if progress.state == "paused" else progress.state
 
 
-def _resumed(progress: Progress, view: View, scene: Scene) -> Progress:
+def resumed(progress: Progress, view: View, scene: Scene) -> Progress:
     """In the state before, from its beginning: a text that was interrupted is said again, a way planned from here."""
     seen = replace(progress, seen_m=view.driven_m)
     match progress.resume:
@@ -324,7 +327,7 @@ def _timed(progress: Progress, view: View, scene: Scene) -> Progress:
                 # Nothing moves before somebody presses: it ends where it is.
                 return _enter(progress, "idle", view, reason="it was paused too long")
             if not progress.to_press and not view.by_hand and spent >= HANDS_OFF_S:
-                return _resumed(progress, view, scene)
+                return resumed(progress, view, scene)
         case "going_home" if spent >= HOME_S:
             return _enter(progress, "idle", view, reason="the way home took too long")
     return progress
@@ -376,7 +379,7 @@ def _next_step(progress: Progress, view: View, scene: Scene) -> Progress:
             asks = tour.greeting.confirm is not None
             return _enter(progress, "confirming", view) if asks else _lead(progress, view, scene)
         case "parting":
-            return _home(progress, view, scene)
+            return go_home(progress, view, scene)
     done = replace(progress, presented=(*progress.presented, stop_of(progress, tour).id))
     return _lead(done, view, scene, progress.stop + 1)
 
@@ -417,7 +420,8 @@ def _part(progress: Progress, view: View, reason: str) -> Progress:
     return _enter(progress, "parting", view, reason=reason)
 
 
-def _home(progress: Progress, view: View, scene: Scene) -> Progress:
+def go_home(progress: Progress, view: View, scene: Scene) -> Progress:
+    """``progress`` on the way home, or idle where the tour has none or its place is not there."""
     home = scene.tour.home
     if home is None:
         return _enter(progress, "idle", view, reason=progress.reason)
