@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
@@ -50,6 +51,7 @@ class Editing(RuleBasedStateMachine):
         assert (self.history.can_undo, self.history.can_redo) == (bool(self.older), bool(self.newer))
 
 
+Editing.TestCase.settings = settings(max_examples=25)
 TestEditing = Editing.TestCase
 
 

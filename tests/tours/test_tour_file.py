@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 import yaml
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from app.base.errors import ConfigError
@@ -71,6 +71,7 @@ def posters_differ(data: dict[str, Any]) -> bool:
     return len(set(posters)) == len(posters)
 
 
+@settings(max_examples=50)
 @given(tours.filter(posters_differ))
 def test_there_and_back(data: dict[str, Any]) -> None:
     lab = tour(**data)

@@ -31,9 +31,9 @@ TURN_S: Final = 8.0
 LONGEST_STEP_S: Final = 180.0
 #: So long it looks for where it is (s).
 LOST_S: Final = 180.0
-#: A pause ends the tour after so long (s); one by hand ends so long after the hands are off.
+#: A pause ends the tour after so long (s); one by driving by hand ends so long after that.
 LONGEST_PAUSE_S: Final = 600.0
-HANDS_OFF_S: Final = 1.0
+AFTER_HAND_S: Final = 1.0
 #: The way home takes no longer, and is tried so often.
 HOME_S: Final = 600.0
 HOME_TRIES: Final = 3
@@ -57,7 +57,7 @@ def advance(progress: Progress, view: View, scene: Scene) -> Progress:
 
 
 def _interrupted(progress: Progress, view: View, scene: Scene) -> Progress:
-    """The emergency stop, hands on the robot, an empty battery, a pose that is lost."""
+    """The emergency stop, driving by hand, an empty battery, a pose that is lost."""
     if not progress.is_running:
         return progress
     if view.e_stop:
@@ -77,7 +77,7 @@ def _paused(progress: Progress, view: View, reason: str, *, to_press: bool) -> P
     if progress.state == "paused":
         if to_press and not progress.to_press:
             return replace(progress, to_press=True, reason=reason)
-        # The time after which hands are off begins when they are.
+        # The time until it goes on begins when no hand drives any more.
         return progress if to_press or progress.to_press else replace(progress, since=view.now)
     kept = replace(progress, resume=progress.state, to_press=to_press)
     return replace(kept, state="paused", since=view.now, entry=progress.entry + 1, reason=reason)
@@ -111,7 +111,7 @@ def _pressed(progress: Progress, event: Pressed, view: View, scene: Scene) -> Pr
         case "start":
             return _invited(progress, view, scene.tour)
         case "end" if progress.state == "paused" and progress.to_press:
-            # Not even the way home is begun by anything but a press to go on.
+            # The robot does not even go home before a press to go on.
             return _enter(progress, "idle", view, reason="it was ended")
         case "end" if progress.is_running and _subject(progress) not in ("parting", "going_home"):
             return _part(progress, view, "it was ended")
@@ -324,9 +324,9 @@ def _timed(progress: Progress, view: View, scene: Scene) -> Progress:
             return _enter(progress, "idle", view, reason="the robot does not know where it is")
         case "paused":
             if spent >= LONGEST_PAUSE_S and not (view.e_stop or view.by_hand):
-                # Nothing moves before somebody presses: it ends where it is.
+                # Nothing moves before a press: it ends where it is.
                 return _enter(progress, "idle", view, reason="it was paused too long")
-            if not progress.to_press and not view.by_hand and spent >= HANDS_OFF_S:
+            if not progress.to_press and not view.by_hand and spent >= AFTER_HAND_S:
                 return resumed(progress, view, scene)
         case "going_home" if spent >= HOME_S:
             return _enter(progress, "idle", view, reason="the way home took too long")
