@@ -79,11 +79,19 @@ class Clapped:
 
 
 @dataclass(frozen=True, slots=True)
+class Spoken:
+    """The sentence ``sentence`` (from 0) of the text of the wish ``key`` begins."""
+
+    key: str
+    sentence: int
+
+
+@dataclass(frozen=True, slots=True)
 class Scheduled:
     """The tour's time has come."""
 
 
-Event = Ended | Pressed | Chosen | Asked | Heard | Clapped | Scheduled
+Event = Ended | Pressed | Chosen | Asked | Heard | Clapped | Spoken | Scheduled
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,7 +131,8 @@ class Progress:
     ``since``: when ``state`` began (s); ``entry`` numbers states and steps as they begin, so that no outcome of an
     older one is taken for one of this. ``stop`` and ``step`` are indices; ``ended`` the keys of wishes of this step
     that ended; ``attempt`` counts tries of what failed. ``resume``: the state before a pause; ``to_press``: whether a
-    press is needed to go on. ``seen_m``: ``driven_m`` when all visitors were last seen near; ``gone_since``,
+    press is needed to go on. ``sentence``: of the step's text, the one that is said; ``said_from``: the one that its
+    wish begins with. ``seen_m``: ``driven_m`` when all visitors were last seen near; ``gone_since``,
     ``near_since``: since when none is seen, and enough are near (s). ``question``: index of the one that is answered,
     ``listened``: the step to go back to from there. ``invites``: whether people who are near begin a tour; those who
     came along, or declined, leave first. ``reason``: in words, why it is in this state.
@@ -137,6 +146,8 @@ class Progress:
     ended: frozenset[str] = frozenset()
     attempt: int = 0
     slow: bool = False
+    sentence: int = 0
+    said_from: int = 0
     resume: State = "idle"
     to_press: bool = False
     seen_m: float = 0.0

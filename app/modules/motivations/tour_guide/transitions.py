@@ -16,6 +16,7 @@ from app.modules.motivations.tour_guide.progress import (
     Pressed,
     Progress,
     Scheduled,
+    Spoken,
     State,
     View,
 )
@@ -101,6 +102,9 @@ def _after(progress: Progress, event: Event, view: View, scene: Scene) -> Progre
             claps = None if step is None or step.wait is None else step.wait.claps
             over = progress.state == "listening" and claps == times
             return _next_step(progress, view, scene) if over else progress
+        case Spoken(key, sentence):
+            now = key == f"{progress.entry}.say"
+            return replace(progress, sentence=progress.said_from + sentence) if now else progress
         case Scheduled():
             return _invited(progress, view, scene.tour)
     assert_never(event)
@@ -154,11 +158,12 @@ def _subject(progress: Progress) -> State:
 
 
 def resumed(progress: Progress, view: View, scene: Scene) -> Progress:
-    """In the state before, from its beginning: a text that was interrupted is said again, a way planned from here."""
+    """In the state before: a text from the sentence that was interrupted on, a way planned from here."""
     seen = replace(progress, seen_m=view.driven_m)
     match progress.resume:
         case "presenting" | "inviting" | "parting":
-            return _enter(seen, progress.resume, view, step=progress.step)
+            again = _enter(seen, progress.resume, view, step=progress.step)
+            return replace(again, sentence=progress.sentence, said_from=progress.sentence)
         case "listening":
             return _enter(seen, "listening", view, step=progress.step)
         case "answering":
@@ -396,6 +401,8 @@ def _enter(progress: Progress, state: State, view: View, *, step: int = 0, reaso
         step=step,
         ended=frozenset(),
         attempt=0,
+        sentence=0,
+        said_from=0,
         to_press=False,
         invites=state != "idle",
         reason=reason,

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 from app.modules.motivations.tour_guide.progress import Progress
+from app.speech.text_spans import sentences_of
 from app.tours.desires import LOOK_AT, SAY, desires_of
 from app.tours.model import Stop, Tour
 from app.tours.steps import Step
@@ -118,6 +119,8 @@ def _wishes(progress: Progress, scene: Scene, now: float) -> Iterator[Wish]:
 
 def _of_step(progress: Progress, step: Step, scene: Scene) -> Iterator[Wish]:
     for name, cls, params in desires_of(step, scene.language, scene.tour.languages[0]):
+        if name == "say":
+            params["text"] = _from_sentence(params["text"], progress.said_from)
         yield Wish(key(progress, name), cls, params)
     if step.look == "visitors":
         yield Wish(key(progress, "look"), TRACK_FACE)
@@ -137,3 +140,9 @@ def _said(progress: Progress, name: str, text: Mapping[str, str], scene: Scene) 
     language = scene.language if scene.language in text else scene.tour.languages[0]
     used = language if language in text else next(iter(text))
     return Wish(key(progress, name), SAY, {"text": text_in(text, used, used), "language": used})
+
+
+def _from_sentence(text: str, sentence: int) -> str:
+    """``text`` from the sentence of this number on, the last at the latest."""
+    spans = sentences_of(text)
+    return text[spans[min(sentence, len(spans) - 1)][0] :] if spans else text

@@ -19,6 +19,7 @@ from app.modules.motivations.tour_guide.progress import (
     Heard,
     Pressed,
     Scheduled,
+    Spoken,
     State,
 )
 from app.tours.model import Tour
@@ -250,13 +251,22 @@ def test_the_operator_steers_the_tour() -> None:
     assert Run().started().press("end").until("idle").progress.reason == "the tour is over"
 
 
-def test_a_pause_goes_on_where_it_was_and_what_is_said_is_said_again() -> None:
-    run = Run().started().until("presenting")
+def test_a_pause_goes_on_with_the_sentence_that_was_interrupted() -> None:
+    stops = [stop("one", do=[say("First. Second one. Third!"), say("Then.")])]
+    run = Run(changed(stops=stops)).started().until("presenting")
     first = run.wish("Say").key
+    run.see(Spoken(first, 1))
+    assert run.texts() == ["First. Second one. Third!"]
     assert run.press("pause").wishes() == ()
     assert run.see(after_s=300).progress.state == "paused"
-    assert run.press("resume").wish("Say").key != first
-    assert run.texts() == ["This is one."]
+    assert run.press("resume").texts() == ["Second one. Third!"]
+    second = run.wish("Say").key
+    assert second != first
+    run.see(Spoken(second, 1)).see(Spoken(first, 0)).press("pause").press("resume")
+    assert run.texts() == ["Third!"], "counted from there"
+    assert run.done("Say").texts() == ["Then."]
+    run.see(Spoken(run.wish("Say").key, 7)).press("pause").press("resume")
+    assert run.texts() == ["Then."]
 
 
 def test_a_paused_tour_can_be_sent_elsewhere_and_goes_there_afterwards() -> None:
@@ -338,7 +348,7 @@ buttons: st.SearchStrategy[Button] = st.sampled_from(
 events = st.one_of(
     buttons.map(Pressed),
     st.sampled_from([Chosen("one"), Chosen("two"), Asked("weight"), Heard("next"), Heard("yes"), Heard("heavy")]),
-    st.sampled_from([Clapped(2), Scheduled(), Ended("3.go", True), Ended("x", False)]),
+    st.sampled_from([Clapped(2), Scheduled(), Ended("3.go", True), Spoken("2.say", 1)]),
 )
 seen = st.fixed_dictionaries(
     {"after_s": st.sampled_from([0.1, 1.0, 12.0, 65.0])},
