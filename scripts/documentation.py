@@ -16,7 +16,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 PAGES = ("README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "SECURITY.md")
 #: What the reference describes: modules, and packages with all their public modules.
-REFERENCE = ("messages", "link", "runtime", "attention", "maps", "logs", "program", "base")
+REFERENCE = ("messages", "link", "runtime", "attention", "maps", "tours", "logs", "program", "base")
 _LINK = re.compile(r"\]\(([^)#\s:]+)(?:#[^)\s]*)?\)")
 
 

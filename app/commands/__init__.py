@@ -23,6 +23,7 @@ from app.commands import (
     run,
     slam,
     solve,
+    tour,
 )
 
 COMMANDS: Mapping[str, ModuleType] = {
@@ -36,6 +37,7 @@ COMMANDS: Mapping[str, ModuleType] = {
     "detect": detect,
     "experiment": experiment,
     "slam": slam,
+    "tour": tour,
     "new": new,
     "bench": bench,
     "completion": completion,

@@ -145,6 +145,12 @@ def _array(path: Path) -> None:
     load_array(path)
 
 
+def _tour(path: Path) -> None:
+    from app.tours.tour_file import load_tour
+
+    load_tour(path)
+
+
 def _problem(path: Path) -> None:
     from app.attention.problem_file import read_problem
     from app.base.yaml_source import load_yaml
@@ -249,4 +255,5 @@ _KINDS: tuple[tuple[str, frozenset[str], _Check], ...] = (
     ("strategies", frozenset({"strategies", "resources"}), _strategies),
     ("remap", frozenset({"channels", "frames"}), _remap),
     ("play", frozenset({"cues"}), _play),
+    ("tour", frozenset({"stops"}), _tour),
 )

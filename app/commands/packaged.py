@@ -20,7 +20,7 @@ _FOLDERS: dict[Kind, tuple[str, ...]] = {
     "robot": ("robots",),
     "scenario": ("scenarios",),
     "array": ("arrays",),
-    "configuration": ("", "robots", "scenarios", "arrays", "worlds", "strategies", "calibration"),
+    "configuration": ("", "robots", "scenarios", "arrays", "worlds", "strategies", "calibration", "tours"),
 }
 
 #: The kinds that packages announce by name.

@@ -24,6 +24,7 @@ from app.attention.strategies import StrategyTable, load_strategies, trimmed
 from app.attention.timeline import Timeline
 from app.attention.translator import IntentionTranslator
 from app.attention.workspace import IntentionWorkspace, random_id
+from app.base import paths
 from app.base.yaml_source import suggestion
 from app.link import LinkFailed, RobotLink
 from app.logs.library import RecordingLibrary, default_folder
@@ -55,6 +56,9 @@ from app.runtime.module import Caution
 from app.runtime.replay_clock import ReplayClock
 from app.runtime.supervisor import Supervisor
 from app.runtime.watchdog import LoopWatchdog
+from app.tours.library import TourLibrary
+from app.tours.library import default_folder as default_tours_folder
+from app.tours.store import TourStore
 
 log = logging.getLogger("hbba.system")
 
@@ -76,6 +80,7 @@ class System:
         pins: Mapping[str, Pin] | None = None,
         recordings: RecordingLibrary | None = None,
         maps: MapLibrary | None = None,
+        tours: TourStore | None = None,
         new_id: Callable[[], str] = random_id,
         partial: bool = False,
         reproducible: bool = False,
@@ -85,11 +90,11 @@ class System:
 
         ``body`` describes ``link`` where its file does not; recordings carry it. ``pins`` fixes filters
         (``Module.port``) against all strategies. ``recordings`` is the library of recordings, by default the user's
-        folder. ``new_id`` makes the ids of desires. ``partial``: strategies may name modules that do not exist, and are
-        used without them. ``reproducible``: nothing may depend on the speed of this computer, so that two runs in
-        virtual time are equal: the solver finds the optimum without a time limit and reports no solve time, the
-        watchdog of the loop is off, no load is reported. ``recorded``: channels that come from a
-        recording, so that the program does not publish on them what it knows of itself. Raises ConfigError.
+        folder; so are ``maps`` and ``tours``. ``new_id`` makes the ids of desires. ``partial``: strategies may name
+        modules that do not exist, and are used without them. ``reproducible``: nothing may depend on the speed of this
+        computer, so that two runs in virtual time are equal: the solver finds the optimum without a time limit and
+        reports no solve time, the watchdog of the loop is off, no load is reported. ``recorded``: channels that come
+        from a recording, so that the program does not publish on them what it knows of itself. Raises ConfigError.
         """
         program = configuration.program
         self.config = configuration
@@ -107,6 +112,7 @@ class System:
         self.recorder = RecorderService()
         self.maps = maps or MapLibrary(default_maps_folder())
         self.map = MapService()
+        self.tours = tours or TourStore(TourLibrary(default_tours_folder(), paths.config_dir() / "tours"))
         self.places = PlaceService()
         services: dict[type[object], object] = {
             RobotLink: self.link,
@@ -116,6 +122,7 @@ class System:
             RecorderService: self.recorder,
             MapLibrary: self.maps,
             MapService: self.map,
+            TourStore: self.tours,
             PlaceService: self.places,
             ChannelTable: ChannelTable(configuration.channels),
         }

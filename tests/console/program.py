@@ -23,6 +23,8 @@ from app.program.config import load_configuration
 from app.program.system import System
 from app.robots.config import load_robot_config
 from app.runtime.clock import Clock
+from app.tours.library import TourLibrary
+from app.tours.store import TourStore
 
 MODEL = paths.config_dir() / "robots" / "irl1_tr.urdf"
 IRL1 = load_robot_config(paths.config_dir() / "robots" / "irl1_tr.yaml")
@@ -266,7 +268,8 @@ def build(
     body = body or Body()
     configuration = load_configuration(write_program(folder, recorder=recorder))
     recordings, maps = RecordingLibrary(folder / "recordings"), MapLibrary(folder / "maps")
-    return System(configuration, link=body, clock=clock, recordings=recordings, maps=maps), body
+    tours = TourStore(TourLibrary(folder / "tours", paths.config_dir() / "tours"))
+    return System(configuration, link=body, clock=clock, recordings=recordings, maps=maps, tours=tours), body
 
 
 @contextlib.asynccontextmanager

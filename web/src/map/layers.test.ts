@@ -5,10 +5,10 @@ import type { Context } from "./canvas";
 import { landmarksLayer } from "./landmarksLayer";
 import type { Point } from "./mapProjection";
 import { peopleLayer } from "./peopleLayer";
+import { personsLayer } from "./personsLayer";
 import { placesLayer } from "./placesLayer";
 
 type OnScreen = (place: Point & { frame?: string }) => Point | null;
-import { personsLayer } from "./personsLayer";
 
 /** The places that a layer draws at; `known`: whether it is known where `odom` is on the map. */
 function placesOf(draw: (context: Context, onScreen: OnScreen) => void, known = true) {

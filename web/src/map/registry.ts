@@ -3,8 +3,7 @@
 import { landmarksLayer } from "./landmarksLayer";
 import type { Layer } from "./layer";
 import { peopleLayer } from "./peopleLayer";
-import { placesLayer } from "./placesLayer";
 import { personsLayer } from "./personsLayer";
+import { placesLayer } from "./placesLayer";
 
-export const LAYERS: readonly Layer[] = [landmarksLayer, placesLayer, peopleLayer];
-export const LAYERS: readonly Layer[] = [landmarksLayer, peopleLayer, personsLayer];
+export const LAYERS: readonly Layer[] = [landmarksLayer, placesLayer, peopleLayer, personsLayer];

@@ -1,0 +1,66 @@
+"""Guided tours."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal
+
+from msgspec import Meta
+
+from app.messages.base import doc
+
+Severity = Literal["mistake", "error", "warning"]
+
+
+@dataclass(frozen=True, slots=True)
+class TourProblemReport:
+    """A problem of a tour."""
+
+    field: Annotated[str, doc("The value that it is about, as `stops.0.place`.")]
+    message: str
+    severity: Annotated[
+        Severity, doc("`mistake`: not kept; `error`: kept, and cannot run; `warning`: runs all the same.")
+    ]
+
+
+@dataclass(frozen=True, slots=True)
+class TourSummary:
+    """A tour in the list of all."""
+
+    id: Annotated[str, Meta(examples=["lab-tour"])]
+    title: Annotated[dict[str, str], doc("By language.")]
+    languages: tuple[str, ...]
+    map: str
+    stops: Annotated[int, doc("How many are not left out.")]
+    shipped: Annotated[bool, doc("Whether it came with the program and was not changed.")]
+    etag: str
+    errors: Annotated[int, doc("Problems for which it cannot run.")]
+    warnings: int
+    problem: Annotated[str | None, doc("Why its file cannot be read, in words; all else is empty then.")]
+
+
+@dataclass(frozen=True, slots=True)
+class TourList:
+    """Every tour, by id."""
+
+    folder: Annotated[str, doc("Of the user's tours, on the robot's computer.")]
+    tours: tuple[TourSummary, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class TourReport:
+    """A tour, and what is to be said of it."""
+
+    tour: Annotated[dict[str, Any], doc("As `GET /tour-schema` describes it, every member there.")]
+    shipped: Annotated[bool, doc("Whether it came with the program and was not changed.")]
+    can_undo: bool
+    can_redo: bool
+    problems: Annotated[tuple[TourProblemReport, ...], doc("The worst first.")]
+
+
+@dataclass(frozen=True, slots=True)
+class TourVerdict:
+    """What became of a check."""
+
+    runs: Annotated[bool, doc("Whether it has neither mistakes nor errors.")]
+    problems: Annotated[tuple[TourProblemReport, ...], doc("The worst first.")]

@@ -1,0 +1,65 @@
+"""What is kept of a run at each change, so that a program that is started again goes on or says why not."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+import msgspec
+
+from app.modules.motivations.tour_guide.progress import Progress, State, View
+from app.modules.motivations.tour_guide.transitions import go_home, resumed
+from app.modules.motivations.tour_guide.wishes import Scene
+from app.tours.tour_file import digest
+
+#: A run is not gone on with after so long (s).
+LONGEST_BREAK_S: Final = 600.0
+
+
+@dataclass(frozen=True, slots=True)
+class KeptRun:
+    """A run of the tour with this ``digest``, as it was at ``at`` (Unix time, s)."""
+
+    digest: str
+    at: float
+    progress: Progress
+
+
+def kept_bytes(run: KeptRun) -> bytes:
+    """``run`` as JSON."""
+    return msgspec.json.encode(run)
+
+
+def read_kept(data: bytes) -> KeptRun | None:
+    """The run that ``data`` is; None for anything else."""
+    try:
+        return msgspec.json.decode(data, type=KeptRun)
+    except msgspec.DecodeError:
+        return None
+
+
+def after_restart(run: KeptRun, at: float, view: View, scene: Scene) -> Progress:
+    """How ``run`` goes on at ``at`` (Unix time, s) in a program that was started again.
+
+    A run that was paused stays so until a press. One that cannot go on ends, and the robot goes home; ``reason`` says
+    why.
+    """
+    before = run.progress
+    tour = scene.tour
+    if before.stop >= len(tour.stops) or before.question >= max(1, len(tour.stops[before.stop].questions)):
+        return Progress(reason="what was kept of the run is not of this tour")
+    state: State = before.resume if before.state == "paused" else before.state
+    fresh = replace(before, state="paused", resume=state, since=view.now, gone_since=None, near_since=None)
+    if not before.is_running:
+        return Progress(reason=before.reason)
+    if before.state == "paused" and before.to_press:
+        return replace(fresh, to_press=True)
+    reasons = {
+        "the tour was changed meanwhile": run.digest != digest(tour),
+        "the program was away too long": not 0 <= at - run.at <= LONGEST_BREAK_S,
+        "no visitor was there when the program was back": view.people == 0 and state not in ("parting", "going_home"),
+    }
+    for reason, holds in reasons.items():
+        if holds:
+            return go_home(replace(fresh, reason=reason), view, scene)
+    return resumed(fresh, view, scene)

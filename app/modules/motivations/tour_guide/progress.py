@@ -1,0 +1,167 @@
+"""What the guide knows: its inputs, and how far a run of a tour is. Frozen values.
+
+    idle → inviting → confirming → leading ⇄ waiting
+                                      ↓ ↘ blocked, lost
+                                   turning → presenting ⇄ answering
+                                                  ⇅ listening
+    the last stop, an end or no visitor left → parting → going_home → idle
+
+Any of them but idle may be paused, and goes on from there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+State = Literal[
+    "idle",
+    "inviting",
+    "confirming",
+    "leading",
+    "waiting",
+    "turning",
+    "presenting",
+    "listening",
+    "answering",
+    "blocked",
+    "lost",
+    "paused",
+    "parting",
+    "going_home",
+]
+
+#: What people press, on the page, over REST or on their phones.
+Button = Literal["start", "agree", "decline", "next", "pause", "resume", "retry", "skip", "undo_skip", "repeat", "end"]
+
+
+@dataclass(frozen=True, slots=True)
+class Ended:
+    """The desire of the wish ``key`` ended: what it asks for is ``done``, or has failed."""
+
+    key: str
+    done: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Pressed:
+    """A button was pressed."""
+
+    button: Button
+
+
+@dataclass(frozen=True, slots=True)
+class Chosen:
+    """The operator sends the tour to the stop ``stop`` (its id)."""
+
+    stop: str
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """A visitor pressed the question ``question`` (its id)."""
+
+    question: str
+
+
+@dataclass(frozen=True, slots=True)
+class Heard:
+    """A word or phrase was recognized."""
+
+    phrase: str
+
+
+@dataclass(frozen=True, slots=True)
+class Clapped:
+    """So many claps were heard in a row."""
+
+    times: int
+
+
+@dataclass(frozen=True, slots=True)
+class Spoken:
+    """The sentence ``sentence`` (from 0) of the text of the wish ``key`` begins."""
+
+    key: str
+    sentence: int
+
+
+@dataclass(frozen=True, slots=True)
+class Scheduled:
+    """The tour's time has come."""
+
+
+Event = Ended | Pressed | Chosen | Asked | Heard | Clapped | Spoken | Scheduled
+
+
+@dataclass(frozen=True, slots=True)
+class View:
+    """What the guide sees at ``now`` (robot's clock, s).
+
+    ``people``: how many are seen; ``farthest_m``: the distance of the farthest of them; ``near``: how many are within
+    ``begin.within_m`` of the tour; ``speaking``: whether a voice is heard there; ``driven_m``: what the base has
+    driven since the program began; ``battery``: share of a full charge, None where the body does not say.
+    """
+
+    now: float
+    people: int = 0
+    farthest_m: float = 0.0
+    near: int = 0
+    speaking: bool = False
+    driven_m: float = 0.0
+    battery: float | None = None
+    e_stop: bool = False
+    by_hand: bool = False
+    localized: bool = True
+    events: tuple[Event, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Failure:
+    """Something on this run failed: at which stop (its id), and what."""
+
+    stop: str
+    what: str
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """How far a run is.
+
+    ``since``: when ``state`` began (s); ``entry`` numbers states and steps as they begin, so that no outcome of an
+    older one is taken for one of this. ``stop`` and ``step`` are indices; ``ended`` the keys of wishes of this step
+    that ended; ``attempt`` counts tries of what failed. ``resume``: the state before a pause; ``to_press``: whether a
+    press is needed to go on. ``sentence``: of the step's text, the one that is said; ``said_from``: the one that its
+    wish begins with. ``seen_m``: ``driven_m`` when all visitors were last seen near; ``gone_since``,
+    ``near_since``: since when none is seen, and enough are near (s). ``question``: index of the one that is answered,
+    ``listened``: the step to go back to from there. ``invites``: whether people who are near begin a tour; those who
+    came along, or declined, leave first. ``reason``: in words, why it is in this state.
+    """
+
+    state: State = "idle"
+    since: float = 0.0
+    entry: int = 0
+    stop: int = 0
+    step: int = 0
+    ended: frozenset[str] = frozenset()
+    attempt: int = 0
+    slow: bool = False
+    sentence: int = 0
+    said_from: int = 0
+    resume: State = "idle"
+    to_press: bool = False
+    seen_m: float = 0.0
+    gone_since: float | None = None
+    near_since: float | None = None
+    invites: bool = True
+    question: int = 0
+    listened: int = 0
+    skipped: tuple[int, ...] = ()
+    presented: tuple[str, ...] = ()
+    failures: tuple[Failure, ...] = ()
+    reason: str = ""
+
+    @property
+    def is_running(self) -> bool:
+        """Whether a tour is under way."""
+        return self.state != "idle"

@@ -1,0 +1,437 @@
+"""The guide's states: what it sees, and the time, lead from one to the next. Pure functions."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final, assert_never
+
+from app.modules.motivations.tour_guide.progress import (
+    Asked,
+    Chosen,
+    Clapped,
+    Ended,
+    Event,
+    Failure,
+    Heard,
+    Pressed,
+    Progress,
+    Scheduled,
+    Spoken,
+    State,
+    View,
+)
+from app.modules.motivations.tour_guide.wishes import Scene, awaited, step_now, steps_now, stop_of
+from app.tours.model import Tour, rules_at
+from app.tours.values import Words
+
+#: A visitor who declines by leaving is gone so long (s).
+LEFT_S: Final = 5.0
+#: It turns to visitors for so long at most (s).
+TURN_S: Final = 8.0
+#: A step that reports nothing has failed after so long (s).
+LONGEST_STEP_S: Final = 180.0
+#: So long it looks for where it is (s).
+LOST_S: Final = 180.0
+#: A pause ends the tour after so long (s); one by driving by hand ends so long after that.
+LONGEST_PAUSE_S: Final = 600.0
+AFTER_HAND_S: Final = 1.0
+#: The way home takes no longer, and is tried so often.
+HOME_S: Final = 600.0
+HOME_TRIES: Final = 3
+#: It speeds up again at this share of ``slow_m``.
+_CLOSER: Final = 0.8
+#: States in which it drives, or is about to.
+_ON_THE_WAY: Final[frozenset[State]] = frozenset({"leading", "waiting", "turning", "blocked", "lost"})
+_AT_A_STOP: Final[frozenset[State]] = frozenset({"presenting", "listening", "answering"})
+
+
+def advance(progress: Progress, view: View, scene: Scene) -> Progress:
+    """``progress`` after what is seen now."""
+    progress = _interrupted(progress, view, scene)
+    for event in view.events:
+        progress = _after(progress, event, view, scene)
+    progress = _people(progress, view, scene.tour)
+    return _timed(progress, view, scene)
+
+
+# --- what may come in any state ----------------------------------------------------------------------------------
+
+
+def _interrupted(progress: Progress, view: View, scene: Scene) -> Progress:
+    """The emergency stop, driving by hand, an empty battery, a pose that is lost."""
+    if not progress.is_running:
+        return progress
+    if view.e_stop:
+        return _paused(progress, view, "the emergency stop is latched", to_press=True)
+    if view.by_hand:
+        return _paused(progress, view, "it is driven by hand", to_press=False)
+    if progress.state in ("paused", "parting", "going_home"):
+        return progress
+    if view.battery is not None and view.battery < scene.tour.battery.end_below:
+        return _part(progress, view, "the battery is low")
+    if not view.localized and progress.state in _ON_THE_WAY and progress.state != "lost":
+        return _enter(progress, "lost", view, reason="the robot does not know where it is")
+    return progress
+
+
+def _paused(progress: Progress, view: View, reason: str, *, to_press: bool) -> Progress:
+    if progress.state == "paused":
+        if to_press and not progress.to_press:
+            return replace(progress, to_press=True, reason=reason)
+        # The time until it goes on begins when no hand drives any more.
+        return progress if to_press or progress.to_press else replace(progress, since=view.now)
+    kept = replace(progress, resume=progress.state, to_press=to_press)
+    return replace(kept, state="paused", since=view.now, entry=progress.entry + 1, reason=reason)
+
+
+def _after(progress: Progress, event: Event, view: View, scene: Scene) -> Progress:
+    match event:
+        case Ended():
+            return _outcome(progress, event, view, scene)
+        case Pressed():
+            return _pressed(progress, event, view, scene)
+        case Chosen(stop):
+            index = next((i for i, each in enumerate(scene.tour.stops) if each.id == stop), None)
+            return progress if index is None else _sent(progress, index, view, scene)
+        case Asked(question):
+            return _asked(progress, question, view, scene.tour)
+        case Heard(phrase):
+            return _heard(progress, phrase, view, scene)
+        case Clapped(times):
+            step = step_now(progress, scene.tour)
+            claps = None if step is None or step.wait is None else step.wait.claps
+            over = progress.state == "listening" and claps == times
+            return _next_step(progress, view, scene) if over else progress
+        case Spoken(key, sentence):
+            now = key == f"{progress.entry}.say"
+            return replace(progress, sentence=progress.said_from + sentence) if now else progress
+        case Scheduled():
+            return _invited(progress, view, scene.tour)
+    assert_never(event)
+
+
+def _pressed(progress: Progress, event: Pressed, view: View, scene: Scene) -> Progress:
+    match event.button:
+        case "start":
+            return _invited(progress, view, scene.tour)
+        case "end" if progress.state == "paused" and progress.to_press:
+            # The robot does not even go home before a press to go on.
+            return _enter(progress, "idle", view, reason="it was ended")
+        case "end" if progress.is_running and _subject(progress) not in ("parting", "going_home"):
+            return _part(progress, view, "it was ended")
+        case "agree" if progress.state == "confirming":
+            return _lead(progress, view, scene)
+        case "decline" if progress.state in ("inviting", "confirming"):
+            return _enter(progress, "idle", view, reason="visitors declined")
+        case "pause" if progress.is_running:
+            return _paused(progress, view, "it was paused", to_press=True)
+        case "resume" if progress.state == "paused" and not view.e_stop:
+            return resumed(progress, view, scene)
+        case "retry" if progress.state == "blocked":
+            return _lead(progress, view, scene, progress.stop)
+        case "next" if progress.state == "listening":
+            return _next_step(progress, view, scene)
+        case "repeat" if progress.state in _AT_A_STOP:
+            return _enter(progress, "presenting", view)
+        case "skip" if _subject(progress) in _ON_THE_WAY | _AT_A_STOP:
+            skipped = replace(progress, skipped=(*progress.skipped, progress.stop))
+            return _sent(skipped, progress.stop + 1, view, scene)
+        case "undo_skip" if progress.skipped and _subject(progress) in _ON_THE_WAY | _AT_A_STOP:
+            return _sent(replace(progress, skipped=progress.skipped[:-1]), progress.skipped[-1], view, scene)
+    return progress
+
+
+def _sent(progress: Progress, stop: int, view: View, scene: Scene) -> Progress:
+    """On the way to ``stop``; while it is paused, it goes there afterwards."""
+    if _subject(progress) not in _ON_THE_WAY | _AT_A_STOP:
+        return progress
+    if progress.state != "paused":
+        return _lead(progress, view, scene, stop)
+    # Where the way leads is found as if it went on, and kept for then.
+    ahead = _lead(replace(progress, state=progress.resume), view, scene, stop)
+    state = replace(ahead, state="paused", resume=ahead.state, since=progress.since)
+    return replace(state, to_press=progress.to_press, reason=progress.reason)
+
+
+def _subject(progress: Progress) -> State:
+    return progress.resume if progress.state == "paused" else progress.state
+
+
+def resumed(progress: Progress, view: View, scene: Scene) -> Progress:
+    """In the state before: a text from the sentence that was interrupted on, a way planned from here."""
+    seen = replace(progress, seen_m=view.driven_m)
+    match progress.resume:
+        case "presenting" | "inviting" | "parting":
+            again = _enter(seen, progress.resume, view, step=progress.step)
+            return replace(again, sentence=progress.sentence, said_from=progress.sentence)
+        case "listening":
+            return _enter(seen, "listening", view, step=progress.step)
+        case "answering":
+            return _enter(seen, "listening", view, step=progress.listened)
+        case "leading" | "waiting" | "turning" | "blocked" | "lost":
+            return _lead(seen, view, scene, progress.stop)
+    return _enter(seen, progress.resume, view)
+
+
+# --- what people say and do -----------------------------------------------------------------------------------------
+
+
+def _invited(progress: Progress, view: View, tour: Tour) -> Progress:
+    if progress.is_running:
+        return progress
+    if view.e_stop or view.by_hand:
+        return replace(progress, reason="no tour begins while the robot is held")
+    if view.battery is not None and view.battery < tour.battery.begin_min:
+        return replace(progress, reason="the battery is too low for a tour")
+    fresh = Progress(entry=progress.entry, seen_m=view.driven_m)
+    return _enter(fresh, "inviting", view)
+
+
+def _asked(progress: Progress, question: str, view: View, tour: Tour) -> Progress:
+    if progress.state not in ("listening", "answering"):
+        return progress
+    questions = stop_of(progress, tour).questions
+    index = next((number for number, each in enumerate(questions) if each.id == question), None)
+    if index is None:
+        return progress
+    listened = progress.step if progress.state == "listening" else progress.listened
+    return replace(_enter(progress, "answering", view), question=index, listened=listened)
+
+
+def _heard(progress: Progress, phrase: str, view: View, scene: Scene) -> Progress:
+    tour = scene.tour
+    if progress.state == "confirming" and (confirm := tour.greeting.confirm) is not None:
+        if _among(phrase, confirm.agree):
+            return _lead(progress, view, scene)
+        if _among(phrase, confirm.decline):
+            return _enter(progress, "idle", view, reason="visitors declined")
+    if progress.state == "listening":
+        step = step_now(progress, tour)
+        if step is not None and step.wait is not None and _among(phrase, step.wait.words):
+            return _next_step(progress, view, scene)
+        for question in stop_of(progress, tour).questions:
+            if _among(phrase, question.words):
+                return _asked(progress, question.id, view, tour)
+    return progress
+
+
+def _among(phrase: str, words: Words) -> bool:
+    return any(phrase.lower() == each.lower() for phrases in words.values() for each in phrases)
+
+
+def _people(progress: Progress, view: View, tour: Tour) -> Progress:
+    """Notes who is seen: since when enough are near, since when none is, and how far it drove since all were."""
+    enough = view.near >= tour.begin.people_min
+    near_since = (view.now if progress.near_since is None else progress.near_since) if enough else None
+    gone = (view.now if progress.gone_since is None else progress.gone_since) if view.people == 0 else None
+    all_near = view.people > 0 and view.farthest_m <= tour.pace.wait_m
+    seen_m = view.driven_m if all_near else progress.seen_m
+    slow = progress.slow
+    if view.people > 0:
+        slow = view.farthest_m > tour.pace.slow_m * (_CLOSER if slow else 1.0)
+    invites = progress.invites or not enough
+    return replace(progress, near_since=near_since, gone_since=gone, invites=invites, seen_m=seen_m, slow=slow)
+
+
+# --- outcomes and times ----------------------------------------------------------------------------------------------
+
+
+def _outcome(progress: Progress, event: Ended, view: View, scene: Scene) -> Progress:
+    entry, _, name = event.key.partition(".")
+    if entry != str(progress.entry):
+        return progress
+    match progress.state:
+        case "leading" if name == "go":
+            if event.done:
+                return _enter(progress, "turning", view)
+            return _unreached(progress, view, scene)
+        case "going_home" if name == "go":
+            if event.done:
+                return _enter(progress, "idle", view, reason="the tour is over")
+            if progress.attempt + 1 >= HOME_TRIES:
+                return _enter(progress, "idle", view, reason="the way home is blocked")
+            return replace(_enter(progress, "going_home", view), attempt=progress.attempt + 1)
+        case "inviting" | "presenting" | "answering" | "parting":
+            if event.key not in awaited(progress, scene, view.now):
+                return progress
+            if not event.done and progress.state == "presenting":
+                return _failed_step(progress, name, view, scene)
+            return replace(progress, ended=progress.ended | {event.key})
+    return progress
+
+
+def _unreached(progress: Progress, view: View, scene: Scene) -> Progress:
+    """The stop cannot be reached this time: again, or ask, or what its rule says."""
+    rule = rules_at(scene.tour, stop_of(progress, scene.tour)).reach
+    if progress.attempt < rule.retry:
+        return replace(_enter(progress, "leading", view), attempt=progress.attempt + 1)
+    blocked = _enter(progress, "blocked", view, reason=f"the way to {stop_of(progress, scene.tour).id} is blocked")
+    return blocked if rule.ask_s > 0 else _given_up(blocked, view, scene)
+
+
+def _given_up(progress: Progress, view: View, scene: Scene) -> Progress:
+    stop = stop_of(progress, scene.tour)
+    noted = replace(progress, failures=(*progress.failures, Failure(stop.id, "not reached")))
+    match rules_at(scene.tour, stop).reach.then:
+        case "skip":
+            return _lead(noted, view, scene, progress.stop + 1)
+        case "present_from_here":
+            return _enter(noted, "presenting", view)
+        case "end":
+            return _part(noted, view, f"{stop.id} cannot be reached")
+
+
+def _failed_step(progress: Progress, name: str, view: View, scene: Scene) -> Progress:
+    stop = stop_of(progress, scene.tour)
+    rule = rules_at(scene.tour, stop).present
+    if progress.attempt < rule.retry:
+        return replace(_enter(progress, "presenting", view, step=progress.step), attempt=progress.attempt + 1)
+    noted = replace(progress, failures=(*progress.failures, Failure(stop.id, name)))
+    match rule.then:
+        case "continue":
+            return replace(noted, ended=noted.ended | {f"{progress.entry}.{name}"})
+        case "skip":
+            return _lead(noted, view, scene, progress.stop + 1)
+        case "end":
+            return _part(noted, view, f"a step of {stop.id} failed")
+
+
+def _timed(progress: Progress, view: View, scene: Scene) -> Progress:
+    """What time, or what is seen by now, leads to."""
+    tour, spent = scene.tour, view.now - progress.since
+    match progress.state:
+        case "idle":
+            near = progress.near_since is not None and view.now - progress.near_since >= tour.begin.for_s
+            begins = ("face" in tour.begin.by and near) or ("voice" in tour.begin.by and near and view.speaking)
+            return _invited(progress, view, tour) if begins and progress.invites else progress
+        case "confirming":
+            confirm = tour.greeting.confirm
+            left = progress.gone_since is not None and view.now - max(progress.gone_since, progress.since) >= LEFT_S
+            if left or confirm is None or spent >= confirm.at_most_s:
+                return _enter(progress, "idle", view, reason="visitors did not answer")
+        case "leading" if view.people > 0 and view.farthest_m > tour.pace.wait_m:
+            return _enter(progress, "waiting", view, reason="visitors fell behind")
+        case "leading" if view.driven_m - progress.seen_m >= tour.pace.look_back_m:
+            return _enter(progress, "waiting", view, reason="it looks back for visitors")
+        case "waiting":
+            return _waited(progress, view, scene)
+        case "turning" if spent >= TURN_S or (view.people > 0 and spent > 0):
+            return _enter(progress, "presenting", view)
+        case "inviting" | "presenting" | "answering" | "parting":
+            return _stepped(progress, view, scene)
+        case "listening":
+            return _listened(progress, view, scene)
+        case "blocked" if spent >= rules_at(tour, stop_of(progress, tour)).reach.ask_s:
+            return _given_up(progress, view, scene)
+        case "lost" if view.localized:
+            return _lead(progress, view, scene, progress.stop)
+        case "lost" if spent >= LOST_S:
+            return _enter(progress, "idle", view, reason="the robot does not know where it is")
+        case "paused":
+            if spent >= LONGEST_PAUSE_S and not (view.e_stop or view.by_hand):
+                # Nothing moves before a press: it ends where it is.
+                return _enter(progress, "idle", view, reason="it was paused too long")
+            if not progress.to_press and not view.by_hand and spent >= AFTER_HAND_S:
+                return resumed(progress, view, scene)
+        case "going_home" if spent >= HOME_S:
+            return _enter(progress, "idle", view, reason="the way home took too long")
+    return progress
+
+
+def _waited(progress: Progress, view: View, scene: Scene) -> Progress:
+    if view.people > 0 and view.farthest_m <= scene.tour.pace.slow_m:
+        return _enter(replace(progress, seen_m=view.driven_m), "leading", view)
+    if view.now - progress.since < scene.tour.pace.give_up_s:
+        return progress
+    if view.people == 0:
+        return _part(progress, view, "all visitors have left")
+    return _enter(replace(progress, seen_m=view.driven_m), "leading", view)
+
+
+def _stepped(progress: Progress, view: View, scene: Scene) -> Progress:
+    """On to the next step once all that this one waits for has ended, or has taken too long."""
+    if step_now(progress, scene.tour) is not None:
+        missing = awaited(progress, scene, view.now) - progress.ended
+        if missing and view.now - progress.since < LONGEST_STEP_S:
+            return progress
+        if missing and progress.state == "presenting":
+            return _failed_step(progress, min(missing).partition(".")[2], view, scene)
+    step = step_now(progress, scene.tour)
+    if progress.state == "presenting" and step is not None and step.wait is not None:
+        return _enter(progress, "listening", view, step=progress.step)
+    return _next_step(progress, view, scene)
+
+
+def _listened(progress: Progress, view: View, scene: Scene) -> Progress:
+    step = step_now(progress, scene.tour)
+    wait = None if step is None else step.wait
+    left = wait is not None and wait.all_left and progress.gone_since is not None
+    gone = left and view.now - max(progress.gone_since or 0.0, progress.since) >= LEFT_S
+    if wait is None or gone or view.now - progress.since >= wait.at_most_s:
+        return _next_step(progress, view, scene)
+    return progress
+
+
+def _next_step(progress: Progress, view: View, scene: Scene) -> Progress:
+    """The next step of this state, or what comes after it."""
+    tour, state = scene.tour, progress.state
+    if state == "answering":
+        return _enter(progress, "listening", view, step=progress.listened)
+    if progress.step + 1 < len(steps_now(progress, tour)):
+        return _enter(progress, "presenting" if state == "listening" else state, view, step=progress.step + 1)
+    match state:
+        case "inviting":
+            asks = tour.greeting.confirm is not None
+            return _enter(progress, "confirming", view) if asks else _lead(progress, view, scene)
+        case "parting":
+            return go_home(progress, view, scene)
+    done = replace(progress, presented=(*progress.presented, stop_of(progress, tour).id))
+    return _lead(done, view, scene, progress.stop + 1)
+
+
+# --- entering states -------------------------------------------------------------------------------------------------
+
+
+def _enter(progress: Progress, state: State, view: View, *, step: int = 0, reason: str = "") -> Progress:
+    return replace(
+        progress,
+        state=state,
+        since=view.now,
+        entry=progress.entry + 1,
+        step=step,
+        ended=frozenset(),
+        attempt=0,
+        sentence=0,
+        said_from=0,
+        to_press=False,
+        invites=state != "idle",
+        reason=reason,
+    )
+
+
+def _lead(progress: Progress, view: View, scene: Scene, stop: int = 0) -> Progress:
+    """On the way to ``stop``, or to the first after it that is not left out; after the last, it says goodbye."""
+    stops = scene.tour.stops
+    for index in range(stop, len(stops)):
+        if stops[index].left_out:
+            continue
+        ahead = replace(progress, stop=index, seen_m=view.driven_m)
+        if stops[index].place in scene.places:
+            return _enter(ahead, "leading", view)
+        noted = Failure(stops[index].id, f"there is no place {stops[index].place}")
+        progress = replace(ahead, failures=(*progress.failures, noted))
+    return _part(progress, view, "it is over")
+
+
+def _part(progress: Progress, view: View, reason: str) -> Progress:
+    return _enter(progress, "parting", view, reason=reason)
+
+
+def go_home(progress: Progress, view: View, scene: Scene) -> Progress:
+    """``progress`` on the way home, or idle where the tour has none or its place is not there."""
+    home = scene.tour.home
+    if home is None:
+        return _enter(progress, "idle", view, reason=progress.reason)
+    if home not in scene.places:
+        return _enter(progress, "idle", view, reason=f"there is no place {home}")
+    return _enter(progress, "going_home", view, reason=progress.reason)

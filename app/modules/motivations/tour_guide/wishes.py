@@ -1,0 +1,148 @@
+"""What the guide desires in each state. Pure functions: the module adds and removes desires until these hold."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+from app.modules.motivations.tour_guide.progress import Progress
+from app.speech.text_spans import sentences_of
+from app.tours.desires import LOOK_AT, SAY, desires_of
+from app.tours.model import Stop, Tour
+from app.tours.steps import Step
+from app.tours.values import text_in
+
+GO_TO: Final = "GoTo"
+TRACK_FACE: Final = "TrackFace"
+
+#: Visitors who wait are called after so many seconds.
+CALLS_S: Final = (10.0, 30.0)
+#: Share of the tour's speed while visitors are farther behind than ``slow_m``.
+SLOWLY: Final = 0.5
+
+CALL: Final = {"en": "I am waiting for you.", "fr": "Je vous attends."}
+PASS: Final = {"en": "Excuse me, may I pass?", "fr": "Excusez-moi, puis-je passer ?"}
+LOST: Final = {"en": "I do not know where I am. One moment.", "fr": "Je ne sais pas où je suis. Un instant."}
+
+
+@dataclass(frozen=True, slots=True)
+class Wish:
+    """A desire of the class ``cls``; ``key`` identifies it among the wishes of one run."""
+
+    key: str
+    cls: str
+    params: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """What a run needs beside its tour: ``places``, parameters of GoTo by the place's id; ``language`` of the visitors;
+    ``achievements``, the desire classes that end by themselves."""
+
+    tour: Tour
+    language: str
+    places: Mapping[str, Mapping[str, Any]]
+    achievements: frozenset[str]
+
+
+def stop_of(progress: Progress, tour: Tour) -> Stop:
+    """The stop that ``progress`` is about."""
+    return tour.stops[progress.stop]
+
+
+def steps_now(progress: Progress, tour: Tour) -> tuple[Step, ...]:
+    """The steps that follow one another in this state; none in states without."""
+    match progress.state:
+        case "inviting":
+            return tour.greeting.do
+        case "presenting" | "listening":
+            return stop_of(progress, tour).do
+        case "answering":
+            return (stop_of(progress, tour).questions[progress.question].answer,)
+        case "parting":
+            return tour.farewell.do
+    return ()
+
+
+def step_now(progress: Progress, tour: Tour) -> Step | None:
+    """The step that is under way; None between steps and in states without."""
+    steps = steps_now(progress, tour)
+    return steps[progress.step] if progress.step < len(steps) else None
+
+
+def wishes(progress: Progress, scene: Scene, now: float) -> tuple[Wish, ...]:
+    """All desires of the guide at ``now``. One to go somewhere is among them only while it leads or goes home."""
+    return tuple(_wishes(progress, scene, now))
+
+
+def awaited(progress: Progress, scene: Scene, now: float) -> frozenset[str]:
+    """Keys of the wishes that this step waits for."""
+    if step_now(progress, scene.tour) is None:
+        return frozenset()
+    return frozenset(wish.key for wish in wishes(progress, scene, now) if wish.cls in scene.achievements)
+
+
+def key(progress: Progress, name: str) -> str:
+    """The key of the wish ``name`` of this state or step."""
+    return f"{progress.entry}.{name}"
+
+
+def _wishes(progress: Progress, scene: Scene, now: float) -> Iterator[Wish]:
+    tour = scene.tour
+    match progress.state:
+        case "leading":
+            stop = stop_of(progress, tour)
+            yield _going(progress, scene, stop.place, stop)
+        case "going_home":
+            if tour.home is not None:
+                yield _going(progress, scene, tour.home)
+        case "waiting" | "turning":
+            yield Wish(key(progress, "look"), TRACK_FACE)
+            if progress.state == "waiting":
+                calls = [after for after in CALLS_S if now - progress.since >= after]
+                if calls:
+                    yield _said(progress, f"call-{len(calls)}", CALL, scene)
+        case "confirming":
+            yield Wish(key(progress, "look"), TRACK_FACE)
+            if tour.greeting.confirm is not None:
+                yield _said(progress, "ask", tour.greeting.confirm.ask, scene)
+        case "blocked":
+            yield _said(progress, "pass", PASS, scene)
+        case "lost":
+            yield _said(progress, "lost", LOST, scene)
+        case "inviting" | "presenting" | "answering" | "parting":
+            step = step_now(progress, tour)
+            if step is not None:
+                yield from _of_step(progress, step, scene)
+
+
+def _of_step(progress: Progress, step: Step, scene: Scene) -> Iterator[Wish]:
+    for name, cls, params in desires_of(step, scene.language, scene.tour.languages[0]):
+        if name == "say":
+            params["text"] = _from_sentence(params["text"], progress.said_from)
+        yield Wish(key(progress, name), cls, params)
+    if step.look == "visitors":
+        yield Wish(key(progress, "look"), TRACK_FACE)
+    elif step.look == "poster":
+        yield Wish(key(progress, "look"), LOOK_AT, {"place": stop_of(progress, scene.tour).poster})
+
+
+def _going(progress: Progress, scene: Scene, place: str, stop: Stop | None = None) -> Wish:
+    params = dict(scene.places[place])
+    speed = scene.tour.pace.speed * (SLOWLY if progress.slow else 1.0)
+    if stop is not None:
+        params |= {"tolerance_m": stop.stand.tolerance_m, "tolerance_rad": stop.stand.tolerance_rad}
+    return Wish(key(progress, "go"), GO_TO, params | {"speed": round(speed, 3)})
+
+
+def _said(progress: Progress, name: str, text: Mapping[str, str], scene: Scene) -> Wish:
+    language = scene.language if scene.language in text else scene.tour.languages[0]
+    used = language if language in text else next(iter(text))
+    return Wish(key(progress, name), SAY, {"text": text_in(text, used, used), "language": used})
+
+
+def _from_sentence(text: str, sentence: int) -> str:
+    """``text`` from the sentence of this number on, the last at the latest."""
+    spans = sentences_of(text)
+    return text[spans[min(sentence, len(spans) - 1)][0] :] if spans else text

@@ -1,0 +1,391 @@
+"""The guide: each way from state to state, each failure, and what holds whatever happens."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from app.modules.motivations.tour_guide.progress import (
+    Asked,
+    Button,
+    Chosen,
+    Clapped,
+    Ended,
+    Event,
+    Failure,
+    Heard,
+    Pressed,
+    Scheduled,
+    Spoken,
+    State,
+)
+from app.tours.model import Tour
+from tests.modules.motivations.tour_guide.run import ACHIEVEMENTS, DRIVES, LAB, Run, say, stop
+from tests.tours.tours import tour
+
+
+def changed(**more: Any) -> Tour:
+    return LAB.model_validate(LAB.model_dump(by_alias=True) | more)
+
+
+def test_a_tour_from_greeting_to_home() -> None:
+    run = Run().started().until("idle")
+    assert run.states == [
+        *("idle", "inviting", "confirming", "leading", "turning", "presenting"),
+        *("leading", "turning", "presenting", "listening", "parting", "going_home", "idle"),
+    ]
+    assert (run.progress.presented, run.progress.failures) == (("one", "two"), ())
+    assert run.progress.reason == "the tour is over"
+
+
+def test_each_state_desires_what_it_is_about() -> None:
+    run = Run().started()
+    assert run.texts() == ["Hello."]
+    assert run.until("confirming").texts() == ["Shall I?"]
+    going = run.press("agree").wish("GoTo")
+    assert going.params == {"x": 1, "y": 2, "place": "one", "tolerance_m": 0.3, "tolerance_rad": 0.2, "speed": 0.8}
+    assert run.until("turning").wish("TrackFace").params == {}
+    assert run.until("presenting").texts() == ["This is one."]
+    assert run.until("listening").wishes() == ()
+    assert run.until("parting").texts() == ["Goodbye."]
+    assert run.until("going_home").wish("GoTo").params["place"] == "dock"
+    assert run.until("idle").wishes() == ()
+
+
+@pytest.mark.parametrize(
+    ("begin", "event", "state"),
+    [
+        ({"by": ["face"], "for_s": 2}, None, "inviting"),
+        ({"by": ["press"]}, None, "idle"),
+        ({"by": ["face"], "people_min": 3}, None, "idle"),
+        ({"by": ["voice"]}, None, "idle"),
+        ({"by": ["press"]}, Scheduled(), "inviting"),
+        ({"by": ["face"], "people_min": 9}, Pressed("start"), "inviting"),
+    ],
+)
+def test_who_begins_a_tour(begin: dict[str, Any], event: Event | None, state: State) -> None:
+    run = Run(changed(begin=begin)).see()
+    assert run.see(*([event] if event else []), after_s=1.9).progress.state == ("idle" if event is None else state)
+    assert run.see(after_s=0.2).progress.state == state
+
+
+def test_a_voice_begins_it_where_it_may() -> None:
+    run = Run(changed(begin={"by": ["voice"]})).see().see(after_s=3)
+    assert run.progress.state == "idle"
+    assert run.see(speaking=True).progress.state == "inviting"
+
+
+def test_those_who_came_along_are_not_invited_again_before_they_have_left() -> None:
+    run = Run().started().until("idle").see(after_s=60)
+    assert run.progress.state == "idle"
+    assert run.see(people=0, near=0).see(people=2, near=2).see(after_s=3).progress.state == "inviting"
+
+
+@pytest.mark.parametrize("held", [{"e_stop": True}, {"by_hand": True}, {"battery": 0.39}])
+def test_no_tour_begins_that_could_not_go_on(held: dict[str, Any]) -> None:
+    run = Run().see(Pressed("start"), **held)
+    assert (run.progress.state, run.wishes()) == ("idle", ())
+    assert run.progress.reason
+
+
+@pytest.mark.parametrize(
+    ("events", "seen", "state"),
+    [
+        ([Heard("Yes")], {}, "leading"),
+        ([Heard("no")], {}, "idle"),
+        ([Heard("maybe")], {}, "confirming"),
+        ([Pressed("decline")], {}, "idle"),
+        ([], {"after_s": 19.0}, "confirming"),
+        ([], {"after_s": 21.0}, "idle"),
+    ],
+)
+def test_an_invitation_is_accepted_or_not(events: list[Event], seen: dict[str, Any], state: State) -> None:
+    assert Run().started().until("confirming").see(*events, **seen).progress.state == state
+
+
+def test_visitors_who_leave_decline() -> None:
+    run = Run().started().until("confirming").see(people=0, near=0)
+    assert run.see(after_s=4.8).progress.state == "confirming"
+    assert run.see(after_s=0.3).progress.state == "idle"
+
+
+def test_without_a_question_it_leads_at_once() -> None:
+    run = Run(changed(greeting={"do": [say("Come!")]})).started().until("leading")
+    assert "confirming" not in run.states
+
+
+def test_it_waits_for_those_who_fall_behind_and_goes_on_when_they_come() -> None:
+    run = Run().started().until("leading").see(farthest_m=3.0)
+    assert run.wish("GoTo").params["speed"] == 0.4, "it slows down"
+    assert run.see(farthest_m=2.2).wish("GoTo").params["speed"] == 0.4, "and does not waver"
+    assert run.see(farthest_m=1.9).wish("GoTo").params["speed"] == 0.8
+    waiting = run.see(farthest_m=4.5)
+    assert (waiting.progress.state, waiting.progress.reason) == ("waiting", "visitors fell behind")
+    assert [wish.cls for wish in run.wishes()] == ["TrackFace"]
+    assert run.see(farthest_m=3.0).progress.state == "waiting"
+    assert run.see(farthest_m=2.4).progress.state == "leading"
+
+
+def test_it_looks_back_where_it_has_seen_no_one_for_a_while() -> None:
+    run = Run().started().until("leading").see(people=0, driven_m=4.9)
+    assert run.progress.state == "leading"
+    assert run.see(driven_m=5.1).progress.state == "waiting"
+    assert run.texts() == []
+    assert run.see(after_s=10).texts() == ["I am waiting for you."]
+    first = run.wish("Say").key
+    assert run.see(after_s=20).wish("Say").key != first, "called again"
+    assert run.see(people=2, farthest_m=1.0).progress.state == "leading"
+    assert run.see(people=0, driven_m=10.0).progress.state == "leading", "counted from there"
+
+
+def test_who_waits_too_long_goes_on_with_those_who_are_there_or_ends() -> None:
+    run = Run().started().until("leading").see(farthest_m=4.5).see(after_s=61)
+    assert run.progress.state == "leading"
+    run = Run().started().until("leading").see(farthest_m=4.5).see(people=0, after_s=61)
+    assert (run.progress.state, run.progress.reason) == ("parting", "all visitors have left")
+
+
+@pytest.mark.parametrize(
+    ("events", "seen", "state"),
+    [
+        ([Heard("next")], {}, "parting"),
+        ([Pressed("next")], {}, "parting"),
+        ([Clapped(2)], {}, "parting"),
+        ([Clapped(1)], {}, "listening"),
+        ([Heard("hello")], {}, "listening"),
+        ([], {"after_s": 31.0}, "parting"),
+        ([Heard("heavy")], {}, "answering"),
+        ([Asked("weight")], {}, "answering"),
+        ([Asked("height")], {}, "listening"),
+    ],
+)
+def test_what_ends_listening(events: list[Event], seen: dict[str, Any], state: State) -> None:
+    assert Run().started().until("listening").see(*events, **seen).progress.state == state
+
+
+def test_an_answer_is_said_and_then_it_listens_again() -> None:
+    run = Run().started().until("listening").see(after_s=29).see(Asked("weight"))
+    assert run.texts() == ["Four kilograms."]
+    assert run.done("Say").progress.state == "listening"
+    assert run.see(after_s=29).progress.state == "listening", "its time begins again"
+    assert run.see(after_s=2).progress.state == "parting"
+
+
+def test_it_goes_on_when_all_have_left() -> None:
+    run = Run().started().until("listening").see(people=0).see(after_s=4.8)
+    assert run.progress.state == "listening"
+    assert run.see(after_s=0.3).progress.state == "parting"
+
+
+@pytest.mark.parametrize(
+    ("then", "state", "stop_id"),
+    [("skip", "leading", "two"), ("present_from_here", "presenting", "one"), ("end", "parting", "one")],
+)
+def test_a_stop_that_cannot_be_reached(then: str, state: State, stop_id: str) -> None:
+    run = Run(changed(on_failure={"reach": {"retry": 1, "ask_s": 20, "then": then}})).started().until("leading")
+    first = run.wish("GoTo").key
+    assert run.done("GoTo", done=False).wish("GoTo").key != first, "tried again"
+    assert run.done("GoTo", done=False).progress.state == "blocked"
+    assert run.texts() == ["Excuse me, may I pass?"]
+    assert run.see(after_s=19).progress.state == "blocked"
+    assert run.see(after_s=2).progress.state == state
+    assert run.scene.tour.stops[run.progress.stop].id == stop_id
+    assert run.progress.failures == (Failure("one", "not reached"),)
+
+
+def test_the_operator_is_asked_before_a_stop_is_given_up() -> None:
+    run = Run(changed(on_failure={"reach": {"retry": 0}})).started().until("leading").done("GoTo", done=False)
+    assert run.press("retry").progress.state == "leading"
+    run.done("GoTo", done=False).press("skip")
+    assert run.wish("GoTo").params["place"] == "two"
+    unasked = changed(on_failure={"reach": {"retry": 0, "ask_s": 0}})
+    run = Run(unasked).started().until("leading").done("GoTo", done=False)
+    assert run.wish("GoTo").params["place"] == "two"
+
+
+@pytest.mark.parametrize(("then", "state"), [("continue", "turning"), ("skip", "leading"), ("end", "parting")])
+def test_a_step_that_fails(then: str, state: State) -> None:
+    stops = [stop("one", do=[say("First."), say("Second.")]), stop("two")]
+    run = Run(changed(stops=stops, on_failure={"present": {"retry": 1, "then": then}})).started().until("presenting")
+    run.done("Say", done=False)
+    assert run.texts() == ["First."], "tried again"
+    run.done("Say", done=False)
+    assert run.progress.failures == (Failure("one", "say"),)
+    if then == "continue":
+        assert run.see().texts() == ["Second."]
+    else:
+        assert run.progress.state == state
+
+
+def test_a_step_that_reports_nothing_fails_in_the_end() -> None:
+    run = Run().started().until("presenting").see(after_s=181)
+    assert run.progress.failures == (Failure("one", "say"),)
+
+
+def test_all_of_a_step_goes_on_at_once_and_all_of_it_is_awaited() -> None:
+    step = say("Look there!") | {"point": [1, 2, 1], "look": "visitors", "expression": "happy"}
+    run = Run(changed(stops=[stop("one", do=[step])])).started().until("presenting")
+    assert [wish.cls for wish in run.wishes()] == ["Say", "PointAt", "Express", "TrackFace"]
+    assert run.done("Say").progress.state == "presenting"
+    assert run.done("PointAt").progress.state == "parting"
+
+
+def test_a_poster_is_looked_at_by_its_text() -> None:
+    step = say("See?") | {"look": "poster"}
+    run = Run(changed(stops=[stop("one", do=[step], poster="HBBA:STOP/ONE")])).started().until("presenting")
+    assert run.wish("LookAt").params == {"place": "HBBA:STOP/ONE"}
+
+
+def test_the_operator_steers_the_tour() -> None:
+    run = Run().started().until("leading").press("skip")
+    assert (run.wish("GoTo").params["place"], run.progress.skipped) == ("two", (0,))
+    assert run.press("undo_skip").wish("GoTo").params["place"] == "one"
+    assert run.see(Chosen("two")).wish("GoTo").params["place"] == "two"
+    assert run.see(Chosen("three")).wish("GoTo").params["place"] == "two"
+    run.until("listening").press("repeat")
+    assert run.texts() == ["This is two."]
+    assert run.press("skip").progress.state == "parting"
+    assert Run().started().press("end").until("idle").progress.reason == "the tour is over"
+
+
+def test_a_pause_goes_on_with_the_sentence_that_was_interrupted() -> None:
+    stops = [stop("one", do=[say("First. Second one. Third!"), say("Then.")])]
+    run = Run(changed(stops=stops)).started().until("presenting")
+    first = run.wish("Say").key
+    run.see(Spoken(first, 1))
+    assert run.texts() == ["First. Second one. Third!"]
+    assert run.press("pause").wishes() == ()
+    assert run.see(after_s=300).progress.state == "paused"
+    assert run.press("resume").texts() == ["Second one. Third!"]
+    second = run.wish("Say").key
+    assert second != first
+    run.see(Spoken(second, 1)).see(Spoken(first, 0)).press("pause").press("resume")
+    assert run.texts() == ["Third!"], "counted from there"
+    assert run.done("Say").texts() == ["Then."]
+    run.see(Spoken(run.wish("Say").key, 7)).press("pause").press("resume")
+    assert run.texts() == ["Then."]
+
+
+def test_a_paused_tour_can_be_sent_elsewhere_and_goes_there_afterwards() -> None:
+    run = Run().started().until("leading").press("pause").press("skip")
+    assert (run.progress.state, run.wishes()) == ("paused", ())
+    assert run.press("resume").wish("GoTo").params["place"] == "two"
+    run.press("pause").see(Chosen("one"))
+    assert run.press("resume").wish("GoTo").params["place"] == "one"
+
+
+def test_hands_pause_it_and_it_plans_from_there_once_they_are_off() -> None:
+    run = Run().started().until("leading").see(by_hand=True)
+    assert (run.progress.state, run.wishes()) == ("paused", ())
+    run.see(after_s=100).see(by_hand=False, after_s=0.5)
+    assert run.progress.state == "paused"
+    assert run.see(after_s=1.1).progress.state == "leading"
+
+
+def test_nothing_moves_after_the_emergency_stop_before_a_press() -> None:
+    run = Run().started().until("leading").see(by_hand=True).see(e_stop=True)
+    run.press("resume")
+    assert run.progress.state == "paused", "it is latched still"
+    run.see(e_stop=False, by_hand=False).see(after_s=60)
+    assert (run.progress.state, run.wishes()) == ("paused", ())
+    assert run.press("resume").progress.state == "leading"
+    ended = Run().started().until("leading").see(Pressed("end"), e_stop=True).see(Pressed("end")).see(e_stop=False)
+    assert (ended.see(after_s=60).progress.state, ended.wishes()) == ("idle", ()), "not even home"
+    run.see(e_stop=True).see(e_stop=False).see(after_s=601)
+    assert (run.progress.state, run.progress.reason) == ("idle", "it was paused too long")
+
+
+def test_a_low_battery_ends_the_tour_at_once() -> None:
+    run = Run().started().until("presenting").see(battery=0.19)
+    assert (run.progress.state, run.progress.reason) == ("parting", "the battery is low")
+
+
+def test_a_lost_robot_stops_and_says_so() -> None:
+    run = Run().started().until("leading").see(localized=False)
+    assert (run.progress.state, [wish.cls for wish in run.wishes()]) == ("lost", ["Say"])
+    assert run.see(localized=True).progress.state == "leading"
+    run.see(localized=False).see(after_s=181)
+    assert (run.progress.state, run.wishes()) == ("idle", ())
+
+
+def test_a_place_that_is_gone_is_passed_over_and_noted() -> None:
+    run = Run(missing="one").started().until("leading")
+    assert run.wish("GoTo").params["place"] == "two"
+    assert run.progress.failures == (Failure("one", "there is no place one"),)
+    run = Run(missing="dock").started().until("idle")
+    assert run.progress.reason == "there is no place dock"
+
+
+def test_what_is_left_out_is_passed_over() -> None:
+    run = Run(changed(stops=[stop("one", left_out=True), stop("two")])).started().until("idle")
+    assert run.progress.presented == ("two",)
+
+
+def test_a_way_home_that_is_blocked_is_tried_thrice() -> None:
+    run = Run().started().until("going_home")
+    for _ in range(3):
+        run.done("GoTo", done=False)
+    assert (run.progress.state, run.progress.reason) == ("idle", "the way home is blocked")
+
+
+def test_without_a_home_it_stays() -> None:
+    assert "going_home" not in Run(changed(home=None)).started().until("idle").states
+
+
+def test_an_outcome_of_an_older_state_is_none() -> None:
+    run = Run().started().until("leading")
+    old = run.wish("GoTo").key
+    run.press("skip").see(Ended(old, True))
+    assert run.progress.state == "leading"
+
+
+buttons: st.SearchStrategy[Button] = st.sampled_from(
+    ["start", "agree", "decline", "next", "pause", "resume", "retry", "skip", "undo_skip", "repeat", "end"]
+)
+events = st.one_of(
+    buttons.map(Pressed),
+    st.sampled_from([Chosen("one"), Chosen("two"), Asked("weight"), Heard("next"), Heard("yes"), Heard("heavy")]),
+    st.sampled_from([Clapped(2), Scheduled(), Ended("3.go", True), Spoken("2.say", 1)]),
+)
+seen = st.fixed_dictionaries(
+    {"after_s": st.sampled_from([0.1, 1.0, 12.0, 65.0])},
+    optional={
+        "people": st.integers(0, 3),
+        "farthest_m": st.sampled_from([0.5, 3.0, 6.0]),
+        "driven_m": st.floats(0, 100),
+        "battery": st.sampled_from([None, 0.1, 0.9]),
+        "e_stop": st.booleans(),
+        "by_hand": st.booleans(),
+        "localized": st.booleans(),
+    },
+)
+moments = st.tuples(seen, st.one_of(st.none(), events), st.sampled_from(["", "done", "failed"]))
+
+
+@settings(max_examples=50)
+@given(st.lists(moments, max_size=60))
+def test_whatever_happens(happening: list[tuple[dict[str, Any], Event | None, str]]) -> None:
+    """It drives only in the states that drive, never between an emergency stop and a press, and always comes to an
+    end."""
+    run, held = Run(tour(**LAB.model_dump(by_alias=True))).started(), False
+    for changes, event, outcome in happening:
+        ended = [Ended(wish.key, outcome == "done") for wish in run.wishes() if outcome and wish.cls in ACHIEVEMENTS]
+        run.see(*ended, *([event] if event else []), **changes)
+        progress = run.progress
+        if run.view.e_stop:
+            held = True
+        elif event in (Pressed("resume"), Pressed("start"), Scheduled()) or not progress.is_running:
+            held = False
+        drives = any(wish.cls == "GoTo" for wish in run.wishes())
+        assert not drives or progress.state in DRIVES
+        assert not (drives and (held or run.view.e_stop or run.view.by_hand))
+        assert 0 <= progress.stop < len(run.scene.tour.stops)
+        assert len({wish.key for wish in run.wishes()}) == len(run.wishes())
+    run.see(e_stop=False, by_hand=False, localized=True, people=0, near=0)
+    for _ in range(100):
+        ended = [Ended(wish.key, False) for wish in run.wishes() if wish.cls == "GoTo"]
+        run.see(*ended, after_s=25.0)
+    assert run.progress.state == "idle"
