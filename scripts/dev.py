@@ -12,12 +12,12 @@ import hashlib
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from tempfile import TemporaryFile
 from typing import Any
 
 if sys.version_info < (3, 11):
@@ -25,6 +25,7 @@ if sys.version_info < (3, 11):
         f"HBBA needs Python 3.11 or newer, and {sys.executable} is {sys.version.split()[0]}: make PYTHON=python3.12"
     )
 
+import alongside
 import installing
 import locking
 import page
@@ -348,24 +349,12 @@ def test(arguments: list[str]) -> int:
     os.environ.update(dict.fromkeys(SINGLE, "1"))
     if arguments:
         return run([PYTHON, "-m", "pytest", *arguments])
-    with TemporaryFile("w+", encoding="utf-8") as output:
-        said = subprocess.Popen(
-            [*GIVING_WAY, PYTHON, __file__, "patient-tests"],
-            stdin=subprocess.DEVNULL,
-            stdout=output,
-            stderr=subprocess.STDOUT,
-        )
-        try:
-            say("running the tests that run against the clock; beside them lint, the page's tests and all others")
-            hurried = run([PYTHON, "-m", "pytest", *HURRIED])
-            if said.poll() is None:
-                say("waiting for the others")
-            patient = said.wait()
-        finally:
-            if said.poll() is None:
-                said.kill()
-        output.seek(0)
-        shutil.copyfileobj(output, sys.stdout)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # so that nothing of ours goes on without us
+    with alongside.alongside([*GIVING_WAY, PYTHON, __file__, "patient-tests"]) as others:
+        say("running the tests that run against the clock; beside them lint, the page's tests and all others")
+        hurried = run([PYTHON, "-m", "pytest", *HURRIED])
+        say("the others, while they go on:" if others.running() else "the others:")
+        patient = others.show()
     say(f"everything took {time.monotonic() - began:.0f} s")
     return hurried or patient
 

@@ -42,7 +42,13 @@ def locking(installing: ModuleType) -> Iterator[ModuleType]:
 
 
 @pytest.fixture(scope="session")
-def dev(page: ModuleType, installing: ModuleType, locking: ModuleType) -> Iterator[ModuleType]:
+def alongside() -> Iterator[ModuleType]:
+    yield _load("alongside")
+    del sys.modules["alongside"]
+
+
+@pytest.fixture(scope="session")
+def dev(page: ModuleType, installing: ModuleType, locking: ModuleType, alongside: ModuleType) -> Iterator[ModuleType]:
     yield _load("dev")
     del sys.modules["dev"]
 

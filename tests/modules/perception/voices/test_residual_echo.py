@@ -1,4 +1,4 @@
-"""The rest of the robot's own voice is told from another's, however much of it is left: also while the robot drives."""
+"""The rest of the robot's own voice is not taken for another's, however much is left: also while the robot drives."""
 
 from __future__ import annotations
 
