@@ -14,9 +14,13 @@ from app.robots.config import BodyConfig, HokuyoConfig, Positive, StartPose, cir
 
 
 class KinematicLaserConfig(HokuyoConfig):
-    """Stream ``hokuyo``: as the simulated lab's, at a rate and with rays that suffice to drive by."""
+    """Stream ``hokuyo``: as the simulated lab's, with as many rays and scans as suffice to drive by.
+
+    ``nominal_hz`` is the rate of the laser that it stands for, by which filters count; ``rate_hz`` is given of it.
+    """
 
     rate_hz: Positive = 10.0
+    nominal_hz: Positive = 40.0
     rays: Annotated[int, Field(ge=2)] = 361
     range_max_m: Positive = 12.0
     noise_m: Annotated[float, Field(ge=0)] = 0.0

@@ -65,9 +65,11 @@ class KinematicLink:
         self._joints = KinematicJoints(config.groups.values())
         self._unmoved = dict.fromkeys(model.joint_names, 0.0)
         self._laser: KinematicLaser | None = None
+        self._laser_config = config.laser
         if config.laser is not None:
             self._laser = KinematicLaser(config.laser, model.pose(config.laser.link), rays, scenario.seed)
         self._receivers = Receivers(self.description)
+        self._rate_hz = config.rate_hz
         self._period_s = 1.0 / config.rate_hz
         self._steps = 0
         #: Each so many steps a stream gives a message.
@@ -111,7 +113,7 @@ class KinematicLink:
         self._receivers.demand(stream, rate_hz)
 
     def periods(self, stream: str) -> int:
-        """As ``RobotLink.periods``: no stream thins."""
+        """As ``RobotLink.periods``."""
         return self._receivers.periods(stream)
 
     def command(self, command: Twist | JointCommand) -> None:
@@ -166,10 +168,19 @@ class KinematicLink:
             self._receivers.deliver("ground_truth", truth)
         if self._due("scene_truth"):
             self._receivers.deliver("scene_truth", SceneTruth(now, self.scenario_state.people, ()))
-        if self._laser is not None and self._due("hokuyo"):
-            self._receivers.deliver("hokuyo", self._laser.scan(now, base.pose, discs=legs(self.scenario_state.actors)))
+        self._sweep(now)
         if self._due("status"):
             self._receivers.deliver("status", self._status(now))
+
+    def _sweep(self, now: float) -> None:
+        """Give a scan, if one is due; it ends all periods of the laser since the last."""
+        laser, config, wanted_hz = self._laser, self._laser_config, self._receivers.rates.get("hokuyo", 0.0)
+        if laser is None or config is None or not wanted_hz:
+            return
+        every = max(1, round(self._rate_hz / min(wanted_hz, config.rate_hz, self._rate_hz)))
+        if self._steps % every == 0:
+            scan = laser.scan(now, self.base.pose, discs=legs(self.scenario_state.actors))
+            self._receivers.deliver("hokuyo", scan, max(1, round(every * config.nominal_hz / self._rate_hz)))
 
     def _due(self, stream: str) -> bool:
         wanted = stream in ALWAYS_ON or stream in self._receivers.wanted
@@ -200,12 +211,15 @@ def describe(config: KinematicConfig) -> RobotDescription:
         "scene_truth": (SceneTruth, status_hz),
     }
     if config.laser is not None:
-        table["hokuyo"] = (LaserScan, min(config.laser.rate_hz, config.rate_hz))
+        table["hokuyo"] = (LaserScan, config.laser.nominal_hz)
     return RobotDescription(
         config.name,
         config.model,
         config.limits.base(),
-        {name: StreamDescription(name, kind, rate_hz) for name, (kind, rate_hz) in table.items()},
+        {
+            name: StreamDescription(name, kind, rate_hz, thins=kind is LaserScan)
+            for name, (kind, rate_hz) in table.items()
+        },
         simulated=True,
         loudspeaker=True,
         footprint=config.footprint,

@@ -75,6 +75,17 @@ def test_streams_come_at_their_rates_and_only_while_they_are_wanted() -> None:
     assert counts.keys() == body.link.description.streams.keys()
 
 
+@pytest.mark.parametrize(("wanted_hz", "scans", "periods"), [(math.inf, 100, 4), (40.0, 100, 4), (5.0, 50, 8)])
+def test_a_scan_says_how_many_periods_of_the_laser_it_ends(wanted_hz: float, scans: int, periods: int) -> None:
+    body = Body()
+    ended: list[int] = []
+    body.link.attach("hokuyo", lambda _: ended.append(body.link.periods("hokuyo")))
+    body.link.demand("hokuyo", wanted_hz)
+    played(body, lambda: body.clock.sleep(10.02))
+    assert ended == [periods] * scans
+    assert body.link.description.streams["hokuyo"].rate_hz == 40.0
+
+
 def test_odometry_begins_at_the_start_and_truth_is_on_the_map() -> None:
     body = Body()
     body.link.demand("ground_truth", math.inf)
