@@ -182,7 +182,9 @@ def test_every_class_has_words_and_every_parameter_a_default_but_what_it_is_abou
     place: dict[str, object] = {"x": 1.0, "y": 1.0}
     text: dict[str, object] = {"text": "Hello."}
     question: dict[str, object] = {"question": "Why?"}
-    needed = dict.fromkeys(("GoTo", "PointAt", "Reach"), place) | {"Say": text, "Ask": question}
+    heading: dict[str, object] = {"heading": 1.0}
+    needed = dict.fromkeys(("GoTo", "PointAt", "Reach"), place)
+    needed |= {"Say": text, "Ask": question, "RotateToHeading": heading}
     # A point or a place: neither alone is required.
     either: dict[str, dict[str, object]] = {"LookAt": place}
     values = needed.get(desire_class.name, {})
