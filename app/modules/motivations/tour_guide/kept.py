@@ -50,6 +50,7 @@ def after_restart(run: KeptRun, at: float, view: View, scene: Scene) -> Progress
         return Progress(reason="what was kept of the run is not of this tour")
     state: State = before.resume if before.state == "paused" else before.state
     fresh = replace(before, state="paused", resume=state, since=view.now, gone_since=None, near_since=None)
+    fresh = replace(fresh, towards=None, stuck_since=None, homed=False)  # of another odometry
     if not before.is_running:
         return Progress(reason=before.reason)
     if before.state == "paused" and before.to_press:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Final, assert_never
 
+from app.base.geometry import wrap_angle
 from app.modules.motivations.tour_guide.progress import (
     Asked,
     Chosen,
@@ -19,6 +20,7 @@ from app.modules.motivations.tour_guide.progress import (
     Spoken,
     State,
     View,
+    Withdrawn,
 )
 from app.modules.motivations.tour_guide.wishes import Scene, awaited, step_now, steps_now, stop_of
 from app.tours.model import Tour, rules_at
@@ -40,6 +42,8 @@ HOME_S: Final = 600.0
 HOME_TRIES: Final = 3
 #: It speeds up again at this share of ``slow_m``.
 _CLOSER: Final = 0.8
+#: It turns after visitors who are beside it by more (rad).
+_BESIDE_RAD: Final = 0.35
 #: States in which it drives, or is about to.
 _ON_THE_WAY: Final[frozenset[State]] = frozenset({"leading", "waiting", "turning", "blocked", "lost"})
 _AT_A_STOP: Final[frozenset[State]] = frozenset({"presenting", "listening", "answering"})
@@ -60,27 +64,27 @@ def advance(progress: Progress, view: View, scene: Scene) -> Progress:
 def _interrupted(progress: Progress, view: View, scene: Scene) -> Progress:
     """The emergency stop, driving by hand, an empty battery, a pose that is lost."""
     if not progress.is_running:
-        return progress
+        return replace(progress, homed=False) if view.e_stop or view.by_hand else progress
     if view.e_stop:
-        return _paused(progress, view, "the emergency stop is latched", to_press=True)
+        return _paused(progress, view, "the emergency stop is latched", to_press=True, excuse="e_stop")
     if view.by_hand:
         return _paused(progress, view, "it is driven by hand", to_press=False)
     if progress.state in ("paused", "parting", "going_home"):
         return progress
     if view.battery is not None and view.battery < scene.tour.battery.end_below:
-        return _part(progress, view, "the battery is low")
+        return _part(progress, view, "the battery is low", excuse="battery")
     if not view.localized and progress.state in _ON_THE_WAY and progress.state != "lost":
         return _enter(progress, "lost", view, reason="the robot does not know where it is")
     return progress
 
 
-def _paused(progress: Progress, view: View, reason: str, *, to_press: bool) -> Progress:
+def _paused(progress: Progress, view: View, reason: str, *, to_press: bool, excuse: str = "paused") -> Progress:
     if progress.state == "paused":
         if to_press and not progress.to_press:
-            return replace(progress, to_press=True, reason=reason)
+            return replace(progress, to_press=True, reason=reason, excuse=excuse)
         # The time until it goes on begins when no hand drives any more.
         return progress if to_press or progress.to_press else replace(progress, since=view.now)
-    kept = replace(progress, resume=progress.state, to_press=to_press)
+    kept = replace(progress, resume=progress.state, to_press=to_press, excuse=excuse)
     return replace(kept, state="paused", since=view.now, entry=progress.entry + 1, reason=reason)
 
 
@@ -88,6 +92,11 @@ def _after(progress: Progress, event: Event, view: View, scene: Scene) -> Progre
     match event:
         case Ended():
             return _outcome(progress, event, view, scene)
+        case Withdrawn(key) if key == f"{progress.entry}.go":
+            # A person who withdraws the goal stops the robot.
+            return _paused(progress, view, "its goal was withdrawn", to_press=True)
+        case Withdrawn(key):
+            return _outcome(progress, Ended(key, True), view, scene)
         case Pressed():
             return _pressed(progress, event, view, scene)
         case Chosen(stop):
@@ -183,7 +192,7 @@ def _invited(progress: Progress, view: View, tour: Tour) -> Progress:
         return replace(progress, reason="no tour begins while the robot is held")
     if view.battery is not None and view.battery < tour.battery.begin_min:
         return replace(progress, reason="the battery is too low for a tour")
-    fresh = Progress(entry=progress.entry, seen_m=view.driven_m)
+    fresh = Progress(entry=progress.entry, seen_m=view.driven_m, towards=progress.towards)
     return _enter(fresh, "inviting", view)
 
 
@@ -224,13 +233,17 @@ def _people(progress: Progress, view: View, tour: Tour) -> Progress:
     enough = view.near >= tour.begin.people_min
     near_since = (view.now if progress.near_since is None else progress.near_since) if enough else None
     gone = (view.now if progress.gone_since is None else progress.gone_since) if view.people == 0 else None
+    towards = progress.towards
+    if view.towards is not None and (towards is None or abs(wrap_angle(view.towards - towards)) > _BESIDE_RAD):
+        towards = view.towards
     all_near = view.people > 0 and view.farthest_m <= tour.pace.wait_m
     seen_m = view.driven_m if all_near else progress.seen_m
     slow = progress.slow
     if view.people > 0:
         slow = view.farthest_m > tour.pace.slow_m * (_CLOSER if slow else 1.0)
     invites = progress.invites or not enough
-    return replace(progress, near_since=near_since, gone_since=gone, invites=invites, seen_m=seen_m, slow=slow)
+    noted = replace(progress, near_since=near_since, gone_since=gone, invites=invites, seen_m=seen_m, slow=slow)
+    return replace(noted, towards=towards, stuck_since=view.stuck_since)
 
 
 # --- outcomes and times ----------------------------------------------------------------------------------------------
@@ -242,12 +255,10 @@ def _outcome(progress: Progress, event: Ended, view: View, scene: Scene) -> Prog
         return progress
     match progress.state:
         case "leading" if name == "go":
-            if event.done:
-                return _enter(progress, "turning", view)
-            return _unreached(progress, view, scene)
+            return _arrived(progress, view, scene) if event.done else _unreached(progress, view, scene)
         case "going_home" if name == "go":
             if event.done:
-                return _enter(progress, "idle", view, reason="the tour is over")
+                return replace(_enter(progress, "idle", view, reason="the tour is over"), homed=True)
             if progress.attempt + 1 >= HOME_TRIES:
                 return _enter(progress, "idle", view, reason="the way home is blocked")
             return replace(_enter(progress, "going_home", view), attempt=progress.attempt + 1)
@@ -258,6 +269,14 @@ def _outcome(progress: Progress, event: Ended, view: View, scene: Scene) -> Prog
                 return _failed_step(progress, name, view, scene)
             return replace(progress, ended=progress.ended | {event.key})
     return progress
+
+
+def _arrived(progress: Progress, view: View, scene: Scene) -> Progress:
+    """At the stop; what is doubtful about its place is noted, and it is presented all the same."""
+    stop = stop_of(progress, scene.tour)
+    if doubt := scene.doubts.get(stop.place):
+        progress = replace(progress, failures=(*progress.failures, Failure(stop.id, doubt)))
+    return _enter(progress, "turning" if stop.stand.face == "visitors" else "presenting", view)
 
 
 def _unreached(progress: Progress, view: View, scene: Scene) -> Progress:
@@ -278,7 +297,7 @@ def _given_up(progress: Progress, view: View, scene: Scene) -> Progress:
         case "present_from_here":
             return _enter(noted, "presenting", view)
         case "end":
-            return _part(noted, view, f"{stop.id} cannot be reached")
+            return _part(noted, view, f"{stop.id} cannot be reached", excuse="unreachable")
 
 
 def _failed_step(progress: Progress, name: str, view: View, scene: Scene) -> Progress:
@@ -350,12 +369,11 @@ def _waited(progress: Progress, view: View, scene: Scene) -> Progress:
 
 def _stepped(progress: Progress, view: View, scene: Scene) -> Progress:
     """On to the next step once all that this one waits for has ended, or has taken too long."""
-    if step_now(progress, scene.tour) is not None:
-        missing = awaited(progress, scene, view.now) - progress.ended
-        if missing and view.now - progress.since < LONGEST_STEP_S:
-            return progress
-        if missing and progress.state == "presenting":
-            return _failed_step(progress, min(missing).partition(".")[2], view, scene)
+    missing = awaited(progress, scene, view.now) - progress.ended
+    if missing and view.now - progress.since < LONGEST_STEP_S:
+        return progress
+    if missing and progress.state == "presenting":
+        return _failed_step(progress, min(missing).partition(".")[2], view, scene)
     step = step_now(progress, scene.tour)
     if progress.state == "presenting" and step is not None and step.wait is not None:
         return _enter(progress, "listening", view, step=progress.step)
@@ -404,6 +422,9 @@ def _enter(progress: Progress, state: State, view: View, *, step: int = 0, reaso
         sentence=0,
         said_from=0,
         to_press=False,
+        stuck_since=None,
+        excuse="",
+        homed=False,
         invites=state != "idle",
         reason=reason,
     )
@@ -423,8 +444,8 @@ def _lead(progress: Progress, view: View, scene: Scene, stop: int = 0) -> Progre
     return _part(progress, view, "it is over")
 
 
-def _part(progress: Progress, view: View, reason: str) -> Progress:
-    return _enter(progress, "parting", view, reason=reason)
+def _part(progress: Progress, view: View, reason: str, *, excuse: str = "") -> Progress:
+    return replace(_enter(progress, "parting", view, reason=reason), excuse=excuse)
 
 
 def go_home(progress: Progress, view: View, scene: Scene) -> Progress:
