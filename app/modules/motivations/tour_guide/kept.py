@@ -7,9 +7,11 @@ from typing import Final
 
 import msgspec
 
+from app.modules.motivations.tour_guide.entering import go_home
 from app.modules.motivations.tour_guide.progress import Progress, State, View
-from app.modules.motivations.tour_guide.transitions import go_home, resumed
+from app.modules.motivations.tour_guide.transitions import resumed
 from app.modules.motivations.tour_guide.wishes import Scene
+from app.tours.run_report import RunReport
 from app.tours.tour_file import digest
 
 #: A run is not gone on with after so long (s).
@@ -18,11 +20,14 @@ LONGEST_BREAK_S: Final = 600.0
 
 @dataclass(frozen=True, slots=True)
 class KeptRun:
-    """A run of the tour with this ``digest``, as it was at ``at`` (Unix time, s)."""
+    """A run of the tour with this ``digest``, as it was at ``at`` (Unix time, s); ``report``: what it was until then;
+    ``waits``: whether the tour waits for visitors again after it."""
 
     digest: str
     at: float
     progress: Progress
+    report: RunReport | None = None
+    waits: bool = False
 
 
 def kept_bytes(run: KeptRun) -> bytes:

@@ -93,7 +93,8 @@ class View:
     ``begin.within_m`` of the tour; ``speaking``: whether a voice is heard there; ``driven_m``: what the base has
     driven since the program began; ``towards``: the heading (rad in odom) of visitors, or of where they are looked for,
     None while unknown; ``stuck_since``: since when (s) the way to the goal is no shorter, None while it is;
-    ``battery``: share of a full charge, None where the body does not say; ``by_hand``: it goes where others want it.
+    ``battery``: share of a full charge, None where the body does not say; ``docked``: whether it charges; ``by_hand``:
+    it goes where others want it.
     """
 
     now: float
@@ -105,6 +106,7 @@ class View:
     towards: float | None = None
     stuck_since: float | None = None
     battery: float | None = None
+    docked: bool = False
     e_stop: bool = False
     by_hand: bool = False
     localized: bool = True

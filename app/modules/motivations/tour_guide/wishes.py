@@ -110,6 +110,9 @@ def key(progress: Progress, name: str) -> str:
 
 def _wishes(progress: Progress, scene: Scene, now: float) -> Iterator[Wish]:
     tour = scene.tour
+    if progress.homed and scene.docks and progress.state in ("idle", "inviting", "confirming"):
+        # It leaves the dock when it leads, not when it greets.
+        yield Wish("dock", DOCK)
     match progress.state:
         case "leading":
             stop = stop_of(progress, tour)
@@ -117,8 +120,6 @@ def _wishes(progress: Progress, scene: Scene, now: float) -> Iterator[Wish]:
             since = now if progress.stuck_since is None else max(progress.stuck_since, progress.since)
             if asked := sum(now - since >= after for after in PASSES_S):
                 yield _said(progress, f"pass-{asked}", PASS, scene)
-        case "idle" if progress.homed and scene.docks:
-            yield Wish("dock", DOCK)
         case "paused" if progress.excuse:
             yield _said(progress, f"excuse-{progress.excuse}", EXCUSES[progress.excuse], scene)
         case "going_home":

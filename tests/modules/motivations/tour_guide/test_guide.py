@@ -368,6 +368,12 @@ def test_it_faces_visitors_and_turns_after_them() -> None:
         assert run.until(state).wish("RotateToHeading").params == {"heading": 1.0}
 
 
+def test_it_greets_those_it_sees_and_turns_to_nobody_else() -> None:
+    run = Run().see(people=0, near=0, towards=3.0).started()
+    assert [wish.cls for wish in run.wishes()] == ["Say"]
+    assert run.see(speaking=True).wish("RotateToHeading").params == {"heading": 3.0}
+
+
 def test_a_stop_where_it_stands_as_the_place_says_is_not_turned_at() -> None:
     stops = [stop("one", stand={"face": "place"}), stop("two")]
     run = Run(changed(stops=stops)).started().see(towards=0.5).until("presenting")
@@ -423,7 +429,12 @@ def test_it_charges_at_home_until_it_is_moved() -> None:
     run = Run()
     run.scene = replace(run.scene, docks=True)
     assert [wish.cls for wish in run.started().until("idle").wishes()] == ["Dock"]
-    assert run.see(by_hand=True).see(by_hand=False).wishes() == ()
+    run.press("start").see(towards=1.0, docked=True)
+    assert [wish.cls for wish in run.wishes()] == ["Dock", "Say"], "it stays there while it greets, and does not turn"
+    assert "Dock" not in [wish.cls for wish in run.until("leading").wishes()]
+    again = run.until("idle")
+    assert [wish.cls for wish in again.wishes()] == ["Dock"]
+    assert again.see(by_hand=True).see(by_hand=False).wishes() == ()
 
 
 buttons: st.SearchStrategy[Button] = st.sampled_from(
