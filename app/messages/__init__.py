@@ -103,6 +103,15 @@ from app.messages.sensors import (
     SoundTruth,
 )
 from app.messages.speech import HeardWords, Speech, SpeechState
+from app.messages.tours import (
+    OperatorQuestion,
+    ShownMedia,
+    TourButton,
+    TourFailure,
+    TourProgress,
+    TourQuestion,
+    TourState,
+)
 
 __all__ = [
     "Accomplished",
@@ -159,6 +168,7 @@ __all__ = [
     "NavigationStatus",
     "OccupancyGrid",
     "Odometry",
+    "OperatorQuestion",
     "PerceptEvent",
     "PerceptKind",
     "PersonTruth",
@@ -186,6 +196,7 @@ __all__ = [
     "SceneTruth",
     "SelectedStrategy",
     "SeparatedSound",
+    "ShownMedia",
     "SoundClass",
     "SoundSource",
     "SoundSources",
@@ -198,6 +209,11 @@ __all__ = [
     "SubscriptionCounters",
     "TeleopCommand",
     "TimelineEvent",
+    "TourButton",
+    "TourFailure",
+    "TourProgress",
+    "TourQuestion",
+    "TourState",
     "Twist",
     "Zone",
     "Zones",
