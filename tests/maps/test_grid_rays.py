@@ -21,7 +21,7 @@ def room(width_m: float = 6.0, height_m: float = 4.0, origin: tuple[float, float
     cells[0], cells[-1], cells[:, 0], cells[:, -1] = 100, 100, 100, 100
     cells[36:44, 76:84] = 100
     cells[1:10, 1:10] = -1
-    return OccupancyGrid(0.0, "map", cells, CELL_M, origin, 1)
+    return OccupancyGrid(0.0, "map", cells, CELL_M, origin=origin, version=1)
 
 
 def searched(grid: OccupancyGrid, x: float, y: float, direction: float) -> float:
@@ -56,7 +56,7 @@ def test_rays_end_at_their_reach_and_leave_the_grid_without_a_hit() -> None:
     east = np.array([0.0])
     assert rays.cast(0.0, 1.0, east, 30.0)[0] == pytest.approx(4.95, abs=CELL_M)
     assert math.isinf(rays.cast(0.0, 1.0, east, 4.0)[0])
-    open_land = OccupancyGrid(0.0, "map", np.zeros((40, 40), np.int8), CELL_M, (0.0, 0.0), 1)
+    open_land = OccupancyGrid(0.0, "map", np.zeros((40, 40), np.int8), CELL_M, origin=(0.0, 0.0), version=1)
     assert math.isinf(GridRays(open_land).cast(1.0, 1.0, east, 30.0)[0])
 
 

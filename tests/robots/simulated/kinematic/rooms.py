@@ -17,7 +17,7 @@ def room() -> OccupancyGrid:
     cells = np.zeros((80, 120), np.int8)
     cells[0], cells[-1], cells[:, 0], cells[:, -1] = 100, 100, 100, 100
     cells[36:44, 76:84] = 100
-    return OccupancyGrid(0.0, "map", cells, CELL_M, (-1.0, -2.0), 1)
+    return OccupancyGrid(0.0, "map", cells, CELL_M, origin=(-1.0, -2.0), version=1)
 
 
 def kept(folder: Path, name: str = "room") -> Path:
