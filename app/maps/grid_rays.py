@@ -31,12 +31,12 @@ class GridRays:
         self._origin = grid.origin
         self._cell_m = grid.resolution_m
         self._occupied: NDArray[np.bool_] = grid.cells >= OCCUPIED
-        free = (~self._occupied).astype(np.uint8)
+        # Without any obstacle, a ray leaves the grid in one step.
+        cells = np.full(grid.cells.shape, float(max(grid.cells.shape)))
         if self._occupied.any():
-            cells = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-        else:
-            cells = np.full(free.shape, max(free.shape), np.float32)
-        self._steps = np.maximum(np.asarray(cells, np.float64) - _SLACK, _LEAST)
+            free = (~self._occupied).astype(np.uint8)
+            cells = np.asarray(cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE), np.float64)
+        self._steps = np.maximum(cells - _SLACK, _LEAST)
 
     def occupied(self, points: FloatArray) -> NDArray[np.bool_]:
         """Whether each of ``points`` (N, 2), m on the map, is in an occupied cell."""
