@@ -133,6 +133,7 @@ async def _live(
     from app.program.system import System
     from app.robots.factory import create_link
     from app.runtime.clock import RealClock
+    from app.tours.run_library import RunLibrary, default_folder
 
     cv2.setNumThreads(1)  # modules have their own threads; OpenCV's pool would only fight them for the cores
 
@@ -141,7 +142,9 @@ async def _live(
     announce = announcer("HBBA is up", host, port, token, open_browser=open_browser)
     log.info("starting", extra={"configuration": configuration.program_document.file})
     clock = RealClock()
-    system = System(configuration, link=create_link(body, clock.offset), body=body, clock=clock)
+    system = System(
+        configuration, link=create_link(body, clock.offset), body=body, clock=clock, runs=RunLibrary(default_folder())
+    )
     panels = await asyncio.to_thread(load_panels)
     # Building takes long enough to disturb driving.
     app = create_app(system, token=token, host=host, host_names=names, panels=panels)

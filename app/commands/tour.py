@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.base.errors import ConfigError
+from app.commands import tour_rehearse
 from app.commands.arguments import add_config, file_named
 from app.commands.output import add_json, aligned, check_writable, print_json
 from app.commands.packaged import program_named
@@ -44,6 +45,7 @@ def add_parser(subparsers: Any) -> None:
     add_config(check)
     add_json(check, default=argparse.SUPPRESS)
     actions.add_parser("schema", help="print the JSON Schema of a tour", description="Print the JSON Schema of a tour.")
+    tour_rehearse.add_parser(actions)
     posters = actions.add_parser(
         "posters",
         help="print posters of a tour's stops",
@@ -63,6 +65,9 @@ def run(args: argparse.Namespace) -> int:
             return _check(args)
         case "posters":
             return _posters(args)
+        case "rehearse":
+            tour, _ = _load(_file(_library(), args.tour))
+            return tour_rehearse.run(args, tour)
         case "schema":
             from app.tours.model import tour_schema
 

@@ -33,6 +33,7 @@ from app.console.rest.program import program_router, robot_router
 from app.console.rest.recordings import recordings_router
 from app.console.rest.routing import records
 from app.console.rest.session import session_router
+from app.console.rest.tour_run import tour_run_router
 from app.console.rest.tours import tours_router
 from app.console.rest.viewers import viewers_router
 from app.console.view.relay import view_router
@@ -104,6 +105,7 @@ def create_app(
         places_router(system),
         goal_router(system, hub),
         tours_router(system),
+        tour_run_router(system),
         program_router(system, hub),
         recordings_router(system, replays, None if playback is None else playback.info.path),
         viewers_router(hub, view),

@@ -30,7 +30,7 @@ _TAGS = [
     {"name": "attention", "description": "The intention and its reasons, strategies, budgets, timeline."},
     {"name": "robot", "description": "The body: pose, guard, emergency stop."},
     {"name": "maps", "description": "Maps, the robot's place on them, and its goal."},
-    {"name": "tours", "description": "Guided tours: edit, check, exchange, print posters."},
+    {"name": "tours", "description": "Guided tours: edit, check, exchange, print posters, lead, report."},
     {"name": "program", "description": "Modules and channels."},
     {"name": "recordings", "description": "Logs of the robot: record, list, download, replay."},
     {"name": "playback", "description": "The transport of a played recording: play, pause, seek, speed."},

@@ -105,6 +105,15 @@ from app.messages.sensors import (
     SoundTruth,
 )
 from app.messages.speech import HeardWords, Speech, SpeechState
+from app.messages.tours import (
+    OperatorQuestion,
+    ShownMedia,
+    TourButton,
+    TourFailure,
+    TourProgress,
+    TourQuestion,
+    TourState,
+)
 
 __all__ = [
     "Accomplished",
@@ -165,6 +174,7 @@ __all__ = [
     "NavigationStatus",
     "OccupancyGrid",
     "Odometry",
+    "OperatorQuestion",
     "PerceptEvent",
     "PerceptKind",
     "Person",
@@ -195,6 +205,7 @@ __all__ = [
     "SceneTruth",
     "SelectedStrategy",
     "SeparatedSound",
+    "ShownMedia",
     "SoundClass",
     "SoundSource",
     "SoundSources",
@@ -208,6 +219,11 @@ __all__ = [
     "TeleopCommand",
     "TimelineEvent",
     "TorsoColors",
+    "TourButton",
+    "TourFailure",
+    "TourProgress",
+    "TourQuestion",
+    "TourState",
     "Twist",
     "Zone",
     "Zones",

@@ -33,6 +33,7 @@ EventKind = Literal[
     "percept",
     "battery",
     "accomplishment",
+    "tour",
 ]
 #: What a behavior reports of a desire.
 Accomplished = Literal["done", "failed"]

@@ -58,6 +58,9 @@ from app.runtime.supervisor import Supervisor
 from app.runtime.watchdog import LoopWatchdog
 from app.tours.library import TourLibrary
 from app.tours.library import default_folder as default_tours_folder
+from app.tours.run_library import RunLibrary
+from app.tours.run_library import default_folder as default_runs_folder
+from app.tours.run_service import TourRunService
 from app.tours.store import TourStore
 
 log = logging.getLogger("hbba.system")
@@ -81,6 +84,7 @@ class System:
         recordings: RecordingLibrary | None = None,
         maps: MapLibrary | None = None,
         tours: TourStore | None = None,
+        runs: RunLibrary | None = None,
         new_id: Callable[[], str] = random_id,
         partial: bool = False,
         reproducible: bool = False,
@@ -90,8 +94,9 @@ class System:
 
         ``body`` describes ``link`` where its file does not; recordings carry it. ``pins`` fixes filters
         (``Module.port``) against all strategies. ``recordings`` is the library of recordings, by default the user's
-        folder; so are ``maps`` and ``tours``. ``new_id`` makes the ids of desires. ``partial``: strategies may name
-        modules that do not exist, and are used without them. ``reproducible``: nothing may depend on the speed of this
+        folder; so are ``maps``, ``tours`` and ``runs``, of which the default resumes no tour that was under way when
+        another program ended. ``new_id`` makes the ids of desires. ``partial``: strategies may name modules that do not
+        exist, and are used without them. ``reproducible``: nothing may depend on the speed of this
         computer, so that two runs in virtual time are equal: the solver finds the optimum without a time limit and
         reports no solve time, the watchdog of the loop is off, no load is reported. ``recorded``: channels that come
         from a recording, so that the program does not publish on them what it knows of itself. Raises ConfigError.
@@ -114,6 +119,8 @@ class System:
         self.map = MapService()
         self.tours = tours or TourStore(TourLibrary(default_tours_folder(), paths.config_dir() / "tours"))
         self.places = PlaceService()
+        self.runs = runs or RunLibrary(default_runs_folder(), resumes=False)
+        self.tour_run = TourRunService()
         services: dict[type[object], object] = {
             RobotLink: self.link,
             IntentionWorkspace: self.workspace,
@@ -124,6 +131,8 @@ class System:
             MapService: self.map,
             TourStore: self.tours,
             PlaceService: self.places,
+            RunLibrary: self.runs,
+            TourRunService: self.tour_run,
             ChannelTable: ChannelTable(configuration.channels),
         }
         self.graph = Graph(

@@ -12,14 +12,17 @@ from app.base.extensions import extensions
 from app.base.kinematic_model import load_model
 from app.base.yaml_source import load_yaml, parse, suggestion
 from app.link import RobotLink, StreamDescription
+from app.maps.map_file import read_map
 from app.messages import JointState, LinkStatus, Odometry
 from app.robots.config import BodyConfig, RobotConfig, StartPose, load_robot_config
 from app.robots.devices.config import DevicesConfig, load_devices_config
+from app.robots.simulated.kinematic.config import KinematicConfig, load_kinematic_config
+from app.robots.simulated.kinematic.link import KinematicLink
 from app.robots.simulated.link import SimulatedLink
 from app.robots.simulated.lockstep import LockstepLink
 from app.robots.simulated.scenery.scenario_config import ScenarioConfig, load_scenario
 from app.robots.simulated.world_config import WorldConfig
-from app.runtime.clock import Clock
+from app.runtime.clock import Clock, RealClock
 
 Body = BodyConfig
 
@@ -130,6 +133,18 @@ def _devices(config: DevicesConfig, clock_offset: float) -> RobotLink:
     return DevicesLink(config, model, clock_offset)
 
 
+def _kinematic(config: KinematicConfig, clock_offset: float) -> RobotLink:
+    return create_kinematic(config, RealClock(clock_offset))
+
+
+def create_kinematic(config: KinematicConfig, clock: Clock, *, scenario: ScenarioConfig | None = None) -> KinematicLink:
+    """The kinematic body ``config`` on ``clock``, with the people of ``scenario``, or else of the one that its file
+    names. Raises ConfigError (file, line, key) if its map or that scenario is wrong."""
+    if scenario is None and config.scenario is not None:
+        scenario = load_scenario(config.scenario)
+    return KinematicLink(config, read_map(config.map), clock, scenario)
+
+
 def _check_model(robot: RobotConfig) -> None:
     """Raise ConfigError unless the model has the joints and links that the configuration names."""
     model = load_model(robot.model)
@@ -164,3 +179,4 @@ SIMULATED_KIND = "simulated"
 #: The objects that pyproject.toml names, as a package's names its own.
 SIMULATED = BodyKind(load_robot_config, _simulated)
 DEVICES = BodyKind(load_devices_config, _devices)
+KINEMATIC = BodyKind(load_kinematic_config, _kinematic)

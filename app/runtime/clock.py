@@ -56,14 +56,14 @@ class _LoopClock:
 
 
 class RealClock(_LoopClock):
-    """The computer's monotonic clock, shifted once so that it reads as Unix time.
+    """The computer's monotonic clock, shifted once so that it reads as Unix time, or by the ``offset`` given.
 
     ``offset`` (s) is what was added to ``time.monotonic()``: another process on the same computer that adds the
     same offset reads the same clock.
     """
 
-    def __init__(self) -> None:
-        self.offset = time.time() - time.monotonic()
+    def __init__(self, offset: float | None = None) -> None:
+        self.offset = time.time() - time.monotonic() if offset is None else offset
 
     def now(self) -> float:
         """Seconds since the Unix epoch, never decreasing."""

@@ -24,6 +24,7 @@ from app.program.system import System
 from app.robots.config import load_robot_config
 from app.runtime.clock import Clock
 from app.tours.library import TourLibrary
+from app.tours.run_library import RunLibrary
 from app.tours.store import TourStore
 
 MODEL = paths.config_dir() / "robots" / "irl1_tr.urdf"
@@ -92,6 +93,10 @@ modules:
     class: app.modules.behaviors.navigation_reporter:NavigationReporter
     inputs: {navigation: navigation, going_toward: going_toward, path: path, localization: localization}
     outputs: {report: navigation_report}
+  TourGuide:
+    class: app.modules.motivations.tour_guide.tour_guide:TourGuide
+    inputs: {odometry: odometry, localization: localization, places: places}
+    outputs: {progress: tour_progress}
   PlaceKeeper:
     class: app.modules.perception.place_keeper:PlaceKeeper
     inputs: {landmarks: landmarks, zones: zones}
@@ -145,6 +150,7 @@ localization: {type: Localization, frame: map, decimable: false, external: true,
 map: {type: OccupancyGrid, latched: true, frame: map, decimable: false, external: true}
 zones: {type: Zones, latched: true, frame: map, decimable: false, external: true, page: {every_hz: 10}}
 places: {type: Places, latched: true, frame: map, decimable: false, page: {every_hz: 10}}
+tour_progress: {type: TourProgress, latched: true, decimable: false, page: {as: tour, every_hz: 10}}
 navigation: {type: NavigationStatus, latched: true, decimable: false, external: true}
 path: {type: PlannedPath, latched: true, decimable: false, external: true}
 local_costmap: {type: OccupancyGrid, frame: odom, log: never, external: true}
@@ -269,7 +275,8 @@ def build(
     configuration = load_configuration(write_program(folder, recorder=recorder))
     recordings, maps = RecordingLibrary(folder / "recordings"), MapLibrary(folder / "maps")
     tours = TourStore(TourLibrary(folder / "tours", paths.config_dir() / "tours"))
-    return System(configuration, link=body, clock=clock, recordings=recordings, maps=maps, tours=tours), body
+    runs = RunLibrary(folder / "tour-runs")
+    return System(configuration, link=body, clock=clock, recordings=recordings, maps=maps, tours=tours, runs=runs), body
 
 
 @contextlib.asynccontextmanager

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import get_args
 
 from app.base import paths
+from app.messages import TourButton, TourState
 from app.modules.behaviors.face.expression import EXPRESSIONS
 from app.tours.checks import Surroundings, check
 from app.tours.codes import parse
@@ -54,3 +56,9 @@ def test_the_codes_shown_are_codes() -> None:
     codes = [row[0].strip("`") for row in rows("Codes that carry their interaction")]
     assert len(codes) == 3
     assert [str(parse(code)) for code in codes] == codes
+
+
+def test_every_state_and_button_is_described() -> None:
+    for heading, described in (("The guide", TourState), ("Leading a tour", TourButton)):
+        words = {word for first, *_ in rows(heading) for word in re.findall(r"`(\w+)`", first)}
+        assert words == set(get_args(described)), heading

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from itertools import pairwise
 from pathlib import Path
+from typing import cast
 
 import pytest
 
@@ -15,12 +16,16 @@ from app.attention.workspace import IntentionWorkspace
 from app.base.yaml_source import load_yaml
 from app.link import RobotLink
 from app.modules.motivations.scenario_coordinator import USUAL
+from app.modules.motivations.tour_guide.perceptions import perceptions
+from app.modules.motivations.tour_guide.progress import State
 from app.program.config import load_configuration
 from app.program.desire_classes import desire_classes
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.clock import VirtualClock, run_virtual
 from app.runtime.graph import Graph, ModuleSpec
+from app.tours.tour_file import load_tour
 from tests.modules.actuation.arms import link
+from tests.modules.motivations.tour_guide.run import Run
 
 CONFIG = Path(__file__).parents[2] / "config"
 CLASSES = desire_classes(load_configuration(CONFIG / "lab.yaml"))
@@ -182,7 +187,9 @@ def test_every_class_has_words_and_every_parameter_a_default_but_what_it_is_abou
     place: dict[str, object] = {"x": 1.0, "y": 1.0}
     text: dict[str, object] = {"text": "Hello."}
     question: dict[str, object] = {"question": "Why?"}
-    needed = dict.fromkeys(("GoTo", "PointAt", "Reach"), place) | {"Say": text, "Ask": question}
+    heading: dict[str, object] = {"heading": 1.0}
+    needed = dict.fromkeys(("GoTo", "PointAt", "Reach"), place)
+    needed |= {"Say": text, "Ask": question, "RotateToHeading": heading}
     # A point or a place: neither alone is required.
     either: dict[str, dict[str, object]] = {"LookAt": place}
     values = needed.get(desire_class.name, {})
@@ -191,3 +198,16 @@ def test_every_class_has_words_and_every_parameter_a_default_but_what_it_is_abou
     for name, prop in schema.get("properties", {}).items():
         assert prop["description"].endswith("."), name
         assert name in defaults
+
+
+def test_whatever_the_guide_wishes_can_be_desired_in_the_lab() -> None:
+    tour, _ = load_tour(CONFIG / "tours" / "lab-tour.yaml")
+    run, wished = Run(tour.model_copy(update={"home": "dock"})), set()
+    run.started().see(towards=1.0)
+    for state in ("confirming", "leading", "presenting", "listening", "parting", "going_home", "idle"):
+        run.until(cast(State, state)).see(people=0, stuck_since=run.view.now - 30)
+        for wish in (*run.wishes(), *perceptions(run.progress, run.scene)):
+            CLASSES[wish.cls].validated(wish.params)
+            wished.add(wish.cls)
+        run.see(people=2)
+    assert wished >= {"GoTo", "RotateToHeading", "Say", "ListenForWords", "LocateFaces", "SLAM", "DetectNoises"}

@@ -21,6 +21,8 @@ DOCKING = frozenset({"Dock", "Undock"})
 REPORT = "navigation_report"
 #: Goals of these sources came over the console.
 _ASKED_HERE = frozenset({"operator", "rest"})
+#: States of a tour on its way.
+_ON_THE_WAY = frozenset({"leading", "waiting", "turning", "blocked", "lost", "going_home"})
 
 
 def asked_here(workspace: IntentionWorkspace) -> list[Desire]:
@@ -43,6 +45,12 @@ def withdraw_all(workspace: IntentionWorkspace) -> None:
         for desire in workspace.desires():
             if desire.cls in {GO_TO, *DOCKING} and desire.utility > 0:
                 workspace.remove(desire.id)
+
+
+def pause_tour(system: System) -> None:
+    """Pause a tour that is on its way: a person who stops the robot means this, too. It goes on by a press."""
+    if system.tour_run.available and system.tour_run.server.progress.state in _ON_THE_WAY:
+        system.tour_run.server.press("pause")
 
 
 def dismiss_given_up(system: System) -> None:

@@ -34,6 +34,7 @@ from app.messages import (
     SalientRegions,
     Scale,
     Speech,
+    TourProgress,
 )
 from app.messages.base import Stamp, doc
 
@@ -247,6 +248,7 @@ FROM_ROBOT: dict[str, FrameKind] = {
     "navigation": FrameKind(NavigationModel, "On change: the goal and the state of navigation."),
     "zones": FrameKind(ZoneList, "On change: the zones of the map."),
     "places": FrameKind(PlaceList, "On change: the places of the map."),
+    "tour": FrameKind(TourProgress, "On change: how the guided tour goes."),
     "map_info": FrameKind(GridInfo, "Right before each picture of kind 3 (map): what it shows."),
     "costmap_info": FrameKind(GridInfo, "Right before each picture of kind 4 (costmap): what it shows."),
     "pong": FrameKind(Pong, "The answer to `ping`."),

@@ -7,7 +7,9 @@ from typing import Annotated, Any, Literal
 
 from msgspec import Meta
 
+from app.messages import TourProgress
 from app.messages.base import doc
+from app.tours.run_report import RunReport
 
 Severity = Literal["mistake", "error", "warning"]
 
@@ -64,3 +66,18 @@ class TourVerdict:
 
     runs: Annotated[bool, doc("Whether it has neither mistakes nor errors.")]
     problems: Annotated[tuple[TourProblemReport, ...], doc("The worst first.")]
+
+
+@dataclass(frozen=True, slots=True)
+class TourRunReport:
+    """The tour that is under way."""
+
+    progress: Annotated[TourProgress, doc("How it goes now.")]
+    report: Annotated[RunReport | None, doc("What the run has been so far, or the last one was; null: none.")]
+
+
+@dataclass(frozen=True, slots=True)
+class RunReportList:
+    """Reports on runs of tours, the newest first."""
+
+    reports: tuple[RunReport, ...]

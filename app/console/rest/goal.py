@@ -11,7 +11,7 @@ from fastapi.responses import Response
 from app.attention.desires import Desire
 from app.base.geometry import wrap_angle
 from app.console import reports
-from app.console.drive.goals import GO_TO, REPORT, asked_here, dismiss_given_up, withdraw
+from app.console.drive.goals import GO_TO, REPORT, asked_here, dismiss_given_up, pause_tour, withdraw
 from app.console.drive.place_goals import goal_at
 from app.console.live.hub import Hub
 from app.console.problems import Problem
@@ -102,8 +102,9 @@ def goal_router(system: System, hub: Hub) -> APIRouter:
     @router.delete("/goal", status_code=204, summary="Cancel the goal")
     async def cancel_goal() -> Response:
         """Withdraws every desire of class GoTo that came over the console, and every one to dock, also the robot's own;
-        a goal that the robot gave up is no longer reported. May be repeated."""
+        a goal that the robot gave up is no longer reported. A guided tour on its way is paused. May be repeated."""
         withdraw(workspace)
+        pause_tour(system)
         dismiss_given_up(system)
         return Response(status_code=204)
 

@@ -70,7 +70,7 @@ def tours_router(system: System) -> APIRouter:
     @router.get("/tours", response_model=TourList, summary="List all tours", responses=problems(409))
     async def list_tours() -> Response:
         """By id, those that come with the program among them; each with its `etag`."""
-        return Json(await _on_disk(listing))
+        return Json(await on_disk(listing))
 
     @router.post(
         "/tours",
@@ -86,7 +86,7 @@ def tours_router(system: System) -> APIRouter:
     @router.post("/tours/validate", response_model=TourVerdict, summary="Check a tour", responses=problems(400, 422))
     async def validate_tour(draft: TourBody) -> Response:
         """Without keeping it. Every mistake is found, with what else it lacks to run on this robot."""
-        return Json(await _on_disk(verdict, draft))
+        return Json(await on_disk(verdict, draft))
 
     @router.post(
         "/tours/import",
@@ -170,7 +170,7 @@ def tours_router(system: System) -> APIRouter:
     async def delete_tour(tour_id: TourId, if_match: IfMatch = None) -> Response:
         """`POST /tours/{tour_id}/undo` brings it back until the program ends. Where it was a changed tour of the
         program's, that one is there again; the program's own are not deleted."""
-        await _on_disk(store.delete, tour_id, matching(if_match))
+        await on_disk(store.delete, tour_id, matching(if_match))
         return Response(status_code=204)
 
     @router.post(
@@ -209,7 +209,7 @@ def tours_router(system: System) -> APIRouter:
     )
     async def export_tour(tour_id: TourId) -> Response:
         """Without pictures and videos."""
-        kept = await _on_disk(store.get, tour_id)
+        kept = await on_disk(store.get, tour_id)
         named = {"Content-Disposition": f'attachment; filename="{tour_id}.yaml"'}
         return Response(tour_text(kept.tour), media_type=YAML, headers=named)
 
@@ -229,7 +229,7 @@ def tours_router(system: System) -> APIRouter:
         stop: Annotated[str | None, Query(max_length=100, description="Id of one stop; left out: all.")] = None,
     ) -> Response:
         """Of the stops that have the text of a `poster`."""
-        kept = await _on_disk(store.get, tour_id)
+        kept = await on_disk(store.get, tour_id)
 
         def printed() -> bytes:
             from app.tours.posters import NoPosters, posters_of, posters_pdf  # loads matplotlib
@@ -289,7 +289,7 @@ def tours_router(system: System) -> APIRouter:
             found = _reports(checked(kept.tour))
             return TourReport(version(kept.tour), kept.shipped, kept.can_undo, kept.can_redo, found)
 
-        found = await _on_disk(report)
+        found = await on_disk(report)
         if found is None:
             return Response(status_code=204)
         headers = {"Location": f"/api/v1/tours/{found.tour['id']}"} if status == 201 else {}
@@ -319,7 +319,7 @@ def damaged(name: str, problem: str) -> TourSummary:
     )
 
 
-async def _on_disk(function: Callable[..., T], *args: Any) -> T:
+async def on_disk(function: Callable[..., T], *args: Any) -> T:
     """``function(*args)`` of the store, in a thread. Raises Problem."""
     try:
         return await asyncio.to_thread(function, *args)

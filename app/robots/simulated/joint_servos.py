@@ -16,9 +16,7 @@ from app.messages import GroupStatus, JointCommand
 from app.robots import joint_guard
 from app.robots.joint_guard import JointAction, JointGuardState, JointSetpoint
 from app.robots.simulated.body import PREFIX, RobotSimulation
-
-_KINEMATIC_PERIOD_S = 0.01
-"""Between two steps of a kinematic group's set-points: their profile is exact for steps of any length."""
+from app.robots.simulated.kinematic_servos import KinematicServos
 
 
 class JointServos:
@@ -27,13 +25,13 @@ class JointServos:
     def __init__(self, physics: RobotSimulation, groups: Iterable[ActuatorGroup]) -> None:
         self._physics = physics
         actuators = physics.config.actuators
-        self._groups: dict[str, _GroupServos | _KinematicServos] = {
-            group.name: _KinematicServos(group) if actuators[group.name].kinematic else _GroupServos(physics, group)
+        self._groups: dict[str, _GroupServos | KinematicServos] = {
+            group.name: KinematicServos(group) if actuators[group.name].kinematic else _GroupServos(physics, group)
             for group in groups
         }
         #: Those that have forces, and those that are outside the physics.
         self._powered = [servos for servos in self._groups.values() if isinstance(servos, _GroupServos)]
-        self._kinematic = [servos for servos in self._groups.values() if isinstance(servos, _KinematicServos)]
+        self._kinematic = [servos for servos in self._groups.values() if isinstance(servos, KinematicServos)]
         watched = [limits for servos in self._powered for limits in servos.group.joints]
         self._joints = physics.joint_numbers(limits.name for limits in watched)
         self._limits = np.array([limits.contact for limits in watched])
@@ -94,24 +92,6 @@ class JointServos:
         return tuple(
             joint_guard.status(now, servos.state, servos.group, servos.action) for servos in self._groups.values()
         )
-
-
-class _KinematicServos:
-    """A group outside the physics: its guard's state alone."""
-
-    def __init__(self, group: ActuatorGroup) -> None:
-        self.group = group
-        self.state: JointGuardState = joint_guard.at_rest(group, (0.0,) * len(group.joints))
-        self.action: JointAction = joint_guard.decide(0.0, self.state, group, None)
-        self._elapsed_s = 0.0
-
-    def step(self, dt_s: float) -> None:
-        """Move the set-points, of several steps at once."""
-        self._elapsed_s += dt_s
-        if self._elapsed_s + 1e-9 >= _KINEMATIC_PERIOD_S:
-            positions = tuple(setpoint.position for setpoint in self.state.setpoints)
-            self.state = joint_guard.step(self.state, self.action, self.group, positions, self._elapsed_s)
-            self._elapsed_s = 0.0
 
 
 class _GroupServos:

@@ -555,6 +555,29 @@ export interface OdometryReport {
   lateral_mps: number;
 }
 
+/** What the robot asks whoever operates it; without an answer it does what it says. */
+export interface OperatorQuestion {
+  /** The question. */
+  text: string;
+  /** Buttons that answer it. */
+  answers:
+    | ("agree"
+    | "decline"
+    | "end"
+    | "next"
+    | "pause"
+    | "repeat"
+    | "resume"
+    | "retry"
+    | "skip"
+    | "start"
+    | "undo_skip")[];
+  /** What it does without an answer, in words. */
+  default: string;
+  /** When it does that (robot's clock, s). */
+  until: number;
+}
+
 /**
  * A person, by all that is perceived of them. ``track`` is the number of one uninterrupted perception and ``person``
  * the identity, which is kept over interruptions: None while ``tentative`` (not yet believed to be a person) and while
@@ -878,6 +901,16 @@ export interface SelectedStrategy {
   costs: Record<string, number>;
 }
 
+/** A picture or a video that visitors are shown. */
+export interface ShownMedia {
+  /** Its path in the folder of tours. */
+  file: string;
+  /** What it shows, by language. */
+  alt: Record<string, string>;
+  /** Whether it is a video. */
+  video: boolean;
+}
+
 /** The author of a desire: a motivation of the robot, an operator at the console or a REST client, by name. */
 export interface Source {
   kind: "motivation" | "operator" | "rest";
@@ -964,12 +997,109 @@ export interface TimelineEvent {
     | "percept"
     | "restart"
     | "solver"
-    | "stale";
+    | "stale"
+    | "tour";
   /** What it is about: a desire class, a module, a filter. */
   subject: string;
   /** One sentence. */
   text: string;
   data: Record<string, unknown>;
+}
+
+/** Something on a tour that failed. */
+export interface TourFailure {
+  /** Id of the stop. */
+  stop: string;
+  /** In words. */
+  what: string;
+}
+
+/** How the tour that is under way goes, or waits for visitors; published with each change. */
+export interface TourProgress {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  /** Id of the run; empty before the first. */
+  run: string;
+  /** Id of the tour; empty: none is under way, and none waits for visitors. */
+  tour: string;
+  /** Of the tour, by language. */
+  title: Record<string, string>;
+  /** That the robot speaks. */
+  language: string;
+  languages: string[];
+  /** Whether visitors and the schedule begin it, again and again. */
+  waits: boolean;
+  state:
+    | "answering"
+    | "blocked"
+    | "confirming"
+    | "going_home"
+    | "idle"
+    | "inviting"
+    | "leading"
+    | "listening"
+    | "lost"
+    | "parting"
+    | "paused"
+    | "presenting"
+    | "turning"
+    | "waiting";
+  /** When the state began (robot's clock, s). */
+  since: number;
+  /** Why it is in this state, in words; may be empty. */
+  reason: string;
+  /** Id of the stop that it is at, or on the way to; empty: none. */
+  stop: string;
+  /** By language. */
+  stop_title: Record<string, string>;
+  /** Of the stop among those that are not left out, from 1; 0: none. */
+  number: number;
+  /** How many there are that are not left out. */
+  stops: number;
+  /** Of the stop, greeting or farewell, from 1; 0: none. */
+  step: number;
+  steps: number;
+  /** What is said in this step, by language; none: nothing. */
+  text: Record<string, string>;
+  /** Which sentence of it, from 0. */
+  sentence: number;
+  /** What visitors are shown; null: nothing. */
+  shown: ShownMedia | null;
+  /** What the button `next` is called, by language; none: it is not waited for. */
+  press: Record<string, string>;
+  /** That visitors may ask now. */
+  questions: TourQuestion[];
+  /** That do something now. */
+  buttons:
+    | ("agree"
+    | "decline"
+    | "end"
+    | "next"
+    | "pause"
+    | "repeat"
+    | "resume"
+    | "retry"
+    | "skip"
+    | "start"
+    | "undo_skip")[];
+  /** That the operator is asked; null: none. */
+  question: OperatorQuestion | null;
+  /** How many are seen. */
+  people: number;
+  /** The distance of the farthest of them (m); null: none is seen. */
+  farthest_m: number | null;
+  /** Ids of the stops that were presented. */
+  presented: string[];
+  /** Ids of the stops that were skipped. */
+  skipped: string[];
+  failures: TourFailure[];
+}
+
+/** A question that visitors may ask at a stop. */
+export interface TourQuestion {
+  id: string;
+  /** By language. */
+  question: Record<string, string>;
 }
 
 /** Forward m/s, turn rad/s and sideways m/s (left positive). */
@@ -1293,6 +1423,8 @@ export interface RobotMessages {
   zones: ZoneList;
   /** On change: the places of the map. */
   places: PlaceList;
+  /** On change: how the guided tour goes. */
+  tour: TourProgress;
   /** Right before each picture of kind 3 (map): what it shows. */
   map_info: GridInfo;
   /** Right before each picture of kind 4 (costmap): what it shows. */

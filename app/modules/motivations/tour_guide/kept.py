@@ -7,9 +7,11 @@ from typing import Final
 
 import msgspec
 
+from app.modules.motivations.tour_guide.entering import go_home
 from app.modules.motivations.tour_guide.progress import Progress, State, View
-from app.modules.motivations.tour_guide.transitions import go_home, resumed
+from app.modules.motivations.tour_guide.transitions import resumed
 from app.modules.motivations.tour_guide.wishes import Scene
+from app.tours.run_report import RunReport
 from app.tours.tour_file import digest
 
 #: A run is not gone on with after so long (s).
@@ -18,11 +20,14 @@ LONGEST_BREAK_S: Final = 600.0
 
 @dataclass(frozen=True, slots=True)
 class KeptRun:
-    """A run of the tour with this ``digest``, as it was at ``at`` (Unix time, s)."""
+    """A run of the tour with this ``digest``, as it was at ``at`` (Unix time, s); ``report``: what it was until then;
+    ``waits``: whether the tour waits for visitors again after it."""
 
     digest: str
     at: float
     progress: Progress
+    report: RunReport | None = None
+    waits: bool = False
 
 
 def kept_bytes(run: KeptRun) -> bytes:
@@ -50,6 +55,7 @@ def after_restart(run: KeptRun, at: float, view: View, scene: Scene) -> Progress
         return Progress(reason="what was kept of the run is not of this tour")
     state: State = before.resume if before.state == "paused" else before.state
     fresh = replace(before, state="paused", resume=state, since=view.now, gone_since=None, near_since=None)
+    fresh = replace(fresh, towards=None, stuck_since=None, homed=False)  # of another odometry
     if not before.is_running:
         return Progress(reason=before.reason)
     if before.state == "paused" and before.to_press:

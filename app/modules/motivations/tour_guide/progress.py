@@ -12,27 +12,11 @@ Any of them but idle may be paused, and goes on from there.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
-State = Literal[
-    "idle",
-    "inviting",
-    "confirming",
-    "leading",
-    "waiting",
-    "turning",
-    "presenting",
-    "listening",
-    "answering",
-    "blocked",
-    "lost",
-    "paused",
-    "parting",
-    "going_home",
-]
+from app.messages import TourButton, TourState
 
-#: What people press, on the page, over REST or on their phones.
-Button = Literal["start", "agree", "decline", "next", "pause", "resume", "retry", "skip", "undo_skip", "repeat", "end"]
+State = TourState
+Button = TourButton
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +25,13 @@ class Ended:
 
     key: str
     done: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Withdrawn:
+    """Somebody else withdrew the desire of the wish ``key``."""
+
+    key: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +82,7 @@ class Scheduled:
     """The tour's time has come."""
 
 
-Event = Ended | Pressed | Chosen | Asked | Heard | Clapped | Spoken | Scheduled
+Event = Ended | Withdrawn | Pressed | Chosen | Asked | Heard | Clapped | Spoken | Scheduled
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +91,10 @@ class View:
 
     ``people``: how many are seen; ``farthest_m``: the distance of the farthest of them; ``near``: how many are within
     ``begin.within_m`` of the tour; ``speaking``: whether a voice is heard there; ``driven_m``: what the base has
-    driven since the program began; ``battery``: share of a full charge, None where the body does not say.
+    driven since the program began; ``towards``: the heading (rad in odom) of visitors, or of where they are looked for,
+    None while unknown; ``stuck_since``: since when (s) the way to the goal is no shorter, None while it is;
+    ``battery``: share of a full charge, None where the body does not say; ``docked``: whether it charges; ``by_hand``:
+    it goes where others want it.
     """
 
     now: float
@@ -109,7 +103,10 @@ class View:
     near: int = 0
     speaking: bool = False
     driven_m: float = 0.0
+    towards: float | None = None
+    stuck_since: float | None = None
     battery: float | None = None
+    docked: bool = False
     e_stop: bool = False
     by_hand: bool = False
     localized: bool = True
@@ -135,7 +132,9 @@ class Progress:
     wish begins with. ``seen_m``: ``driven_m`` when all visitors were last seen near; ``gone_since``,
     ``near_since``: since when none is seen, and enough are near (s). ``question``: index of the one that is answered,
     ``listened``: the step to go back to from there. ``invites``: whether people who are near begin a tour; those who
-    came along, or declined, leave first. ``reason``: in words, why it is in this state.
+    came along, or declined, leave first. ``towards``: the heading (rad in odom) that it turns to where it faces
+    visitors; ``stuck_since`` as in View. ``excuse``: key of what it says of its pause, or of the tour's end. ``homed``:
+    it came home, and nobody has moved it since. ``reason``: in words, why it is in this state.
     """
 
     state: State = "idle"
@@ -159,6 +158,10 @@ class Progress:
     skipped: tuple[int, ...] = ()
     presented: tuple[str, ...] = ()
     failures: tuple[Failure, ...] = ()
+    towards: float | None = None
+    stuck_since: float | None = None
+    excuse: str = ""
+    homed: bool = False
     reason: str = ""
 
     @property

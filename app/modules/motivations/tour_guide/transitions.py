@@ -5,6 +5,17 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Final, assert_never
 
+from app.base.geometry import wrap_angle
+from app.modules.motivations.tour_guide.entering import (
+    AT_A_STOP,
+    AT_HOME,
+    ON_THE_WAY,
+    enter,
+    go_home,
+    lead,
+    part,
+    subject_of,
+)
 from app.modules.motivations.tour_guide.progress import (
     Asked,
     Chosen,
@@ -17,8 +28,8 @@ from app.modules.motivations.tour_guide.progress import (
     Progress,
     Scheduled,
     Spoken,
-    State,
     View,
+    Withdrawn,
 )
 from app.modules.motivations.tour_guide.wishes import Scene, awaited, step_now, steps_now, stop_of
 from app.tours.model import Tour, rules_at
@@ -40,9 +51,8 @@ HOME_S: Final = 600.0
 HOME_TRIES: Final = 3
 #: It speeds up again at this share of ``slow_m``.
 _CLOSER: Final = 0.8
-#: States in which it drives, or is about to.
-_ON_THE_WAY: Final[frozenset[State]] = frozenset({"leading", "waiting", "turning", "blocked", "lost"})
-_AT_A_STOP: Final[frozenset[State]] = frozenset({"presenting", "listening", "answering"})
+#: It turns after visitors who are beside it by more (rad).
+_BESIDE_RAD: Final = 0.35
 
 
 def advance(progress: Progress, view: View, scene: Scene) -> Progress:
@@ -59,28 +69,30 @@ def advance(progress: Progress, view: View, scene: Scene) -> Progress:
 
 def _interrupted(progress: Progress, view: View, scene: Scene) -> Progress:
     """The emergency stop, driving by hand, an empty battery, a pose that is lost."""
+    if view.e_stop or view.by_hand:
+        progress = replace(progress, homed=False)
     if not progress.is_running:
         return progress
     if view.e_stop:
-        return _paused(progress, view, "the emergency stop is latched", to_press=True)
+        return _paused(progress, view, "the emergency stop is latched", to_press=True, excuse="e_stop")
     if view.by_hand:
         return _paused(progress, view, "it is driven by hand", to_press=False)
     if progress.state in ("paused", "parting", "going_home"):
         return progress
     if view.battery is not None and view.battery < scene.tour.battery.end_below:
-        return _part(progress, view, "the battery is low")
-    if not view.localized and progress.state in _ON_THE_WAY and progress.state != "lost":
-        return _enter(progress, "lost", view, reason="the robot does not know where it is")
+        return part(progress, view, "the battery is low", excuse="battery")
+    if not view.localized and progress.state in ON_THE_WAY and progress.state != "lost":
+        return enter(progress, "lost", view, reason="the robot does not know where it is")
     return progress
 
 
-def _paused(progress: Progress, view: View, reason: str, *, to_press: bool) -> Progress:
+def _paused(progress: Progress, view: View, reason: str, *, to_press: bool, excuse: str = "paused") -> Progress:
     if progress.state == "paused":
         if to_press and not progress.to_press:
-            return replace(progress, to_press=True, reason=reason)
+            return replace(progress, to_press=True, reason=reason, excuse=excuse)
         # The time until it goes on begins when no hand drives any more.
         return progress if to_press or progress.to_press else replace(progress, since=view.now)
-    kept = replace(progress, resume=progress.state, to_press=to_press)
+    kept = replace(progress, resume=progress.state, to_press=to_press, excuse=excuse)
     return replace(kept, state="paused", since=view.now, entry=progress.entry + 1, reason=reason)
 
 
@@ -88,6 +100,11 @@ def _after(progress: Progress, event: Event, view: View, scene: Scene) -> Progre
     match event:
         case Ended():
             return _outcome(progress, event, view, scene)
+        case Withdrawn(key) if key == f"{progress.entry}.go":
+            # A person who withdraws the goal stops the robot.
+            return _paused(progress, view, "its goal was withdrawn", to_press=True)
+        case Withdrawn(key):
+            return _outcome(progress, Ended(key, True), view, scene)
         case Pressed():
             return _pressed(progress, event, view, scene)
         case Chosen(stop):
@@ -116,45 +133,41 @@ def _pressed(progress: Progress, event: Pressed, view: View, scene: Scene) -> Pr
             return _invited(progress, view, scene.tour)
         case "end" if progress.state == "paused" and progress.to_press:
             # The robot does not even go home before a press to go on.
-            return _enter(progress, "idle", view, reason="it was ended")
-        case "end" if progress.is_running and _subject(progress) not in ("parting", "going_home"):
-            return _part(progress, view, "it was ended")
+            return enter(progress, "idle", view, reason="it was ended")
+        case "end" if progress.is_running and subject_of(progress) not in ("parting", "going_home"):
+            return part(progress, view, "it was ended")
         case "agree" if progress.state == "confirming":
-            return _lead(progress, view, scene)
+            return lead(progress, view, scene)
         case "decline" if progress.state in ("inviting", "confirming"):
-            return _enter(progress, "idle", view, reason="visitors declined")
+            return enter(progress, "idle", view, reason="visitors declined")
         case "pause" if progress.is_running:
             return _paused(progress, view, "it was paused", to_press=True)
         case "resume" if progress.state == "paused" and not view.e_stop:
             return resumed(progress, view, scene)
         case "retry" if progress.state == "blocked":
-            return _lead(progress, view, scene, progress.stop)
+            return lead(progress, view, scene, progress.stop)
         case "next" if progress.state == "listening":
             return _next_step(progress, view, scene)
-        case "repeat" if progress.state in _AT_A_STOP:
-            return _enter(progress, "presenting", view)
-        case "skip" if _subject(progress) in _ON_THE_WAY | _AT_A_STOP:
+        case "repeat" if progress.state in AT_A_STOP:
+            return enter(progress, "presenting", view)
+        case "skip" if subject_of(progress) in ON_THE_WAY | AT_A_STOP:
             skipped = replace(progress, skipped=(*progress.skipped, progress.stop))
             return _sent(skipped, progress.stop + 1, view, scene)
-        case "undo_skip" if progress.skipped and _subject(progress) in _ON_THE_WAY | _AT_A_STOP:
+        case "undo_skip" if progress.skipped and subject_of(progress) in ON_THE_WAY | AT_A_STOP:
             return _sent(replace(progress, skipped=progress.skipped[:-1]), progress.skipped[-1], view, scene)
     return progress
 
 
 def _sent(progress: Progress, stop: int, view: View, scene: Scene) -> Progress:
     """On the way to ``stop``; while it is paused, it goes there afterwards."""
-    if _subject(progress) not in _ON_THE_WAY | _AT_A_STOP:
+    if subject_of(progress) not in ON_THE_WAY | AT_A_STOP:
         return progress
     if progress.state != "paused":
-        return _lead(progress, view, scene, stop)
+        return lead(progress, view, scene, stop)
     # Where the way leads is found as if it went on, and kept for then.
-    ahead = _lead(replace(progress, state=progress.resume), view, scene, stop)
+    ahead = lead(replace(progress, state=progress.resume), view, scene, stop)
     state = replace(ahead, state="paused", resume=ahead.state, since=progress.since)
     return replace(state, to_press=progress.to_press, reason=progress.reason)
-
-
-def _subject(progress: Progress) -> State:
-    return progress.resume if progress.state == "paused" else progress.state
 
 
 def resumed(progress: Progress, view: View, scene: Scene) -> Progress:
@@ -162,15 +175,15 @@ def resumed(progress: Progress, view: View, scene: Scene) -> Progress:
     seen = replace(progress, seen_m=view.driven_m)
     match progress.resume:
         case "presenting" | "inviting" | "parting":
-            again = _enter(seen, progress.resume, view, step=progress.step)
+            again = enter(seen, progress.resume, view, step=progress.step)
             return replace(again, sentence=progress.sentence, said_from=progress.sentence)
         case "listening":
-            return _enter(seen, "listening", view, step=progress.step)
+            return enter(seen, "listening", view, step=progress.step)
         case "answering":
-            return _enter(seen, "listening", view, step=progress.listened)
+            return enter(seen, "listening", view, step=progress.listened)
         case "leading" | "waiting" | "turning" | "blocked" | "lost":
-            return _lead(seen, view, scene, progress.stop)
-    return _enter(seen, progress.resume, view)
+            return lead(seen, view, scene, progress.stop)
+    return enter(seen, progress.resume, view)
 
 
 # --- what people say and do -----------------------------------------------------------------------------------------
@@ -183,8 +196,8 @@ def _invited(progress: Progress, view: View, tour: Tour) -> Progress:
         return replace(progress, reason="no tour begins while the robot is held")
     if view.battery is not None and view.battery < tour.battery.begin_min:
         return replace(progress, reason="the battery is too low for a tour")
-    fresh = Progress(entry=progress.entry, seen_m=view.driven_m)
-    return _enter(fresh, "inviting", view)
+    fresh = Progress(entry=progress.entry, seen_m=view.driven_m, homed=progress.homed)
+    return enter(fresh, "inviting", view)
 
 
 def _asked(progress: Progress, question: str, view: View, tour: Tour) -> Progress:
@@ -195,16 +208,16 @@ def _asked(progress: Progress, question: str, view: View, tour: Tour) -> Progres
     if index is None:
         return progress
     listened = progress.step if progress.state == "listening" else progress.listened
-    return replace(_enter(progress, "answering", view), question=index, listened=listened)
+    return replace(enter(progress, "answering", view), question=index, listened=listened)
 
 
 def _heard(progress: Progress, phrase: str, view: View, scene: Scene) -> Progress:
     tour = scene.tour
     if progress.state == "confirming" and (confirm := tour.greeting.confirm) is not None:
         if _among(phrase, confirm.agree):
-            return _lead(progress, view, scene)
+            return lead(progress, view, scene)
         if _among(phrase, confirm.decline):
-            return _enter(progress, "idle", view, reason="visitors declined")
+            return enter(progress, "idle", view, reason="visitors declined")
     if progress.state == "listening":
         step = step_now(progress, tour)
         if step is not None and step.wait is not None and _among(phrase, step.wait.words):
@@ -224,13 +237,22 @@ def _people(progress: Progress, view: View, tour: Tour) -> Progress:
     enough = view.near >= tour.begin.people_min
     near_since = (view.now if progress.near_since is None else progress.near_since) if enough else None
     gone = (view.now if progress.gone_since is None else progress.gone_since) if view.people == 0 else None
+    towards = progress.towards
+    if view.towards is not None and (towards is None or abs(wrap_angle(view.towards - towards)) > _BESIDE_RAD):
+        towards = view.towards
+    unseen = view.people == 0 and not view.speaking
+    if progress.state in AT_HOME and unseen:
+        towards = progress.towards  # visitors follow only while it leads
+    if view.docked:
+        towards = None  # nothing turns in a dock
     all_near = view.people > 0 and view.farthest_m <= tour.pace.wait_m
     seen_m = view.driven_m if all_near else progress.seen_m
     slow = progress.slow
     if view.people > 0:
         slow = view.farthest_m > tour.pace.slow_m * (_CLOSER if slow else 1.0)
     invites = progress.invites or not enough
-    return replace(progress, near_since=near_since, gone_since=gone, invites=invites, seen_m=seen_m, slow=slow)
+    noted = replace(progress, near_since=near_since, gone_since=gone, invites=invites, seen_m=seen_m, slow=slow)
+    return replace(noted, towards=towards, stuck_since=view.stuck_since)
 
 
 # --- outcomes and times ----------------------------------------------------------------------------------------------
@@ -242,15 +264,13 @@ def _outcome(progress: Progress, event: Ended, view: View, scene: Scene) -> Prog
         return progress
     match progress.state:
         case "leading" if name == "go":
-            if event.done:
-                return _enter(progress, "turning", view)
-            return _unreached(progress, view, scene)
+            return _arrived(progress, view, scene) if event.done else _unreached(progress, view, scene)
         case "going_home" if name == "go":
             if event.done:
-                return _enter(progress, "idle", view, reason="the tour is over")
+                return replace(enter(progress, "idle", view, reason="the tour is over"), homed=True)
             if progress.attempt + 1 >= HOME_TRIES:
-                return _enter(progress, "idle", view, reason="the way home is blocked")
-            return replace(_enter(progress, "going_home", view), attempt=progress.attempt + 1)
+                return enter(progress, "idle", view, reason="the way home is blocked")
+            return replace(enter(progress, "going_home", view), attempt=progress.attempt + 1)
         case "inviting" | "presenting" | "answering" | "parting":
             if event.key not in awaited(progress, scene, view.now):
                 return progress
@@ -260,12 +280,20 @@ def _outcome(progress: Progress, event: Ended, view: View, scene: Scene) -> Prog
     return progress
 
 
+def _arrived(progress: Progress, view: View, scene: Scene) -> Progress:
+    """At the stop; what is doubtful about its place is noted, and it is presented all the same."""
+    stop = stop_of(progress, scene.tour)
+    if doubt := scene.doubts.get(stop.place):
+        progress = replace(progress, failures=(*progress.failures, Failure(stop.id, doubt)))
+    return enter(progress, "turning" if stop.stand.face == "visitors" else "presenting", view)
+
+
 def _unreached(progress: Progress, view: View, scene: Scene) -> Progress:
     """The stop cannot be reached this time: again, or ask, or what its rule says."""
     rule = rules_at(scene.tour, stop_of(progress, scene.tour)).reach
     if progress.attempt < rule.retry:
-        return replace(_enter(progress, "leading", view), attempt=progress.attempt + 1)
-    blocked = _enter(progress, "blocked", view, reason=f"the way to {stop_of(progress, scene.tour).id} is blocked")
+        return replace(enter(progress, "leading", view), attempt=progress.attempt + 1)
+    blocked = enter(progress, "blocked", view, reason=f"the way to {stop_of(progress, scene.tour).id} is blocked")
     return blocked if rule.ask_s > 0 else _given_up(blocked, view, scene)
 
 
@@ -274,26 +302,26 @@ def _given_up(progress: Progress, view: View, scene: Scene) -> Progress:
     noted = replace(progress, failures=(*progress.failures, Failure(stop.id, "not reached")))
     match rules_at(scene.tour, stop).reach.then:
         case "skip":
-            return _lead(noted, view, scene, progress.stop + 1)
+            return lead(noted, view, scene, progress.stop + 1)
         case "present_from_here":
-            return _enter(noted, "presenting", view)
+            return enter(noted, "presenting", view)
         case "end":
-            return _part(noted, view, f"{stop.id} cannot be reached")
+            return part(noted, view, f"{stop.id} cannot be reached", excuse="unreachable")
 
 
 def _failed_step(progress: Progress, name: str, view: View, scene: Scene) -> Progress:
     stop = stop_of(progress, scene.tour)
     rule = rules_at(scene.tour, stop).present
     if progress.attempt < rule.retry:
-        return replace(_enter(progress, "presenting", view, step=progress.step), attempt=progress.attempt + 1)
+        return replace(enter(progress, "presenting", view, step=progress.step), attempt=progress.attempt + 1)
     noted = replace(progress, failures=(*progress.failures, Failure(stop.id, name)))
     match rule.then:
         case "continue":
             return replace(noted, ended=noted.ended | {f"{progress.entry}.{name}"})
         case "skip":
-            return _lead(noted, view, scene, progress.stop + 1)
+            return lead(noted, view, scene, progress.stop + 1)
         case "end":
-            return _part(noted, view, f"a step of {stop.id} failed")
+            return part(noted, view, f"a step of {stop.id} failed")
 
 
 def _timed(progress: Progress, view: View, scene: Scene) -> Progress:
@@ -308,15 +336,15 @@ def _timed(progress: Progress, view: View, scene: Scene) -> Progress:
             confirm = tour.greeting.confirm
             left = progress.gone_since is not None and view.now - max(progress.gone_since, progress.since) >= LEFT_S
             if left or confirm is None or spent >= confirm.at_most_s:
-                return _enter(progress, "idle", view, reason="visitors did not answer")
+                return enter(progress, "idle", view, reason="visitors did not answer")
         case "leading" if view.people > 0 and view.farthest_m > tour.pace.wait_m:
-            return _enter(progress, "waiting", view, reason="visitors fell behind")
+            return enter(progress, "waiting", view, reason="visitors fell behind")
         case "leading" if view.driven_m - progress.seen_m >= tour.pace.look_back_m:
-            return _enter(progress, "waiting", view, reason="it looks back for visitors")
+            return enter(progress, "waiting", view, reason="it looks back for visitors")
         case "waiting":
             return _waited(progress, view, scene)
         case "turning" if spent >= TURN_S or (view.people > 0 and spent > 0):
-            return _enter(progress, "presenting", view)
+            return enter(progress, "presenting", view)
         case "inviting" | "presenting" | "answering" | "parting":
             return _stepped(progress, view, scene)
         case "listening":
@@ -324,41 +352,40 @@ def _timed(progress: Progress, view: View, scene: Scene) -> Progress:
         case "blocked" if spent >= rules_at(tour, stop_of(progress, tour)).reach.ask_s:
             return _given_up(progress, view, scene)
         case "lost" if view.localized:
-            return _lead(progress, view, scene, progress.stop)
+            return lead(progress, view, scene, progress.stop)
         case "lost" if spent >= LOST_S:
-            return _enter(progress, "idle", view, reason="the robot does not know where it is")
+            return enter(progress, "idle", view, reason="the robot does not know where it is")
         case "paused":
             if spent >= LONGEST_PAUSE_S and not (view.e_stop or view.by_hand):
                 # Nothing moves before a press: it ends where it is.
-                return _enter(progress, "idle", view, reason="it was paused too long")
+                return enter(progress, "idle", view, reason="it was paused too long")
             if not progress.to_press and not view.by_hand and spent >= AFTER_HAND_S:
                 return resumed(progress, view, scene)
         case "going_home" if spent >= HOME_S:
-            return _enter(progress, "idle", view, reason="the way home took too long")
+            return enter(progress, "idle", view, reason="the way home took too long")
     return progress
 
 
 def _waited(progress: Progress, view: View, scene: Scene) -> Progress:
     if view.people > 0 and view.farthest_m <= scene.tour.pace.slow_m:
-        return _enter(replace(progress, seen_m=view.driven_m), "leading", view)
+        return enter(replace(progress, seen_m=view.driven_m), "leading", view)
     if view.now - progress.since < scene.tour.pace.give_up_s:
         return progress
     if view.people == 0:
-        return _part(progress, view, "all visitors have left")
-    return _enter(replace(progress, seen_m=view.driven_m), "leading", view)
+        return part(progress, view, "all visitors have left")
+    return enter(replace(progress, seen_m=view.driven_m), "leading", view)
 
 
 def _stepped(progress: Progress, view: View, scene: Scene) -> Progress:
     """On to the next step once all that this one waits for has ended, or has taken too long."""
-    if step_now(progress, scene.tour) is not None:
-        missing = awaited(progress, scene, view.now) - progress.ended
-        if missing and view.now - progress.since < LONGEST_STEP_S:
-            return progress
-        if missing and progress.state == "presenting":
-            return _failed_step(progress, min(missing).partition(".")[2], view, scene)
+    missing = awaited(progress, scene, view.now) - progress.ended
+    if missing and view.now - progress.since < LONGEST_STEP_S:
+        return progress
+    if missing and progress.state == "presenting":
+        return _failed_step(progress, min(missing).partition(".")[2], view, scene)
     step = step_now(progress, scene.tour)
     if progress.state == "presenting" and step is not None and step.wait is not None:
-        return _enter(progress, "listening", view, step=progress.step)
+        return enter(progress, "listening", view, step=progress.step)
     return _next_step(progress, view, scene)
 
 
@@ -376,62 +403,14 @@ def _next_step(progress: Progress, view: View, scene: Scene) -> Progress:
     """The next step of this state, or what comes after it."""
     tour, state = scene.tour, progress.state
     if state == "answering":
-        return _enter(progress, "listening", view, step=progress.listened)
+        return enter(progress, "listening", view, step=progress.listened)
     if progress.step + 1 < len(steps_now(progress, tour)):
-        return _enter(progress, "presenting" if state == "listening" else state, view, step=progress.step + 1)
+        return enter(progress, "presenting" if state == "listening" else state, view, step=progress.step + 1)
     match state:
         case "inviting":
             asks = tour.greeting.confirm is not None
-            return _enter(progress, "confirming", view) if asks else _lead(progress, view, scene)
+            return enter(progress, "confirming", view) if asks else lead(progress, view, scene)
         case "parting":
             return go_home(progress, view, scene)
     done = replace(progress, presented=(*progress.presented, stop_of(progress, tour).id))
-    return _lead(done, view, scene, progress.stop + 1)
-
-
-# --- entering states -------------------------------------------------------------------------------------------------
-
-
-def _enter(progress: Progress, state: State, view: View, *, step: int = 0, reason: str = "") -> Progress:
-    return replace(
-        progress,
-        state=state,
-        since=view.now,
-        entry=progress.entry + 1,
-        step=step,
-        ended=frozenset(),
-        attempt=0,
-        sentence=0,
-        said_from=0,
-        to_press=False,
-        invites=state != "idle",
-        reason=reason,
-    )
-
-
-def _lead(progress: Progress, view: View, scene: Scene, stop: int = 0) -> Progress:
-    """On the way to ``stop``, or to the first after it that is not left out; after the last, it says goodbye."""
-    stops = scene.tour.stops
-    for index in range(stop, len(stops)):
-        if stops[index].left_out:
-            continue
-        ahead = replace(progress, stop=index, seen_m=view.driven_m)
-        if stops[index].place in scene.places:
-            return _enter(ahead, "leading", view)
-        noted = Failure(stops[index].id, f"there is no place {stops[index].place}")
-        progress = replace(ahead, failures=(*progress.failures, noted))
-    return _part(progress, view, "it is over")
-
-
-def _part(progress: Progress, view: View, reason: str) -> Progress:
-    return _enter(progress, "parting", view, reason=reason)
-
-
-def go_home(progress: Progress, view: View, scene: Scene) -> Progress:
-    """``progress`` on the way home, or idle where the tour has none or its place is not there."""
-    home = scene.tour.home
-    if home is None:
-        return _enter(progress, "idle", view, reason=progress.reason)
-    if home not in scene.places:
-        return _enter(progress, "idle", view, reason=f"there is no place {home}")
-    return _enter(progress, "going_home", view, reason=progress.reason)
+    return lead(done, view, scene, progress.stop + 1)

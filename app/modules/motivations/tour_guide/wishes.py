@@ -15,14 +15,31 @@ from app.tours.values import text_in
 
 GO_TO: Final = "GoTo"
 TRACK_FACE: Final = "TrackFace"
+ROTATE: Final = "RotateToHeading"
+DOCK: Final = "Dock"
 
 #: Visitors who wait are called after so many seconds.
 CALLS_S: Final = (10.0, 30.0)
+#: People in its way are asked to let it pass after so many seconds without progress.
+PASSES_S: Final = (8.0, 20.0)
 #: Share of the tour's speed while visitors are farther behind than ``slow_m``.
 SLOWLY: Final = 0.5
 
 CALL: Final = {"en": "I am waiting for you.", "fr": "Je vous attends."}
 PASS: Final = {"en": "Excuse me, may I pass?", "fr": "Excusez-moi, puis-je passer ?"}
+#: By key: what it says of a pause, and of an end that visitors do not expect.
+EXCUSES: Final[Mapping[str, Mapping[str, str]]] = {
+    "paused": {"en": "One moment, please.", "fr": "Un instant, s'il vous plaît."},
+    "e_stop": {"en": "I was stopped. One moment, please.", "fr": "On m'a arrêté. Un instant, s'il vous plaît."},
+    "battery": {
+        "en": "My battery is low. I must end the tour here.",
+        "fr": "Ma batterie est faible. Je dois terminer la visite ici.",
+    },
+    "unreachable": {
+        "en": "I cannot get any further. I must end the tour here.",
+        "fr": "Je ne peux pas aller plus loin. Je dois terminer la visite ici.",
+    },
+}
 LOST: Final = {"en": "I do not know where I am. One moment.", "fr": "Je ne sais pas où je suis. Un instant."}
 
 
@@ -38,12 +55,15 @@ class Wish:
 @dataclass(frozen=True, slots=True)
 class Scene:
     """What a run needs beside its tour: ``places``, parameters of GoTo by the place's id; ``language`` of the visitors;
-    ``achievements``, the desire classes that end by themselves."""
+    ``achievements``, the desire classes that end by themselves. ``doubts``: what is doubtful about places, in words, by
+    their ids; ``docks``: whether the robot charges at home."""
 
     tour: Tour
     language: str
     places: Mapping[str, Mapping[str, Any]]
     achievements: frozenset[str]
+    doubts: Mapping[str, str] = field(default_factory=dict)
+    docks: bool = False
 
 
 def stop_of(progress: Progress, tour: Tour) -> Stop:
@@ -78,7 +98,7 @@ def wishes(progress: Progress, scene: Scene, now: float) -> tuple[Wish, ...]:
 
 def awaited(progress: Progress, scene: Scene, now: float) -> frozenset[str]:
     """Keys of the wishes that this step waits for."""
-    if step_now(progress, scene.tour) is None:
+    if step_now(progress, scene.tour) is None and not _excused(progress):
         return frozenset()
     return frozenset(wish.key for wish in wishes(progress, scene, now) if wish.cls in scene.achievements)
 
@@ -90,21 +110,33 @@ def key(progress: Progress, name: str) -> str:
 
 def _wishes(progress: Progress, scene: Scene, now: float) -> Iterator[Wish]:
     tour = scene.tour
+    if progress.homed and scene.docks and progress.state in ("idle", "inviting", "confirming"):
+        # It leaves the dock when it leads, not when it greets.
+        yield Wish("dock", DOCK)
     match progress.state:
         case "leading":
             stop = stop_of(progress, tour)
             yield _going(progress, scene, stop.place, stop)
+            since = now if progress.stuck_since is None else max(progress.stuck_since, progress.since)
+            if asked := sum(now - since >= after for after in PASSES_S):
+                yield _said(progress, f"pass-{asked}", PASS, scene)
+        case "paused" if progress.excuse:
+            yield _said(progress, f"excuse-{progress.excuse}", EXCUSES[progress.excuse], scene)
         case "going_home":
             if tour.home is not None:
                 yield _going(progress, scene, tour.home)
         case "waiting" | "turning":
             yield Wish(key(progress, "look"), TRACK_FACE)
+            yield from _facing(progress)
             if progress.state == "waiting":
                 calls = [after for after in CALLS_S if now - progress.since >= after]
                 if calls:
                     yield _said(progress, f"call-{len(calls)}", CALL, scene)
+        case "listening":
+            yield from _facing_at_stop(progress, tour)
         case "confirming":
             yield Wish(key(progress, "look"), TRACK_FACE)
+            yield from _facing(progress)
             if tour.greeting.confirm is not None:
                 yield _said(progress, "ask", tour.greeting.confirm.ask, scene)
         case "blocked":
@@ -112,9 +144,28 @@ def _wishes(progress: Progress, scene: Scene, now: float) -> Iterator[Wish]:
         case "lost":
             yield _said(progress, "lost", LOST, scene)
         case "inviting" | "presenting" | "answering" | "parting":
+            if _excused(progress):
+                yield _said(progress, f"excuse-{progress.excuse}", EXCUSES[progress.excuse], scene)
             step = step_now(progress, tour)
             if step is not None:
                 yield from _of_step(progress, step, scene)
+            yield from _facing(progress) if progress.state == "parting" else _facing_at_stop(progress, tour)
+
+
+def _excused(progress: Progress) -> bool:
+    """Whether it first says why it ends."""
+    return progress.state == "parting" and progress.step == 0 and bool(progress.excuse)
+
+
+def _facing_at_stop(progress: Progress, tour: Tour) -> Iterator[Wish]:
+    """Turned to visitors, where its tour wants that of it."""
+    if progress.state == "inviting" or stop_of(progress, tour).stand.face == "visitors":
+        yield from _facing(progress)
+
+
+def _facing(progress: Progress) -> Iterator[Wish]:
+    if progress.towards is not None:
+        yield Wish("face", ROTATE, {"heading": round(progress.towards, 2)})
 
 
 def _of_step(progress: Progress, step: Step, scene: Scene) -> Iterator[Wish]:

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from app.base.geometry import Pose2, wrap_angle
 from app.messages import PersonTruth
 from app.robots.simulated.scenery import gait
+from app.robots.simulated.scenery.following import Follower, FollowHabit
 from app.robots.simulated.scenery.gait import Posture
 from app.robots.simulated.scenery.scenario_config import Look, PersonConfig, StepConfig
 
@@ -41,8 +42,10 @@ class ActorSound:
 class Actor:
     """A person; :meth:`tick` advances by a time step. ``x``, ``y`` (m), ``heading`` (rad) of the body in the world."""
 
-    def __init__(self, config: PersonConfig, height_m: float) -> None:
+    def __init__(self, config: PersonConfig, height_m: float, habit: FollowHabit | None = None) -> None:
         self.config = config
+        self._habit = habit or FollowHabit()
+        self._follower: Follower | None = None
         self.name = config.name
         self.height_m = height_m
         self.x, self.y = config.at
@@ -124,12 +127,18 @@ class Actor:
                 if step.walk is not None:
                     self._going = self._place_to_go(step.walk, dt, now)
                     wanted_speed = self._steer(self._going, step.speed, dt, X_WB, before)
+                if self._follower is not None:
+                    self._follower.see(now, X_WB)
+                    goal = self._follower.goal(now, (self.x, self.y), X_WB)
+                    if goal is not None:
+                        self._going = goal
+                        wanted_speed = self._steer(self._going, step.speed, dt, X_WB, before)
                 break
             self._next()
         change = ACCELERATION_MPS2 * dt
         braking = 3 * change  # people stop faster than they start
         self.speed += min(max(wanted_speed - self.speed, -braking), change)
-        if self.speed > 0 and not self._done and self.config.script[self._step].walk is not None:
+        if self.speed > 0 and not self._done and self._moves(self.config.script[self._step]):
             happenings += self._walk(self._going, dt, now)
         else:
             self.speed = 0.0
@@ -137,7 +146,15 @@ class Actor:
         self._look(look, dt, X_WB)
         return happenings
 
+    @staticmethod
+    def _moves(step: StepConfig) -> bool:
+        return step.walk is not None or step.follow is not None
+
     def _begin(self, step: StepConfig, now: float) -> list[ActorSound]:
+        self._follower = None
+        if step.follow is not None:
+            distance_m = self._habit.distance_m if step.distance is None else step.distance
+            self._follower = Follower(FollowHabit(distance_m, self._habit.lag_s if step.lag is None else step.lag))
         if step.say is not None:
             return [ActorSound("speech", step.say, step.gain_db, now)]
         if step.clap is not None:
@@ -152,6 +169,8 @@ class Actor:
             return math.dist(step.walk, (self.x, self.y)) < REACHED_M
         if step.wait is not None:
             return now - self._since >= step.wait
+        if step.follow is not None:
+            return now - self._since >= step.follow
         if step.wait_for_robot is not None:
             near = math.dist(step.wait_for_robot, (X_WB.x, X_WB.y)) <= step.within
             return near or now - self._since >= step.at_most

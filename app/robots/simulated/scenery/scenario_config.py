@@ -38,26 +38,31 @@ SHORTEST_SCRIPT_S = 0.5
 """Least duration (s) of a repeated script: else its sounds would start a hundred times a second."""
 LONGEST_SOUND_S = 120.0
 """Greatest duration (s) of a sound without loop: the scenario's state drops it after that."""
-ACTIONS = ("walk", "wait", "wait_for_robot", "say", "clap")
+ACTIONS = ("walk", "wait", "wait_for_robot", "follow", "say", "clap")
 
 
 class StepConfig(FileModel):
-    """One thing that a person does; exactly one of ``walk``, ``wait``, ``wait_for_robot``, ``say`` and ``clap``.
+    """One thing that a person does; exactly one of ``walk``, ``wait``, ``wait_for_robot``, ``follow``, ``say``
+    and ``clap``.
 
     ``walk`` straight to a point at ``speed``; ``wait`` some seconds; ``wait_for_robot`` until the robot comes
-    ``within`` metres of a point, or for ``at_most`` seconds; ``say`` a sound of the library or a file; ``clap`` the
-    hands so many times, one each ``every`` seconds. ``say`` does not wait for the sound's end. ``look``: direction of
-    the face meanwhile: ``ahead``, at the ``robot``, or at a point.
+    ``within`` metres of a point, or for ``at_most`` seconds; ``follow`` the robot for some seconds, ``distance`` metres
+    behind and ``lag`` seconds late (both drawn from the seed where left out); ``say`` a sound of the library or a file;
+    ``clap`` the hands so many times, one each ``every`` seconds. ``say`` does not wait for the sound's end. ``look``:
+    direction of the face meanwhile: ``ahead``, at the ``robot``, or at a point.
     """
 
     walk: Point | None = None
     wait: NotNegative | None = None
     wait_for_robot: Point | None = None
+    follow: Positive | None = None
     say: str | None = None
     clap: Annotated[int, Field(ge=1, le=20)] | None = None
     speed: Annotated[float, Field(gt=0, le=2)] = 1.0
     within: Positive = 1.5
     at_most: Positive = 60.0
+    distance: Annotated[float, Field(ge=0.6, le=10)] | None = None
+    lag: Annotated[float, Field(ge=0, le=30)] | None = None
     every: Annotated[float, Field(ge=0.2, le=5)] = 0.6
     gain_db: float = 0.0
     look: Look = "ahead"
@@ -67,6 +72,8 @@ class StepConfig(FileModel):
         given = [action for action in ACTIONS if getattr(self, action) is not None]
         if len(given) != 1:
             raise ValueError(f"a step is exactly one of {', '.join(ACTIONS)}, this is {' and '.join(given) or 'none'}")
+        if self.follow is None and (self.distance is not None or self.lag is not None):
+            raise ValueError("distance and lag are of following alone")
         return self
 
 
@@ -100,7 +107,7 @@ class PersonConfig(FileModel):
     def _repeating_takes_time(self) -> PersonConfig:
         if self.repeat and self.script and self._least_s() < SHORTEST_SCRIPT_S:
             raise ValueError(
-                "a repeated script needs steps that surely take time (wait, clap, or walk between two points), "
+                "a repeated script needs steps that surely take time (wait, follow, clap, or walk between two points), "
                 f"{SHORTEST_SCRIPT_S:g} s at least, or it would be over in an instant, again and again"
             )
         return self
@@ -113,7 +120,7 @@ class PersonConfig(FileModel):
             for before, step in zip([*goals[-1:], *goals], goals, strict=False)
             if before.walk is not None and step.walk is not None
         )
-        waits = sum(step.wait or 0.0 for step in self.script)
+        waits = sum((step.wait or 0.0) + (step.follow or 0.0) for step in self.script)
         return walks + waits + sum(step.clap * step.every for step in self.script if step.clap is not None)
 
 

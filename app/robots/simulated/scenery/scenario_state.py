@@ -13,6 +13,7 @@ import numpy as np
 from app.base.geometry import Pose2
 from app.messages import PersonTruth
 from app.robots.simulated.scenery.actor import Actor, ActorSound
+from app.robots.simulated.scenery.following import draw_habits
 from app.robots.simulated.scenery.scenario_config import LONGEST_SOUND_S, ScenarioConfig, SoundConfig
 
 TICK_S = 0.01
@@ -48,12 +49,17 @@ class ScenarioState:
     """Plays a scenario. Attributes are read between calls of :meth:`advance`."""
 
     def __init__(self, scenario: ScenarioConfig) -> None:
-        seeds = np.random.SeedSequence(scenario.seed).spawn(2)
+        seeds = np.random.SeedSequence(scenario.seed).spawn(3)
         heights = np.random.default_rng(seeds[0])
         self._footsteps = scenario.footsteps
         self.actors = tuple(
-            Actor(person, person.height_m if person.height_m is not None else height)
-            for person, height in zip(scenario.people, draw_heights(heights, len(scenario.people)), strict=True)
+            Actor(person, person.height_m if person.height_m is not None else height, habit)
+            for person, height, habit in zip(
+                scenario.people,
+                draw_heights(heights, len(scenario.people)),
+                draw_habits(np.random.default_rng(seeds[2]), len(scenario.people)),
+                strict=True,
+            )
         )
         self._by_name = {actor.name: actor for actor in self.actors}
         self._places = {sound.name: sound.at for sound in scenario.sounds if sound.at is not None}

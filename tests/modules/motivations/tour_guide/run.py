@@ -69,6 +69,10 @@ class Run:
     def wishes(self) -> tuple[Wish, ...]:
         return wishes(self.progress, self.scene, self.view.now)
 
+    def moves(self) -> tuple[Wish, ...]:
+        """All wishes but what is said."""
+        return tuple(wish for wish in self.wishes() if wish.cls != "Say")
+
     def wish(self, cls: str) -> Wish:
         """The only wish of this class."""
         (found,) = [wish for wish in self.wishes() if wish.cls == cls]
@@ -77,9 +81,10 @@ class Run:
     def texts(self) -> list[str]:
         return [wish.params["text"] for wish in self.wishes() if wish.cls == "Say"]
 
-    def done(self, cls: str, done: bool = True) -> Run:
-        """The desire of this class ends; then the next state begins."""
-        return self.see(Ended(self.wish(cls).key, done)).see()
+    def done(self, cls: str, done: bool = True, *, only: str = "") -> Run:
+        """The desire of this class ends, the one with the name ``only`` of several; then the next state begins."""
+        (key,) = [wish.key for wish in self.wishes() if wish.cls == cls and wish.key.endswith(only)]
+        return self.see(Ended(key, done)).see()
 
     def until(self, state: State) -> Run:
         """All that is desired is done, and time passes, until ``state``."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -21,6 +22,7 @@ from app.modules.motivations.tour_guide.progress import (
     Scheduled,
     Spoken,
     State,
+    Withdrawn,
 )
 from app.tours.model import Tour
 from tests.modules.motivations.tour_guide.run import ACHIEVEMENTS, DRIVES, LAB, Run, say, stop
@@ -257,7 +259,7 @@ def test_a_pause_goes_on_with_the_sentence_that_was_interrupted() -> None:
     first = run.wish("Say").key
     run.see(Spoken(first, 1))
     assert run.texts() == ["First. Second one. Third!"]
-    assert run.press("pause").wishes() == ()
+    assert run.press("pause").moves() == ()
     assert run.see(after_s=300).progress.state == "paused"
     assert run.press("resume").texts() == ["Second one. Third!"]
     second = run.wish("Say").key
@@ -271,7 +273,7 @@ def test_a_pause_goes_on_with_the_sentence_that_was_interrupted() -> None:
 
 def test_a_paused_tour_can_be_sent_elsewhere_and_goes_there_afterwards() -> None:
     run = Run().started().until("leading").press("pause").press("skip")
-    assert (run.progress.state, run.wishes()) == ("paused", ())
+    assert (run.progress.state, run.moves()) == ("paused", ())
     assert run.press("resume").wish("GoTo").params["place"] == "two"
     run.press("pause").see(Chosen("one"))
     assert run.press("resume").wish("GoTo").params["place"] == "one"
@@ -279,7 +281,7 @@ def test_a_paused_tour_can_be_sent_elsewhere_and_goes_there_afterwards() -> None
 
 def test_hands_pause_it_and_it_plans_from_there_once_they_are_off() -> None:
     run = Run().started().until("leading").see(by_hand=True)
-    assert (run.progress.state, run.wishes()) == ("paused", ())
+    assert (run.progress.state, run.moves()) == ("paused", ())
     run.see(after_s=100).see(by_hand=False, after_s=0.5)
     assert run.progress.state == "paused"
     assert run.see(after_s=1.1).progress.state == "leading"
@@ -290,7 +292,7 @@ def test_nothing_moves_after_the_emergency_stop_before_a_press() -> None:
     run.press("resume")
     assert run.progress.state == "paused", "it is latched still"
     run.see(e_stop=False, by_hand=False).see(after_s=60)
-    assert (run.progress.state, run.wishes()) == ("paused", ())
+    assert (run.progress.state, run.moves()) == ("paused", ())
     assert run.press("resume").progress.state == "leading"
     ended = Run().started().until("leading").see(Pressed("end"), e_stop=True).see(Pressed("end")).see(e_stop=False)
     assert (ended.see(after_s=60).progress.state, ended.wishes()) == ("idle", ()), "not even home"
@@ -342,6 +344,99 @@ def test_an_outcome_of_an_older_state_is_none() -> None:
     assert run.progress.state == "leading"
 
 
+def test_people_in_its_way_are_asked_to_let_it_pass_twice() -> None:
+    run = Run().started().until("leading").see(stuck_since=0.0)
+    assert run.texts() == [], "not for what was before"
+    stuck = run.view.now
+    run.see(stuck_since=stuck, after_s=8.1)
+    assert run.texts() == ["Excuse me, may I pass?"]
+    first = run.wish("Say").key
+    assert run.see(after_s=5).wish("Say").key == first
+    assert run.see(after_s=8).wish("Say").key != first, "asked again"
+    assert run.wish("GoTo").params["place"] == "one", "it goes on meanwhile"
+    assert run.see(stuck_since=None).texts() == []
+
+
+def test_it_faces_visitors_and_turns_after_them() -> None:
+    run = Run().started().see(towards=0.5)
+    assert run.wish("RotateToHeading").params == {"heading": 0.5}
+    assert run.see(towards=0.7).wish("RotateToHeading").params == {"heading": 0.5}, "that is the head's"
+    assert run.see(towards=1.0).wish("RotateToHeading").params == {"heading": 1.0}
+    run.until("leading")
+    assert [wish.cls for wish in run.wishes()] == ["GoTo"], "it looks where it goes"
+    for state in ("turning", "presenting", "listening", "parting"):
+        assert run.until(state).wish("RotateToHeading").params == {"heading": 1.0}
+
+
+def test_it_greets_those_it_sees_and_turns_to_nobody_else() -> None:
+    run = Run().see(people=0, near=0, towards=3.0).started()
+    assert [wish.cls for wish in run.wishes()] == ["Say"]
+    assert run.see(speaking=True).wish("RotateToHeading").params == {"heading": 3.0}
+
+
+def test_a_stop_where_it_stands_as_the_place_says_is_not_turned_at() -> None:
+    stops = [stop("one", stand={"face": "place"}), stop("two")]
+    run = Run(changed(stops=stops)).started().see(towards=0.5).until("presenting")
+    assert "turning" not in run.states
+    assert "RotateToHeading" not in [wish.cls for wish in run.wishes()]
+
+
+def test_looking_back_is_turning_round() -> None:
+    run = Run().started().until("leading").see(people=0, driven_m=5.0, towards=3.0)
+    assert run.see().progress.state == "waiting"
+    assert run.wish("RotateToHeading").params == {"heading": 3.0}
+
+
+@pytest.mark.parametrize(
+    ("held", "text"),
+    [({"by_hand": True}, "One moment, please."), ({"e_stop": True}, "I was stopped. One moment, please.")],
+)
+def test_a_pause_is_said(held: dict[str, Any], text: str) -> None:
+    assert Run().started().until("leading").see(**held).texts() == [text]
+
+
+def test_an_end_that_visitors_do_not_expect_is_said_first() -> None:
+    run = Run().started().until("presenting").see(battery=0.19)
+    assert run.texts() == ["My battery is low. I must end the tour here.", "Goodbye."]
+    assert run.done("Say", only="excuse-battery").progress.state == "parting", "goodbye is awaited, too"
+    silent = Run(changed(farewell={"do": []})).started().until("presenting").see(battery=0.19)
+    assert silent.texts() == ["My battery is low. I must end the tour here."]
+    assert silent.done("Say").progress.state == "going_home"
+
+
+def test_a_goal_that_a_person_withdraws_is_a_pause() -> None:
+    run = Run().started().until("leading")
+    run.see(Withdrawn(run.wish("GoTo").key))
+    assert (run.progress.state, run.progress.reason, run.moves()) == ("paused", "its goal was withdrawn", ())
+    assert run.see(after_s=30).progress.state == "paused"
+    assert run.press("resume").progress.state == "leading"
+
+
+def test_a_text_that_a_person_withdraws_is_over() -> None:
+    run = Run().started().until("presenting")
+    run.see(Withdrawn(run.wish("Say").key)).see()
+    assert (run.progress.state, run.progress.failures) == ("leading", ())
+
+
+def test_what_is_doubtful_about_a_place_is_noted_and_the_stop_presented() -> None:
+    run = Run()
+    run.scene = replace(run.scene, doubts={"one": "its poster is gone"})
+    assert run.started().until("idle").progress.presented == ("one", "two")
+    assert run.progress.failures == (Failure("one", "its poster is gone"),)
+
+
+def test_it_charges_at_home_until_it_is_moved() -> None:
+    run = Run()
+    run.scene = replace(run.scene, docks=True)
+    assert [wish.cls for wish in run.started().until("idle").wishes()] == ["Dock"]
+    run.press("start").see(towards=1.0, docked=True)
+    assert [wish.cls for wish in run.wishes()] == ["Dock", "Say"], "it stays there while it greets, and does not turn"
+    assert "Dock" not in [wish.cls for wish in run.until("leading").wishes()]
+    again = run.until("idle")
+    assert [wish.cls for wish in again.wishes()] == ["Dock"]
+    assert again.see(by_hand=True).see(by_hand=False).wishes() == ()
+
+
 buttons: st.SearchStrategy[Button] = st.sampled_from(
     ["start", "agree", "decline", "next", "pause", "resume", "retry", "skip", "undo_skip", "repeat", "end"]
 )
@@ -360,6 +455,8 @@ seen = st.fixed_dictionaries(
         "e_stop": st.booleans(),
         "by_hand": st.booleans(),
         "localized": st.booleans(),
+        "towards": st.sampled_from([None, 0.5, 3.0]),
+        "stuck_since": st.sampled_from([None, 0.0]),
     },
 )
 moments = st.tuples(seen, st.one_of(st.none(), events), st.sampled_from(["", "done", "failed"]))
@@ -380,6 +477,7 @@ def test_whatever_happens(happening: list[tuple[dict[str, Any], Event | None, st
         elif event in (Pressed("resume"), Pressed("start"), Scheduled()) or not progress.is_running:
             held = False
         drives = any(wish.cls == "GoTo" for wish in run.wishes())
+        assert not (run.moves() and (held or run.view.e_stop or run.view.by_hand))
         assert not drives or progress.state in DRIVES
         assert not (drives and (held or run.view.e_stop or run.view.by_hand))
         assert 0 <= progress.stop < len(run.scene.tour.stops)

@@ -38,6 +38,9 @@ def test_what_the_project_ships_is_right(name: str) -> None:
     [
         (PERSON.replace("pilot", "pilott"), 4, "people[0].face", "did you mean 'pilot'"),
         (PERSON + "    script: [{walk: [1, 1], say: hello}]", 6, "people[0].script[0]", "walk and say"),
+        (PERSON + "    script: [{follow: 5, wait: 2}]", 6, "people[0].script[0]", "wait and follow"),
+        (PERSON + "    script: [{walk: [3, 2], lag: 2}]", 6, "people[0].script[0]", "of following alone"),
+        (PERSON + "    script: [{follow: 5, distance: 0.2}]", 6, "people[0].script[0].distance", "0.6"),
         (PERSON + "    script: [{speed: 1.0}]", 6, "people[0].script[0]", "exactly one of walk"),
         (PERSON + "    script:\n      - {wait: 1}\n      - {wait: -1}", 8, "people[0].script[1].wait", "greater"),
         (PERSON + "    script:\n      - {wait: 1, look: sideways}", 7, "people[0].script[0].look", "'robot'"),
@@ -69,6 +72,7 @@ def test_what_cannot_be_is_refused_with_its_line(tmp_path: Path, text: str, line
     [
         "[{say: hello}, {wait: 2}]",
         "[{clap: 1}]",
+        "[{follow: 5}]",
         "[{walk: [3, 2]}, {say: hello}, {walk: [1, 2]}]",
         "[{wait_for_robot: [3, 2]}, {say: hello}], repeat: false",
     ],

@@ -1,0 +1,140 @@
+"""What the guide sees, out of the messages that come in: placed at their own stamps, put together as a View."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Iterable
+from typing import Final
+
+from app.base.geometry import Pose2, wrap_angle
+from app.base.pose_buffer import PoseBuffer
+from app.messages import (
+    BatteryState,
+    Exploitation,
+    Faces,
+    LinkStatus,
+    Localization,
+    NavigationStatus,
+    Odometry,
+    SoundSources,
+)
+from app.modules.motivations.tour_guide.progress import Event, Progress, View
+from app.modules.motivations.tour_guide.visitors import Visitors
+from app.tours.model import Tour
+
+#: Percepts wait so long (s) for odometry to reach their stamp.
+_PATIENCE_S: Final = 1.0
+#: Greatest age (s) of the report of who drives.
+_FRESH_S: Final = 0.5
+#: A way is free again once nothing was in it for so long (s).
+_FREE_S: Final = 2.0
+_STUCK: Final = frozenset({"recovering", "waiting", "unreachable"})
+_LOCALIZED: Final = frozenset({"mapping", "tracking"})
+
+
+class Senses:
+    """``by_hand``: the behavior that people drive by; ``voice``: a source at least this probably speech is a voice."""
+
+    def __init__(self, *, by_hand: str, voice: float) -> None:
+        self._by_hand = by_hand
+        self._voice = voice
+        self.visitors = Visitors()
+        self._poses = PoseBuffer()
+        self._X_OB: Pose2 | None = None
+        self._percepts: deque[Faces | SoundSources] = deque(maxlen=32)
+        self._localization: Localization | None = None
+        self._exploitation: Exploitation | None = None
+        self._e_stop = False
+        self._battery: float | None = None
+        self._docked = False
+        self._stuck_since: float | None = None
+        self._stuck_at = -math.inf
+
+    def take_odometry(self, odometry: Odometry) -> None:
+        """Where the base is."""
+        self._poses.add(odometry.stamp, odometry.X_OB)
+        self._X_OB = odometry.X_OB
+        self.visitors.drive(odometry.X_OB)
+
+    def take_percepts(self, percepts: Faces | SoundSources) -> None:
+        """Who is seen or heard, placed once odometry has reached its stamp."""
+        self._percepts.append(percepts)
+
+    def take_localization(self, localization: Localization) -> None:
+        """Where the robot is on the map."""
+        self._localization = localization
+
+    def take_exploitation(self, exploitation: Exploitation) -> None:
+        """Who drives."""
+        self._exploitation = exploitation
+        if exploitation.limited:
+            self._stuck(exploitation.stamp)
+
+    def take_status(self, status: LinkStatus) -> None:
+        """Whether the emergency stop is latched."""
+        self._e_stop = status.e_stopped
+
+    def take_battery(self, battery: BatteryState) -> None:
+        """What is left, and whether it charges."""
+        self._battery, self._docked = battery.charge, battery.charging
+
+    def take_navigation(self, status: NavigationStatus) -> None:
+        """Whether the way to the goal is free."""
+        if status.state in _STUCK:
+            self._stuck(status.stamp)
+        elif status.state in ("arrived", "idle") or status.stamp - self._stuck_at > _FREE_S:
+            self._stuck_since = None
+
+    def localized(self, map_name: str) -> bool:
+        """Whether the robot knows where it is on the map ``map_name``."""
+        known = self._localization
+        return known is not None and known.state in _LOCALIZED and known.map == map_name
+
+    def view(self, now: float, tour: Tour, progress: Progress, *, diverted: bool, events: Iterable[Event]) -> View:
+        """All of it at ``now``; ``diverted``: others want the robot elsewhere."""
+        self._place(now)
+        behind = progress.state == "leading"
+        X_OB = self._X_OB or Pose2()
+        people = self.visitors.around(now, X_OB, within_m=tour.begin.within_m, behind=behind)
+        exploited = self._exploitation
+        driven = exploited is not None and now - exploited.stamp <= _FRESH_S and exploited.behavior == self._by_hand
+        return View(
+            now,
+            people=people.people,
+            farthest_m=people.farthest_m,
+            near=people.near,
+            speaking=people.speaking,
+            driven_m=self.visitors.driven_m,
+            towards=people.towards,
+            stuck_since=self._stuck_since,
+            battery=self._battery,
+            docked=self._docked,
+            e_stop=self._e_stop,
+            by_hand=driven or diverted,
+            localized=self.localized(tour.map),
+            events=tuple(events),
+        )
+
+    def _stuck(self, stamp: float) -> None:
+        if self._stuck_since is None or stamp - self._stuck_at > _FREE_S:
+            self._stuck_since = stamp
+        self._stuck_at = stamp
+
+    def _place(self, now: float) -> None:
+        later = []
+        for percepts in self._percepts:
+            X_OB = self._poses.at(percepts.stamp)
+            if X_OB is None:
+                if now - percepts.stamp < _PATIENCE_S:
+                    later.append(percepts)
+            elif isinstance(percepts, Faces):
+                placed = {face.track: X_OB @ Pose2(face.p_BF[0], face.p_BF[1]) for face in percepts.faces}
+                self.visitors.see(percepts.stamp, {track: (at.x, at.y) for track, at in placed.items()})
+            else:
+                voices = [each for each in percepts.sources if each.active and each.speech >= self._voice]
+                for voice in voices:
+                    x, y, _ = voice.direction
+                    self.visitors.hear(percepts.stamp, wrap_angle(X_OB.theta + math.atan2(y, x)))
+        self._percepts.clear()
+        self._percepts.extend(later)

@@ -1,0 +1,375 @@
+"""TourGuide: the motivation that leads people on a guided tour.
+
+    ┌──────────────────────────────────────────────────────────────────────────────────────────┐
+    │ TourGuide  in   faces         Faces, m in base_link at their stamp; counted, not known    │
+    │            in   sources       SoundSources: which way visitors are                       │
+    │            in   noises        LoudNoise: claps                                           │
+    │            in   words         HeardWords                                                 │
+    │            in   speech        Speech: the sentence that is said                          │
+    │            in   odometry      Odometry, 100 Hz, X_OB in odom; never filtered             │
+    │            in   localization  Localization, state and map                                │
+    │            in   places        Places of the map                                          │
+    │            in   navigation    NavigationStatus, as they come                             │
+    │            in   exploitation  Exploitation of the base, 10 Hz                            │
+    │            in   status        LinkStatus: the emergency stop                             │
+    │            in   battery       BatteryState, 1 Hz                                         │
+    │            out  progress      TourProgress, with each change                             │
+    │            is the TourRunServer; states desires, and moves nothing itself                │
+    └──────────────────────────────────────────────────────────────────────────────────────────┘
+
+What it does is decided by pure functions (``transitions.py``, ``wishes.py``, ``perceptions.py``); all inputs but
+odometry may be absent. A run is kept at each change; a program that is started again goes on with it or says why not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import ExitStack
+from dataclasses import replace
+
+from pydantic import Field
+
+from app.attention.desires import SCALE, Source
+from app.attention.timeline import Timeline
+from app.attention.workspace import IntentionWorkspace
+from app.maps.map_service import MapService
+from app.maps.places import go_to_parameters
+from app.messages import (
+    BatteryState,
+    Exploitation,
+    Faces,
+    HeardWords,
+    LinkStatus,
+    Localization,
+    LoudNoise,
+    NavigationStatus,
+    Odometry,
+    Place,
+    Places,
+    SoundSources,
+    Speech,
+    TourButton,
+    TourProgress,
+)
+from app.modules.motivations.tour_guide.controls import buttons
+from app.modules.motivations.tour_guide.desires import GuideDesires, weights
+from app.modules.motivations.tour_guide.guided_run import GuidedRun, led_by
+from app.modules.motivations.tour_guide.kept import KeptRun, after_restart
+from app.modules.motivations.tour_guide.listening import Claps, is_due, sentence_number
+from app.modules.motivations.tour_guide.perceptions import FACES, SLAM
+from app.modules.motivations.tour_guide.progress import (
+    Asked,
+    Chosen,
+    Event,
+    Heard,
+    Pressed,
+    Progress,
+    Scheduled,
+    Spoken,
+    View,
+)
+from app.modules.motivations.tour_guide.progress_message import progress_message
+from app.modules.motivations.tour_guide.run_keeper import RunKeeper
+from app.modules.motivations.tour_guide.senses import Senses
+from app.modules.motivations.tour_guide.wishes import DOCK, Scene, Wish, stop_of
+from app.runtime.module import Module, ModuleContext, Settings
+from app.tours.model import Tour
+from app.tours.run_library import RunLibrary
+from app.tours.run_report import RunReport
+from app.tours.run_service import TourRefused, TourRunService
+from app.tours.store import TourStore
+
+_BEAT_S = 0.2
+#: A place that moves by less (m, rad) is the same: its goal is not given again.
+_SAME_PLACE = 0.1
+#: A run that was under way waits so long (s) for map and pose, and then for visitors, before it is gone on with.
+_READY_S, _VISITORS_S = 60.0, 10.0
+_NOTHING = TourProgress(
+    0.0, "", "", title={}, language="", languages=(), waits=False, state="idle", since=0.0, reason="", stop="",
+    stop_title={}, number=0, stops=0, step=0, steps=0, text={}, sentence=0, shown=None, press={}, questions=(),
+    buttons=(), question=None, people=0, farthest_m=None, presented=(), skipped=(), failures=(),
+)  # fmt: skip
+
+
+class TourGuideSettings(Settings):
+    """Settings of TourGuide."""
+
+    intensity: float = Field(6.0, gt=0, le=SCALE, description="of its desires")
+    intensities: Mapping[str, float] = Field(
+        {"Dock": 2.0}, description="of those of the classes named here; a more intense goal of others pauses the tour"
+    )
+    utilities: Mapping[str, float] = Field({"GoTo": 4.0}, description="desired of the classes named here; of others: 1")
+    by_hand: str = Field("Teleop", description="the behavior that people drive by")
+    voice: float = Field(0.5, ge=0, le=1, description="a source at least this probably speech is a voice")
+    docks: bool = Field(True, description="whether it charges after a tour, where the program has a dock")
+
+
+class TourGuide(Module):
+    """Leads people on a tour."""
+
+    title = "Tour guide"
+    Settings = TourGuideSettings
+    settings: TourGuideSettings
+
+    _desires: GuideDesires
+    _workspace: IntentionWorkspace
+    _timeline: Timeline
+    _keeper: RunKeeper
+
+    def __init__(self, context: ModuleContext) -> None:
+        super().__init__(context)
+        self._senses = senses = Senses(by_hand=self.settings.by_hand, voice=self.settings.voice)
+        self._run: GuidedRun | None = None
+        self._kept: tuple[KeptRun, Tour] | None = None
+        self._events: list[Event] = []
+        self._claps = Claps()
+        self._places: tuple[Place, ...] | None = None
+        self._beaten: float | None = None
+        self._ready_at: float | None = None
+        self._shown = _NOTHING
+        self._stack = ExitStack()
+        self.on(self.input("faces", Faces, capacity=8), senses.take_percepts)
+        self.on(self.input("sources", SoundSources, capacity=8), senses.take_percepts)
+        self.on(self.input("noises", LoudNoise, capacity=8), lambda noise: self._claps.hear(noise.stamp))
+        self.on(self.input("words", HeardWords, capacity=8), self._take_words)
+        self.on(self.input("speech", Speech, capacity=8, wants="never"), self._take_speech)
+        self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True)
+        self.on(self.input("localization", Localization), senses.take_localization)
+        self.places = self.input("places", Places, wants="never")
+        self.on(self.places, self._take_places)
+        self.on(self.input("navigation", NavigationStatus, capacity=8), senses.take_navigation)
+        self.on(self.input("exploitation", Exploitation), senses.take_exploitation)
+        self.on(self.input("status", LinkStatus), senses.take_status)
+        self.on(self.input("battery", BatteryState), senses.take_battery)
+        self.output_progress = self.output("progress", TourProgress)
+        self.every(_BEAT_S, self._beat)
+
+    async def start(self) -> None:
+        """Take the run that was under way, if there was one, and offer control to others."""
+        self._workspace = self.service(IntentionWorkspace)
+        self._timeline = self.service(Timeline)
+        self._keeper = RunKeeper(self.service(RunLibrary), self.compute_background, self.log)
+        weight = weights(self.settings.intensity, self.settings.intensities, self.settings.utilities)
+        self._desires = GuideDesires(self._workspace, Source("motivation", self.name), weight, self.log)
+        self._stack.callback(self._desires.withdraw)
+        self._kept = await self.compute_background(self._keeper.read, self.service(TourStore))
+        self._stack.callback(self.service(TourRunService).attach(self))
+
+    async def stop(self) -> None:
+        """Withdraw all desires. The run stays kept."""
+        self._stack.close()
+
+    # --- the TourRunServer -----------------------------------------------------------------------------------------
+
+    @property
+    def progress(self) -> TourProgress:
+        """How the tour goes."""
+        return self._shown
+
+    @property
+    def report(self) -> RunReport | None:
+        """What the run has been so far."""
+        return None if self._run is None else self._run.report
+
+    def start_tour(self, tour: Tour, *, language: str, waits: bool) -> None:
+        """Begin ``tour``. Raises TourRefused."""
+        if self._kept is not None:
+            raise TourRefused("the tour that was under way when the program ended is being resumed; wait for that")
+        if self._run is not None and self._run.progress.is_running:
+            raise TourRefused(f"the tour {self._run.tour.id} is under way; end it first")
+        if language not in tour.languages:
+            raise TourRefused(f"the tour {tour.id} is not in {language!r}; there are: {', '.join(tour.languages)}")
+        if self.places.channel is not None and (latest := self.places.channel.latest) is not None:
+            self._take_places(latest)
+        if refusal := self._missing(tour):
+            raise TourRefused(refusal)
+        run = GuidedRun(tour, self._scene(tour, language, waits=waits), waits, over=self._keeper.over)
+        before, self._run = self._run, run
+        if not waits:
+            self._look(Pressed("start"))
+            if not run.progress.is_running:
+                self._run = before
+                self._publish()
+                raise TourRefused(run.progress.reason)
+        else:
+            self._look()
+
+    def press(self, button: TourButton) -> None:
+        """Press ``button``. Raises TourRefused where it does nothing now."""
+        run = self._running("press")
+        offered = buttons(run.progress, e_stop=run.view.e_stop)
+        if button not in offered:
+            words = ", ".join(offered)
+            raise TourRefused(f"{button} does nothing while the tour is {run.progress.state}; now there are: {words}")
+        self._look(Pressed(button))
+        if button == "start" and not run.progress.is_running:
+            raise TourRefused(run.progress.reason)
+
+    def choose(self, stop: str) -> None:
+        """Go to ``stop``. Raises TourRefused."""
+        run = self._running("choose a stop")
+        stops = [each.id for each in run.tour.stops]
+        if stop not in stops:
+            raise TourRefused(f"the tour has no stop {stop!r}; there are: {', '.join(stops)}")
+        if "skip" not in buttons(run.progress, e_stop=run.view.e_stop):
+            raise TourRefused(f"no stop can be gone to while the tour is {run.progress.state}")
+        self._look(Chosen(stop))
+
+    def ask(self, question: str) -> None:
+        """A visitor asks ``question``. Raises TourRefused."""
+        self._running("ask")
+        offered = [each.id for each in self._shown.questions]
+        if question not in offered:
+            words = ", ".join(offered) or "none"
+            raise TourRefused(f"{question!r} is no question that can be asked now; there are: {words}")
+        self._look(Asked(question))
+
+    def dismiss(self) -> None:
+        """Wait for visitors no more. Raises TourRefused while a tour is under way."""
+        if self._run is not None and self._run.progress.is_running:
+            raise TourRefused(f"the tour {self._run.tour.id} is under way; end it first")
+        self._run = None
+        self._desires.withdraw()
+        self._publish()
+
+    def _running(self, what: str) -> GuidedRun:
+        if self._run is None:
+            raise TourRefused(f"no tour is under way: there is nothing to {what}")
+        return self._run
+
+    def _missing(self, tour: Tour) -> str:
+        """Why ``tour`` cannot be led here; empty if it can."""
+        maps = self.service(MapService)
+        in_use = maps.server.name if maps.available else ""
+        if in_use != tour.map:
+            return f"the tour {tour.id} is on the map {tour.map}, and the map in use is {in_use or 'without a name'}"
+        known = {place.id for place in self._places or ()}
+        if not any(stop.place in known for stop in tour.stops if not stop.left_out):
+            return f"none of the places of the tour {tour.id} is on the map"
+        return ""
+
+    # --- what comes in ---------------------------------------------------------------------------------------------
+
+    def _take_words(self, heard: HeardWords) -> None:
+        if heard.text and not heard.unsure:
+            self._events.append(Heard(heard.text))
+
+    def _take_speech(self, speech: Speech) -> None:
+        wish = self._desires.key_of(speech.desire) if speech.state == "speaking" else None
+        run = self._run
+        if wish is None or run is None:
+            return
+        before = max(run.progress.sentence - run.progress.said_from, 0)
+        self._events.append(Spoken(wish.key, sentence_number(str(wish.params["text"]), speech.text, before)))
+
+    def _take_places(self, places: Places) -> None:
+        if self._places is not None and _same_places(self._places, places.places):
+            return
+        self._places = places.places
+        if (run := self._run) is not None:
+            run.scene = self._scene(run.tour, run.scene.language, waits=run.waits)
+
+    def _scene(self, tour: Tour, language: str, *, waits: bool) -> Scene:
+        classes, places = self._workspace.classes, self._places or ()
+        return Scene(
+            led_by(tour, waits=waits),
+            language,
+            {place.id: go_to_parameters(place) for place in places},
+            frozenset(name for name, each in classes.items() if each.achievement),
+            doubts={place.id: place.problem for place in places if place.problem},
+            docks=self.settings.docks and DOCK in classes,
+        )
+
+    # --- one look --------------------------------------------------------------------------------------------------
+
+    async def _beat(self) -> None:
+        while self.odometry.connected and self.odometry.subscription.waiting:
+            self._senses.take_odometry(self.odometry.subscription.receive_nowait())
+        now = self.clock.now()
+        if self._kept is not None:
+            self._resume(*self._kept)
+        if (run := self._run) is None:
+            self._events.clear()
+            self._beaten = now
+            if self._kept is None:
+                await self._keeper.save(now, None)
+            return
+        if (clapped := self._claps.counted(now)) is not None:
+            self._events.append(clapped)
+        if run.waits and is_due(run.tour.schedule, now if self._beaten is None else self._beaten, now):
+            self._events.append(Scheduled())
+        self._beaten = now
+        self._look()
+        await self._keeper.save(now, run)
+
+    def _look(self, *events: Event) -> None:
+        """See what there is, decide, and desire what follows from it."""
+        run = self._run
+        assert run is not None
+        came, self._events = self._events, []
+        before = run.progress
+        run.see(self._view(run, (*self._desires.ended(), *came, *events)))
+        self._desires.want(run.wishes(run.view.now))
+        if (run.progress.state, run.progress.stop) != (before.state, before.stop):
+            self._note(run, run.progress)
+        self._publish()
+
+    def _view(self, run: GuidedRun, events: tuple[Event, ...]) -> View:
+        # Where others want the robot matters only while it would go somewhere.
+        going = run.progress.is_running and self._desires.diverted()
+        return self._senses.view(self.clock.now(), run.scene.tour, run.progress, diverted=going, events=events)
+
+    def _note(self, run: GuidedRun, progress: Progress) -> None:
+        stop = "" if progress.state in ("idle", "inviting", "confirming") else stop_of(progress, run.tour).id
+        where = f" ({stop})" if stop else ""
+        why = f": {progress.reason}" if progress.reason else ""
+        text = f"Tour {run.tour.id}: {progress.state.replace('_', ' ')}{where}{why}"
+        data = {"tour": run.tour.id, "state": progress.state, "stop": stop, "reason": progress.reason}
+        self._timeline.add("tour", run.tour.id, text, data)
+
+    def _publish(self) -> None:
+        run = self._run
+        message = _NOTHING
+        if run is not None:
+            id_ = "" if run.report is None else run.report.run
+            message = progress_message(run.progress, run.view, run.scene, run=id_, waits=run.waits)
+        if replace(message, stamp=0.0) != replace(self._shown, stamp=0.0):
+            self._shown = replace(message, stamp=self.clock.now())
+            self.output_progress.publish(self._shown)
+
+    # --- after a restart ----------------------------------------------------------------------------------------------
+
+    def _resume(self, kept: KeptRun, tour: Tour) -> None:
+        """Go on with ``kept`` once the robot knows where it is and has looked for visitors; say why not else."""
+        now = self.clock.now()
+        self._ready_at = now + _READY_S if self._ready_at is None else self._ready_at
+        language = tour.languages[0] if kept.report is None else kept.report.language
+        run = GuidedRun(tour, self._scene(tour, language, waits=kept.waits), kept.waits, over=self._keeper.over)
+        held = kept.progress.state == "paused" and kept.progress.to_press
+        ready = held or (self._senses.localized(tour.map) and self._places is not None)
+        view = self._view(run, ())
+        if kept.progress.is_running and now < self._ready_at:
+            self._desires.want((Wish("slam", SLAM), Wish("faces", FACES)))
+            if not ready:
+                return
+            self._ready_at = min(self._ready_at, now + _VISITORS_S)
+            if view.people == 0 and not held:
+                return
+        self._kept, self._run = None, run
+        if kept.progress.is_running and not ready:
+            progress = Progress(reason=f"the robot does not know where it is on the map {tour.map}")
+        else:
+            progress = after_restart(kept, now, view, run.scene)
+        run.resume(kept, progress, view)
+        if kept.progress.is_running:
+            self._note(run, progress)
+        self._look()
+
+
+def _same_places(one: tuple[Place, ...], other: tuple[Place, ...]) -> bool:
+    """Whether all are where they were, but for the small steps by which a map is corrected."""
+    return len(one) == len(other) and all(
+        replace(a, x=0.0, y=0.0, heading=0.0) == replace(b, x=0.0, y=0.0, heading=0.0)
+        and max(abs(a.x - b.x), abs(a.y - b.y), abs(a.heading - b.heading)) < _SAME_PLACE
+        for a, b in zip(one, other, strict=True)
+    )

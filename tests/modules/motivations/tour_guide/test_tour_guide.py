@@ -1,0 +1,346 @@
+"""TourGuide in virtual time: tours with visitors who come along, lag, ask and leave, and what may come between."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from app.base.geometry import Pose2
+from app.modules.motivations.tour_guide.kept import read_kept
+from app.runtime.clock import in_virtual_time
+from app.tours.model import Tour
+from app.tours.run_service import TourRefused
+from tests.modules.motivations.tour_guide.led_lab import LedLab, Visitor, failed
+from tests.modules.motivations.tour_guide.run import LAB, say, stop
+
+pytestmark = pytest.mark.slow
+
+PLACES = {"one": Pose2(4.0, 0.0, 0.0), "two": Pose2(4.0, 4.0, math.pi / 2), "dock": Pose2(0.0, 0.0, 0.0)}
+ARM = {"file": "media/arm.jpg", "alt": {"en": "An orange arm"}}
+
+
+def tour(**more: Any) -> Tour:
+    """Two stops; the second listens, and answers a question. It looks back on every leg."""
+    return LAB.model_validate(LAB.model_dump(by_alias=True) | {"pace": {"look_back_m": 1.5}} | more)
+
+
+async def lab(folder: Path, *visitors: Visitor, **more: Any) -> LedLab:
+    """The floor with these visitors."""
+    made = await asyncio.to_thread(LedLab, folder, tour(**more), PLACES)
+    made.visitors = list(visitors) or [Visitor(1.5, 0.5), Visitor(1.5, -0.5)]
+    return made
+
+
+@in_virtual_time
+async def test_a_whole_tour(tmp_path: Path) -> None:
+    stops = [stop("one", do=[say("This is one.") | {"show": ARM}]), LAB.stops[1].model_dump()]
+    async with await lab(tmp_path, stops=stops) as led:
+        led.start()
+        await led.until("confirming")
+        listens = led.desired("ListenForWords")
+        assert listens is not None
+        assert listens.params["words"] == "yes, no"
+        led.hear("yes")
+        await led.until("leading")
+        assert led.desired("LocateFaces") is None, "it sees only ahead"
+        assert led.desired("LocateVoices") is not None, "ears hear all round"
+        await led.until("presenting")
+        assert (led.progress.stop, led.progress.number, led.progress.stops) == ("one", 1, 2)
+        assert led.progress.shown is not None
+        assert (led.progress.shown.file, led.progress.text) == ("media/arm.jpg", {"en": "This is one."})
+        await led.until("listening")
+        assert led.progress.shown is None, "it was of the other stop"
+        assert [question.id for question in led.progress.questions] == ["weight"]
+        led.hear("heavy")
+        await led.until("answering")
+        await led.until("listening")
+        led.clap()
+        await led.live(0.5)
+        led.clap()
+        await led.until("going_home")
+        await led.until("idle")
+        assert led.said == [
+            *("Hello.", "Shall I?", "This is one.", "This is two.", "Four kilograms.", "Goodbye."),
+        ]
+        assert led.moving() == ["Dock"], "it charges"
+        await led.live(1.0)
+        (report,) = await asyncio.to_thread(led.runs.reports)
+        assert (report.outcome, report.agreed, report.people_most) == ("the tour is over", True, 2)
+        assert [(each.stop, each.presented, each.people) for each in report.stops] == [
+            ("one", True, 2),
+            ("two", True, 2),
+        ]
+        assert report.stops[1].questions == {"weight": 1}
+        assert report.driven_m == pytest.approx(led.driven_m, rel=0.02)
+        assert await asyncio.to_thread(led.runs.kept) is None
+        subjects = [event.subject for event in led.timeline.query(kinds=["tour"])]
+        assert subjects
+        assert set(subjects) == {"lab-tour"}
+
+
+@in_virtual_time
+async def test_visitors_begin_it_again_and_again_by_coming(tmp_path: Path) -> None:
+    async with await lab(tmp_path, Visitor(9.0, 0.0, mps=0.0)) as led:
+        led.start(waits=True)
+        await led.live(5)
+        assert (led.progress.state, led.progress.waits, led.moving()) == ("idle", True, [])
+        led.visitors = [Visitor(2.0, 0.0)]
+        await led.until("inviting", limit_s=10)
+        await led.until("idle", limit_s=60)
+        assert led.progress.reason == "visitors did not answer"
+        await led.live(5)
+        assert led.progress.state == "idle", "they know by now"
+        led.visitors = [Visitor(9.0, 0.0, mps=0.0)]
+        await led.live(5)
+        led.visitors = [Visitor(2.0, 0.0)]
+        await led.until("inviting", limit_s=10)
+        with pytest.raises(TourRefused, match="end it first"):
+            led.server.dismiss()
+        led.press("decline")
+        led.server.dismiss()
+        await led.live(10)
+        assert (led.progress.tour, led.workspace.desires()) == ("", ())
+        assert len(await asyncio.to_thread(led.runs.reports)) == 2
+
+
+@in_virtual_time
+async def test_it_waits_for_one_who_lags_and_looks_where_they_are(tmp_path: Path) -> None:
+    async with await lab(tmp_path, Visitor(1.5, 0.0, mps=0.0)) as led:
+        led.start()
+        await led.until("confirming")
+        led.press("agree")
+        await led.until("waiting", limit_s=60)
+        assert led.desired("GoTo") is None, "waiting is not distress"
+        where = led.robot
+        await led.live(4)
+        visitor = led.visitors[0]
+        assert math.dist((led.robot.x, led.robot.y), (where.x, where.y)) == 0
+        bearing = math.atan2(visitor.y - led.robot.y, visitor.x - led.robot.x)
+        assert abs(math.remainder(led.robot.theta - bearing, math.tau)) < 0.4, "it has turned to them"
+        visitor.mps = 1.0
+        await led.until("leading", limit_s=60)
+        assert math.dist((visitor.x, visitor.y), (led.robot.x, led.robot.y)) <= 2.5
+        await led.until("presenting", limit_s=120)
+        assert led.server.report is not None
+        assert led.server.report.waits >= 1
+        assert led.server.report.waited_s > 0
+
+
+@in_virtual_time
+async def test_it_goes_home_when_all_have_left(tmp_path: Path) -> None:
+    async with await lab(tmp_path) as led:
+        led.start()
+        await led.until("confirming")
+        led.press("agree")
+        await led.until("leading")
+        led.visitors = []
+        await led.until("waiting", limit_s=60)
+        await led.live(12)
+        assert led.said[-1] == "I am waiting for you."
+        await led.until("parting", limit_s=90)
+        assert led.progress.reason == "all visitors have left"
+        await led.until("idle")
+        assert math.dist((led.robot.x, led.robot.y), (0, 0)) < 0.2
+
+
+@in_virtual_time
+async def test_nothing_moves_after_the_emergency_stop_before_a_press(tmp_path: Path) -> None:
+    async with await lab(tmp_path) as led:
+        led.start()
+        await led.until("confirming")
+        led.press("agree")
+        await led.until("leading")
+        await led.live(1)
+        led.e_stop = True
+        await led.live(1)
+        assert (led.progress.state, led.moving()) == ("paused", [])
+        assert led.progress.question is not None
+        assert led.progress.question.default == "the tour ends where it is"
+        with pytest.raises(TourRefused, match="resume does nothing while the tour is paused; now there are: "):
+            led.press("resume")
+        led.e_stop = False
+        where = led.robot
+        await led.live(20)
+        assert (led.progress.state, led.moving(), led.robot) == ("paused", [], where)
+        assert "I was stopped. One moment, please." in led.said
+        led.press("resume")
+        assert led.progress.state == "leading"
+        await led.until("presenting", limit_s=120)
+
+
+@in_virtual_time
+async def test_hands_pause_it_and_it_goes_on_from_there(tmp_path: Path) -> None:
+    async with await lab(tmp_path) as led:
+        led.start()
+        await led.until("confirming")
+        led.press("agree")
+        await led.until("leading")
+        led.by_hand = True
+        await led.live(1)
+        assert (led.progress.state, led.moving()) == ("paused", [])
+        led.robot = Pose2(3.0, -2.0, 1.0)
+        led.by_hand = False
+        await led.until("presenting", limit_s=120)
+        assert led.progress.stop == "one"
+
+
+@in_virtual_time
+async def test_an_operators_goal_is_a_hand_too(tmp_path: Path) -> None:
+    async with await lab(tmp_path) as led:
+        led.start()
+        await led.until("confirming")
+        led.press("agree")
+        await led.until("leading")
+        led.send(2.0, 3.0)
+        await led.live(1)
+        assert (led.progress.state, led.moving()) == ("paused", [])
+        await led.live(8)
+        assert led.driven_m > 3.0, "it went there"
+        await led.until("presenting", limit_s=120)
+
+
+@in_virtual_time
+async def test_a_goal_that_the_operator_cancels_is_a_pause(tmp_path: Path) -> None:
+    async with await lab(tmp_path) as led:
+        led.start()
+        await led.until("confirming")
+        led.press("agree")
+        await led.until("leading")
+        goal = led.desired("GoTo")
+        assert goal is not None
+        led.workspace.remove(goal.id)
+        await led.live(5)
+        assert (led.progress.state, led.progress.reason, led.moving()) == ("paused", "its goal was withdrawn", [])
+        led.press("resume")
+        assert led.desired("GoTo") is not None
+
+
+@in_virtual_time
+async def test_people_in_its_way_are_asked_and_then_the_operator(tmp_path: Path) -> None:
+    async with await lab(tmp_path, on_failure={"reach": {"retry": 0, "ask_s": 20, "then": "skip"}}) as led:
+        led.start()
+        await led.until("confirming")
+        led.press("agree")
+        await led.until("leading")
+        led.blocked = True
+        await led.live(25)
+        assert led.said.count("Excuse me, may I pass?") == 2
+        failed(led, "GoTo", "no progress for 90 s")
+        await led.until("blocked", limit_s=2)
+        question = led.progress.question
+        assert question is not None
+        assert (question.answers, question.default) == (("retry", "skip", "end"), "the stop is skipped")
+        assert question.until - led.bench.clock.now() == pytest.approx(20, abs=0.5)
+        led.blocked = False
+        await led.until("presenting", limit_s=120)
+        assert led.progress.stop == "two"
+        assert [(failure.stop, failure.what) for failure in led.progress.failures] == [("one", "not reached")]
+
+
+@in_virtual_time
+async def test_a_low_battery_ends_it_and_is_said(tmp_path: Path) -> None:
+    async with await lab(tmp_path) as led:
+        led.start()
+        await led.until("confirming")
+        led.press("agree")
+        await led.until("leading")
+        led.battery = 0.15
+        await led.until("going_home", limit_s=30)
+        assert led.said[-2:] == ["My battery is low. I must end the tour here.", "Goodbye."]
+        await led.until("idle")
+        with pytest.raises(TourRefused, match="the battery is too low for a tour"):
+            led.start()
+
+
+@in_virtual_time
+async def test_a_program_that_is_started_again_goes_on(tmp_path: Path) -> None:
+    first = await lab(tmp_path, stops=[stop("one", do=[say("First. Second. Third.")]), stop("two")])
+    async with first as led:
+        led.start()
+        await led.until("confirming")
+        led.press("agree")
+        await led.until("presenting")
+        await led.live(2.0)
+        robot, visitors = led.robot, led.visitors
+    assert first.workspace.desires() == ()
+    kept = await asyncio.to_thread(first.runs.kept)
+    assert kept is not None
+    known = read_kept(kept)
+    assert known is not None
+    assert (known.progress.state, known.progress.stop, known.progress.sentence) == ("presenting", 0, 1)
+    second = await asyncio.to_thread(LedLab, tmp_path, first.tour, PLACES)
+    second.robot, second.visitors = robot, visitors
+    async with second as led:
+        await led.until("presenting", limit_s=20)
+        await led.until("leading", limit_s=20)
+        assert led.said == ["Second. Third."]
+        assert led.server.report is not None
+        assert led.server.report.people_most == 2
+        await led.until("idle")
+        assert led.progress.presented == ("one", "two")
+
+
+@in_virtual_time
+async def test_a_program_that_is_started_elsewhere_says_why_it_does_not_go_on(tmp_path: Path) -> None:
+    first = await lab(tmp_path)
+    async with first as led:
+        led.start()
+        await led.until("confirming")
+        led.press("agree")
+        await led.until("leading")
+        await led.live(1.0)
+    second = await asyncio.to_thread(LedLab, tmp_path, first.tour, PLACES)
+    second.localization = "lost"
+    async with second as led:
+        with pytest.raises(TourRefused, match="is being resumed"):
+            led.start()
+        await led.live(65)
+        assert (led.progress.state, led.moving()) == ("idle", [])
+        assert led.progress.reason == "the robot does not know where it is on the map lab"
+        (report,) = await asyncio.to_thread(led.runs.reports)
+        assert report.outcome == led.progress.reason
+    assert await asyncio.to_thread(second.runs.kept) is None
+
+
+@in_virtual_time
+async def test_no_tour_begins_that_cannot_be_led(tmp_path: Path) -> None:
+    async with await lab(tmp_path) as led:
+        for wrong, why in (
+            (tour(map="garage"), "is on the map garage, and the map in use is lab"),
+            (tour(stops=[stop("three")]), "none of the places"),
+        ):
+            with pytest.raises(TourRefused, match=why):
+                led.server.start_tour(wrong, language="en", waits=False)
+        with pytest.raises(TourRefused, match="not in 'fr'; there are: en"):
+            led.start(language="fr")
+        with pytest.raises(TourRefused, match="no tour is under way"):
+            led.press("pause")
+        led.e_stop = True
+        await led.live(0.5)
+        with pytest.raises(TourRefused, match="no tour begins while the robot is held"):
+            led.start()
+        assert led.progress.tour == ""
+        led.e_stop = False
+        await led.live(0.5)
+        led.start()
+        with pytest.raises(TourRefused, match="under way; end it first"):
+            led.start()
+        with pytest.raises(TourRefused, match="no stop can be gone to while the tour is inviting"):
+            led.server.choose("two")
+        with pytest.raises(TourRefused, match="no stop 'three'; there are: one, two"):
+            led.server.choose("three")
+        with pytest.raises(TourRefused, match="'weight' is no question that can be asked now; there are: none"):
+            led.server.ask("weight")
+
+
+@in_virtual_time
+async def test_a_voice_says_where_to_look_for_visitors(tmp_path: Path) -> None:
+    async with await lab(tmp_path, Visitor(-2.0, 0.0, mps=0.0)) as led:
+        led.start()
+        led.speaks = True
+        await led.live(4)
+        assert abs(abs(led.robot.theta) - math.pi) < 0.4
