@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from itertools import pairwise
 from pathlib import Path
-from typing import cast
 
 import pytest
 
@@ -17,7 +16,6 @@ from app.base.yaml_source import load_yaml
 from app.link import RobotLink
 from app.modules.motivations.scenario_coordinator import USUAL
 from app.modules.motivations.tour_guide.perceptions import perceptions
-from app.modules.motivations.tour_guide.progress import State
 from app.program.config import load_configuration
 from app.program.desire_classes import desire_classes
 from app.runtime.channel_table import ChannelSpec
@@ -205,7 +203,7 @@ def test_whatever_the_guide_wishes_can_be_desired_in_the_lab() -> None:
     run, wished = Run(tour.model_copy(update={"home": "dock"})), set()
     run.started().see(towards=1.0)
     for state in ("confirming", "leading", "presenting", "listening", "parting", "going_home", "idle"):
-        run.until(cast(State, state)).see(people=0, stuck_since=run.view.now - 30)
+        run.until(state).see(people=0, stuck_since=run.view.now - 30)
         for wish in (*run.wishes(), *perceptions(run.progress, run.scene)):
             CLASSES[wish.cls].validated(wish.params)
             wished.add(wish.cls)

@@ -44,7 +44,7 @@ async def there(client: httpx.AsyncClient, system: System) -> None:
     system.map.attach(server)
     await system.map.resume("", same=False)
     system.graph.channel("map").publish(grid(system.clock.now()))
-    await system.map.save("lab")
+    await system.map.server.save("lab")
     made = await client.post(
         "/places", json={"id": "robotics-lab", "name": "Lab", "pose": {"x": 0, "y": -1, "heading": 0}}
     )
@@ -117,7 +117,7 @@ async def test_reports_are_listed_exported_and_deleted(client: httpx.AsyncClient
     assert tuple(head) == COLUMNS
     found = dict(zip(head, row, strict=True))
     assert (found["stop"], found["questions"], found["failures"]) == ("arm", "q=2", "not reached")
-    assert (found["began"], found["people_most"]) == ("2026-11-18T12:26:40+00:00", "3")
+    assert (found["began"], found["people_most"]) == ("2026-11-18T11:06:40+00:00", "3")
     assert (await client.delete(f"/tour-reports/{REPORT.run}")).status_code == 204
     is_problem(await client.delete(f"/tour-reports/{REPORT.run}"), 404, "no-such-run")
     is_problem(await client.get("/tour-reports/.hidden"), 422, "invalid-name")

@@ -117,7 +117,7 @@ class LedLab:
         if tour.id not in tours.names():
             tours.create(tour)
         maps = MapService()
-        maps.attach(SimpleNamespace(name="lab"))  # type: ignore[arg-type]  # its name is all that is asked for
+        maps.attach(SimpleNamespace(name="lab"))  # its name is all that is asked for
         self.bench = Bench(
             "app.modules.motivations.tour_guide.tour_guide:TourGuide",
             inputs=PORTS,
