@@ -25,6 +25,7 @@ from app.console.replays import Replays
 from app.console.rest.attention import attention_router
 from app.console.rest.desires import desires_router
 from app.console.rest.goal import goal_router
+from app.console.rest.map_route import route_router
 from app.console.rest.maps import maps_router
 from app.console.rest.percepts import percepts_router
 from app.console.rest.places import places_router
@@ -102,6 +103,7 @@ def create_app(
         percepts_router(system),
         maps_router(system),
         places_router(system),
+        route_router(system),
         goal_router(system, hub),
         tours_router(system),
         program_router(system, hub),

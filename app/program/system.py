@@ -34,6 +34,7 @@ from app.maps.library import MapLibrary
 from app.maps.library import default_folder as default_maps_folder
 from app.maps.map_service import MapService
 from app.maps.place_service import PlaceService
+from app.maps.route_service import RouteService
 from app.messages import Accomplishment, BatteryState, Exploitation, LoadReport, PerceptEvent, PerceptKind
 from app.program.attachments import snapshot
 from app.program.battery_watch import BatteryWatch
@@ -113,6 +114,7 @@ class System:
         self.map = MapService()
         self.tours = tours or TourStore(TourLibrary(default_tours_folder(), paths.config_dir() / "tours"))
         self.places = PlaceService()
+        self.routes = RouteService()
         services: dict[type[object], object] = {
             RobotLink: self.link,
             IntentionWorkspace: self.workspace,
@@ -123,6 +125,7 @@ class System:
             MapService: self.map,
             TourStore: self.tours,
             PlaceService: self.places,
+            RouteService: self.routes,
             ChannelTable: ChannelTable(configuration.channels),
         }
         self.graph = Graph(
