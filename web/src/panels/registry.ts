@@ -8,6 +8,7 @@ import { mapsPanel } from "../map/Maps";
 import { placesPanel } from "../map/Places";
 import { zonesPanel } from "../map/Zones";
 import { recordingsPanel } from "../recordings/Recordings";
+import { tourPanel } from "../tours/TourPanel";
 import { eventsPanel } from "./Events";
 import { foundPanel } from "./Found";
 import { intentionPanel } from "./Intention";
@@ -22,6 +23,7 @@ export const PANELS: readonly Panel[] = [
   placesPanel,
   zonesPanel,
   mapsPanel,
+  tourPanel,
   lanesPanel,
   aroundPanel,
   peoplePanel,
