@@ -19,11 +19,13 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from app.console import schema
 from app.console.live.messages import FROM_ROBOT, FaceReport
 from app.console.live.protocol import FromPage, TimedMessage
+from app.console.records.camera import CameraPoint
 from app.console.records.maps import MapList
 from app.console.records.places import PlaceReport
 from app.console.records.recordings import RecordingList, ReplayReport, Saved
 from app.console.records.route import RouteReport
 from app.console.records.tours import TourList, TourReport
+from app.console.rest.camera import CameraClick
 from app.console.rest.map_models import GoalRequest, LoadRequest, RenameRequest, ZonesRequest
 from app.console.rest.models import DesireChange, NewDesire
 from app.console.rest.place_models import NewPlace, PlaceChange
@@ -37,6 +39,7 @@ ROOT = Path(__file__).resolve().parents[1]
 FILE = ROOT / "web" / "src" / "protocol" / "generated.ts"
 #: Answers of REST, and of the stream of the face, that a page reads and that are no messages of the live stream.
 ANSWERS = (
+    CameraPoint,
     FaceReport,
     MapList,
     PlaceReport,
@@ -50,6 +53,7 @@ ANSWERS = (
 )
 #: Bodies of requests to REST that the page makes.
 REQUESTS = (
+    CameraClick,
     DesireChange,
     GoalRequest,
     LoadRequest,

@@ -23,6 +23,7 @@ from app.console.panels import Panel, panels_router
 from app.console.problems import install_problem_handlers
 from app.console.replays import Replays
 from app.console.rest.attention import attention_router
+from app.console.rest.camera import camera_router
 from app.console.rest.desires import desires_router
 from app.console.rest.goal import goal_router
 from app.console.rest.map_route import route_router
@@ -104,6 +105,7 @@ def create_app(
         maps_router(system),
         places_router(system),
         route_router(system),
+        camera_router(system, hub),
         goal_router(system, hub),
         tours_router(system),
         program_router(system, hub),

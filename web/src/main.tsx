@@ -81,7 +81,7 @@ const tourRoute = new RouteControl(session.rest, {
   able: computed(() => tours.allowed.value && store.body.value.goes),
 });
 const stops = new StopMaker(store, session.rest, places, tours);
-const tourPointing = new TourPointing(store, map, tours);
+const tourPointing = new TourPointing(store, session.rest, map, tours);
 const tourTrial = new TourTrial(store, session.rest);
 const tourDrive = new TourDrive(store, session.rest, map, maps, places, tours);
 const tourMarks = computed(() => {

@@ -86,6 +86,16 @@ export interface Begin {
   for_s: number;
 }
 
+/** A point on the map (m). */
+export interface CameraPoint {
+  x: number;
+  y: number;
+  /** Above the floor. */
+  z: number;
+  /** By the camera's depth; else it is where the ray meets the floor, at most 4 m from the camera. */
+  measured: boolean;
+}
+
 /**
  * A warning about a program's configuration: a ``title`` of a few words, and a ``text`` of one sentence with the reason
  * and the remedy. ``where``: file and line, "" if unknown.
@@ -1257,6 +1267,16 @@ export interface AckMessage {
   type: "ack";
   kind: 1 | 2 | 3 | 4;
   seq: number;
+}
+
+/** A point of a picture of the camera. */
+export interface CameraClick {
+  /** Of the picture, at most 3 s old. */
+  stamp: number;
+  /** From its left edge, as a share of its width. */
+  u: number;
+  /** From its top edge, as a share of its height. */
+  v: number;
 }
 
 /** Release the emergency stop. */

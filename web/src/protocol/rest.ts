@@ -2,6 +2,8 @@
 
 import { sentence } from "../ui/format";
 import type {
+  CameraClick,
+  CameraPoint,
   Desire,
   DesireChange,
   EventList,
@@ -191,6 +193,11 @@ export class Rest {
 
   async cancelGoal(): Promise<void> {
     await this.ask("DELETE", "/goal");
+  }
+
+  /** Where on the map a point of a picture is. */
+  async cameraPoint(click: CameraClick): Promise<CameraPoint> {
+    return (await this.ask("POST", "/camera/point", click)) as CameraPoint;
   }
 
   /** Plans and moves nothing. */

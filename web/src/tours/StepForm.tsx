@@ -37,7 +37,7 @@ const WAIT: Wait = { at_most_s: 20, words: {}, claps: null, press: null, all_lef
 const HEIGHT_M = 1.2;
 
 export function StepForm({ step, path, languages, problems, poster, onChange, onMove, onRemove }: Props) {
-  const { tourTrial } = useApp();
+  const { tourPointing, tourTrial } = useApp();
   const parts = PARTS.filter((part) => step[part] !== null);
   const others = PARTS.filter((part) => step[part] === null);
   const drop = (part: Part) => onChange({ [part]: null });
@@ -99,7 +99,10 @@ export function StepForm({ step, path, languages, problems, poster, onChange, on
               type="button"
               class="button small quiet"
               data-testid={`step-add-${part}`}
-              onClick={() => onChange({ [part]: initial(part, languages) })}
+              onClick={() => {
+                onChange({ [part]: initial(part, languages) } as Partial<Step>);
+                if (part === "point") tourPointing.choose({ path, part });
+              }}
             >
               + {NAMES[part]}
             </button>
@@ -242,7 +245,7 @@ function PointFields(props: { label: string; point: Point; target: PointTarget; 
         class={`button small ${chosen ? "on" : ""}`}
         data-testid={`step-${target.part}-pick`}
         aria-pressed={chosen}
-        title="Click on the map where it is"
+        title="Click where it is: on the map, or in the camera's picture"
         onClick={() => tourPointing.choose(chosen ? null : target)}
       >
         <TargetIcon /> {chosen ? "Click on the map…" : "On the map"}

@@ -82,7 +82,10 @@ function Row({ stop, number, leg, dragged, onDrag, onOver, onMove }: RowProps) {
       data-place={stop.place}
       data-problems={problems.length}
       draggable={!open}
-      onDragStart={() => onDrag(true)}
+      onDragStart={(event) => {
+        event.dataTransfer?.setData("text/plain", stop.id); // without data some browsers drag nothing
+        onDrag(true);
+      }}
       onDragEnd={() => onDrag(false)}
       onDragOver={(event) => event.preventDefault()}
       onDrop={(event) => {

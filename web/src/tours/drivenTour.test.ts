@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { Landmark } from "../protocol/types";
-import { begun, drivenOn, tourOf, without } from "./drivenTour";
+import { drivenOn, newDrivenTour, tourOf, without } from "./drivenTour";
 
 const poster = (id: number, text: string, sightings: number, last_seen = id, frame = "map"): Landmark => ({
   text,
@@ -19,7 +19,7 @@ const poster = (id: number, text: string, sightings: number, last_seen = id, fra
 const OLD = poster(1, "tour:lab", 9);
 
 test("what is seen on the way is met once, in the order of meeting", () => {
-  let tour = begun("The lab", "en", [OLD]);
+  let tour = newDrivenTour("The lab", "en", [OLD]);
   expect(tour.met).toEqual([]);
   expect(drivenOn(tour, [OLD])).toBe(tour);
   tour = drivenOn(tour, [OLD, poster(3, "tour:desk", 1, 8), poster(2, "tour:door", 1, 7)]);
@@ -29,21 +29,21 @@ test("what is seen on the way is met once, in the order of meeting", () => {
 });
 
 test("a poster counts once its place on the map is known", () => {
-  let tour = drivenOn(begun("The lab", "en", []), [poster(0, "tour:lab", 4, 1, "odom")]);
+  let tour = drivenOn(newDrivenTour("The lab", "en", []), [poster(0, "tour:lab", 4, 1, "odom")]);
   expect(tour.met).toEqual([]);
   tour = drivenOn(tour, [poster(1, "tour:lab", 4)]);
   expect(tour.met).toEqual([{ text: "tour:lab", landmark: 1, x: 1, y: 0 }]);
 });
 
 test("one that is taken out stays out", () => {
-  let tour = drivenOn(begun("The lab", "en", []), [poster(1, "a", 1), poster(2, "b", 1)]);
+  let tour = drivenOn(newDrivenTour("The lab", "en", []), [poster(1, "a", 1), poster(2, "b", 1)]);
   tour = without(tour, 1);
   expect(drivenOn(tour, [poster(1, "a", 1), poster(2, "b", 1)]).met.map(({ text }) => text)).toEqual(["b"]);
 });
 
 test("it becomes a tour with a stop before each", () => {
   const met = [poster(1, "HBBA:STOP/ARM", 1), poster(2, "tour:door", 1), poster(4, "tour:door", 1), poster(5, "x", 1)];
-  const tour = drivenOn(begun("The lab", "en", []), met);
+  const tour = drivenOn(newDrivenTour("The lab", "en", []), met);
   const places = new Map([
     [1, "arm-place"],
     [2, "door"],

@@ -20,7 +20,7 @@ export interface DrivenTour {
   met: Met[];
 }
 
-export function begun(title: string, language: string, landmarks: readonly Landmark[]): DrivenTour {
+export function newDrivenTour(title: string, language: string, landmarks: readonly Landmark[]): DrivenTour {
   return { title, language, seen: sightings(landmarks), met: [] };
 }
 

@@ -6,7 +6,7 @@ import type { MapControl } from "../map/mapControl";
 import { type PlaceControl, placeOf } from "../map/placeControl";
 import { idempotencyKey, inWords, type Rest } from "../protocol/rest";
 import type { Store } from "../state/store";
-import { begun, type DrivenTour, drivenOn, tourOf, without } from "./drivenTour";
+import { type DrivenTour, drivenOn, newDrivenTour, tourOf, without } from "./drivenTour";
 import type { TourControl } from "./tourControl";
 import { posterTitle } from "./tourEdits";
 
@@ -47,10 +47,10 @@ export class TourDrive {
   async begin(title: string, language: string): Promise<void> {
     this.problem.value = "";
     this.tours.close();
-    this.tour.value = begun(title, language, this.store.of("landmarks").peek()?.landmarks ?? []);
+    this.tour.value = newDrivenTour(title, language, this.store.of("landmarks").peek()?.landmarks ?? []);
     await this.map.desireMap();
-    const looking = this.store.rows.peek().find((row) => row.class === LOOKS_FOR)?.state !== "undesired";
-    if (looking || !this.serves(LOOKS_FOR)) return;
+    const lane = this.store.rows.peek().find((row) => row.class === LOOKS_FOR);
+    if ((lane && lane.state !== "undesired") || !this.serves(LOOKS_FOR)) return;
     const desire = { class: LOOKS_FOR, intensity: 7, utility: 4, ttl: LOOKS_S };
     await this.rest.addDesire(desire, idempotencyKey()).catch((error) => {
       this.problem.value = inWords(error);
@@ -74,7 +74,12 @@ export class TourDrive {
     this.busy.value = true;
     this.problem.value = "";
     try {
-      const name = this.maps.inUse.peek() || mapName.trim();
+      const inUse = this.maps.inUse.peek();
+      const name = inUse || mapName.trim();
+      if (!inUse && (await this.rest.maps()).maps.some((map) => map.name === name)) {
+        this.problem.value = `There is a map ${name} already: choose another name.`;
+        return;
+      }
       await this.rest.saveMap(name);
       const places = await this.placed(tour);
       const taken = (await this.rest.tours()).tours.map(({ id }) => id);

@@ -10,14 +10,21 @@ export interface PointTarget {
 
 type Point = [number, number, number];
 
-/** `tour` with the point of a step at `x`, `y`, as high as it was; pure. */
-export function withPoint(tour: Tour, { path, part }: PointTarget, [x, y]: readonly [number, number]): Tour {
+/** About as high as eyes. */
+const EYES_M = 1.2;
+
+/** `tour` with the point of a step at `x`, `y`; without `z`, as high as it was. */
+export function withPoint(
+  tour: Tour,
+  { path, part }: PointTarget,
+  [x, y, z]: readonly [x: number, y: number, z?: number],
+): Tour {
   const keys = path.split(".");
   const set = (value: unknown, at: number): unknown => {
     if (at === keys.length) {
       const step = value as Step;
       const before = step[part];
-      return { ...step, [part]: [x, y, Array.isArray(before) ? before[2] : 1.2] satisfies Point };
+      return { ...step, [part]: [x, y, z ?? (Array.isArray(before) ? before[2] : EYES_M)] satisfies Point };
     }
     const key = keys[at]!;
     if (Array.isArray(value)) return value.map((one, index) => (String(index) === key ? set(one, at + 1) : one));
