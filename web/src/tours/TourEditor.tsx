@@ -152,7 +152,7 @@ function Way() {
       data-state={blocked > 0 ? "blocked" : "way"}
     >
       {text}
-      {blocked > 0 && <b>{blocked === 1 ? " 1 leg cannot be driven." : ` ${blocked} legs cannot be driven.`}</b>}
+      {blocked > 0 && <b>{blocked === 1 ? ". 1 leg cannot be driven." : `. ${blocked} legs cannot be driven.`}</b>}
       {tourRoute.planning.value && <span class="muted"> …</span>}
     </p>
   );
