@@ -56,7 +56,7 @@ export function App() {
           {audio && (audio.listen || replay) && <ListenButton />}
           {audio && (audio.speak || replay) && <TalkButton />}
           {body.maps && <MapToggle />}
-          {body.maps && !replay && <TourToggle phone={phone} />}
+          {body.maps && !replay && !phone && <TourToggle />}
           <SceneToggle />
         </div>
         <Subtitles />
@@ -137,10 +137,10 @@ function MapToggle() {
   );
 }
 
-/** The map large and the stops beside it; on a phone, the stops. */
-function TourToggle({ phone }: { phone: boolean }) {
+/** The map large and the stops beside it. A phone has the tab. */
+function TourToggle() {
   const { store } = useApp();
-  const shown = store.tab.value === "tour" && (phone || store.mapPlace.value === "view");
+  const shown = store.tab.value === "tour" && store.mapPlace.value === "view";
   return (
     <button
       type="button"
@@ -148,7 +148,7 @@ function TourToggle({ phone }: { phone: boolean }) {
       data-testid="tour-toggle"
       aria-pressed={shown}
       title="Edit tours: the map large, the stops beside it"
-      onClick={() => store.showTour(phone ? "tab" : "view")}
+      onClick={() => store.showTour("view")}
     >
       <TourIcon /> <span class="tool-words">Tour</span>
     </button>
