@@ -19,22 +19,41 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from app.console import schema
 from app.console.live.messages import FROM_ROBOT, FaceReport
 from app.console.live.protocol import FromPage, TimedMessage
+from app.console.records.camera import CameraPoint
 from app.console.records.maps import MapList
 from app.console.records.places import PlaceReport
 from app.console.records.recordings import RecordingList, ReplayReport, Saved
+from app.console.records.route import RouteReport
+from app.console.records.tours import TourList, TourReport
+from app.console.rest.camera import CameraClick
 from app.console.rest.map_models import GoalRequest, LoadRequest, RenameRequest, ZonesRequest
 from app.console.rest.models import DesireChange, NewDesire
 from app.console.rest.place_models import NewPlace, PlaceChange
 from app.console.rest.playback_models import PlaybackChange
 from app.console.rest.recording_models import NewRecording, SaveRequest
+from app.console.rest.route_models import RouteRequest
 from app.console.rest.session import LoginRequest
+from app.tours.model import Tour
 
 ROOT = Path(__file__).resolve().parents[1]
 FILE = ROOT / "web" / "src" / "protocol" / "generated.ts"
 #: Answers of REST, and of the stream of the face, that a page reads and that are no messages of the live stream.
-ANSWERS = (FaceReport, MapList, PlaceReport, RecordingList, ReplayReport, Saved)
+ANSWERS = (
+    CameraPoint,
+    FaceReport,
+    MapList,
+    PlaceReport,
+    RecordingList,
+    ReplayReport,
+    RouteReport,
+    Saved,
+    Tour,
+    TourList,
+    TourReport,
+)
 #: Bodies of requests to REST that the page makes.
 REQUESTS = (
+    CameraClick,
     DesireChange,
     GoalRequest,
     LoadRequest,
@@ -45,6 +64,7 @@ REQUESTS = (
     PlaceChange,
     PlaybackChange,
     RenameRequest,
+    RouteRequest,
     SaveRequest,
     ZonesRequest,
 )
@@ -121,7 +141,7 @@ def typescript(value: schema.Schema) -> str:
         return json.dumps(value["const"])
     if "enum" in value:
         return " | ".join(json.dumps(each) for each in value["enum"])
-    if choices := value.get("anyOf"):
+    if choices := value.get("anyOf") or value.get("oneOf"):
         return " | ".join(typescript(each) for each in choices)
     match value.get("type"):
         case "string" | "boolean" | "null" as kind:
@@ -132,6 +152,8 @@ def typescript(value: schema.Schema) -> str:
             return _list(value)
         case "object":
             return _object(value)
+        case [*kinds]:
+            return " | ".join(typescript({"type": kind}) for kind in kinds)
         case None:
             return "unknown"
     raise TypeError(f"no TypeScript is known for {value}")
@@ -151,6 +173,8 @@ def _object(value: schema.Schema) -> str:
     if value.get("properties"):
         raise TypeError(f"an object within a record is a record itself, not {value}")
     values = value.get("additionalProperties")
+    if keyed := value.get("patternProperties"):
+        (values,) = keyed.values()
     return f"Record<string, {typescript(values) if isinstance(values, dict) else 'unknown'}>"
 
 

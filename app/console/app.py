@@ -23,8 +23,10 @@ from app.console.panels import Panel, panels_router
 from app.console.problems import install_problem_handlers
 from app.console.replays import Replays
 from app.console.rest.attention import attention_router
+from app.console.rest.camera import camera_router
 from app.console.rest.desires import desires_router
 from app.console.rest.goal import goal_router
+from app.console.rest.map_route import route_router
 from app.console.rest.maps import maps_router
 from app.console.rest.percepts import percepts_router
 from app.console.rest.places import places_router
@@ -103,6 +105,8 @@ def create_app(
         percepts_router(system),
         maps_router(system),
         places_router(system),
+        route_router(system),
+        camera_router(system, hub),
         goal_router(system, hub),
         tours_router(system),
         tour_run_router(system),

@@ -34,6 +34,7 @@ from app.maps.library import MapLibrary
 from app.maps.library import default_folder as default_maps_folder
 from app.maps.map_service import MapService
 from app.maps.place_service import PlaceService
+from app.maps.route_service import RouteService
 from app.messages import Accomplishment, BatteryState, Exploitation, LoadReport, PerceptEvent, PerceptKind
 from app.program.attachments import snapshot
 from app.program.battery_watch import BatteryWatch
@@ -121,6 +122,7 @@ class System:
         self.places = PlaceService()
         self.runs = runs or RunLibrary(default_runs_folder(), resumes=False)
         self.tour_run = TourRunService()
+        self.routes = RouteService()
         services: dict[type[object], object] = {
             RobotLink: self.link,
             IntentionWorkspace: self.workspace,
@@ -133,6 +135,7 @@ class System:
             PlaceService: self.places,
             RunLibrary: self.runs,
             TourRunService: self.tour_run,
+            RouteService: self.routes,
             ChannelTable: ChannelTable(configuration.channels),
         }
         self.graph = Graph(

@@ -10,10 +10,12 @@ import { ListenButton } from "./sound/ListenButton";
 import { TalkButton } from "./sound/TalkButton";
 import { Subtitles } from "./speech/Subtitles";
 import { useApp } from "./state/context";
+import { PosterPicked } from "./tours/PosterPicked";
+import { TourDriveBanner } from "./tours/TourDriveBanner";
 import { Banner } from "./ui/Banner";
 import { EStop } from "./ui/EStop";
 import { Help } from "./ui/Help";
-import { CubeIcon, MapIcon } from "./ui/icons";
+import { CubeIcon, MapIcon, TourIcon } from "./ui/icons";
 import { Login } from "./ui/Login";
 import { narrow } from "./ui/media";
 import { Notices } from "./ui/Notices";
@@ -54,9 +56,12 @@ export function App() {
           {audio && (audio.listen || replay) && <ListenButton />}
           {audio && (audio.speak || replay) && <TalkButton />}
           {body.maps && <MapToggle />}
+          {body.maps && !replay && !phone && <TourToggle />}
           <SceneToggle />
         </div>
         <Subtitles />
+        <TourDriveBanner />
+        <PosterPicked />
         <Banner />
         {!phone && !replay && body.drives && <DrivePad />}
       </main>
@@ -128,6 +133,24 @@ function MapToggle() {
       onClick={() => store.showMap(shown ? "tab" : "view")}
     >
       <MapIcon /> <span class="tool-words">Map</span>
+    </button>
+  );
+}
+
+/** The map large and the stops beside it. A phone has the tab. */
+function TourToggle() {
+  const { store } = useApp();
+  const shown = store.tab.value === "tour" && store.mapPlace.value === "view";
+  return (
+    <button
+      type="button"
+      class={`tool-button button small ${shown ? "on" : ""}`}
+      data-testid="tour-toggle"
+      aria-pressed={shown}
+      title="Edit tours: the map large, the stops beside it"
+      onClick={() => store.showTour("view")}
+    >
+      <TourIcon /> <span class="tool-words">Tour</span>
     </button>
   );
 }

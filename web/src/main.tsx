@@ -17,6 +17,12 @@ import { AppContext } from "./state/context";
 import { keepHistory } from "./state/history";
 import { Session } from "./state/session";
 import { createStore } from "./state/store";
+import { RouteControl } from "./tours/routeControl";
+import { StopMaker } from "./tours/stopMaker";
+import { TourControl } from "./tours/tourControl";
+import { TourDrive } from "./tours/tourDrive";
+import { TourPointing } from "./tours/tourPointing";
+import { TourTrial } from "./tours/tourTrial";
 import { narrow } from "./ui/media";
 import { PictureFeed } from "./view/pictureFeed";
 import "./styles/base.css";
@@ -35,6 +41,7 @@ import "./styles/forms.css";
 import "./styles/transport.css";
 import "./styles/recordings.css";
 import "./styles/map.css";
+import "./styles/tours.css";
 import "./styles/narrow.css";
 import "./styles/dock.css";
 import "./styles/touch.css";
@@ -61,8 +68,27 @@ const panorama = new PictureFeed(
 panorama.canvas = document.createElement("canvas");
 const listening = new Listening(store, session);
 const map = new MapControl(store, session);
-const maps = new MapLibrary(store, session.rest, map.shown, () => map.desireMap());
+const toursShown = computed(() => store.body.value.maps && store.tab.value === "tour");
+const mapsShown = computed(() => map.shown.value || toursShown.value);
+const maps = new MapLibrary(store, session.rest, mapsShown, () => map.desireMap());
 const places = new PlaceControl(store, session.rest);
+const tours = new TourControl(store, session.rest, toursShown);
+const tourRoute = new RouteControl(session.rest, {
+  draft: tours.draft,
+  places: places.all,
+  zones: map.zones,
+  map: maps.inUse,
+  able: computed(() => tours.allowed.value && store.body.value.goes),
+});
+const stops = new StopMaker(store, session.rest, places, tours);
+const tourPointing = new TourPointing(store, session.rest, map, tours);
+const tourTrial = new TourTrial(store, session.rest);
+const tourDrive = new TourDrive(store, session.rest, map, maps, places, tours);
+const tourMarks = computed(() => {
+  const tour = tours.draft.value;
+  if (!tour || !toursShown.value || (maps.inUse.value !== null && maps.inUse.value !== tour.map)) return null;
+  return { tour, legs: tourRoute.legs.value, places: places.all.value, open: stops.open.value };
+});
 const grid = {
   map: new GridFeed(session, "map", map.shown),
   costmap: new GridFeed(
@@ -88,6 +114,13 @@ render(
       map,
       maps,
       places,
+      tours,
+      tourRoute,
+      stops,
+      tourPointing,
+      tourTrial,
+      tourDrive,
+      tourMarks,
       grid,
     }}
   >
@@ -105,6 +138,11 @@ panorama.start();
 grid.map.start();
 grid.costmap.start();
 maps.start();
+map.onSelect = (at, scale) => stops.pick(at, scale);
+tours.start();
+tourRoute.start();
+tourPointing.start();
+tourDrive.start();
 listening.start();
 talking.start();
 void session.start();

@@ -67,7 +67,7 @@ class Hub:
         self._sampling: asyncio.Task[None] | None = None
         self._stale: set[str] = set()
         self.link_status: LinkStatus | None = None
-        self._look_here = LookHere(system.graph, system.workspace, PICTURES[CAMERA])
+        self.look_here = LookHere(system.graph, system.workspace, PICTURES[CAMERA])
         self.driving = Driving(
             system.clock,
             system.link,
@@ -75,7 +75,7 @@ class Hub:
             self.notify,
             partial(withdraw_all, system.workspace),
             recording=playback is not None,
-            look_here=self._look_here,
+            look_here=self.look_here,
         )
         self.speech = OperatorSpeech(
             system.clock,
@@ -155,7 +155,7 @@ class Hub:
         for session in self._viewers:
             self.notify(session, "error" if problem else "info", problem or REVIVED)
         if not problem:
-            self._look_here.clear()
+            self.look_here.clear()
             self._feeds.clear()
             self._channels.clear()
             for kind, text in self._channels.standing().items():
@@ -271,7 +271,7 @@ class Hub:
         self._presence.attend(True)
         keep = self._watching.callback
         if self._playback is None:
-            keep(self._look_here.open())
+            keep(self.look_here.open())
         if self._recorder.channel is not None:
             keep(Tap(self._recorder.channel, "console.recorder", lambda _: self._on_recorder()).close)
             for source in (system.workspace, system.translator, system.supervisor):

@@ -26,14 +26,16 @@ stretched out count as part of the body (``navigation/tracking/arm_outline.py``)
 
 It stands still, and publishes the reason, without a trusted pose, with a scan or image older than ``fresh_s``, or with
 dead depth images. Obstacles that the camera sees and the laser does not are kept with the map
-(``navigation/costmap/persistent_obstacle_layer.py``), also while another behavior drives, if the inputs are open. The
-goal is given by the parameters of the desire GoTo, the controller by the strategy: ``mppi``, ``pursuit``, ``dwa`` or
-``dwa_published`` (the baseline of the BARN challenge).
+(``navigation/costmap/persistent_obstacle_layer.py``), also while another behavior drives, if the inputs are open.
+Ways are planned for others, too, without driving (``app/maps/route_service.py``). The goal is given by the parameters
+of the desire GoTo, the controller by the strategy: ``mppi``, ``pursuit``, ``dwa`` or ``dwa_published`` (the baseline of
+the BARN challenge).
 """
 
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import math
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -46,7 +48,8 @@ from app.base.geometry import Pose2
 from app.base.joint_buffer import JointBuffer
 from app.base.moving_shapes import BodyOutline, MovingShapes
 from app.maps.library import MapLibrary
-from app.maps.map_service import MapService
+from app.maps.map_service import MapService, MapUnavailable
+from app.maps.route_service import RouteLeg, RouteService
 from app.messages import (
     Exploitation,
     Image,
@@ -71,6 +74,7 @@ from app.modules.behaviors.navigation.costmap.self_filter import self_filtered
 from app.modules.behaviors.navigation.kernel_loading import load_kernels
 from app.modules.behaviors.navigation.planning.global_planner import GlobalPlanner, PlanRequest, PlanResult
 from app.modules.behaviors.navigation.planning.goal_planning import GlobalPlan
+from app.modules.behaviors.navigation.planning.route_planner import LegRequest, RouteFinder
 from app.modules.behaviors.navigation.recovery.recovery_behaviors import RecoverySettings
 from app.modules.behaviors.navigation.tracking.command_jitter import CommandJitter
 from app.modules.behaviors.navigation.tracking.control_cycle import (
@@ -134,6 +138,7 @@ class PlanAndFollowPath(Module):
 
     _control: ControlCycle
     _global_planner: GlobalPlanner
+    _route_finder: RouteFinder
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
@@ -182,6 +187,7 @@ class PlanAndFollowPath(Module):
         self._costmap_at = -math.inf
         self._costmap_version = 0
         self._leave_map: Callable[[], None] | None = None
+        self._leave_routes: Callable[[], None] = lambda: None
         self._periods = CommandJitter()
 
     async def start(self) -> None:
@@ -220,11 +226,14 @@ class PlanAndFollowPath(Module):
             raise ModuleFailed(f"{self.name} cannot drive {description.name}: {error}") from None
         costs = CostSettings(unknown=s.unknown, closeness=s.closeness, reach_m=s.reach_m)
         self._global_planner = GlobalPlanner(self._control.footprint, costs)
+        self._route_finder = RouteFinder(self._control.footprint, self._control.body, costs)
         if self._control.persistent_obstacles is not None:
             await self._keep_with_map(self._control.persistent_obstacles)
         # Messages from before a restart still hold.
         self._grid = None if self.map.channel is None else self.map.channel.latest
         self._zones = (None if self.zones.channel is None else self.zones.channel.latest) or self._zones
+        with contextlib.suppress(ModuleFailed):  # a program that does not offer ways drives all the same
+            self._leave_routes = self.service(RouteService).attach(self)
 
     async def _keep_with_map(self, things: PersistentObstacleLayer) -> None:
         try:
@@ -235,7 +244,8 @@ class PlanAndFollowPath(Module):
         self._leave_map = await control.add(layer)
 
     async def stop(self) -> None:
-        """Cancel planning and leave the map control."""
+        """Cancel planning and leave the map control and the service of ways."""
+        self._leave_routes()
         if self._leave_map is not None:
             self._leave_map()
         if self._planning is not None:
@@ -251,6 +261,17 @@ class PlanAndFollowPath(Module):
 
     def last_word(self, port: str) -> Twist | None:
         return Twist(self.clock.now(), 0.0, 0.0) if port == "twist" else None
+
+    async def leg(self, start: Pose2, goal: Pose2, speed: float) -> RouteLeg:
+        """Plan a way that is not driven now, between two plannings of the one that is. As :class:`RoutePlanner`."""
+        # SLAM that rests lets no map through to this module, and the map in use is there all the same.
+        grid = (None if self.map.channel is None else self.map.channel.latest) or self._grid
+        if grid is None:
+            raise MapUnavailable("there is no map yet: start SLAM")
+        zones = (None if self.zones.channel is None else self.zones.channel.latest) or self._zones
+        obstacles = await self.compute(self._control.persistent_points)
+        request = LegRequest(grid, zones.zones, start, goal, speed=speed, persistent_obstacles=obstacles)
+        return await self.compute_background(self._route_finder.find, request)
 
     # --- inputs ---
 

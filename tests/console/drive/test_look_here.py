@@ -37,11 +37,29 @@ def test_the_point_is_on_the_ray_of_the_click_above_the_floor_and_not_too_far(
     u: float, v: float, pan: float, tilt: float, theta: float
 ) -> None:
     X_OB, X_BC = Pose2(1.0, -2.0, theta).to_pose3(), looking(pan, tilt)
-    point = np.array(clicked_point(Taken(0.0, CAMERA, X_BC, 640, 480), X_OB, u, v))
+    found = clicked_point(Taken(0.0, CAMERA, X_BC, 640, 480), X_OB, u, v)
+    point = np.array([found.x, found.y, found.z])
+    assert not found.measured
     X_OC = X_OB @ X_BC
     assert CAMERA.project(X_OC.inverse().transform(point[None, :]))[0] == pytest.approx([640 * u, 480 * v], abs=1e-6)
     assert point[2] >= -1e-9
     assert np.linalg.norm(point - X_OC.translation) <= FAR_M + 1e-9
+
+
+def test_where_the_camera_measured_something_that_is_the_point() -> None:
+    depth = np.zeros((120, 160), np.uint16)
+    depth[55:70, 100:110] = 2500
+    depth[60, 105] = 9000  # a single cell that is wrong
+    taken = Taken(0.0, CAMERA, looking(0.0, 0.0), 640, 480, depth)
+    X_OB = Pose2(1.0, 2.0, 0.5).to_pose3()
+    found = clicked_point(taken, X_OB, 105.5 / 160, 60.5 / 120)
+    assert found.measured
+    in_camera = (X_OB @ taken.X_BC).inverse().transform(np.array([[found.x, found.y, found.z]]))
+    assert in_camera[0, 2] == pytest.approx(2.5)
+    assert CAMERA.project(in_camera)[0] == pytest.approx([422, 242])
+    assert not clicked_point(taken, X_OB, 0.1, 0.5).measured
+    corner = clicked_point(taken, X_OB, 1.0, 1.0)
+    assert not corner.measured
 
 
 def test_a_click_is_of_its_own_picture_however_far_the_robot_has_turned_since(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ import pytest
 from fastapi import FastAPI
 
 from app.program.system import System
-from tests.console.places import FakeMapServer
+from tests.console.places import FakeMapServer, StraightPlanner
 from tests.console.program import Body, build
 from tests.patience import PATIENCE_S
 
@@ -34,6 +34,7 @@ def built(tmp_path: Path) -> tuple[System, Body]:
 
 async def test_every_example_works(url: str, script: str, app: FastAPI, system: System, tmp_path: Path) -> None:
     system.map.attach(FakeMapServer(system.maps))
+    system.routes.attach(StraightPlanner())
     assert script.count("curl") >= 30
     # What a replay does is tested elsewhere.
     app.state.replays.command = ("sh", "-c", "echo 'HBBA is up: http://127.0.0.1:4711  (...)'; exec sleep 60")

@@ -16,6 +16,8 @@ from app.attention.workspace import IntentionWorkspace
 from app.base import paths
 from app.base.geometry import CameraModel, Pose2, Pose3
 from app.base.kinematic_model import load_model
+from app.maps.map_service import MapUnavailable
+from app.maps.route_service import RouteService
 from app.messages import (
     Accomplishment,
     Image,
@@ -71,6 +73,7 @@ class Drive:
         self.statuses: list[NavigationStatus] = []
         self.workspace = IntentionWorkspace(DesireClasses([GO_TO]), VirtualClock().now)
         self.paths: list[PlannedPath] = []
+        self.routes = RouteService()
         link = DrivenLink()
         if arms:
             link.description = replace(link.description, groups=dict(IRL1.groups), model_path=IRL1.model)
@@ -83,7 +86,7 @@ class Drive:
             },
             settings=settings,
             link=link,
-            services={IntentionWorkspace: self.workspace},
+            services={IntentionWorkspace: self.workspace, RouteService: self.routes},
             attended=("twist",),
         )  # fmt: skip
         self.bench.graph.channel("accomplishments").observe(self.workspace.accomplish)
@@ -438,3 +441,18 @@ async def test_what_the_camera_sees_of_its_own_arm_is_left_out() -> None:
         assert taken.depth is not None
         assert not taken.depth[22:26, 30:34].any()
         assert (taken.depth == 3000).sum() == 48 * 64 - 16
+
+
+@in_virtual_time
+async def test_a_way_is_planned_for_others_as_it_would_be_driven_and_nothing_moves() -> None:
+    world = DrivenWorld(HOUSE, Pose2(1.0, 1.0, 0.0))
+    stairs = Zone("stairs", "keep_out", read_only(np.array([[6.0, 3.5], [7.9, 3.5], [7.9, 4.9], [6.0, 4.9]])), 1.0)
+    async with Drive(world, zones=(stairs,)) as drive:
+        leg = await drive.routes.planner.leg(Pose2(1.0, 1.0, 0.0), Pose2(6.5, 1.2, math.nan), 1.0)
+        assert leg.state == "way"
+        assert 2.0 < float(np.interp(4.0, leg.path[:, 0], leg.path[:, 1])) < 2.9
+        shut = await drive.routes.planner.leg(Pose2(1.0, 1.0, 0.0), Pose2(7.2, 4.2, math.nan), 1.0)
+        assert "“stairs”" in shut.reason
+        assert drain(drive.twists) == []
+    with pytest.raises(MapUnavailable, match="plans no ways"):
+        _ = drive.routes.planner

@@ -56,6 +56,10 @@ export class MapControl {
   readonly shown: ReadonlySignal<boolean>;
   /** The keyboard is to come to the canvas as soon as that is there. */
   readonly called = signal(false);
+  /** Called with the place (m) that is clicked with the tool `point`. */
+  onPoint: (at: Point) => void = () => undefined;
+  /** Called with a click (m) that no tool takes, and px a metre; returns whether something is there that takes it. */
+  onSelect: (at: Point, scale: number) => boolean = () => false;
   /** Whether the robot can be asked for anything. */
   readonly allowed: ReadonlySignal<boolean>;
   private readonly edits = signal<readonly Zone[] | null>(null);
@@ -259,6 +263,8 @@ export class MapControl {
       const theta = wish.heading ?? this.robot.peek()?.theta ?? 0;
       return this.place({ ...wish.place, theta });
     }
+    if (wish.type === "point") return this.onPoint(wish.at);
+    if (wish.type === "select" && this.onSelect(wish.at, this.view.peek().scale)) return;
     if (wish.type === "select") {
       this.selected.value = zoneAt(this.zones.peek(), wish.at)?.name ?? null;
       return;

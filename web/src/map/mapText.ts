@@ -204,6 +204,7 @@ export function hintWords({ tool, act, cursor, corners }: Tools, stands: boolean
     const close = corners.length >= 3 ? ", the first corner again closes the zone" : "";
     return `Arrows move the cursor, Enter sets a corner${close}, ${corners.length > 0 ? "⌫ removes the last one" : up}.`;
   }
+  if (tool === "point") return cursor ? `Arrows move the cursor, Enter takes the point${away}.` : "Click on the point.";
   if (cursor) return `Arrows move the cursor, Enter puts ${tool === "pose" ? "the robot" : "a goal"} there${away}.`;
   if (tool === "goal") return "Press on the goal, drag to set the heading.";
   return tool === "pose" ? "Press on the robot's place, drag to set its heading." : "";

@@ -273,3 +273,21 @@ describe("the keyboard", () => {
     expect(run([focus(true), tool("slow"), key("Enter"), focus(false)]).tools.corners).toHaveLength(1);
   });
 });
+
+test("the tool of points takes a click and pans with a drag", () => {
+  const tools: Tools = { ...AT_REST, tool: "point" };
+  const sight: Sight = {
+    view: { x: 0, y: 0, scale: 50, up: Math.PI / 2 },
+    size: { width: 200, height: 200 },
+    follow: false,
+  };
+  const pressed = step(tools, { type: "down", id: 1, at: { x: 150, y: 100 }, button: 0 }, sight);
+  const clicked = step(pressed.tools, { type: "up", id: 1, at: { x: 150, y: 100 } }, sight);
+  expect(clicked.wish?.type).toBe("point");
+  expect(clicked.wish).toMatchObject({ at: { x: expect.closeTo(1), y: expect.closeTo(0) } });
+  const dragged = step(pressed.tools, { type: "move", id: 1, at: { x: 100, y: 100 } }, sight);
+  expect(step(dragged.tools, { type: "up", id: 1, at: { x: 100, y: 100 } }, sight).wish).toBeNull();
+  expect(dragged.panned).toBe(true);
+  const entered = step({ ...tools, cursor: { x: 1, y: 2 } }, { type: "key", key: "Enter", shift: false }, sight);
+  expect(entered.wish).toEqual({ type: "point", at: { x: 1, y: 2 } });
+});

@@ -3,12 +3,12 @@
  *
  * With every tool two fingers pan and zoom, the wheel zooms, and the middle or right button pans. One finger or the left
  * button pans or selects (`look`), puts down a place and drags a heading (`goal`, `pose`), or draws a zone: dragged, a
- * rectangle; clicked, corner after corner until the first is met again.
+ * rectangle; clicked, corner after corner until the first is met again. `point` takes a click for a point, and pans.
  */
 
 import { type MapView, type Point, panned, type Size, toMap, toScreen, wrapped, zoomed } from "./mapProjection";
 
-export type Tool = "look" | "goal" | "pose" | "keep_out" | "slow";
+export type Tool = "look" | "goal" | "pose" | "keep_out" | "slow" | "point";
 
 /** A corner of the selected zone that can be moved. */
 export interface Handle {
@@ -67,7 +67,8 @@ export type Wish =
   | { type: "pose"; place: Point; heading: number | null }
   | { type: "zone"; kind: "keep_out" | "slow"; polygon: Point[] }
   | { type: "corner"; handle: Handle; to: Point }
-  | { type: "select"; at: Point };
+  | { type: "select"; at: Point }
+  | { type: "point"; at: Point };
 
 export interface Sight {
   view: MapView;
@@ -149,7 +150,7 @@ function down(done: Done, { id, at, button, handle }: Extract<Input, { type: "do
   if (button !== 0) return with_({ kind: "pan" });
   const place = toMap(sight.view, sight.size, at);
   if (handle && tools.tool === "look") return with_({ kind: "corner", handle, to: place });
-  if (tools.tool === "look") return with_({ kind: "press", at });
+  if (tools.tool === "look" || tools.tool === "point") return with_({ kind: "press", at });
   if (tools.tool === "goal" || tools.tool === "pose") return with_({ kind: "aim", place, heading: null, by: "hand" });
   return with_({ kind: "rectangle", from: place, to: place, moved: false });
 }
@@ -195,7 +196,8 @@ function up(done: Done, { id, at }: Extract<Input, { type: "up" }>, sight: Sight
   const place = toMap(sight.view, sight.size, at);
   const { act, tool } = tools;
   if (!tools.pointers.has(id)) return done;
-  if (act.kind === "press") return { ...done, tools: rest, wish: { type: "select", at: place } };
+  if (act.kind === "press")
+    return { ...done, tools: rest, wish: { type: tool === "point" ? "point" : "select", at: place } };
   if (act.kind === "corner") return { ...done, tools: rest, wish: { type: "corner", handle: act.handle, to: act.to } };
   if (act.kind === "aim" && act.by === "hand") return aimed(done, { ...rest, act }, act);
   if (act.kind === "rectangle" && (tool === "keep_out" || tool === "slow")) {
@@ -270,6 +272,7 @@ function entered(done: Done, sight: Sight): Done {
   if (act.kind === "aim" && act.by === "keys") return aimed(done, tools, act);
   const cursor = tools.cursor ?? { x: sight.view.x, y: sight.view.y };
   if (tool === "keep_out" || tool === "slow") return corner(done, { ...tools, cursor }, tool, cursor, sight);
+  if (tool === "point") return { ...done, tools: { ...tools, cursor }, wish: { type: "point", at: cursor } };
   const aim: Act = { kind: "aim", place: cursor, heading: null, by: "keys" };
   return { ...done, tools: { ...tools, cursor, tool: tool === "look" ? "goal" : tool, act: aim } };
 }

@@ -4,6 +4,7 @@ import { effect } from "@preact/signals";
 import type { App } from "../state/context";
 import { showsNow } from "../state/freshness";
 import type { MapPlace } from "../state/store";
+import { drawTour } from "../tours/tourMarks";
 import { narrow } from "../ui/media";
 import { draw } from "./drawMap";
 import { composed, type Point } from "./mapProjection";
@@ -15,7 +16,8 @@ import { LAYERS } from "./registry";
 const COLUMN_PX = 860;
 
 /** Paints at the next frame after any change; returns what ends it. */
-export function paintOn(canvas: HTMLCanvasElement, place: MapPlace, { store, map, grid }: App): () => void {
+export function paintOn(canvas: HTMLCanvasElement, place: MapPlace, app: App): () => void {
+  const { store, map, grid } = app;
   let frame = 0;
   const size = { width: 0, height: 0 };
   const paint = () => {
@@ -51,6 +53,8 @@ export function paintOn(canvas: HTMLCanvasElement, place: MapPlace, { store, map
       cursor: tools.cursor,
       bar: place === "view" ? aboveTools(size.width) : null,
       percepts: (context, onScreen) => {
+        const tour = app.tourMarks.peek();
+        if (tour) drawTour(context, tour, onScreen);
         for (const layer of LAYERS) {
           const message = store.of(layer.type).peek();
           const place = (point: Point & { frame?: string }) => {
@@ -82,7 +86,7 @@ export function paintOn(canvas: HTMLCanvasElement, place: MapPlace, { store, map
     for (const layer of LAYERS) void store.of(layer.type).value;
     void [map.view.value, map.tools.value, map.robot.value, map.zones.value, map.selected.value, map.costmap.value];
     // Seconds, as what stands around is only shown while it does.
-    void [grid.costmap.picture.value, store.seconds.value, store.hello.value];
+    void [grid.costmap.picture.value, store.seconds.value, store.hello.value, app.tourMarks.value];
     map.met(grid.map.picture.value);
     later();
   });

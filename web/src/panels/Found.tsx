@@ -6,6 +6,7 @@ import { placeOf, posterLack } from "../map/placeControl";
 import type { Landmark } from "../protocol/types";
 import { useApp } from "../state/context";
 import type { Message } from "../state/latest";
+import { stopOf } from "../tours/tourEdits";
 import { ago, number } from "../ui/format";
 import { QrIcon } from "../ui/icons";
 import { noneFound } from "./foundText";
@@ -73,10 +74,23 @@ function Row({ landmark }: { landmark: Landmark }) {
   );
 }
 
-/** Makes a place in front of it, or goes to the one that is there. */
+/** Makes a stop of the tour that is edited, or a place in front of it; or goes to the one that is there. */
 function PlaceButton({ landmark }: { landmark: Landmark }) {
-  const { map, places, store } = useApp();
+  const { map, places, stops, store, tours } = useApp();
   if (!places.kept.value || !map.allowed.value) return null;
+  if (tours.draft.value && !stopOf(tours.draft.value, landmark))
+    return (
+      <button
+        type="button"
+        class="button small accent"
+        data-testid="landmark-stop"
+        title={stops.lack(landmark) || "Make a stop of the tour before it"}
+        disabled={stops.lack(landmark) !== ""}
+        onClick={() => void stops.fromPoster(landmark)}
+      >
+        Make a stop
+      </button>
+    );
   const place = placeOf(places.all.value, landmark);
   if (place)
     return store.body.value.goes ? (

@@ -9,6 +9,7 @@ import { placesPanel } from "../map/Places";
 import { zonesPanel } from "../map/Zones";
 import { recordingsPanel } from "../recordings/Recordings";
 import { wordsPanel } from "../speech/WordsPanel";
+import { tourPanel } from "../tours/TourPanel";
 import { eventsPanel } from "./Events";
 import { foundPanel } from "./Found";
 import { intentionPanel } from "./Intention";
@@ -23,6 +24,7 @@ export const PANELS: readonly Panel[] = [
   placesPanel,
   zonesPanel,
   mapsPanel,
+  tourPanel,
   lanesPanel,
   aroundPanel,
   peoplePanel,

@@ -50,6 +50,14 @@ export interface BaseLimits {
   lateral_mps: number;
 }
 
+/** How much charge a tour needs, as shares of a full battery. */
+export interface BatteryRule {
+  /** No tour begins below this. */
+  begin_min: number;
+  /** Below this, the tour ends at once. */
+  end_below: number;
+}
+
 /** State of the body's battery. */
 export interface BatteryState {
   /** Seconds of the robot's clock (Unix epoch). */
@@ -64,6 +72,28 @@ export interface BatteryState {
   charging: boolean;
   /** Time until it is empty, or full while it charges, at the mean power of the last minute; null: neither. */
   remaining_s: number | null;
+}
+
+/** When people are invited. */
+export interface Begin {
+  /** What begins it: a press, a face, a voice. */
+  by: ("press" | "face" | "voice")[];
+  /** At least so many people. */
+  people_min: number;
+  /** Within so many metres. */
+  within_m: number;
+  /** For so many seconds. */
+  for_s: number;
+}
+
+/** A point on the map (m). */
+export interface CameraPoint {
+  x: number;
+  y: number;
+  /** Above the floor. */
+  z: number;
+  /** By the camera's depth; else it is where the ray meets the floor, at most 4 m from the camera. */
+  measured: boolean;
 }
 
 /**
@@ -84,6 +114,17 @@ export interface Channels {
   costmap: boolean;
   scan: boolean;
   point_cloud: boolean;
+}
+
+/** A question before the tour begins, agreed to by a word or a press. */
+export interface Confirmation {
+  ask: Record<string, string>;
+  /** Words that agree, by language; a button is always there. */
+  agree: Record<string, string[]>;
+  /** Words that decline, by language. */
+  decline: Record<string, string[]>;
+  /** Seconds after which no answer is a no. */
+  at_most_s: number;
 }
 
 /** The map in use. */
@@ -192,6 +233,31 @@ export interface FaceReport {
   joints: Record<string, number>;
 }
 
+/** A stop's own failure rules. */
+export interface FailureExceptions {
+  reach: ReachException;
+  present: PresentException;
+}
+
+/** What to do on failure, for all stops that do not say otherwise. */
+export interface FailureRules {
+  reach: ReachRule;
+  present: PresentRule;
+}
+
+/** What the robot does before it goes home. */
+export interface Farewell {
+  do: Step[];
+}
+
+/** A desire of a class of the body's, such as Wave. */
+export interface Gesture {
+  /** The desire class, as Wave or Reach. */
+  class: string;
+  /** Its parameters. */
+  params: Record<string, string | boolean | number | null>;
+}
+
 /** A goal that the robot has given up. */
 export interface GivenUpModel {
   stamp: number;
@@ -206,6 +272,13 @@ export interface GoalPoseModel {
   y: number;
   /** null: any heading. */
   theta: number | null;
+}
+
+/** What the robot does when visitors come. */
+export interface Greeting {
+  do: Step[];
+  /** Asked after it; none: the tour begins at once. */
+  confirm: Confirmation | null;
 }
 
 /** What the picture that follows, of the same `seq`, shows. */
@@ -473,6 +546,14 @@ export interface MapList {
   maps: KeptMap[];
 }
 
+/** A picture or a video. */
+export interface Media {
+  /** Its path in the folder of tours, as media/arm.jpg. */
+  file: string;
+  /** What it shows, for those who do not see it. */
+  alt: Record<string, string>;
+}
+
 /** A module's input and its counters since the start. */
 export interface ModuleInput {
   /** φ: one message in φ passes; null: none passes. */
@@ -576,6 +657,20 @@ export interface OperatorQuestion {
   default: string;
   /** When it does that (robot's clock, s). */
   until: number;
+}
+
+/** How the robot leads. */
+export interface Pace {
+  /** Share of the robot's greatest speed. */
+  speed: number;
+  /** It slows down while visitors are farther behind (m). */
+  slow_m: number;
+  /** It waits while visitors are farther behind (m). */
+  wait_m: number;
+  /** So long it waits; then it goes on with those who are there, or ends. */
+  give_up_s: number;
+  /** It turns to look for visitors every so many metres: sensors see only ahead. */
+  look_back_m: number;
 }
 
 /**
@@ -747,6 +842,48 @@ export interface PoseReport {
   theta: number;
 }
 
+/** A stop's own PresentRule: what is left out is the tour's. */
+export interface PresentException {
+  retry: number | null;
+  then: "continue" | "skip" | "end" | null;
+}
+
+/** What to do where a step fails: no voice, an arm that cannot point there. */
+export interface PresentRule {
+  /** So often the step is tried again. */
+  retry: number;
+  /** Go on with the next step, leave the rest of the stop out, or end. */
+  then: "continue" | "skip" | "end";
+}
+
+/** A question that visitors may ask at a stop, and its answer. */
+export interface Question {
+  id: string;
+  /** As visitors read it, to press it. */
+  question: Record<string, string>;
+  /** Words by which it is recognized when it is asked aloud, by language. */
+  words: Record<string, string[]>;
+  /** The answer: a step that says or shows something. */
+  answer: Step;
+}
+
+/** A stop's own ReachRule: what is left out is the tour's. */
+export interface ReachException {
+  retry: number | null;
+  ask_s: number | null;
+  then: "skip" | "present_from_here" | "end" | null;
+}
+
+/** What to do where a stop cannot be reached. */
+export interface ReachRule {
+  /** So often it tries again. */
+  retry: number;
+  /** So long it then asks the operator; 0: it does not ask. */
+  ask_s: number;
+  /** Without an answer: leave the stop out, present it from where the robot is, or end. */
+  then: "skip" | "present_from_here" | "end";
+}
+
 /** Why a desired class gets what it gets. */
 export interface Reason {
   state: "degraded" | "fulfilled" | "inhibited" | "unfulfilled";
@@ -844,6 +981,31 @@ export interface RobotFacts {
   cautions: Caution[];
 }
 
+/** A way from one point of a route to the next. */
+export interface RouteLegReport {
+  /** `way`: it leads there. `near`: to the nearest place that can be reached. `none`: it cannot be driven. */
+  state: "near" | "none" | "way";
+  /** Why it does not lead there, or what is special about it, in words; empty: nothing. */
+  reason: string;
+  length_m: number;
+  /** About how long it takes if nothing is in the way, with turns on the spot. */
+  duration_s: number;
+  /** Its corners x, y on the map (m), at most 200. */
+  path: [number, number][];
+}
+
+/** A route, leg by leg. */
+export interface RouteReport {
+  /** The map in use; empty: it has no name yet. */
+  map: string;
+  /** One less than points. */
+  legs: RouteLegReport[];
+  /** Of all legs that can be driven. */
+  length_m: number;
+  /** Of all legs that can be driven. */
+  duration_s: number;
+}
+
 /**
  * How salient all directions around the head are at ``stamp``. ``cells`` (rows, columns) uint8: 255 is the saliency
  * ``full``, or more. Rows go from the top down, ``step`` rad each, with level in the middle; columns from azimuth +π to
@@ -911,6 +1073,12 @@ export interface ShownMedia {
   video: boolean;
 }
 
+/** Times, of the robot's place, at which the tour begins by itself. */
+export interface Slot {
+  days: ("mon" | "tue" | "wed" | "thu" | "fri" | "sat" | "sun")[];
+  times: string[];
+}
+
 /** The author of a desire: a motivation of the robot, an operator at the console or a REST client, by name. */
 export interface Source {
   kind: "motivation" | "operator" | "rest";
@@ -954,6 +1122,16 @@ export interface Speech {
   waiting: number;
 }
 
+/** How the robot places itself at a stop. */
+export interface Stand {
+  /** Towards visitors, the poster, or as the place says. */
+  face: "visitors" | "poster" | "place";
+  /** So near the place is there (m). */
+  tolerance_m: number;
+  /** So well turned is turned (rad). */
+  tolerance_rad: number;
+}
+
 /** Guard, pose, driver, freshness of every source. */
 export interface Status {
   /** Grows. */
@@ -974,6 +1152,40 @@ export interface Status {
   /** Why this viewer's driving waits, its commands coming too late; empty: it does not. */
   waits: string;
   sources: SourceState[];
+}
+
+/** What goes on at once; the step is over when all of it is. A picture stays until the next, or the stop's end. */
+export interface Step {
+  /** What to say, by language. */
+  say: Record<string, string> | null;
+  /** Where to look: visitors, the stop's poster, or a point x, y, z on the map (m). */
+  look: "visitors" | "poster" | [number, number, number] | null;
+  /** Where an arm points: x, y, z on the map (m), z above the floor. */
+  point: [number, number, number] | null;
+  /** What visitors see on their page. */
+  show: Media | null;
+  /** A gesture of the body's. */
+  gesture: Gesture | null;
+  /** What the face expresses, as happy. */
+  expression: string | null;
+  /** How long, and for what, to wait. */
+  wait: Wait | null;
+}
+
+/** A place where the robot presents something. */
+export interface Stop {
+  id: string;
+  place: string;
+  title: Record<string, string>;
+  /** Text of the code that hangs there; HBBA:STOP/ and the id in capitals is read farthest. */
+  poster: string | null;
+  stand: Stand;
+  /** Steps, one after another. */
+  do: Step[];
+  questions: Question[];
+  on_failure: FailureExceptions;
+  /** Whether it is passed over for now. */
+  left_out: boolean;
 }
 
 /** One event of the timeline; ``data`` is JSON as it is. */
@@ -1006,12 +1218,52 @@ export interface TimelineEvent {
   data: Record<string, unknown>;
 }
 
+/** A guided tour. */
+export interface Tour {
+  /** Of this file. */
+  format: 1;
+  id: string;
+  title: Record<string, string>;
+  /** Spoken on it; every text has the first of them. */
+  languages: string[];
+  /** The map that its places are on. */
+  map: string;
+  /** Where the robot goes afterwards; none: it stays. */
+  home: string | null;
+  begin: Begin;
+  schedule: Slot[];
+  battery: BatteryRule;
+  pace: Pace;
+  on_failure: FailureRules;
+  greeting: Greeting;
+  farewell: Farewell;
+  /** Texts of further codes that are obeyed when they are read on this tour. */
+  accept: string[];
+  stops: Stop[];
+}
+
 /** Something on a tour that failed. */
 export interface TourFailure {
   /** Id of the stop. */
   stop: string;
   /** In words. */
   what: string;
+}
+
+/** Every tour, by id. */
+export interface TourList {
+  /** Of the user's tours, on the robot's computer. */
+  folder: string;
+  tours: TourSummary[];
+}
+
+/** A problem of a tour. */
+export interface TourProblemReport {
+  /** The value that it is about, as `stops.0.place`. */
+  field: string;
+  message: string;
+  /** `mistake`: not kept; `error`: kept, and cannot run; `warning`: runs all the same. */
+  severity: "error" | "mistake" | "warning";
 }
 
 /** How the tour that is under way goes, or waits for visitors; published with each change. */
@@ -1102,11 +1354,56 @@ export interface TourQuestion {
   question: Record<string, string>;
 }
 
+/** A tour, and what is to be said of it. */
+export interface TourReport {
+  /** As `GET /tour-schema` describes it, every member there. */
+  tour: Record<string, unknown>;
+  /** Whether it came with the program and was not changed. */
+  shipped: boolean;
+  can_undo: boolean;
+  can_redo: boolean;
+  /** The worst first. */
+  problems: TourProblemReport[];
+}
+
+/** A tour in the list of all. */
+export interface TourSummary {
+  id: string;
+  /** By language. */
+  title: Record<string, string>;
+  languages: string[];
+  map: string;
+  /** How many are not left out. */
+  stops: number;
+  /** Whether it came with the program and was not changed. */
+  shipped: boolean;
+  etag: string;
+  /** Problems for which it cannot run. */
+  errors: number;
+  warnings: number;
+  /** Why its file cannot be read, in words; all else is empty then. */
+  problem: string | null;
+}
+
 /** Forward m/s, turn rad/s and sideways m/s (left positive). */
 export interface Velocity {
   linear_mps: number;
   angular_radps: number;
   lateral_mps: number;
+}
+
+/** A wait until the first of what it names, or until its time is over. */
+export interface Wait {
+  /** Seconds after which the tour goes on in any case. */
+  at_most_s: number;
+  /** A word that is heard ends it, by language. */
+  words: Record<string, string[]>;
+  /** So many claps in a row end it. */
+  claps: number | null;
+  /** A button with this text, on the page and for visitors, ends it. */
+  press: Record<string, string> | null;
+  /** It ends when all visitors have left. */
+  all_left: boolean;
 }
 
 /** Every zone of the map. */
@@ -1130,6 +1427,16 @@ export interface AckMessage {
   type: "ack";
   kind: 1 | 2 | 3 | 4;
   seq: number;
+}
+
+/** A point of a picture of the camera. */
+export interface CameraClick {
+  /** Of the picture, at most 3 s old. */
+  stamp: number;
+  /** From its left edge, as a share of its width. */
+  u: number;
+  /** From its top edge, as a share of its height. */
+  v: number;
 }
 
 /** Release the emergency stop. */
@@ -1324,6 +1631,25 @@ export interface ReleaseControlMessage {
 export interface RenameRequest {
   /** The new name. */
   name: string;
+}
+
+/** A point of a route: a ``place``, or ``x`` and ``y``. */
+export interface RoutePoint {
+  /** Id of a place of the map in use. */
+  place?: string | null;
+  /** On the map (m). */
+  x?: number | null;
+  /** On the map (m). */
+  y?: number | null;
+  /** On the map (rad); null: any heading. */
+  heading?: number | null;
+}
+
+/** Points to drive to, one after another. */
+export interface RouteRequest {
+  points: RoutePoint[];
+  /** Share of the robot's greatest speed. */
+  speed?: number;
 }
 
 /** The part of the ring to keep. */

@@ -2,6 +2,8 @@
 
 import { sentence } from "../ui/format";
 import type {
+  CameraClick,
+  CameraPoint,
   Desire,
   DesireChange,
   EventList,
@@ -21,8 +23,12 @@ import type {
   RenameRequest,
   ReplayReport,
   RobotEvent,
+  RouteReport,
+  RouteRequest,
   Saved,
   SaveRequest,
+  TourList,
+  TourReport,
   Zone,
   ZonesRequest,
 } from "./types";
@@ -44,7 +50,15 @@ export class Problem extends Error {
   }
 }
 
+/** A tour as the robot keeps it, and the version that a change of it is meant for. */
+export interface KeptTour extends TourReport {
+  etag: string;
+}
+
+export type Paper = "a4" | "letter";
+
 const ROOT = "./api/v1";
+const JSON_TYPE = "application/json";
 
 export class Rest {
   constructor(private readonly operator: () => string) {}
@@ -181,20 +195,88 @@ export class Rest {
     await this.ask("DELETE", "/goal");
   }
 
+  /** Where on the map a point of a picture is. */
+  async cameraPoint(click: CameraClick): Promise<CameraPoint> {
+    return (await this.ask("POST", "/camera/point", click)) as CameraPoint;
+  }
+
+  /** Plans and moves nothing. */
+  async planRoute(wanted: RouteRequest): Promise<RouteReport> {
+    return (await this.ask("POST", "/map/route", wanted)) as RouteReport;
+  }
+
+  async tours(): Promise<TourList> {
+    return (await this.ask("GET", "/tours")) as TourList;
+  }
+
+  async tour(id: string): Promise<KeptTour> {
+    return (await this.askTour("GET", tourPath(id)))!;
+  }
+
+  async createTour(tour: unknown): Promise<KeptTour> {
+    return (await this.askTour("POST", "/tours", tour))!;
+  }
+
+  /** Refused where another editor has changed it since `etag`. */
+  async replaceTour(id: string, tour: unknown, etag: string): Promise<KeptTour> {
+    return (await this.askTour("PUT", tourPath(id), tour, { "If-Match": etag }))!;
+  }
+
+  /** Null: there was no such tour before. Refused where another editor has changed it since `etag`. */
+  async undoTour(id: string, etag: string, way: "undo" | "redo"): Promise<KeptTour | null> {
+    return await this.askTour("POST", `${tourPath(id)}/${way}`, undefined, { "If-Match": etag });
+  }
+
+  async deleteTour(id: string, etag: string): Promise<void> {
+    await this.ask("DELETE", tourPath(id), undefined, { "If-Match": etag });
+  }
+
+  /** A tour's file in YAML. */
+  async importTour(file: string): Promise<KeptTour> {
+    return (await this.askTour("POST", "/tours/import", file, { "Content-Type": "application/yaml" }))!;
+  }
+
+  tourFile(id: string): string {
+    return `${ROOT}${tourPath(id)}/file`;
+  }
+
+  /** Of the whole tour, or of one `stop`. */
+  posters(id: string, paper: Paper, stop?: string): string {
+    const one = stop === undefined ? "" : `&stop=${encodeURIComponent(stop)}`;
+    return `${ROOT}${tourPath(id)}/posters.pdf?paper=${paper}${one}`;
+  }
+
+  private async askTour(
+    method: string,
+    path: string,
+    body?: unknown,
+    more: Record<string, string> = {},
+  ): Promise<KeptTour | null> {
+    const response = await this.answer(method, path, body, more);
+    if (response.status === 204) return null;
+    return { ...((await response.json()) as TourReport), etag: response.headers.get("ETag") ?? "" };
+  }
+
   private async ask(method: string, path: string, body?: unknown, more: Record<string, string> = {}): Promise<unknown> {
+    const response = await this.answer(method, path, body, more);
+    return response.status === 204 ? null : await response.json().catch(() => null);
+  }
+
+  /** Text is sent as it is, all else as JSON. */
+  private async answer(method: string, path: string, body: unknown, more: Record<string, string>): Promise<Response> {
     const headers: Record<string, string> = {
-      Accept: "application/json",
+      Accept: JSON_TYPE,
       "X-HBBA-Operator": headerSafe(this.operator()),
+      ...(body === undefined ? {} : { "Content-Type": JSON_TYPE }),
       ...more,
     };
-    if (body !== undefined) headers["Content-Type"] = "application/json";
     let response: Response;
     try {
       response = await fetch(ROOT + path, {
         method,
         headers,
         credentials: "same-origin",
-        ...(body === undefined ? {} : { body: JSON.stringify(body) }),
+        ...(body === undefined ? {} : { body: typeof body === "string" ? body : JSON.stringify(body) }),
       });
     } catch {
       throw new Problem(
@@ -204,12 +286,16 @@ export class Rest {
       );
     }
     if (!response.ok) throw await readProblem(response);
-    return response.status === 204 ? null : await response.json().catch(() => null);
+    return response;
   }
 }
 
 function mapPath(name: string): string {
   return `/maps/${encodeURIComponent(name)}`;
+}
+
+function tourPath(id: string): string {
+  return `/tours/${encodeURIComponent(id)}`;
 }
 
 function placePath(id: string): string {

@@ -1,5 +1,6 @@
 /** What every component may use: the store, the session with the robot, the driving, the pictures, the sound, the map. */
 
+import type { ReadonlySignal } from "@preact/signals";
 import { createContext } from "preact";
 import { useContext } from "preact/hooks";
 import type { DriveController } from "../drive/driveController";
@@ -11,6 +12,13 @@ import type { PlaybackController } from "../playback/playbackController";
 import type { RecordingControl } from "../recordings/recordingControl";
 import type { Listening } from "../sound/listening";
 import type { Talking } from "../sound/talking";
+import type { RouteControl } from "../tours/routeControl";
+import type { StopMaker } from "../tours/stopMaker";
+import type { TourControl } from "../tours/tourControl";
+import type { TourDrive } from "../tours/tourDrive";
+import type { TourMarks } from "../tours/tourMarks";
+import type { TourPointing } from "../tours/tourPointing";
+import type { TourTrial } from "../tours/tourTrial";
 import type { PictureFeed } from "../view/pictureFeed";
 import type { Session } from "./session";
 import type { Store } from "./store";
@@ -30,6 +38,18 @@ export interface App {
   maps: MapLibrary;
   /** The places of the map in use. */
   places: PlaceControl;
+  /** The tours, and the one that is edited. */
+  tours: TourControl;
+  /** Its way. */
+  tourRoute: RouteControl;
+  /** Makes its stops. */
+  stops: StopMaker;
+  tourPointing: TourPointing;
+  tourTrial: TourTrial;
+  /** A tour that is configured by driving. */
+  tourDrive: TourDrive;
+  /** What of it is drawn on the map; null: nothing. */
+  tourMarks: ReadonlySignal<TourMarks | null>;
   /** The pictures of map and local costmap. */
   grid: { map: GridFeed; costmap: GridFeed };
 }

@@ -159,6 +159,11 @@ export function createStore() {
       if (this.around.value === "large") this.around.value = "inset";
       if (this.camera.value === "large") this.camera.value = "inset";
     },
+    /** What tours are edited with: the map large, the stops beside it. A phone has room for one: the stops, or the map. */
+    showTour(place: MapPlace): void {
+      this.showMap(place);
+      this.tab.value = "tour";
+    },
     dismiss(id: number): void {
       notices.value = notices.value.filter((notice) => notice.id !== id);
     },

@@ -130,6 +130,25 @@ export const ChevronIcon = () => (
     <path d="M8 10l4 4 4-4" />
   </Icon>
 );
+export const ChevronUpIcon = () => (
+  <Icon>
+    <path d="M8 14l4-4 4 4" />
+  </Icon>
+);
+export const TargetIcon = () => (
+  <Icon>
+    <circle cx="12" cy="12" r="8" />
+    <circle cx="12" cy="12" r="3" />
+    <path d="M12 1.5v4M12 18.5v4M1.5 12h4M18.5 12h4" />
+  </Icon>
+);
+export const TourIcon = () => (
+  <Icon>
+    <path d="M6 20a2.5 2.5 0 110-5h11a3.5 3.5 0 000-7H9" />
+    <circle cx="6.5" cy="8" r="2.5" />
+    <circle cx="18.5" cy="20" r="1" fill="currentColor" />
+  </Icon>
+);
 export const QrIcon = () => (
   <Icon>
     <path d="M4 4h6v6H4zM14 4h6v6h-6zM4 14h6v6H4zM14 14h3v3h-3zM20 14v.01M17 20v.01M20 17v3" />

@@ -12,7 +12,7 @@ const OLD_S = 1;
 const CLASS = "Telepresence";
 
 export function Camera() {
-  const { store, camera, drive } = useApp();
+  const { store, camera, drive, tourPointing } = useApp();
   const canvas = useRef<HTMLCanvasElement>(null);
   const mode = store.camera.value;
   useEffect(() => {
@@ -37,7 +37,9 @@ export function Camera() {
   }
   const { text, old, empty } = useCameraState();
   const large = mode === "large";
-  const looks = !empty && store.body.value.turnsHead && !store.replay.value && camera.stamp.value !== null;
+  const live = !empty && !store.replay.value && camera.stamp.value !== null;
+  const points = live && tourPointing.target.value !== null;
+  const looks = live && store.body.value.turnsHead;
   return (
     <figure
       class={`camera ${mode} ${old ? "old" : ""} ${empty ? "empty" : ""}`}
@@ -47,15 +49,16 @@ export function Camera() {
     >
       <canvas
         ref={canvas}
-        class={looks ? "looks" : ""}
+        class={looks || points ? "looks" : ""}
         width={640}
         height={480}
         role="img"
         aria-label={empty ? text : "What the robot's camera sees"}
-        title={looks ? "Click: the head turns there" : undefined}
+        title={points ? "Click: the point of the step" : looks ? "Click: the head turns there" : undefined}
         onClick={(event) => {
-          const at = looks && placeOn(event.currentTarget, event);
-          if (at) drive.lookHere(camera.stamp.peek()!, at.u, at.v);
+          const at = (looks || points) && placeOn(event.currentTarget, event);
+          if (at && points) void tourPointing.picture(camera.stamp.peek()!, at.u, at.v);
+          else if (at) drive.lookHere(camera.stamp.peek()!, at.u, at.v);
         }}
       />
       {!empty && OVERLAYS.map(({ type, Frames }) => <Frames key={type} message={store.of(type).value} />)}

@@ -47,6 +47,9 @@ function FaceFrame({ face }: { face: SeenFace }) {
 }
 
 function CodeFrame({ code }: { code: SeenCode }) {
+  const { stops, store, tours } = useApp();
+  const landmark = store.of("landmarks").value?.landmarks.find(({ text }) => text === code.text);
+  const stoppable = landmark !== undefined && tours.draft.value !== null && stops.lack(landmark) === "";
   const us = code.corners.map(([u]) => u);
   const vs = code.corners.map(([, v]) => v);
   const [left, top] = [Math.min(...us), Math.min(...vs)];
@@ -59,6 +62,17 @@ function CodeFrame({ code }: { code: SeenCode }) {
       style={placed(box, code)}
     >
       <span>{code.text.length > 24 ? `${code.text.slice(0, 23)}…` : code.text}</span>
+      {stoppable && (
+        <button
+          type="button"
+          class="button small accent"
+          data-testid="code-stop"
+          tabIndex={-1}
+          onClick={() => void stops.fromPoster(landmark)}
+        >
+          Make a stop
+        </button>
+      )}
     </div>
   );
 }

@@ -203,7 +203,7 @@ class ControlCycle:
             recoveries=path_tracker.recovery.count,
             opened_up=path_tracker.opened_up,
             around=around,
-            persistent_obstacles=self._persistent(),
+            persistent_obstacles=self.persistent_points(),
         )
 
     def remember(self, inputs: CycleInput) -> None:
@@ -263,7 +263,8 @@ class ControlCycle:
             known = np.concatenate((known, room))
         return known
 
-    def _persistent(self) -> NDArray[np.float64]:
+    def persistent_points(self) -> NDArray[np.float64]:
+        """The middles (N, 2) of the kept persistent obstacles, m on the map; the same object until they change."""
         if self.persistent_obstacles is not None and self.persistent_obstacles.version != self._persistent_version:
             self._persistent_points, self._persistent_version = (
                 self.persistent_obstacles.points,

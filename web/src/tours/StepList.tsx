@@ -1,0 +1,49 @@
+/** Steps one after another: of a stop, the greeting, the farewell. */
+
+import type { Step } from "../protocol/types";
+import { useApp } from "../state/context";
+import { PlusIcon } from "../ui/icons";
+import { firstStep, StepForm } from "./StepForm";
+import { stepChanged, stepMoved, withoutIdle } from "./tourEdits";
+import { problemsAt } from "./tourProblems";
+
+interface Props {
+  /** Where they are in the tour, as `stops.0.do`. */
+  path: string;
+  steps: readonly Step[];
+  /** Text of the stop's poster. */
+  poster: string | null;
+  onChange: (change: (steps: readonly Step[]) => Step[]) => void;
+}
+
+export function StepList({ path, steps, poster, onChange }: Props) {
+  const { tours } = useApp();
+  const { languages } = tours.draft.value!;
+  return (
+    <div class="tour-steps">
+      <ol>
+        {steps.map((step, at) => (
+          <StepForm
+            key={`${path}.${at}`}
+            step={step}
+            path={`${path}.${at}`}
+            languages={languages}
+            problems={problemsAt(tours.problems.value, `${path}.${at}`)}
+            poster={poster}
+            onChange={(change) => onChange((all) => withoutIdle(stepChanged(all, at, change)))}
+            onMove={(by) => onChange((all) => stepMoved(all, at, at + by))}
+            onRemove={() => onChange((all) => all.toSpliced(at, 1))}
+          />
+        ))}
+      </ol>
+      <button
+        type="button"
+        class="button small quiet"
+        data-testid="step-add"
+        onClick={() => onChange((all) => [...all, firstStep(languages)])}
+      >
+        <PlusIcon /> {steps.length === 0 ? "What it says there" : "Next step"}
+      </button>
+    </div>
+  );
+}

@@ -1,0 +1,35 @@
+/** Which of a tour's problems are shown where; pure. */
+
+import type { FieldError } from "../protocol/rest";
+import type { TourProblemReport } from "../protocol/types";
+
+/** Problems that a refusal names: the tour is not kept as long as they are there. */
+export function mistakes(errors: readonly FieldError[]): TourProblemReport[] {
+  return errors.map(({ field, message }) => ({ field, message, severity: "mistake" }));
+}
+
+/** The problems of the value at `path`, as `stops.0.place`, and of all in it but for what is at one of `elsewhere`. */
+export function problemsAt(
+  problems: readonly TourProblemReport[],
+  path: string,
+  elsewhere: readonly string[] = [],
+): TourProblemReport[] {
+  return problems.filter(({ field }) => isIn(field, path) && !elsewhere.some((other) => isIn(field, other)));
+}
+
+/** What is not about a stop, the greeting or the farewell. */
+export function problemsOfTour(problems: readonly TourProblemReport[]): TourProblemReport[] {
+  return problems.filter(
+    ({ field }) => !/^stops\.\d/.test(field) && !isIn(field, "greeting") && !isIn(field, "farewell"),
+  );
+}
+
+/** The worst of them; null: there is none. */
+export function worst(problems: readonly TourProblemReport[]): TourProblemReport["severity"] | null {
+  const order = ["mistake", "error", "warning"] as const;
+  return order.find((severity) => problems.some((problem) => problem.severity === severity)) ?? null;
+}
+
+function isIn(field: string, path: string): boolean {
+  return field === path || field.startsWith(`${path}.`);
+}
