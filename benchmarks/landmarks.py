@@ -32,7 +32,7 @@ from app.messages import Landmarks, Odometry, QRCodes
 from app.program.config import load_configuration
 from app.robots.config import RobotConfig
 from app.robots.simulated.world_config import WorldConfig
-from app.runtime.graph import Pin
+from app.runtime.filter_bank import Pin
 from benchmarks.report import Row, benchmark_main, row
 
 MODULES = (

@@ -194,6 +194,6 @@ def _stood(tour: Tour, places: Mapping[str, Place], stood: Mapping[str, Pose2]) 
 def _start(tour: Tour, places: Mapping[str, Place]) -> Pose2:
     """Where it begins: at home, or at the first stop. Raises ConfigError where neither is on the map."""
     for place in (tour.home, *(stop.place for stop in tour.stops if not stop.left_out)):
-        if place in places:
+        if place is not None and place in places:
             return pose_of(places[place])
     raise ConfigError(f"none of the places of the tour {tour.id} is on the map {tour.map}")

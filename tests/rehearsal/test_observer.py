@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from app.base.geometry import Pose2
-from app.messages import Speech, TourFailure, TourProgress
+from app.messages import Speech, SpeechState, TourFailure, TourProgress, TourState
 from app.rehearsal.observer import RehearsalObserver
 from app.runtime.channel import Channel
 
@@ -44,13 +44,11 @@ class Run:
 
 def test_states_are_noted_once_and_its_end_is_known() -> None:
     run = Run()
+    course: list[tuple[int, TourState, str]] = [
+        (1, "leading", "arm"), (2, "leading", "arm"), (9, "presenting", "arm"), (20, "idle", ""),
+    ]  # fmt: skip
     with run.observed() as noted:
-        for time_s, state, stop in (
-            (1, "leading", "arm"),
-            (2, "leading", "arm"),
-            (9, "presenting", "arm"),
-            (20, "idle", ""),
-        ):
+        for time_s, state, stop in course:
             run.time_s = time_s
             assert not noted.has_ended
             run.guide.publish(replace(IDLE, state=state, stop=stop, sentence=time_s))
@@ -63,13 +61,11 @@ def test_states_are_noted_once_and_its_end_is_known() -> None:
 
 def test_sentences_have_a_begin_and_an_end() -> None:
     run = Run()
+    course: list[tuple[int, SpeechState, str]] = [
+        (1, "speaking", "One."), (2, "speaking", "One."), (3, "speaking", "Two."), (5, "silent", "Two."),
+    ]  # fmt: skip
     with run.observed() as noted:
-        for time_s, state, text in (
-            (1, "speaking", "One."),
-            (2, "speaking", "One."),
-            (3, "speaking", "Two."),
-            (5, "silent", "Two."),
-        ):
+        for time_s, state, text in course:
             run.time_s = time_s
             run.speech.publish(replace(SILENT, state=state, text=text, word_begin=time_s))
     assert [(said.at_s, said.until_s, said.text) for said in noted.subtitles] == [(1, 3, "One."), (3, 5, "Two.")]

@@ -33,7 +33,7 @@ class KinematicLaser:
         self._rng = np.random.default_rng([seed, 2])
         fov = math.radians(config.fov_deg)
         self._increment = fov / (config.rays - 1)
-        self._angles = -fov / 2 + self._increment * np.arange(config.rays)
+        self._angles = np.linspace(-fov / 2, fov / 2, config.rays, dtype=np.float64)
 
     def scan(self, stamp: float, X_WB: Pose2, discs: Discs = ()) -> LaserScan:
         """The scan at ``stamp`` with the robot at ``X_WB`` and legs on ``discs``."""
