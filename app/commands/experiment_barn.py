@@ -46,10 +46,11 @@ def run(args: argparse.Namespace) -> int:
     from app.experiments.barn.experiment import done, plan
     from app.experiments.barn.experiment import run as run_worlds
 
+    program = program_named(args.config)  # a mistyped name is reported also where no worlds are
     what = plan(
         args.worlds or _default_worlds(),
         args.only,
-        program_named(args.config),
+        program,
         jobs=args.jobs or os.cpu_count() or 1,
         seed=args.seed,
         overrides=_controller(args.controller),

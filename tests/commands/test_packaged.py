@@ -125,8 +125,9 @@ def test_a_wrong_name_is_one_sentence_with_those_there_are(named: str, kind: Kin
     ],
 )
 def test_every_command_takes_names(
-    command: list[str], code: int, words: str, capsys: pytest.CaptureFixture[str]
+    command: list[str], code: int, words: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setenv("HBBA_REFERENCE_DATA", "not-here")  # a name is checked before the data that are asked for
     assert cli.main(command) == code
     said = capsys.readouterr()
     assert any(word in said.out + said.err for word in words.split("|"))
