@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import faulthandler
 import logging
 import os
 from collections.abc import Iterator
 
 import pytest
+from _pytest.faulthandler import fault_handler_stderr_fd_key
 from blockbuster import blockbuster_ctx
 from hypothesis import settings
 
@@ -41,6 +43,14 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
     It notes where each callback comes from, which takes a third of the time of those that replay a log or run a world.
     """
     os.environ["PYTHONASYNCIODEBUG"] = "1" if item.get_closest_marker("slow") is None else ""
+
+
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_runtest_teardown(item: pytest.Item) -> Iterator[None]:
+    """A teardown that hangs ends the process, too: pytest cancels its own deadline when a test has failed."""
+    limit_s = float(item.config.getini("faulthandler_timeout"))
+    faulthandler.dump_traceback_later(limit_s, exit=True, file=item.config.stash[fault_handler_stderr_fd_key])
+    return (yield)
 
 
 @pytest.fixture(autouse=True)
