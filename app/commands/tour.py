@@ -44,7 +44,10 @@ def add_parser(subparsers: Any) -> None:
     check.add_argument("tours", nargs="+", metavar="TOUR", help="a file, or a tour's id")
     add_config(check)
     add_json(check, default=argparse.SUPPRESS)
-    actions.add_parser("schema", help="print the JSON Schema of a tour", description="Print the JSON Schema of a tour.")
+    schema = actions.add_parser(
+        "schema", help="print the JSON Schema of a tour", description="Print the JSON Schema of a tour."
+    )
+    add_json(schema, "for uniformity: it is one anyway", default=argparse.SUPPRESS)
     tour_rehearse.add_parser(actions)
     posters = actions.add_parser(
         "posters",
@@ -56,6 +59,7 @@ def add_parser(subparsers: Any) -> None:
     posters.add_argument("--out", type=file_named, metavar="FILE", help="the PDF (default: ID-posters.pdf)")
     posters.add_argument("--paper", choices=list(PAPERS), default="a4", help="a4 (the usual one) or letter")
     posters.add_argument("--language", metavar="TAG", help="of the titles, as fr (default: the tour's first)")
+    add_json(posters, default=argparse.SUPPRESS)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -163,6 +167,10 @@ def _posters(args: argparse.Namespace) -> int:
         out.write_bytes(posters_pdf(posters, args.paper, next(iter(tour.title.values()))))
     except OSError as failure:
         raise ConfigError(f"cannot be written: {failure.strerror or failure}", str(out)) from None
+    if args.json:
+        rows = [{"number": p.number, "title": p.title, "code": p.code, "read_from_m": reach_m(p.code)} for p in posters]
+        print_json({"file": out, "posters": rows})
+        return 0
     for poster in posters:
         print(
             printable(

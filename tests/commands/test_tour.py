@@ -100,3 +100,12 @@ def test_posters_are_printed(folders: Path, capsys: pytest.CaptureFixture[str]) 
     ):
         assert cli.main(["tour", "posters", *arguments]) == 2
         assert words in capsys.readouterr().err
+
+
+def test_posters_are_reported_as_json(folders: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["tour", "posters", "lab-tour", "office", "--json"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert report["file"] == "lab-tour-posters.pdf"
+    (poster,) = report["posters"]
+    assert poster["code"] == "tour:office"
+    assert poster["read_from_m"] > 1

@@ -48,7 +48,8 @@ def test_the_truth_stands_in_under_the_names_that_strategies_know() -> None:
     modules = program().program.modules
     assert modules["SLAM2D"].class_path.endswith(":TrueLocalization")
     assert modules["SLAM2D"].settings == {"map": "room"}
-    assert modules["SLAM2D"].outputs == lab().program.modules["SLAM2D"].outputs
+    mapping = lab().program.modules["SLAM2D"].outputs
+    assert modules["SLAM2D"].outputs == {name: mapping[name] for name in mapping if name != "keyframes"}
     assert modules["FaceDetector"].class_path.endswith(":TrueFaces")
     assert modules["FaceDetector"].inputs == {"images": "kinect", "panorama": "panorama", "map": "map"}
     assert modules["Say"].settings["engine"] == {"engine": "text"}

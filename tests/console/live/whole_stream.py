@@ -15,12 +15,17 @@ from app.messages import (
     Landmark,
     Landmarks,
     LoudNoise,
+    OperatorQuestion,
     Person,
     Persons,
     SaliencyMap,
     SalientRegion,
     SalientRegions,
+    ShownMedia,
     Speech,
+    TourFailure,
+    TourProgress,
+    TourQuestion,
     read_only,
 )
 from app.program.system import System
@@ -64,6 +69,15 @@ def say_everything(system: System, body: Body) -> None:
         last_seen=now,
     )
     system.graph.channel("persons").publish(Persons(now, (someone,)))
+    text = {"en": "The arm"}
+    tour = TourProgress(
+        now, "run", "arm-tour", title=text, language="en", languages=("en",), waits=False, state="blocked", since=now,
+        reason="the way is blocked", stop="arm", stop_title=text, number=1, stops=2, step=1, steps=3, text=text,
+        sentence=0, shown=ShownMedia("arm.jpg", text, video=False), press=text, questions=(TourQuestion("old", text),),
+        buttons=("pause", "skip"), question=OperatorQuestion("Skip it?", ("skip",), "it is skipped", now + 60.0),
+        people=2, farthest_m=1.5, presented=("desk",), skipped=("door",), failures=(TourFailure("door", "no way"),),
+    )  # fmt: skip
+    system.graph.channel("tour_progress").publish(tour)
     cells = read_only(np.zeros((32, 120), np.uint8))
     system.graph.channel("saliency").publish(SaliencyMap(now, math.radians(3), 1.0, cells))
     messages: dict[str, Callable[[float], Any]]

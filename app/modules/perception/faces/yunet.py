@@ -43,7 +43,9 @@ class YuNetDetector:
 
     def __init__(self, threshold: float = THRESHOLD) -> None:
         self._size = (320, 240)
-        self._detector = cv2.FaceDetectorYN.create(str(MODEL), "", self._size, threshold, _OVERLAP, _MOST)
+        self._detector = cv2.FaceDetectorYN.create(
+            str(MODEL), "", self._size, score_threshold=threshold, nms_threshold=_OVERLAP, top_k=_MOST
+        )
 
     @property
     def threshold(self) -> float:
