@@ -15,13 +15,13 @@ from collections.abc import Callable
 import numpy as np
 
 from app.base.geometry import Pose3
-from app.robots.config import MicrophonesConfig
 from app.robots.simulated.acoustics.auralization import Auralizer, Emission, OneRoom
 from app.robots.simulated.acoustics.diffraction import BaffledMicrophones
 from app.robots.simulated.acoustics.dry_sound import SampledSound
 from app.robots.simulated.acoustics.offline_rendering import OfflineSource, render_scene
 from app.robots.simulated.acoustics.room import Shoebox
 from app.robots.simulated.acoustics.sound_library import ClipLibrary
+from app.robots.stream_config import MicrophonesConfig
 from benchmarks.report import Row, benchmark_main, row
 
 RATE, BLOCK = 48000, 512

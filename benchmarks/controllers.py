@@ -32,7 +32,7 @@ from app.modules.behaviors.navigation.costmap.inflation import CostSettings, cos
 from app.modules.behaviors.navigation.planning.goal_planning import plan
 from app.modules.behaviors.navigation.planning.reference_path import ReferencePath
 from app.modules.behaviors.navigation.tracking.control_cycle import CONTROLLERS, controller_named
-from app.robots.config import circle
+from app.robots.actuator_config import circle
 from benchmarks.report import Row, benchmark_main, row
 
 BENCHMARK = "controllers"

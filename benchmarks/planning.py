@@ -26,7 +26,7 @@ from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import (
     PersistentObstacleSettings,
 )
 from app.modules.behaviors.navigation.planning.goal_planning import check_path, plan
-from app.robots.config import circle
+from app.robots.actuator_config import circle
 from benchmarks.report import Row, benchmark_main, row
 
 SIDE = 1000

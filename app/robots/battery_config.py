@@ -4,18 +4,12 @@ from __future__ import annotations
 
 from typing import Annotated, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
-Positive = Annotated[float, Field(gt=0)]
-NotNegative = Annotated[float, Field(ge=0)]
-Share = Annotated[float, Field(ge=0, le=1)]
+from app.robots.config_model import ConfigModel, NotNegative, Positive, Share
 
 
-class _Model(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
-
-
-class LoadConfig(_Model):
+class LoadConfig(ConfigModel):
     """What draws power from the battery, W."""
 
     idle_w: NotNegative = Field(20.0, description="electronics and motors at rest: always")
@@ -28,7 +22,7 @@ class LoadConfig(_Model):
     friction_n: NotNegative = Field(10.0, description="rolling resistance of the whole base")
 
 
-class BatteryConfig(_Model):
+class BatteryConfig(ConfigModel):
     """The battery and its charger."""
 
     capacity_wh: Positive = 480.0

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from app.base.errors import ConfigError
 from app.link import ArmDescription
 from app.messages import GroundTruth, Image, LaserScan
-from app.robots.config import RobotConfig, StartPose, check_footprint, circle, load_robot_config
+from app.robots.actuator_config import check_footprint, circle
+from app.robots.config import RobotConfig, StartPose, load_robot_config
 from app.robots.factory import create_link
 from app.robots.simulated.body import RobotSimulation, build_simulation
 from app.robots.simulated.odometry import TrueBase

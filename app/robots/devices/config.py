@@ -5,18 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator
+from pydantic import Field, field_validator
 
-from app.robots.config import ActuatorConfig, BodyConfig, LimitsConfig, load_body_config
-
-Positive = Annotated[float, Field(gt=0)]
+from app.robots.actuator_config import ActuatorConfig, LimitsConfig
+from app.robots.config import BodyConfig, load_body_config
+from app.robots.config_model import ConfigModel, Positive
 
 #: Rate (Hz) of the odometry of bodies without wheels.
 ODOMETRY_HZ, JOINTS_HZ, STATUS_HZ = 20.0, 5.0, 20.0
-
-
-class _Model(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
 def _number(source: Any, whose: str) -> Any:
@@ -27,7 +23,7 @@ def _number(source: Any, whose: str) -> Any:
     return int(text) if isinstance(source, str) and text.isdecimal() else source
 
 
-class CameraConfig(_Model):
+class CameraConfig(ConfigModel):
     """Stream ``camera``: colour without depth.
 
     ``source``: a camera's number (0 is the first) or device, a video file, an image, or a folder of images. Files are
@@ -51,7 +47,7 @@ class CameraConfig(_Model):
         return _number(source, "a camera's")
 
 
-class SoundInputConfig(_Model):
+class SoundInputConfig(ConfigModel):
     """Stream ``microphones``: frames of samples of all channels, 16 bit.
 
     ``source`` is ``default``, the name or number of an input of this computer, or a sound file (1 to 8 channels; at its
@@ -73,7 +69,7 @@ class SoundInputConfig(_Model):
         return _number(source, "an input's")
 
 
-class SpeakerConfig(_Model):
+class SpeakerConfig(ConfigModel):
     """The loudspeaker: ``default``, or the name or number of an output of this computer."""
 
     source: int | str = "default"

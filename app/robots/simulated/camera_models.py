@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 
 from app.base.geometry import CameraModel, FisheyeModel
-from app.robots.config import PanoramicCameraConfig, RobotConfig
+from app.robots.config import RobotConfig
 from app.robots.simulated.image_ring import PictureFormat
 from app.robots.simulated.kinect_noise import camera_model
+from app.robots.stream_config import PanoramicCameraConfig
 
 
 def fisheye_model(config: PanoramicCameraConfig) -> FisheyeModel:

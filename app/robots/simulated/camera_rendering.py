@@ -14,13 +14,13 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from app.robots.config import KinectConfig, PanoramicCameraConfig, StreamsConfig
 from app.robots.simulated.body import PREFIX
 from app.robots.simulated.camera_models import fisheye_model
 from app.robots.simulated.color_noise import ColorNoise
 from app.robots.simulated.fisheye import Tile, Tiling, tile
 from app.robots.simulated.kinect_noise import KinectNoise
 from app.robots.simulated.renderer import PerspectiveView, Renderer, ViewState, WorldSnapshot
+from app.robots.stream_config import KinectConfig, PanoramicCameraConfig, StreamsConfig
 
 
 class CameraRenderer(Protocol):

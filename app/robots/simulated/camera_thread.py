@@ -21,11 +21,11 @@ from dataclasses import dataclass
 import mujoco
 from numpy.random import Generator
 
-from app.robots.config import StreamsConfig
 from app.robots.simulated.camera_rendering import CameraRenderer, open_renderers
 from app.robots.simulated.image_ring import SLOTS, ImageRing
 from app.robots.simulated.link_protocol import ImageNotice
 from app.robots.simulated.renderer import Renderer, WorldSnapshot
+from app.robots.stream_config import StreamsConfig
 
 
 @dataclass(slots=True, eq=False)

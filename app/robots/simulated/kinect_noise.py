@@ -18,8 +18,8 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from app.base.geometry import CameraModel
-from app.robots.config import KinectConfig
 from app.robots.simulated.color_noise import SPARE, ColorNoise
+from app.robots.stream_config import KinectConfig
 
 _LEVELS = 1024
 _EDGE_JUMP = 0.05

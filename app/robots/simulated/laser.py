@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 
 from app.base.geometry import Pose3
 from app.messages import LaserScan
-from app.robots.config import HokuyoConfig
 from app.robots.simulated.body import PREFIX, RobotSimulation
 from app.robots.simulated.scenery.people import LASER_GROUP
 from app.robots.simulated.world import WORLD_GROUP
+from app.robots.stream_config import HokuyoConfig
 
 FAN_S = 0.0035
 """Longest duration of one fan of rays: at 1 rad/s the base turns less than one ray's step in it."""

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from numpy.random import Generator
 
 from app.base.geometry import Pose2
-from app.robots.config import BaseConfig
+from app.robots.stream_config import BaseConfig
 
 SLIP_LENGTH_M = 0.5
 """Correlation length of a wheel's slip (m)."""

@@ -11,6 +11,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, Field, field_validator, model_validator
 
 from app.base.yaml_source import suggestion
+from app.robots.config_model import Positive
 from app.robots.simulated.scenery.furniture import KINDS
 
 LETTER_WIDTH_M, LETTER_HEIGHT_M = 0.2159, 0.2794
@@ -20,7 +21,6 @@ CODE_SIDE_M = 0.190
 CODE_RISE_M = 0.030
 """Height of the code's centre above the page's centre; the title is below."""
 
-Positive = Annotated[float, Field(gt=0)]
 Point = tuple[float, float]
 Pattern = Literal[
     "plain", "plaster", "brick", "wood", "planks", "carpet", "tiles", "terrazzo", "concrete",

@@ -21,7 +21,8 @@ from app.base.kinematic_model import load_model
 from app.link import LinkFailed, RobotDescription, StreamDescription
 from app.messages import Audio, JointCommand, JointState, LaserScan, LinkStatus, Odometry, Twist, read_only
 from app.robots import joint_guard
-from app.robots.config import BodyConfig, LimitsConfig, load_body_config
+from app.robots.actuator_config import LimitsConfig
+from app.robots.config import BodyConfig, load_body_config
 from app.robots.factory import BodyKind, standing_streams
 from app.robots.receivers import Receivers
 

@@ -19,7 +19,7 @@ from app.console.app import create_app
 from app.console.live import protocol
 from app.console.live.asyncapi import description
 from app.program.system import System
-from app.robots.config import circle
+from app.robots.actuator_config import circle
 from app.runtime.module import Caution
 from tests.console.answers import strict
 from tests.console.live.whole_stream import heard, say_everything

@@ -16,7 +16,7 @@ from app.link import BaseLimits
 from app.messages import LaserScan
 from app.modules.actuation.collision_monitor import STANDING_MPS, CollisionMonitor, MonitorRules, Verdict
 from app.modules.actuation.swept_footprint import Polygon, contact_times
-from app.robots.config import circle
+from app.robots.actuator_config import circle
 from tests.modules.actuation.surroundings import passage, scan, wall
 
 LIMITS = BaseLimits(0.4, 1.0, 0.4, 4.0)

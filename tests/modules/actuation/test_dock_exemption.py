@@ -13,7 +13,7 @@ from app.messages import DockSighting, LaserScan, Odometry, Twist
 from app.modules.actuation.collision_context import CollisionContext
 from app.modules.actuation.collision_monitor import CollisionMonitor, MonitorRules
 from app.modules.actuation.dock_exemption import without_dock
-from app.robots.config import circle
+from app.robots.actuator_config import circle
 
 LIMITS = BaseLimits(0.40, 1.00, 0.40, 4.00)
 OPENING = 2 * math.pi / 3

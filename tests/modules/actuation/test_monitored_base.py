@@ -13,7 +13,8 @@ import pytest
 from app.base import paths
 from app.base.geometry import Pose2
 from app.messages import Exploitation, JointState, LaserScan, LinkStatus, Odometry, TeleopCommand, Twist
-from app.robots.config import circle, load_robot_config
+from app.robots.actuator_config import circle
+from app.robots.config import load_robot_config
 from app.runtime.clock import run_virtual
 from app.runtime.graph import WiringError
 from tests.modules.actuation.surroundings import scan, wall

@@ -11,7 +11,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from app.modules.actuation.swept_footprint import Points, Polygon, contact_times, may_decide
-from app.robots.config import circle
+from app.robots.actuator_config import circle
 
 ROUND = circle(0.28)
 BOX = ((0.254, -0.215), (0.254, 0.215), (-0.254, 0.215), (-0.254, -0.215))

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from app.messages import Audio
 from app.modules.perception.audio_stream import amplified, front_microphone
-from app.robots.config import MicrophonesConfig
+from app.robots.stream_config import MicrophonesConfig
 from app.runtime.clock import run_virtual
 from tests.modules.fakes import Bench, drain
 

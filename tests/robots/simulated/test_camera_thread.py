@@ -12,13 +12,14 @@ from numpy.typing import NDArray
 
 from app.base.geometry import Pose2, Pose3
 from app.base.kinematic_model import load_model
-from app.robots.config import KinectConfig, RobotConfig
+from app.robots.config import RobotConfig
 from app.robots.simulated.body import RobotSimulation, build_simulation
 from app.robots.simulated.camera_rendering import KinectRenderer
 from app.robots.simulated.kinect_noise import camera_model
 from app.robots.simulated.odometry import TrueBase
 from app.robots.simulated.renderer import Renderer, WorldSnapshot
 from app.robots.simulated.world_config import WorldConfig
+from app.robots.stream_config import KinectConfig
 from tests.robots.conftest import make_hall, needs_gl
 
 pytestmark = needs_gl

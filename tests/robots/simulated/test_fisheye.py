@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from app.base.geometry import CameraModel, FisheyeModel, Pose2, Pose3
 from app.base.kinematic_model import load_model
-from app.robots.config import PanoramicCameraConfig, RobotConfig
+from app.robots.config import RobotConfig
 from app.robots.simulated.body import build_simulation
 from app.robots.simulated.camera_models import fisheye_model
 from app.robots.simulated.camera_rendering import FisheyeRenderer
@@ -27,6 +27,7 @@ from app.robots.simulated.world_config import (
     PosterConfig,
     WorldConfig,
 )
+from app.robots.stream_config import PanoramicCameraConfig
 from tests.robots.conftest import make_hall, needs_gl
 
 CONFIG = PanoramicCameraConfig()

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from app.robots.config import KinectConfig
 from app.robots.simulated.kinect_noise import KinectNoise, camera_model
+from app.robots.stream_config import KinectConfig
 
 CONFIG = KinectConfig()
 SHAPE = (CONFIG.height, CONFIG.width)

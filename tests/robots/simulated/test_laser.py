@@ -11,12 +11,13 @@ import pytest
 from app.base.geometry import Pose2, wrap_angle
 from app.base.kinematic_model import load_model
 from app.messages import LaserScan
-from app.robots.config import HokuyoConfig, RobotConfig, StartPose
+from app.robots.config import RobotConfig, StartPose
 from app.robots.guard import BaseVelocity
 from app.robots.simulated.body import TIMESTEP_S, RobotSimulation, build_simulation
 from app.robots.simulated.laser import Laser, _RayTargets
 from app.robots.simulated.odometry import TrueBase
 from app.robots.simulated.world_config import WorldConfig
+from app.robots.stream_config import HokuyoConfig
 from tests.robots.conftest import make_hall
 
 

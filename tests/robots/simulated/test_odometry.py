@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.base.geometry import Pose2
-from app.robots.config import BaseConfig
 from app.robots.simulated.odometry import EncoderOdometry, HolonomicOdometry, TrueBase, draw_true_base
+from app.robots.stream_config import BaseConfig
 
 IDEAL = BaseConfig(radius_error=0, track_error=0, slip=0, encoder_ticks=10_000_000)
 

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from app.base.geometry import Pose2, Pose3
 from app.messages import Audio
-from app.robots.config import LoudspeakerConfig, MicrophonesConfig
 from app.robots.simulated.acoustics.sound_library import Key
 from app.robots.simulated.world_config import WorldConfig
+from app.robots.stream_config import LoudspeakerConfig, MicrophonesConfig
 
 Vector = tuple[float, float, float]
 

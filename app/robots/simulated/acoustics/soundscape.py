@@ -8,13 +8,13 @@ from app.base.errors import ConfigError
 from app.base.geometry import Pose2, Pose3
 from app.base.kinematic_model import KinematicModel
 from app.messages import SoundTruth
-from app.robots.config import LoudspeakerConfig, MicrophonesConfig
 from app.robots.simulated.acoustics.ipc import AcousticsSetup, ActiveSound, SoundScene
 from app.robots.simulated.acoustics.sound_library import PEAK_DB_SPL, VARIANTS, ClipLibrary, Key
 from app.robots.simulated.acoustics.synthesis import MAKERS
 from app.robots.simulated.scenery.scenario_config import LONGEST_SOUND_S, ScenarioConfig
 from app.robots.simulated.scenery.scenario_state import Cue, ScenarioState
 from app.robots.simulated.world_config import WorldConfig
+from app.robots.stream_config import LoudspeakerConfig, MicrophonesConfig
 
 AFTER_S = 0.3
 """Time (s) that a sound stays in the scene after its end: travel time over up to 100 m."""

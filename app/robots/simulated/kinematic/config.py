@@ -10,13 +10,16 @@ from pydantic import Field
 
 from app.base.errors import ConfigError
 from app.base.kinematic_model import load_model
-from app.robots.config import BodyConfig, HokuyoConfig, Positive, StartPose, circle, load_body_config
+from app.robots.actuator_config import circle
+from app.robots.config import BodyConfig, StartPose, load_body_config
+from app.robots.config_model import Positive
+from app.robots.stream_config import HokuyoConfig
 
 
 class KinematicLaserConfig(HokuyoConfig):
     """Stream ``hokuyo``: as the simulated lab's, with as many rays and scans as suffice to drive by.
 
-    ``nominal_hz`` is the rate of the laser that it stands for, by which filters count; ``rate_hz`` is given of it.
+    ``nominal_hz`` is the rate of the laser that it replaces, by which filters count; ``rate_hz`` is given of it.
     """
 
     rate_hz: Positive = 10.0

@@ -14,9 +14,10 @@ from pydantic import Field, PlainValidator, field_validator, model_validator
 
 from app.base.plain_file import check_plain
 from app.base.yaml_source import load_yaml, suggestion
+from app.robots.config_model import Positive
 from app.robots.simulated.acoustics.sound_library import NAMES
 from app.robots.simulated.scenery.faces import FACES
-from app.robots.simulated.world_config import Color, FileModel, Point, Positive
+from app.robots.simulated.world_config import Color, FileModel, Point
 
 NotNegative = Annotated[float, Field(ge=0)]
 Place = tuple[float, float, float]

@@ -13,7 +13,7 @@ from app.messages import OccupancyGrid, Zone
 from app.modules.behaviors.navigation.costmap.footprint import Footprint
 from app.modules.behaviors.navigation.costmap.inflation import CostField
 from app.modules.behaviors.navigation.planning.astar import explore
-from app.robots.config import circle
+from app.robots.actuator_config import circle
 
 ROUND = Footprint.polygon(np.array(circle(0.28)))
 #: The Jackal's.

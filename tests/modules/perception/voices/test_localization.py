@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from app.modules.perception.voices.localization import Localizer, LocalizerSettings, Peaks
 from app.modules.perception.voices.microphone_array import MicrophoneArray
 from app.modules.perception.voices.steering_vectors import SPEED_OF_SOUND, arrivals, search_grid, tangents
-from app.robots.config import MicrophonesConfig
+from app.robots.stream_config import MicrophonesConfig
 
 RATE = 48_000
 ARRAY = MicrophoneArray(np.array(MicrophonesConfig().positions))

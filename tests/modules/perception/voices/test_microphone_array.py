@@ -11,7 +11,7 @@ from app.base.errors import ConfigError
 from app.base.paths import checkout_dir
 from app.base.yaml_source import load_yaml
 from app.modules.perception.voices.microphone_array import MicrophoneArray, load_array
-from app.robots.config import MicrophonesConfig
+from app.robots.stream_config import MicrophonesConfig
 
 BOX = np.array(MicrophonesConfig().positions)
 

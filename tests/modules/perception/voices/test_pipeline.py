@@ -10,11 +10,11 @@ from app.base.geometry import Pose3
 from app.messages import SeparatedSound, SoundSources
 from app.modules.perception.voices.microphone_array import MicrophoneArray
 from app.modules.perception.voices.pipeline import PipelineSettings, VoicePipeline
-from app.robots.config import MicrophonesConfig
 from app.robots.simulated.acoustics.diffraction import BaffledMicrophones
 from app.robots.simulated.acoustics.offline_rendering import OfflineSource, render_scene
 from app.robots.simulated.acoustics.room import Shoebox
 from app.robots.simulated.acoustics.sound_library import ClipLibrary
+from app.robots.stream_config import MicrophonesConfig
 from tests.modules.perception.voices.sounds import ARRAY, RATE, as_int16, babble, heard, heard_turning, toward
 from tests.scenery.bss_eval import bss_eval
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from app.robots.config import MicrophonesConfig
 from app.robots.simulated.acoustics.diffraction import BaffledMicrophones
+from app.robots.stream_config import MicrophonesConfig
 
 RATE = 48000
 

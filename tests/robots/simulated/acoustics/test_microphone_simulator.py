@@ -9,7 +9,6 @@ import pytest
 
 from app.base.geometry import Pose2, Pose3
 from app.messages import Audio
-from app.robots.config import LoudspeakerConfig, MicrophonesConfig
 from app.robots.simulated.acoustics.ipc import (
     AcousticsSetup,
     ActiveSound,
@@ -18,6 +17,7 @@ from app.robots.simulated.acoustics.ipc import (
     SoundScene,
 )
 from app.robots.simulated.acoustics.microphone_simulator import LATE_S, MicrophoneSimulator
+from app.robots.stream_config import LoudspeakerConfig, MicrophonesConfig
 from tests.robots.conftest import make_hall
 
 X_BM = Pose3.from_translation_rpy((0.0, 0.0, 0.6))

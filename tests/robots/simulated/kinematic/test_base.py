@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from app.base.geometry import Pose2
 from app.link import BaseLimits
 from app.maps.grid_rays import GridRays
-from app.robots.config import circle
+from app.robots.actuator_config import circle
 from app.robots.guard import BaseVelocity, GuardLimits, GuardMode, VelocityCommand
 from app.robots.simulated.kinematic.base import KinematicBase, Outline, moved
 from tests.robots.simulated.kinematic.rooms import CELL_M, room

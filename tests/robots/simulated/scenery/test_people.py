@@ -17,7 +17,7 @@ from app.base.geometry import Pose2
 from app.base.kinematic_model import load_model
 from app.messages import SceneTruth
 from app.modules.perception.faces import yunet
-from app.robots.config import KinectConfig, RobotConfig, StartPose
+from app.robots.config import RobotConfig, StartPose
 from app.robots.guard import BaseVelocity
 from app.robots.simulated.body import RobotSimulation, build_simulation
 from app.robots.simulated.camera_rendering import KinectRenderer
@@ -32,6 +32,7 @@ from app.robots.simulated.scenery.people import PersonBodies, limb_poses
 from app.robots.simulated.scenery.scenario_config import ScenarioConfig
 from app.robots.simulated.scenery.scenario_state import ScenarioState
 from app.robots.simulated.world_config import WorldConfig
+from app.robots.stream_config import KinectConfig
 from tests.patience import PATIENCE_S
 from tests.robots.conftest import needs_gl
 
