@@ -104,12 +104,12 @@ def running_robot(
 
 
 @contextmanager
-def running_program(program: Path, guard_log: Path, start: Pose2) -> Iterator[Robot]:
-    """``hbba run`` of any ``program`` in the lab, on a free port; stopped at the end.
+def running_program(program: Path, guard_log: Path, start: Pose2, world_file: Path | None = None) -> Iterator[Robot]:
+    """``hbba run`` of any ``program`` in the lab, or in the world of ``world_file``, on a free port.
 
-    Its robot keeps ``guard_log`` and begins at ``start``.
+    It keeps ``guard_log``, its robot begins at ``start``, and it is stopped at the end.
     """
-    world = parse(config_dir() / "worlds" / "lab.yaml", WorldConfig)
+    world = parse(world_file or config_dir() / "worlds" / "lab.yaml", WorldConfig)
     process = subprocess.Popen(
         [Path(sys.executable).with_name("hbba"), "run", "--config", program, "--port", "0"],
         stdin=subprocess.DEVNULL,
