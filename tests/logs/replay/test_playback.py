@@ -55,10 +55,10 @@ async def test_it_plays_in_real_time_pauses_and_goes_on(lab: Prepared) -> None:
         play.playback.pause()
         state = play.playback.state
         assert (state.phase, state.playing) == ("paused", False)
-        count = len(odometry)
         await play.playback._seeker.quiet()
         assert play.playback.state.position == state.position
-        assert len(odometry) - count <= 1
+        # What was due may come late on a busy computer; of what was not due, at most the next one (50 Hz).
+        assert odometry[-1] <= state.position + 0.02
         play.playback.play()
         await asyncio.wait_for(play.clock.sleep_until(state.position + 0.2), PATIENCE_S)
         assert odometry == sorted(odometry)
