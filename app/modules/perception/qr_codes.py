@@ -109,7 +109,8 @@ def decode(grey: NDArray[np.uint8], upscale: bool = True) -> list[tuple[str, NDA
 
 def _read(grey: NDArray[np.uint8]) -> list[tuple[str, NDArray[np.float32]]]:
     found = []
-    formats = zxingcpp.BarcodeFormats(zxingcpp.BarcodeFormat.QRCode)
+    # Micro and rectangular codes have one corner mark or little redundancy: they are "read" in the grain of walls.
+    formats = zxingcpp.BarcodeFormats(zxingcpp.BarcodeFormat.QRCodeModel2)
     for barcode in zxingcpp.read_barcodes(grey, formats=formats, text_mode=zxingcpp.TextMode.Plain):
         at = barcode.position
         corners = [(p.x, p.y) for p in (at.top_left, at.top_right, at.bottom_right, at.bottom_left)]

@@ -9,6 +9,7 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
+import zxingcpp
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
@@ -80,6 +81,15 @@ def test_several_codes_in_one_image() -> None:
 
 def test_no_code_no_result() -> None:
     assert detect(kinect_image(0.0, HERE, {})) == ()
+
+
+@pytest.mark.parametrize("kind", ["MicroQRCode", "RMQRCode"])
+def test_smaller_kinds_of_codes_are_not_read(kind: str) -> None:
+    """In the grain of walls they were found again and again, as posters of four digits."""
+    code = zxingcpp.create_barcode("2118", getattr(zxingcpp.BarcodeFormat, kind))
+    picture = np.array(zxingcpp.write_barcode_to_image(code, scale=6))
+    assert zxingcpp.read_barcodes(picture)
+    assert decode(picture) == []
 
 
 def test_a_hole_in_the_depth_does_not_move_the_code_and_no_depth_gives_no_place() -> None:
