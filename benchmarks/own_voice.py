@@ -22,7 +22,7 @@ import numpy as np
 import pyroomacoustics as pra
 import soundfile
 from numpy.typing import NDArray
-from scipy.signal import fftconvolve
+from scipy.signal import fftconvolve, resample_poly
 
 from app.base.geometry import wrap_angle
 from app.messages import SoundSource
@@ -208,6 +208,20 @@ def _heard(scene: Scene) -> tuple[float, float, float, float]:
     return float(np.mean(located)), float(np.mean(own_voices)), float(np.mean(elsewhere)), cpu_ms_per_s
 
 
+def _cpu_ms_per_s(scene: Scene, times: int) -> float:
+    """CPU time (ms/s) of the filter on the scene at ``times`` the rate."""
+    own_voice = OwnVoiceFilter(len(BOX), times * RATE)
+    sound, played = (
+        np.clip(np.rint(resample_poly(part, times, 1, axis=0) * 32768), -32768, 32767).astype(np.int16)
+        for part in ((scene.echo + scene.talker).T, scene.played)
+    )
+    frame = times * FRAME
+    before = time.thread_time()
+    for begin in range(0, len(sound) - frame + 1, frame):
+        own_voice.process(begin, sound[begin : begin + frame], [(begin, played[begin : begin + frame])])
+    return 1000 * (time.thread_time() - before) / (len(sound) / (times * RATE))
+
+
 def _near(source: SoundSource, azimuth: float) -> bool:
     off = math.atan2(source.direction[1], source.direction[0]) - azimuth
     return abs(wrap_angle(off)) < math.radians(NEAR_DEG)
@@ -230,6 +244,10 @@ def measure(quick: bool) -> list[Row]:
             results.append(judge(number, rt60_s, speed_mps))
             print(f"{case}, scene {number}: {results[-1]}", file=sys.stderr, flush=True)
         rows += _rows(case, results)
+    first = [draw(number, 0.3) for number in list(scenes)[:4]]
+    for times in (1, 3):
+        cpu = [_cpu_ms_per_s(scene, times) for scene in first]
+        rows.append(row("own voice", f"{times * RATE // 1000} kHz", "CPU of the filter alone", "ms/s", cpu))
     return rows
 
 
