@@ -21,13 +21,19 @@ LONGEST_BREAK_S: Final = 600.0
 @dataclass(frozen=True, slots=True)
 class KeptRun:
     """A run of the tour with this ``digest``, as it was at ``at`` (Unix time, s); ``report``: what it was until then;
-    ``waits``: whether the tour waits for visitors again after it."""
+    ``waits``: whether the tour waits for visitors again after it; ``pose``: x, y (m) and heading (rad) of the robot on
+    the tour's map, None where it was not known."""
 
     digest: str
     at: float
     progress: Progress
     report: RunReport | None = None
     waits: bool = False
+    pose: tuple[float, float, float] | None = None
+
+    def is_fresh(self, at: float) -> bool:
+        """Whether it is gone on with at ``at`` (Unix time, s)."""
+        return 0 <= at - self.at <= LONGEST_BREAK_S
 
 
 def kept_bytes(run: KeptRun) -> bytes:
@@ -62,7 +68,7 @@ def after_restart(run: KeptRun, at: float, view: View, scene: Scene) -> Progress
         return replace(fresh, to_press=True)
     reasons = {
         "the tour was changed meanwhile": run.digest != digest(tour),
-        "the program was away too long": not 0 <= at - run.at <= LONGEST_BREAK_S,
+        "the program was away too long": not run.is_fresh(at),
         "no visitor was there when the program was back": view.people == 0 and state not in ("parting", "going_home"),
     }
     for reason, holds in reasons.items():

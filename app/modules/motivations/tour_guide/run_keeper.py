@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Awaitable, Callable
+from dataclasses import replace
 from typing import Final
 
 from app.base.errors import ConfigError
@@ -17,6 +18,8 @@ from app.tours.store import TourStore
 
 #: A run is kept so often (s) even while nothing changes, so that a restart knows how long the program was away.
 KEEP_S: Final = 30.0
+#: ... and whenever the robot has moved by this (m, m, rad): half of what localization starts from a rough pose with.
+POSE_STEPS: Final = (0.5, 0.5, 0.25)
 
 
 class RunKeeper:
@@ -30,17 +33,24 @@ class RunKeeper:
         self._saved: tuple[object, ...] | None = None
         self._saved_at = 0.0
 
-    async def save(self, now: float, run: GuidedRun | None) -> None:
-        """Keep ``run``, once something of it has changed, and the reports of those that are over."""
-        kept, facets = None, None
+    async def save(self, now: float, run: GuidedRun | None, pose: tuple[float, float, float] | None = None) -> None:
+        """Keep ``run``, once something of it has changed, and the reports of those that are over.
+
+        ``pose``: the robot's on the tour's map (m, m, rad), which is kept with it.
+        """
+        facets = None
         if run is not None and (run.waits or run.progress.is_running):
-            at = run.progress
-            facets = (run.tour.id, at.entry, at.state, at.stop, at.step, at.sentence, at.to_press, at.skipped)
-            kept = kept_bytes(run.kept(now))
+            progress = run.progress
+            moved = () if pose is None else tuple(round(at / by) for at, by in zip(pose, POSE_STEPS, strict=True))
+            facets = (
+                run.tour.id, progress.entry, progress.state, progress.stop, progress.step, progress.sentence,
+                progress.to_press, progress.skipped, moved,
+            )  # fmt: skip
         reports = tuple(self.over)
-        if facets == self._saved and not reports and (kept is None or now - self._saved_at < KEEP_S):
+        if facets == self._saved and not reports and (facets is None or now - self._saved_at < KEEP_S):
             return
         self._saved, self._saved_at = facets, now
+        kept = None if run is None or facets is None else kept_bytes(replace(run.kept(now), pose=pose))
         self.over.clear()
         try:
             await self._behind(self._write, kept, reports)

@@ -91,6 +91,13 @@ class Senses:
         known = self._localization
         return known is not None and known.state in _LOCALIZED and known.map == map_name
 
+    def pose_on(self, map_name: str) -> tuple[float, float, float] | None:
+        """The robot's x, y (m) and heading (rad) on the map ``map_name``; None where it is not known."""
+        if self._localization is None or self._X_OB is None or not self.localized(map_name):
+            return None
+        at = self._localization.X_MO @ self._X_OB
+        return at.x, at.y, at.theta
+
     def view(self, now: float, tour: Tour, progress: Progress, *, diverted: bool, events: Iterable[Event]) -> View:
         """All of it at ``now``; ``diverted``: others want the robot elsewhere."""
         self._place(now)

@@ -32,7 +32,8 @@ from pydantic import Field
 from app.attention.desires import SCALE, Source
 from app.attention.timeline import Timeline
 from app.attention.workspace import IntentionWorkspace
-from app.maps.map_service import MapService
+from app.base.geometry import Pose2
+from app.maps.map_service import MapService, MapUnavailable
 from app.maps.places import go_to_parameters
 from app.messages import (
     BatteryState,
@@ -126,6 +127,7 @@ class TourGuide(Module):
         self._places: tuple[Place, ...] | None = None
         self._beaten: float | None = None
         self._ready_at: float | None = None
+        self._map_taken, self._map_refused = False, ""
         self._shown = _NOTHING
         self._stack = ExitStack()
         self.on(self.input("faces", Faces, capacity=8), senses.take_percepts)
@@ -287,7 +289,7 @@ class TourGuide(Module):
             self._senses.take_odometry(self.odometry.subscription.receive_nowait())
         now = self.clock.now()
         if self._kept is not None:
-            self._resume(*self._kept)
+            await self._resume(*self._kept)
         if (run := self._run) is None:
             self._events.clear()
             self._beaten = now
@@ -300,7 +302,7 @@ class TourGuide(Module):
             self._events.append(Scheduled())
         self._beaten = now
         self._look()
-        await self._keeper.save(now, run)
+        await self._keeper.save(now, run, self._senses.pose_on(run.tour.map))
 
     def _look(self, *events: Event) -> None:
         """See what there is, decide, and desire what follows from it."""
@@ -339,8 +341,23 @@ class TourGuide(Module):
 
     # --- after a restart ----------------------------------------------------------------------------------------------
 
-    def _resume(self, kept: KeptRun, tour: Tour) -> None:
+    async def _take_map(self, kept: KeptRun, tour: Tour) -> None:
+        """Take the map of the run that is gone on with into use, with the robot about where it was."""
+        maps = self.service(MapService)
+        if self._map_taken or not maps.available or not kept.is_fresh(self.clock.now()):
+            return
+        self._map_taken = True
+        if maps.server.name == tour.map:
+            return
+        try:
+            await maps.server.load(tour.map, None if kept.pose is None else Pose2(*kept.pose))
+        except MapUnavailable as refusal:
+            self._map_refused = f"the map {tour.map} cannot be taken into use: {refusal}"
+
+    async def _resume(self, kept: KeptRun, tour: Tour) -> None:
         """Go on with ``kept`` once the robot knows where it is and has looked for visitors; say why not else."""
+        if kept.progress.is_running:
+            await self._take_map(kept, tour)
         now = self.clock.now()
         self._ready_at = now + _READY_S if self._ready_at is None else self._ready_at
         language = tour.languages[0] if kept.report is None else kept.report.language
@@ -357,7 +374,8 @@ class TourGuide(Module):
                 return
         self._kept, self._run = None, run
         if kept.progress.is_running and not ready:
-            progress = Progress(reason=f"the robot does not know where it is on the map {tour.map}")
+            unknown = f"the robot does not know where it is on the map {tour.map}"
+            progress = Progress(reason=self._map_refused or unknown)
         else:
             progress = after_restart(kept, now, view, run.scene)
         run.resume(kept, progress, view)

@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict
@@ -15,7 +14,7 @@ from app.attention.desires import Desire, DesireClass, DesireClasses, Source
 from app.attention.timeline import Timeline
 from app.attention.workspace import IntentionWorkspace
 from app.base.geometry import Pose2, Pose3, wrap_angle
-from app.maps.map_service import MapService
+from app.maps.map_service import MapService, MapUnavailable
 from app.messages import (
     Accomplishment,
     BatteryState,
@@ -103,6 +102,21 @@ class Visitor:
             self.y += share * (robot.y - self.y)
 
 
+class LabMaps:
+    """A MapServer of which the guide asks the name, and to load one of the maps that it ``has``."""
+
+    def __init__(self) -> None:
+        self.name = "lab"
+        self.has: tuple[str, ...] = ("lab",)
+        self.loaded: list[tuple[str, Pose2 | None]] = []
+
+    async def load(self, name: str, X_MB: Pose2 | None = None, extend: bool = False) -> None:
+        if name not in self.has:
+            raise MapUnavailable(f"there is no map {name}")
+        self.name = name
+        self.loaded.append((name, X_MB))
+
+
 class LedLab:
     """``async with LedLab(tmp_path, tour, places) as lab``; visitors, battery and the rest are attributes to set."""
 
@@ -116,8 +130,9 @@ class LedLab:
         tours = TourStore(TourLibrary(folder / "tours"))
         if tour.id not in tours.names():
             tours.create(tour)
+        self.maps = LabMaps()
         maps = MapService()
-        maps.attach(SimpleNamespace(name="lab"))  # its name is all that is asked for
+        maps.attach(self.maps)  # type: ignore[arg-type]  # what the guide asks of it
         self.bench = Bench(
             "app.modules.motivations.tour_guide.tour_guide:TourGuide",
             inputs=PORTS,
@@ -210,11 +225,12 @@ class LedLab:
         feed("odometry", Odometry(now, self.robot, 0.0, 0.0))
         if self.by_hand:
             feed("exploitation", Exploitation(now, "Teleop", zero))
-        state_now = (self.e_stop, self.battery, self.localization)
+        pose = (round(self.robot.x), round(self.robot.y), round(self.robot.theta))
+        state_now = (self.e_stop, self.battery, self.localization, self.maps.name, pose)
         if state_now != self._fed:
             self._fed = state_now
             feed("places", Places(now, self.places))
-            feed("localization", Localization(now, Pose2(), self.robot, np.eye(3), self.localization, 1.0, "lab"))
+            feed("localization", self._localized(now))
             feed("status", LinkStatus(now, "idle", "", self.e_stop, None, zero, 1.0))
             feed("battery", BatteryState(now, self.battery, 24.0, -1.0, charging=False, remaining_s=None))
         feed("faces", Faces(now, "kinect", 640, 480, Pose3.identity(), tuple(self._faces())))
@@ -224,6 +240,9 @@ class LedLab:
         for progress in drain(self._progress):
             if progress.state != self.states[-1]:
                 self.states.append(progress.state)
+
+    def _localized(self, now: float) -> Localization:
+        return Localization(now, Pose2(), self.robot, np.eye(3), self.localization, 1.0, self.maps.name)
 
     def _faces(self) -> Iterable[Face]:
         for track, visitor in enumerate(self.visitors, 1):

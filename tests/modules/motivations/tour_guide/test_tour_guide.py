@@ -285,6 +285,42 @@ async def test_a_program_that_is_started_again_goes_on(tmp_path: Path) -> None:
 
 
 @in_virtual_time
+async def test_a_program_that_is_started_again_takes_the_map_of_the_tour_into_use(tmp_path: Path) -> None:
+    first = await lab(tmp_path)
+    async with first as led:
+        led.start()
+        await led.until("confirming")
+        led.press("agree")
+        await led.until("presenting")
+        await led.live(1.0)
+        robot, visitors = led.robot, led.visitors
+    second = await asyncio.to_thread(LedLab, tmp_path, first.tour, PLACES)
+    second.robot, second.visitors, second.maps.name = robot, visitors, ""
+    async with second as led:
+        ((name, X_MB),) = led.maps.loaded
+        assert name == "lab"
+        assert X_MB is not None
+        assert math.dist((X_MB.x, X_MB.y), (robot.x, robot.y)) < 0.5
+        await led.until("leading", limit_s=30)
+
+
+@in_virtual_time
+async def test_a_map_that_is_gone_is_said_when_a_tour_cannot_go_on(tmp_path: Path) -> None:
+    first = await lab(tmp_path)
+    async with first as led:
+        led.start()
+        await led.until("confirming")
+        led.press("agree")
+        await led.until("leading")
+    second = await asyncio.to_thread(LedLab, tmp_path, first.tour, PLACES)
+    second.maps.name, second.maps.has = "", ()
+    async with second as led:
+        await led.live(65)
+        assert (led.progress.state, led.moving()) == ("idle", [])
+        assert led.progress.reason == "the map lab cannot be taken into use: there is no map lab"
+
+
+@in_virtual_time
 async def test_a_program_that_is_started_elsewhere_says_why_it_does_not_go_on(tmp_path: Path) -> None:
     first = await lab(tmp_path)
     async with first as led:
