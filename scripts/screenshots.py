@@ -1,4 +1,4 @@
-"""Pictures of README, docs/tour.md and docs/face.md, from real pages: ``.venv/bin/python -m scripts.screenshots``.
+"""Pictures of README and docs/, from real pages: ``.venv/bin/python -m scripts.screenshots [SERIES ...]``.
 
 Drives the simulated robot through the tour's steps in Chromium. The 3D view is drawn at full resolution whatever the
 computer, so on one without a graphics card this takes a few minutes.
@@ -6,10 +6,13 @@ computer, so on one without a graphics card this takes a few minutes.
 
 from __future__ import annotations
 
+import argparse
 import contextlib
 import json
+import math
 import os
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -48,24 +51,27 @@ GOING_S = 300
 
 
 def main() -> None:
-    """Take every picture."""
+    """Take every picture, or those of the series that are named."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    series = {"faces": faces, "tour": tour, "guided": guided, "people": people}
+    parser.add_argument("series", nargs="*", metavar="SERIES", help=f"{', '.join(series)} (default: all)")
+    wanted = parser.parse_args().series or list(series)
+    if unknown := set(wanted) - set(series):
+        parser.error(f"there is no series {', '.join(sorted(unknown))}; there are: {', '.join(series)}")
     FOLDER.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory() as recordings, tempfile.TemporaryDirectory() as maps:
-        os.environ["HBBA_RECORDINGS"], os.environ["HBBA_MAPS"] = recordings, maps
-        take()
+    for name in wanted:
+        with tempfile.TemporaryDirectory() as data:
+            for kind in ("recordings", "maps", "tours"):
+                os.environ[f"HBBA_{kind.upper()}"] = f"{data}/{kind}"
+            take(series[name], config_dir() / "scenarios" / "lab.yaml" if name == "people" else None)
 
 
-def take() -> None:
-    """Start the robot and a browser, and walk through the tour; then the same among people."""
-    with sync_playwright() as playwright:
+def take(series: Callable[[Browser, Robot], None], scenario: Path | None) -> None:
+    """Start the robot and a browser for one series."""
+    with sync_playwright() as playwright, tempfile.TemporaryDirectory() as folder:
         browser = playwright.chromium.launch(executable_path=find_chromium(), args=CHROMIUM_ARGUMENTS)
-        with tempfile.TemporaryDirectory() as folder, running_robot(Path(folder)) as robot:
-            faces(browser, robot)
-            tour(browser, robot)
-        scenario = config_dir() / "scenarios" / "lab.yaml"
-        with tempfile.TemporaryDirectory() as folder, running_robot(Path(folder), scenario) as robot:
-            going(browser, robot)
-            people(browser, robot)
+        with running_robot(Path(folder), scenario) as robot:
+            series(browser, robot)
         browser.close()
 
 
@@ -100,7 +106,7 @@ def tour(browser: Browser, robot: Robot) -> None:
     driver.get_by_test_id("speed-full").click()
     driver.keyboard.down("KeyW")
     driver.get_by_test_id("tab-found").click()
-    driver.locator("[data-testid=landmark]").first.wait_for(timeout=60_000)
+    driver.locator("[data-testid=landmark]").first.wait_for(timeout=300_000)
     driver.wait_for_timeout(2_500)
     shoot(page, "tour-driving")
     driver.keyboard.up("KeyW")
@@ -169,6 +175,33 @@ def going(browser: Browser, robot: Robot) -> None:
     page.context.close()
 
 
+def guided(browser: Browser, robot: Robot) -> None:
+    """A guided tour is configured by driving past three posters, edited, and led."""
+    page = opened(browser, f"{robot.url}/?scene=off", DESKTOP)
+    page.get_by_test_id("tour-toggle").click()
+    page.get_by_test_id("tour-new-title").fill("A walk through the lab")
+    page.get_by_test_id("tour-drive").click()
+    met = page.get_by_test_id("tour-driving")
+    # On the map, whose origin is where the robot starts: each within sight of a poster.
+    for number, (x, y, heading_deg) in enumerate(((2.2, 0.0, 0.0), (3.6, 2.8, 180.0), (3.0, 5.5, 0.0)), 1):
+        asked(robot, "/goal", {"x": x, "y": y, "heading": math.radians(heading_deg)})
+        page.locator(f"[data-testid=tour-driving][data-met='{number}']").wait_for(timeout=GOING_S * 1000)
+        if number == 2:
+            shoot(page, "guided-driving")
+        gone(robot, page, 1.0)
+    page.get_by_test_id("tour-drive-map").fill("lab")
+    page.get_by_test_id("tour-drive-finish").click()
+    met.wait_for(state="detached")
+    page.get_by_test_id("tour-stop").nth(2).wait_for()
+    page.get_by_test_id("map-fit").click()
+    page.get_by_test_id("notice").first.wait_for(state="detached")
+    shoot(page, "guided-editor")
+    page.get_by_test_id("stop-open").first.click()
+    page.get_by_test_id("stop-form").wait_for()
+    shoot(page, "guided-stop")
+    page.context.close()
+
+
 def gone(robot: Robot, page: Page, share: float) -> None:
     """Wait until this share of the path is driven; all of it: until the desire is removed."""
     whole = 0.0
@@ -192,6 +225,7 @@ def asked(robot: Robot, path: str, body: dict[str, Any]) -> None:
 def people(browser: Browser, robot: Robot) -> None:
     """A person near the start looks at the robot, and speaks now and then: a scene for every perception, with the
     selection that attention makes for it."""
+    going(browser, robot)
     capacity = robot.get("/resources")["resources"][0]["capacity"]
     robot.request("PATCH", "/resources/cpu", {"capacity": 100})
     wishes = [
@@ -219,7 +253,7 @@ def spoken_to(page: Page) -> None:
     """Wait for a face, and for a voice as far as there is one: none on a computer too slow for the world's sound."""
     with contextlib.suppress(TimeoutError):
         page.locator("[data-testid=around-sound][data-active=true][data-kind=voice]").first.wait_for(
-            state="attached", timeout=60_000
+            state="attached", timeout=300_000
         )
     page.get_by_test_id("around-face").first.wait_for(state="attached")
 
@@ -227,7 +261,7 @@ def spoken_to(page: Page) -> None:
 def opened(browser: Browser, url: str, size: ViewportSize) -> Page:
     """A window of its own on the console, live."""
     page = browser.new_context(viewport=size).new_page()
-    page.set_default_timeout(90_000)
+    page.set_default_timeout(300_000)
     page.goto(url)
     page.locator("[data-testid=connection][data-phase=live]").wait_for()
     return page
@@ -252,7 +286,7 @@ def shoot(page: Page, name: str, there: Locator | None = None) -> None:
         page.wait_for_timeout(2_000)
         page.locator("[data-testid=camera]:not(.old)").wait_for(timeout=20_000)
         if there is not None:
-            there.wait_for(state="attached", timeout=60_000)
+            there.wait_for(state="attached", timeout=300_000)
     picture = FOLDER / f"{name}.png"
     page.screenshot(path=picture)
     for view in views:

@@ -86,7 +86,7 @@ export function StopForm({ stop, number }: { stop: Stop; number: number }) {
           <PlusIcon /> A question
         </button>
       </More>
-      <More title="Poster, how it stands">
+      <More title="Poster, how exactly it arrives">
         <TypedField
           label="Text of the poster"
           value={stop.poster ?? ""}
