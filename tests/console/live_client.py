@@ -128,7 +128,7 @@ class Page:
 async def page(url: str, operator: str = "Ann", **options: Any) -> AsyncIterator[Page]:
     """A page connected to the console at ``url``."""
     address = url.replace("http://", "ws://") + f"/api/v1/live?operator={operator}"
-    options = {"max_queue": None, "close_timeout": 1, **options}
+    options = {"max_queue": None, "close_timeout": 1, "open_timeout": PATIENCE_S, **options}
     async with websockets.connect(address, compression=None, proxy=None, max_size=None, **options) as connection:
         found = Page(connection)
         found.begin_reading()

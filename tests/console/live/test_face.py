@@ -29,7 +29,7 @@ from tests.patience import PATIENCE_S
 async def looking(url: str) -> AsyncIterator[ClientConnection]:
     async with (
         asyncio.timeout(PATIENCE_S),
-        websockets.connect(f"{url.replace('http', 'ws')}/api/v1/face") as connection,
+        websockets.connect(f"{url.replace('http', 'ws')}/api/v1/face", open_timeout=None) as connection,
     ):
         yield connection
 
