@@ -30,6 +30,8 @@ dead depth images. Obstacles that the camera sees and the laser does not are kep
 Ways are planned for others, too, without driving (``app/maps/route_service.py``). The goal is given by the parameters
 of the desire GoTo, the controller by the strategy: ``mppi``, ``pursuit``, ``dwa`` or ``dwa_published`` (the baseline of
 the BARN challenge).
+
+Follow is a subclass of it, whose goal moves (``follow/follow.py``).
 """
 
 from __future__ import annotations
@@ -86,7 +88,7 @@ from app.modules.behaviors.navigation.tracking.control_cycle import (
 )
 from app.modules.behaviors.navigation.tracking.desired_goal import goal_of
 from app.modules.behaviors.navigation.tracking.localization_monitor import LocalizationMonitor
-from app.modules.behaviors.navigation.tracking.path_tracker import NavigationGoal, PathTrackerSettings
+from app.modules.behaviors.navigation.tracking.path_tracker import NavigationGoal, PathTrackerSettings, TrackingStep
 from app.modules.behaviors.navigation.tracking.status_publisher import StatusPublisher
 from app.modules.body_shapes import moving_shapes
 from app.modules.stream_module import robot_link
@@ -96,6 +98,8 @@ from app.runtime.realtime import raise_thread_priority
 
 #: Least period of published costmaps, s.
 _COSTMAP_S = 0.2
+#: Why it plans where the goal has moved.
+_MOVED = "the goal moved"
 #: A jump of localization by more than this (m, rad) triggers planning at once.
 _JUMP = (0.15, 0.1)
 
@@ -154,7 +158,7 @@ class PlanAndFollowPath(Module):
         self.path = self.output("path", PlannedPath)
         self.status = self.output("status", NavigationStatus)
         self.costmap = self.output("costmap", OccupancyGrid)
-        self._accomplishments = AccomplishmentReporter(self, GO_TO.name)
+        self._accomplishments = AccomplishmentReporter(self, self.desire_classes[0].name)
         self._poses = LocalizationMonitor()
         self.on(self.scans, self._take_scan)
         self.on(self.images, self._take_image)
@@ -180,6 +184,7 @@ class PlanAndFollowPath(Module):
         self._planned_at = -math.inf
         self._planned_from: Localization | None = None
         self._planned_for: NavigationGoal | None = None
+        self._planned_to: Pose2 | None = None
         self._answer: PlanResult | None = None
         self._plan: GlobalPlan | None = None
         self._wanted_plan = ""
@@ -227,11 +232,15 @@ class PlanAndFollowPath(Module):
         costs = CostSettings(unknown=s.unknown, closeness=s.closeness, reach_m=s.reach_m)
         self._global_planner = GlobalPlanner(self._control.footprint, costs)
         self._route_finder = RouteFinder(self._control.footprint, self._control.body, costs)
-        if self._control.persistent_obstacles is not None:
-            await self._keep_with_map(self._control.persistent_obstacles)
+        await self._attach()
         # Messages from before a restart still hold.
         self._grid = None if self.map.channel is None else self.map.channel.latest
         self._zones = (None if self.zones.channel is None else self.zones.channel.latest) or self._zones
+
+    async def _attach(self) -> None:
+        """Keep obstacles with the map, and plan ways for others."""
+        if self._control.persistent_obstacles is not None:
+            await self._keep_with_map(self._control.persistent_obstacles)
         with contextlib.suppress(ModuleFailed):  # a program that does not offer ways drives all the same
             self._leave_routes = self.service(RouteService).attach(self)
 
@@ -304,6 +313,18 @@ class PlanAndFollowPath(Module):
         """The goal while the output is open; None where attention closed it because another behavior drives."""
         return self._goal if self.twist.filter.is_open else None
 
+    def _end_of(self, goal: NavigationGoal) -> Pose2:
+        """Where ``goal`` is now, on the map: the same object while it does not move."""
+        return goal.pose
+
+    def _limited(self, step: TrackingStep) -> TrackingStep:
+        """The command that is published for ``step``."""
+        return step
+
+    def _arrived(self, goal: NavigationGoal, reason: str) -> None:
+        """It stands at ``goal``; called in every cycle."""
+        report_arrival(self._accomplishments, goal, reason)
+
     async def _cycle(self) -> None:
         now, goal = self.clock.now(), self._given
         if goal is None:
@@ -338,6 +359,7 @@ class PlanAndFollowPath(Module):
             is_lost=self._poses.is_lost(now) and self._grid is not None,
             given_mps=self._given_mps,
             joints=self._positions.newest,
+            moved=answer is not None and answer.why == _MOVED,
         )
         if self._controller != self._controller_in_use:
             self._controller_in_use = self._controller
@@ -388,7 +410,7 @@ class PlanAndFollowPath(Module):
         if goal is None:
             self.twist.publish(Twist(now, 0.0, 0.0))
         else:
-            step = output.step
+            step = self._limited(output.step)
             self.twist.publish(Twist(now, step.linear_mps, step.angular_radps, step.lateral_mps))
             self._periods.commanded(self.clock.now())
         if answer is not None and answer.changed:
@@ -400,7 +422,7 @@ class PlanAndFollowPath(Module):
                 self.name,
                 state=output.step.state if goal is not None else "idle",
                 reason=output.step.reason,
-                goal=None if goal is None else goal.pose,
+                goal=None if goal is None else self._end_of(goal),
                 target=None if goal is None else output.target,
                 remaining_m=None if goal is None else output.remaining_m,
                 progress_stamp=None if goal is None else output.progress_stamp,
@@ -412,7 +434,7 @@ class PlanAndFollowPath(Module):
             self._planned_for = None
             self._clear_path(now)
         elif output.step.state == "arrived":
-            report_arrival(self._accomplishments, goal, output.step.reason)
+            self._arrived(goal, output.step.reason)
         if output.around is not None and self.costmap.wanted and now - self._costmap_at >= _COSTMAP_S - 1e-6:
             self._costmap_at = now
             self._costmap_version += 1
@@ -422,12 +444,9 @@ class PlanAndFollowPath(Module):
         self.twist.publish(Twist(now, 0.0, 0.0))
         if goal is not None:
             self._periods.commanded(self.clock.now())
-        state = "idle" if goal is None else "waiting"
-        self._status_publisher.update(
-            NavigationStatus(
-                now, self.name, state, problem, None if goal is None else goal.pose, period_s=self._periods.longest_s
-            )
-        )
+        state, end = ("idle", None) if goal is None else ("waiting", self._end_of(goal))
+        period_s = self._periods.longest_s
+        self._status_publisher.update(NavigationStatus(now, self.name, state, problem, end, period_s=period_s))
 
     def _clear_path(self, now: float) -> None:
         if self._plan is not None:
@@ -456,7 +475,7 @@ class PlanAndFollowPath(Module):
             self._zones.zones,
             X_MO=localization.X_MO,
             X_MB=X_MB,
-            goal=goal.pose,
+            goal=self._end_of(goal),
             around=output.around,
             opened_up=output.opened_up,
             kept=self._plan,
@@ -465,6 +484,7 @@ class PlanAndFollowPath(Module):
             persistent_obstacles=output.persistent_obstacles,
         )
         self._planned_at, self._planned_from, self._planned_for = now, localization, goal
+        self._planned_to = request.goal
         self._wanted_plan = ""
         finding = self.compute_background(self._global_planner.find, request)
         self._planning = asyncio.create_task(finding, name=f"{self.name} plans")
@@ -475,6 +495,8 @@ class PlanAndFollowPath(Module):
         since = now - self._planned_at
         if self._planned_for is not goal:
             return "another goal"
+        if self._planned_to is not self._end_of(goal) and since >= self.settings.blocked_replan_s:
+            return _MOVED
         before, newest = self._planned_from, self._poses.localization
         if before is not None and newest is not None and _jumped(before.X_MO, newest.X_MO):
             return "localization corrected itself"

@@ -82,8 +82,9 @@ class CycleInput:
     """Input of one cycle. ``scan`` and ``image``: new data, each with the body's pose in ``odom`` at its stamp (for a
     scan, also at its last ray), or None. ``motion``: the body now; ``X_MO``: pose of ``odom`` on the map, None before
     the first localization. ``problem``: why neither may be used, "" if both may; ``is_lost``: only ``X_MO`` is
-    unusable. ``plan``: a new plan; ``speed_at``: the speed that zones allow along it. ``given_mps``: forward speed that
-    the arbiter let through for the last command (m/s); None if it is not reported, then the command counts.
+    unusable. ``plan``: a new plan; ``moved``: to where the goal has moved; ``speed_at``: the speed that zones allow
+    along it. ``given_mps``: forward speed that the arbiter let through for the last command (m/s); None if it is not
+    reported, then the command counts.
     ``joints``: the newest positions (rad, m) by name, None where they are not known.
     """
 
@@ -100,6 +101,7 @@ class CycleInput:
     is_lost: bool = False
     given_mps: float | None = None
     joints: Mapping[str, float] | None = None
+    moved: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -175,6 +177,8 @@ class ControlCycle:
         path_tracker = self._path_tracker
         path_tracker.go(inputs.goal, inputs.now)
         if inputs.plan is not None:
+            if inputs.moved:
+                path_tracker.goal_moved()
             path_tracker.take(inputs.plan, inputs.now, inputs.speed_at)
         blind = unfit(inputs.now, self._scan_stamp, self._depth, self._settings.fresh_s)
         problem = inputs.problem or blind

@@ -155,6 +155,10 @@ class PathTracker:
             self._detours += 1
             self._least = self._track.length_m
 
+    def goal_moved(self) -> None:
+        """The goal has moved on, as a person does who is followed: progress is measured along the next plan alone."""
+        self._least = self._held_at = math.inf
+
     @property
     def target(self) -> Pose2 | None:
         """End of the plan in force, on the map; heading NaN for any."""
