@@ -23,7 +23,7 @@ OCCUPIED = 65
 class Surroundings:
     """What places are judged by: ``posters`` on the map (None: not known), its cells (None: no map yet) and zones.
 
-    The robot covers at least ``radius_m`` around itself, and stands ``stand_off_m`` before posters.
+    The robot covers at least ``radius_m`` around itself, and stops ``stand_off_m`` before posters.
     """
 
     posters: Sequence[Poster] | None

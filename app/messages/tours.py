@@ -51,7 +51,7 @@ class TourQuestion:
 
 @dataclass(frozen=True, slots=True)
 class OperatorQuestion:
-    """What the robot asks whoever operates it; without an answer it does what it says."""
+    """What the robot asks its operator; without an answer it does what it says."""
 
     text: Annotated[str, doc("The question.")]
     answers: Annotated[tuple[TourButton, ...], doc("Buttons that answer it.")]

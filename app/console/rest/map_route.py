@@ -43,7 +43,7 @@ def route_router(system: System) -> APIRouter:
     @router.post("/map/route", response_model=RouteReport, summary="Plan a route", responses=problems(400, 409, 422))
     async def plan_route(wanted: RouteRequest) -> Response:
         """Leg by leg, by the robot's own planner, on the map in use, its zones and what it keeps in mind of obstacles;
-        what stands there for the moment does not count. Nothing moves. A leg that cannot be driven says why."""
+        what is there for the moment does not count. Nothing moves. A leg that cannot be driven says why."""
         nonlocal waiting
         if waiting >= MOST_WAITING:
             raise Problem(409, "busy", f"{MOST_WAITING} routes wait to be planned already: try again.")

@@ -1,4 +1,4 @@
-"""The tour that is under way: begun, steered, reported; reports of those that are over."""
+"""The tour that is under way: started, steered, reported; reports of those that are over."""
 
 from __future__ import annotations
 

@@ -152,7 +152,9 @@ async def test_a_logout_ends_the_session_s_websockets_and_no_others(guarded: str
         bearer = {"Authorization": f"Bearer {TOKEN}"}
         address = guarded.replace("http", "ws")
         sockets = [
-            await websockets.connect(address + path, proxy=None, additional_headers=headers, max_queue=None)
+            await websockets.connect(
+                address + path, proxy=None, open_timeout=None, additional_headers=headers, max_queue=None
+            )
             for path, headers in ((LIVE, cookie), ("/viser/pulse", cookie), (LIVE, bearer))
         ]
         await client.delete("/session")
@@ -291,8 +293,8 @@ def test_a_taken_port_is_refused_before_anything_starts() -> None:
 async def test_the_end_comes_within_a_second_though_sockets_are_open(system: System, page: Path) -> None:
     async with served(create_app(system, static_dir=page, early_view=False)) as url:
         address = url.replace("http", "ws") + LIVE
-        reading = await websockets.connect(address, proxy=None, max_queue=None, close_timeout=0.1)
-        stalled = await websockets.connect(address, proxy=None, max_queue=1, close_timeout=0.1)
+        reading = await websockets.connect(address, proxy=None, open_timeout=None, max_queue=None, close_timeout=0.1)
+        stalled = await websockets.connect(address, proxy=None, open_timeout=None, max_queue=1, close_timeout=0.1)
         stalled.transport.pause_reading()
         await reading.recv()
         began = asyncio.get_running_loop().time()

@@ -14,6 +14,7 @@ import httpx
 import pytest
 import websockets
 from fastapi import FastAPI
+from websockets.typing import Origin
 
 from app.console import server
 from app.console.access import connection_limits, protocols
@@ -101,7 +102,9 @@ async def test_waiting_connections_keep_no_other_out(app: FastAPI, monkeypatch: 
             raw = await stack.enter_async_context(connected(url))
             await raw.send((b"", HALF_HEADER, HALF_BODY)[number % 3])
         assert await answers(url)
-        live = await websockets.connect(url.replace("http", "ws") + "/api/v1/live", proxy=None, max_queue=None)
+        live = await websockets.connect(
+            url.replace("http", "ws") + "/api/v1/live", proxy=None, open_timeout=None, max_queue=None
+        )
         async with live:
             for _ in range(100):
                 await stack.enter_async_context(connected(url))
@@ -115,9 +118,9 @@ async def test_websockets_leave_room_for_requests(app: FastAPI, monkeypatch: pyt
     async with served(app) as url, AsyncExitStack() as stack:
         address = url.replace("http", "ws") + "/viser/pulse"
         for _ in range(connection_limits.FEWEST_CONNECTIONS - connection_limits.KEPT_FOR_REQUESTS):
-            await stack.enter_async_context(websockets.connect(address, proxy=None))
+            await stack.enter_async_context(websockets.connect(address, proxy=None, open_timeout=None))
         with pytest.raises(websockets.InvalidStatus) as refused:
-            await websockets.connect(address, proxy=None)
+            await websockets.connect(address, proxy=None, open_timeout=None)
         assert refused.value.response.status_code == 503
         assert refused.value.response.headers["Retry-After"] == "5"
         assert await answers(url)
@@ -154,7 +157,7 @@ async def test_without_descriptors_it_is_said_once_and_tried_again(
 
 async def test_a_text_that_is_not_utf_8_is_one_line_in_the_log(url: str, caplog: pytest.LogCaptureFixture) -> None:
     address = url.replace("http", "ws") + "/api/v1/live"
-    async with websockets.connect(address, proxy=None, max_queue=None) as live:
+    async with websockets.connect(address, proxy=None, open_timeout=None, max_queue=None) as live:
         await live.send(b"\xff\xfe", text=True)
         await live.wait_closed()
         assert live.close_code == 1007
@@ -165,7 +168,12 @@ async def test_a_text_that_is_not_utf_8_is_one_line_in_the_log(url: str, caplog:
 
 async def test_a_refused_websocket_is_no_line_in_the_log(url: str, caplog: pytest.LogCaptureFixture) -> None:
     with pytest.raises(websockets.InvalidStatus) as refused:
-        await websockets.connect(url.replace("http", "ws") + "/api/v1/live", proxy=None, origin="http://evil.example")  # type: ignore[arg-type]
+        await websockets.connect(
+            url.replace("http", "ws") + "/api/v1/live",
+            proxy=None,
+            open_timeout=None,
+            origin=Origin("http://evil.example"),
+        )
     assert refused.value.response.status_code == 403
     assert b"foreign-origin" in (refused.value.response.body or b"")
     assert await answers(url)

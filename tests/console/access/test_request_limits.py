@@ -94,7 +94,9 @@ async def test_a_header_has_its_limits(url: str, fields: list[str], status: int)
 async def test_a_websocket_s_header_has_them_too(url: str) -> None:
     fields = {f"X-{number}": "a" for number in range(100)}
     with pytest.raises(websockets.InvalidStatus) as refused:
-        await websockets.connect(url.replace("http", "ws") + "/api/v1/live", proxy=None, additional_headers=fields)
+        await websockets.connect(
+            url.replace("http", "ws") + "/api/v1/live", proxy=None, open_timeout=None, additional_headers=fields
+        )
     assert refused.value.response.status_code == 431
 
 

@@ -1,4 +1,4 @@
-"""The dock's pose in ``odom``, averaged over scans: it stands still there while the robot approaches."""
+"""The dock's pose in ``odom``, averaged over scans: it does not move there while the robot approaches."""
 
 from __future__ import annotations
 

@@ -254,7 +254,7 @@ class Docking(Module):
         if self._sequence.state not in ("approaching", "docked", "backing", "undocking") or X_OD is None:
             return
         remaining_m = (X_OD.inverse() @ X_OB).x - self.settings.docked_m
-        # In the dock the estimate stands; before it, what is not seen any more is not exempt either.
+        # In the dock the estimate is kept; before it, what is not seen any more is not exempt either.
         seen = self._sequence.state != "approaching" or now - self._filter.stamp <= SEEN_S
         if seen and self._filter.is_sure and remaining_m <= _EXEMPT_M:
             self.dock.publish(DockSighting(now, X_OD, self._shape.plate_m, self._shape.opening_rad))

@@ -5,12 +5,12 @@
     │         in   scans, images, odometry, joints, localization, map, zones, base   as PlanAndFollowPath │
     │         out  twist            Twist, each period while there is a person to follow or to look for   │
     │         out  path, status, costmap                                             as PlanAndFollowPath │
-    │         out  accomplishments  Accomplishment: it stands at the distance, or the person was lost     │
+    │         out  accomplishments  Accomplishment: it is at the distance, or    the person was lost     │
     └─────────────────────────────────────────────────────────────────────────────────────────────────────┘
 
 It is PlanAndFollowPath with a goal that moves: costmap, planner, controllers and recovery are the same. The decisions
 are pure (``following.py``). A command that would come nearer to the person than the distance, with the body's own
-braking, is slowed down. Without fresh persons, scans or poses it stands still.
+braking, is slowed down. Without fresh persons, scans or poses it does not move.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from app.runtime.module import ModuleContext
 
 #: How near (m, rad) to a place is there.
 _TOLERANCE = (0.1, 0.15)
-#: By so much (m, rad) the place moves before a way to it is planned again, and before a robot that stands there leaves.
+#: By so much (m, rad) the place moves before a way to it is planned again, and before a robot that is there leaves.
 _MOVED = (0.05, 0.1)
 _LEFT = (0.1, 0.35)
 #: From a person's step to the base's answer (s).

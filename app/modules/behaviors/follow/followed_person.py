@@ -11,13 +11,13 @@ from app.base.geometry import wrap_angle
 from app.messages import Person, Persons
 from app.modules.behaviors.follow.standing import Point, bearing
 
-#: A person so fast (m/s) walks, and one so fast faces where they go: the place of one who stands drifts by less.
+#: A person so fast (m/s) walks, and one so fast faces where they go: the place of one at rest drifts by less.
 _WALKS_MPS, _FACES_MPS = 0.15, 0.25
 #: A face that is seen looks no farther aside (rad) of the robot: beyond, detectors find none.
 _FACE_RAD: Final = math.radians(70)
 #: Out of sight, they are taken to go on for so long (s).
 _GOES_ON_S: Final = 2.0
-#: Who appears so near (m) to where a person should be, alone, and is nobody else, is that person.
+#: Who appears so near (m) to where a person should be, alone, and is no other known one, is that person.
 _SAME_M: Final = 1.0
 #: Directions (rad) in which a lost person is looked for, beside the one in which they should be.
 _LOOKS: Final = (0.0, math.radians(60), -math.radians(60), math.pi)
@@ -73,7 +73,7 @@ class FollowedPerson:
         known = [person for person in seen if person.person is not None and person.person == self.person]
         if known:
             return known[0]
-        # Nobody who is known to be another.
+        # No other known one.
         doubtful = [person for person in seen if person.person is None or self.person is None]
         for person in doubtful:
             if person.track == self._track:

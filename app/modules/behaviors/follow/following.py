@@ -40,7 +40,7 @@ class FollowRules:
 @dataclass(frozen=True, slots=True)
 class FollowStep:
     """What to do: go to ``place`` (``X_OG``), None: stand. ``keep``: the place (m, in ``odom``) that the robot comes no
-    nearer to than the distance; None while nothing is known of them. ``there``: a robot that stands at ``place`` stands
+    nearer to than the distance; None while nothing is known of them. ``there``: a robot at ``place`` is
     where it should. ``reason``: for people."""
 
     state: FollowState

@@ -82,7 +82,7 @@ class GuideDesires:
         return next((wish for wish, id_ in self._held.values() if id_ == desire_id), None)
 
     def diverted(self) -> bool:
-        """Whether somebody else wants the robot to go elsewhere, at least as much."""
+        """Whether another source wants the robot to go elsewhere, at least as much."""
         own = {id_ for _, id_ in self._held.values()}
         least = self._weight(GO_TO).intensity
         return any(

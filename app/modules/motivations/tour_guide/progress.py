@@ -29,7 +29,7 @@ class Ended:
 
 @dataclass(frozen=True, slots=True)
 class Withdrawn:
-    """Somebody else withdrew the desire of the wish ``key``."""
+    """Another client withdrew the desire of the wish ``key``."""
 
     key: str
 

@@ -1,6 +1,6 @@
-"""Colours of a torso: what a person wears below the face, as a histogram that tells few persons apart for a while.
+"""Colours of a torso: what a person wears below the face, as a histogram that distinguishes few persons for a while.
 
-It identifies nobody beyond the day, and is kept in memory alone. The torso is where it must be below the face, in
+It identifies no one beyond the day, and is kept in memory alone. The torso is where it must be below the face, in
 space, so that one rule serves every camera: a fisheye bends what is upright.
 """
 
