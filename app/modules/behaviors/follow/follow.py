@@ -5,7 +5,7 @@
     │         in   scans, images, odometry, joints, localization, map, zones, base   as PlanAndFollowPath │
     │         out  twist            Twist, each period while there is a person to follow or to look for   │
     │         out  path, status, costmap                                             as PlanAndFollowPath │
-    │         out  accomplishments  Accomplishment: it is at the distance, or    the person was lost     │
+    │         out  accomplishments  Accomplishment: it is at the distance, or the person was lost        │
     └─────────────────────────────────────────────────────────────────────────────────────────────────────┘
 
 It is PlanAndFollowPath with a goal that moves: costmap, planner, controllers and recovery are the same. The decisions
