@@ -154,6 +154,8 @@ class TourGuide(Module):
         self._stack.callback(self._desires.withdraw)
         self._kept = await self.compute_background(self._keeper.read, self.service(TourStore))
         self._stack.callback(self.service(TourRunService).attach(self))
+        # So that all know that this program leads tours.
+        self.output_progress.publish(replace(_NOTHING, stamp=self.clock.now()))
 
     async def stop(self) -> None:
         """Withdraw all desires. The run stays kept."""
