@@ -24,7 +24,7 @@ from app.console.records.maps import MapList
 from app.console.records.places import PlaceReport
 from app.console.records.recordings import RecordingList, ReplayReport, Saved
 from app.console.records.route import RouteReport
-from app.console.records.tours import TourList, TourReport
+from app.console.records.tours import RunReportList, TourList, TourReport, TourRunReport
 from app.console.rest.camera import CameraClick
 from app.console.rest.map_models import GoalRequest, LoadRequest, RenameRequest, ZonesRequest
 from app.console.rest.models import DesireChange, NewDesire
@@ -33,6 +33,7 @@ from app.console.rest.playback_models import PlaybackChange
 from app.console.rest.recording_models import NewRecording, SaveRequest
 from app.console.rest.route_models import RouteRequest
 from app.console.rest.session import LoginRequest
+from app.console.rest.tour_run_models import NewTourRun, TourPress
 from app.tours.model import Tour
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -46,10 +47,12 @@ ANSWERS = (
     RecordingList,
     ReplayReport,
     RouteReport,
+    RunReportList,
     Saved,
     Tour,
     TourList,
     TourReport,
+    TourRunReport,
 )
 #: Bodies of requests to REST that the page makes.
 REQUESTS = (
@@ -61,11 +64,13 @@ REQUESTS = (
     NewDesire,
     NewPlace,
     NewRecording,
+    NewTourRun,
     PlaceChange,
     PlaybackChange,
     RenameRequest,
     RouteRequest,
     SaveRequest,
+    TourPress,
     ZonesRequest,
 )
 WIDTH = 120

@@ -22,6 +22,7 @@ import { StopMaker } from "./tours/stopMaker";
 import { TourControl } from "./tours/tourControl";
 import { TourDrive } from "./tours/tourDrive";
 import { TourPointing } from "./tours/tourPointing";
+import { TourRunControl } from "./tours/tourRunControl";
 import { TourTrial } from "./tours/tourTrial";
 import { narrow } from "./ui/media";
 import { PictureFeed } from "./view/pictureFeed";
@@ -82,6 +83,7 @@ const tourRoute = new RouteControl(session.rest, {
 });
 const stops = new StopMaker(store, session.rest, places, tours);
 const tourPointing = new TourPointing(store, session.rest, map, tours);
+const tourRun = new TourRunControl(store, session.rest, tours);
 const tourTrial = new TourTrial(store, session.rest);
 const tourDrive = new TourDrive(store, session.rest, map, maps, places, tours);
 const tourMarks = computed(() => {
@@ -119,6 +121,7 @@ render(
       stops,
       tourPointing,
       tourTrial,
+      tourRun,
       tourDrive,
       tourMarks,
       grid,
@@ -143,6 +146,7 @@ tours.start();
 tourRoute.start();
 tourPointing.start();
 tourDrive.start();
+tourRun.start();
 listening.start();
 talking.start();
 void session.start();

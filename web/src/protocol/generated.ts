@@ -1006,6 +1006,48 @@ export interface RouteReport {
   duration_s: number;
 }
 
+/** What a run of a tour was. */
+export interface RunReport {
+  /** Its id. */
+  run: string;
+  /** Id of the tour. */
+  tour: string;
+  /** Of the tour, by language. */
+  title: Record<string, string>;
+  /** That the robot spoke. */
+  language: string;
+  /** Unix time, s. */
+  began: number;
+  /** Unix time, s; null: it is under way. */
+  ended: number | null;
+  /** Why it ended, in words; empty: it has not. */
+  outcome: string;
+  /** Whether visitors came along. */
+  agreed: boolean;
+  /** How many were seen when it began. */
+  people_begin: number;
+  /** The most that were seen at once. */
+  people_most: number;
+  /** How many were seen at the farewell. */
+  people_end: number;
+  /** The way that was driven (m). */
+  driven_m: number;
+  /** How often it waited for visitors, or looked back for them. */
+  waits: number;
+  /** How long in all. */
+  waited_s: number;
+  pauses: number;
+  paused_s: number;
+  /** In the order of the way; one that was gone to twice is there twice. */
+  stops: StopReport[];
+  failures: TourFailure[];
+}
+
+/** Reports on runs of tours, the newest first. */
+export interface RunReportList {
+  reports: RunReport[];
+}
+
 /**
  * How salient all directions around the head are at ``stamp``. ``cells`` (rows, columns) uint8: 255 is the saliency
  * ``full``, or more. Rows go from the top down, ``step`` rad each, with level in the middle; columns from azimuth +π to
@@ -1188,6 +1230,26 @@ export interface Stop {
   left_out: boolean;
 }
 
+/** What became of one stop. */
+export interface StopReport {
+  /** Its id. */
+  stop: string;
+  /** When the robot set out for it (Unix time, s). */
+  began: number;
+  /** When it was there (Unix time, s); null: never. */
+  arrived: number | null;
+  /** When it was presented, or left (Unix time, s); null: not yet. */
+  ended: number | null;
+  /** Whether all of it was presented. */
+  presented: boolean;
+  /** Whether people skipped it. */
+  skipped: boolean;
+  /** The most people that were seen there at once. */
+  people: number;
+  /** How often each question was asked, by its id. */
+  questions: Record<string, number>;
+}
+
 /** One event of the timeline; ``data`` is JSON as it is. */
 export interface TimelineEvent {
   /** Grows by one from 1. */
@@ -1364,6 +1426,14 @@ export interface TourReport {
   can_redo: boolean;
   /** The worst first. */
   problems: TourProblemReport[];
+}
+
+/** The tour that is under way. */
+export interface TourRunReport {
+  /** How it goes now. */
+  progress: TourProgress;
+  /** What the run has been so far, or the last one was; null: none. */
+  report: RunReport | null;
 }
 
 /** A tour in the list of all. */
@@ -1572,6 +1642,14 @@ export interface NewRecording {
   utility?: number;
 }
 
+/** How a tour begins. */
+export interface NewTourRun {
+  /** Now, or when visitors or the schedule begin it, as the tour says, again and again. */
+  begin?: "now" | "visitors";
+  /** That the robot speaks; left out: the tour's first. */
+  language?: string | null;
+}
+
 /** Ping; the pong returns ``t`` unchanged. */
 export interface PingMessage {
   type: "ping";
@@ -1677,6 +1755,28 @@ export interface TimedMessage {
   t?: number | null;
   heard?: number | null;
   heard_t?: number | null;
+}
+
+/** One thing that is done with the tour under way. */
+export interface TourPress {
+  /** A button, one of `buttons` now. */
+  button?:
+    | "start"
+    | "agree"
+    | "decline"
+    | "next"
+    | "pause"
+    | "resume"
+    | "retry"
+    | "skip"
+    | "undo_skip"
+    | "repeat"
+    | "end"
+    | null;
+  /** Id of a stop to go to. */
+  stop?: string | null;
+  /** Id of a question that a visitor asks, one of `questions` now. */
+  ask?: string | null;
 }
 
 /** Which pictures the page shows; None: unchanged. */

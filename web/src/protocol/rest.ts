@@ -14,6 +14,7 @@ import type {
   NewDesire,
   NewPlace,
   NewRecording,
+  NewTourRun,
   Place,
   PlaceChange,
   PlaybackChange,
@@ -25,10 +26,14 @@ import type {
   RobotEvent,
   RouteReport,
   RouteRequest,
+  RunReport,
+  RunReportList,
   Saved,
   SaveRequest,
   TourList,
+  TourPress,
   TourReport,
+  TourRunReport,
   Zone,
   ZonesRequest,
 } from "./types";
@@ -244,6 +249,33 @@ export class Rest {
   posters(id: string, paper: Paper, stop?: string): string {
     const one = stop === undefined ? "" : `&stop=${encodeURIComponent(stop)}`;
     return `${ROOT}${tourPath(id)}/posters.pdf?paper=${paper}${one}`;
+  }
+
+  async startTour(id: string, how: NewTourRun): Promise<TourRunReport> {
+    return (await this.ask("POST", `${tourPath(id)}/run`, how)) as TourRunReport;
+  }
+
+  async pressTour(press: TourPress): Promise<TourRunReport> {
+    return (await this.ask("POST", "/tour-run/press", press)) as TourRunReport;
+  }
+
+  /** Waits for visitors no more. */
+  async dismissTour(): Promise<void> {
+    await this.ask("DELETE", "/tour-run");
+  }
+
+  /** The newest first. */
+  async tourReports(): Promise<RunReport[]> {
+    return ((await this.ask("GET", "/tour-reports")) as RunReportList).reports;
+  }
+
+  async deleteTourReport(run: string): Promise<void> {
+    await this.ask("DELETE", `/tour-reports/${encodeURIComponent(run)}`);
+  }
+
+  /** A table of all reports. */
+  tourReportsTable(): string {
+    return `${ROOT}/tour-reports.csv`;
   }
 
   private async askTour(

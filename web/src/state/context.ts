@@ -18,6 +18,7 @@ import type { TourControl } from "../tours/tourControl";
 import type { TourDrive } from "../tours/tourDrive";
 import type { TourMarks } from "../tours/tourMarks";
 import type { TourPointing } from "../tours/tourPointing";
+import type { TourRunControl } from "../tours/tourRunControl";
 import type { TourTrial } from "../tours/tourTrial";
 import type { PictureFeed } from "../view/pictureFeed";
 import type { Session } from "./session";
@@ -46,9 +47,11 @@ export interface App {
   stops: StopMaker;
   tourPointing: TourPointing;
   tourTrial: TourTrial;
+  /** The tour that is led. */
+  tourRun: TourRunControl;
   /** A tour that is configured by driving. */
   tourDrive: TourDrive;
-  /** What of it is drawn on the map; null: nothing. */
+  /** What of the edited one is drawn on the map; null: nothing. */
   tourMarks: ReadonlySignal<TourMarks | null>;
   /** The pictures of map and local costmap. */
   grid: { map: GridFeed; costmap: GridFeed };
