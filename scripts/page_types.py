@@ -17,7 +17,7 @@ from typing import get_args
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from app.console import schema
-from app.console.live.messages import FROM_ROBOT, FaceReport
+from app.console.live.messages import FROM_ROBOT, FaceReport, VisitorLink, VisitorView
 from app.console.live.protocol import FromPage, TimedMessage
 from app.console.records.camera import CameraPoint
 from app.console.records.maps import MapList
@@ -34,11 +34,12 @@ from app.console.rest.recording_models import NewRecording, SaveRequest
 from app.console.rest.route_models import RouteRequest
 from app.console.rest.session import LoginRequest
 from app.console.rest.tour_run_models import NewTourRun, TourPress
+from app.console.rest.visitor_models import VisitorKey, VisitorPress
 from app.tours.model import Tour
 
 ROOT = Path(__file__).resolve().parents[1]
 FILE = ROOT / "web" / "src" / "protocol" / "generated.ts"
-#: Answers of REST, and of the stream of the face, that a page reads and that are no messages of the live stream.
+#: Answers of REST, and of the streams of face and visitors, that a page reads: no messages of the live stream.
 ANSWERS = (
     CameraPoint,
     FaceReport,
@@ -53,6 +54,8 @@ ANSWERS = (
     TourList,
     TourReport,
     TourRunReport,
+    VisitorLink,
+    VisitorView,
 )
 #: Bodies of requests to REST that the page makes.
 REQUESTS = (
@@ -71,6 +74,8 @@ REQUESTS = (
     RouteRequest,
     SaveRequest,
     TourPress,
+    VisitorKey,
+    VisitorPress,
     ZonesRequest,
 )
 WIDTH = 120

@@ -17,7 +17,10 @@ from app.console.description import describe, operation_id
 from app.console.live.endpoint import live
 from app.console.live.face import face
 from app.console.live.hub import Hub
+from app.console.live.messages import VisitorLink
 from app.console.live.protocol import COSTMAP
+from app.console.live.tour_visitors import TourVisitors
+from app.console.live.visitor_link import visitor_link
 from app.console.page import install_page
 from app.console.panels import Panel, panels_router
 from app.console.problems import install_problem_handlers
@@ -38,6 +41,7 @@ from app.console.rest.session import session_router
 from app.console.rest.tour_run import tour_run_router
 from app.console.rest.tours import tours_router
 from app.console.rest.viewers import viewers_router
+from app.console.rest.visitor import visitor_router
 from app.console.view.relay import view_router
 from app.console.view.view import View
 
@@ -73,14 +77,17 @@ def create_app(
     view = View(system, lambda: hub.is_shown(COSTMAP), early=early_view, playback=playback)
     door = Door(token, host_names)
     replays = Replays(host, token, host_names)
+    visitors = TourVisitors(system, door)
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         hub.open()
         view.open()
+        leave = visitors.open()
         try:
             yield
         finally:
+            leave()
             hub.close()
             await asyncio.gather(replays.close(), view.close())
 
@@ -110,6 +117,7 @@ def create_app(
         goal_router(system, hub),
         tours_router(system),
         tour_run_router(system),
+        visitor_router(system, door, visitors, listens=host, names=host_names),
         program_router(system, hub),
         recordings_router(system, replays, None if playback is None else playback.info.path),
         viewers_router(hub, view),
@@ -125,7 +133,14 @@ def create_app(
 
     @api.websocket("/face")
     async def face_stream(websocket: WebSocket) -> None:
-        await face(websocket, system)
+        await face(websocket, system, link)
+
+    @api.websocket("/visitor/live")
+    async def visitor_stream(websocket: WebSocket) -> None:
+        await visitors.serve(websocket)
+
+    def link(base: str) -> VisitorLink:
+        return visitor_link(door.visitors.key, base=base, listens=host, names=host_names, asks=door.asks)
 
     app.include_router(api)
     app.include_router(view_router(view))

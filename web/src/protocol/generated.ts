@@ -1462,6 +1462,61 @@ export interface Velocity {
   lateral_mps: number;
 }
 
+/** The way in for phones of visitors. */
+export interface VisitorLink {
+  /** Of the page for visitors, with the key of this run; empty: there is no way in now. */
+  url: string;
+  /** The same as a QR code: its rows from the top, `1` for each black module. */
+  code: string[];
+  /** Why phones do not get in by it, in words; empty: they do. */
+  problem: string;
+}
+
+/** How the tour goes, for visitors. */
+export interface VisitorView {
+  /** Whether one is led, or waits for visitors. */
+  tour: boolean;
+  /** By language. */
+  title: Record<string, string>;
+  /** That the robot speaks. */
+  language: string;
+  languages: string[];
+  state:
+    | "answering"
+    | "blocked"
+    | "confirming"
+    | "going_home"
+    | "idle"
+    | "inviting"
+    | "leading"
+    | "listening"
+    | "lost"
+    | "parting"
+    | "paused"
+    | "presenting"
+    | "turning"
+    | "waiting";
+  /** By language. */
+  stop_title: Record<string, string>;
+  /** Of the stop, from 1; 0: none. */
+  number: number;
+  stops: number;
+  /** Of the text of this step, by language. */
+  sentences: Record<string, string[]>;
+  /** Which of them is said, in the language that the robot speaks, from 0. */
+  sentence: number;
+  /** What is said beside the text, in the language that the robot speaks; empty: nothing. */
+  said: string;
+  /** A picture or a video: `file` is below `media/`; null: none. */
+  shown: ShownMedia | null;
+  /** What the button `next` is called, by language. */
+  press: Record<string, string>;
+  /** That may be asked now. */
+  questions: TourQuestion[];
+  /** That the tour waits for. */
+  buttons: ("agree" | "decline" | "next" | "start")[];
+}
+
 /** A wait until the first of what it names, or until its time is over. */
 export interface Wait {
   /** Seconds after which the tour goes on in any case. */
@@ -1786,6 +1841,19 @@ export interface ViewMessage {
   panorama?: boolean | null;
   map?: boolean | null;
   costmap?: boolean | null;
+}
+
+/** The key of a link for visitors. */
+export interface VisitorKey {
+  key: string;
+}
+
+/** One thing that a visitor presses. */
+export interface VisitorPress {
+  /** One of `buttons` now. */
+  button?: "start" | "agree" | "decline" | "next" | null;
+  /** Id of a question, one of `questions` now. */
+  ask?: string | null;
 }
 
 /** A part of the map with a rule for driving in it. */

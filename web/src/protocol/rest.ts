@@ -34,6 +34,9 @@ import type {
   TourPress,
   TourReport,
   TourRunReport,
+  VisitorKey,
+  VisitorLink,
+  VisitorPress,
   Zone,
   ZonesRequest,
 } from "./types";
@@ -276,6 +279,29 @@ export class Rest {
   /** A table of all reports. */
   tourReportsTable(): string {
     return `${ROOT}/tour-reports.csv`;
+  }
+
+  /** For operators: how visitors' phones get in. */
+  async visitorLink(): Promise<VisitorLink> {
+    return (await this.ask("GET", "/tour-run/visitors")) as VisitorLink;
+  }
+
+  /** Resolves where this browser may see the tour as a visitor. */
+  async checkVisitor(): Promise<void> {
+    await this.ask("GET", "/visitor/session");
+  }
+
+  async enterAsVisitor(key: string): Promise<void> {
+    await this.ask("POST", "/visitor/session", { key } satisfies VisitorKey);
+  }
+
+  async pressAsVisitor(press: VisitorPress): Promise<void> {
+    await this.ask("POST", "/visitor/press", press);
+  }
+
+  /** What visitors are shown; `file` as the tour names it. */
+  visitorMedia(file: string): string {
+    return `${ROOT}/visitor/media/${file.split("/").map(encodeURIComponent).join("/")}`;
   }
 
   private async askTour(

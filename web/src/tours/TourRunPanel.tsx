@@ -8,6 +8,7 @@ import { subtitleOf } from "../speech/subtitle";
 import { useApp } from "../state/context";
 import { sentence } from "../ui/format";
 import { PauseIcon, PersonIcon, PlayIcon, WarnIcon } from "../ui/icons";
+import { QrPicture } from "../ui/QrPicture";
 import { Choice, languageName } from "./parts";
 import { TourReports } from "./TourReports";
 import { textOf } from "./tourEdits";
@@ -163,6 +164,7 @@ function UnderWay({ progress }: { progress: TourProgress }) {
         <PersonIcon /> {peopleWords(progress)}
       </p>
       <Failures progress={progress} />
+      <ForPhones />
     </>
   );
 }
@@ -365,6 +367,35 @@ function GoToStop({ progress }: { progress: TourProgress }) {
         </option>
       ))}
     </select>
+  );
+}
+
+/** The way in for visitors' phones. */
+function ForPhones() {
+  const { tourRun } = useApp();
+  const link = tourRun.link.value;
+  if (!link || link.url === "") return null;
+  return (
+    <details class="tour-more" data-testid="tour-run-phones">
+      <summary>For visitors' phones</summary>
+      {link.problem ? (
+        <p class="inline-note warn" data-testid="tour-run-phones-problem">
+          <WarnIcon />
+          <span>{link.problem}</span>
+        </p>
+      ) : (
+        <QrPicture code={link.code} label="Code for visitors' phones" />
+      )}
+      <p class="small">
+        <a href={link.url} target="_blank" rel="noreferrer" data-testid="tour-run-link">
+          {link.url}
+        </a>
+      </p>
+      <p class="muted small">
+        It shows text, pictures and questions in their language, and lets them press what the tour waits for. Each run
+        has another link.
+      </p>
+    </details>
   );
 }
 

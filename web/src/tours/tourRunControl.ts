@@ -2,7 +2,7 @@
 
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
 import { inWords, type Rest } from "../protocol/rest";
-import type { NewTourRun, RunReport, Tour, TourPress, TourProgress, TourSummary } from "../protocol/types";
+import type { NewTourRun, RunReport, Tour, TourPress, TourProgress, TourSummary, VisitorLink } from "../protocol/types";
 import type { Store } from "../state/store";
 import type { TourControl } from "./tourControl";
 import { isThere } from "./tourRunText";
@@ -22,6 +22,8 @@ export class TourRunControl {
   /** Of the tour to begin; empty: its first. */
   readonly language = signal("");
   readonly chosen: ReadonlySignal<TourSummary | null>;
+  /** How visitors' phones get in; null: not known. */
+  readonly link = signal<VisitorLink | null>(null);
   /** Stops of the tour under way that are not left out. */
   readonly stops = signal<Tour["stops"]>([]);
 
@@ -54,6 +56,12 @@ export class TourRunControl {
       const id = under.value;
       this.stops.value = [];
       if (id) void this.readStops(id);
+    });
+    // Each run has another key; of a tour that waits, the end of a run makes the next one's.
+    const run = computed(() => (this.progress.value ? `${under.value} ${this.progress.value.state === "idle"}` : ""));
+    effect(() => {
+      this.link.value = null;
+      if (run.value && this.allowed.peek()) void this.readLink();
     });
     // A run that has ended left a report.
     const leads = computed(() => (this.progress.value?.state ?? "idle") !== "idle");
@@ -89,6 +97,14 @@ export class TourRunControl {
       this.reports.value = await this.rest.tourReports();
     } catch (error) {
       this.refusal.value = inWords(error);
+    }
+  }
+
+  private async readLink(): Promise<void> {
+    try {
+      this.link.value = await this.rest.visitorLink();
+    } catch {
+      this.link.value = null; // visitors see it on the robot's face, too
     }
   }
 

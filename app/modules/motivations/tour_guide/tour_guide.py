@@ -164,6 +164,11 @@ class TourGuide(Module):
     # --- the TourRunServer -----------------------------------------------------------------------------------------
 
     @property
+    def tour(self) -> Tour | None:
+        """The tour that is led, as its author made it."""
+        return None if self._run is None else self._run.tour
+
+    @property
     def progress(self) -> TourProgress:
         """How the tour goes."""
         return self._shown
