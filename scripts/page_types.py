@@ -24,13 +24,14 @@ from app.console.records.maps import MapList
 from app.console.records.places import PlaceReport
 from app.console.records.recordings import RecordingList, ReplayReport, Saved
 from app.console.records.route import RouteReport
-from app.console.records.tours import RunReportList, TourList, TourReport, TourRunReport
+from app.console.records.tours import RehearsalReport, RunReportList, TourList, TourReport, TourRunReport
 from app.console.rest.camera import CameraClick
 from app.console.rest.map_models import GoalRequest, LoadRequest, RenameRequest, ZonesRequest
 from app.console.rest.models import DesireChange, NewDesire
 from app.console.rest.place_models import NewPlace, PlaceChange
 from app.console.rest.playback_models import PlaybackChange
 from app.console.rest.recording_models import NewRecording, SaveRequest
+from app.console.rest.rehearsal import NewRehearsal
 from app.console.rest.route_models import RouteRequest
 from app.console.rest.session import LoginRequest
 from app.console.rest.tour_run_models import NewTourRun, TourPress
@@ -47,6 +48,7 @@ ANSWERS = (
     PlaceReport,
     RecordingList,
     ReplayReport,
+    RehearsalReport,
     RouteReport,
     RunReportList,
     Saved,
@@ -67,6 +69,7 @@ REQUESTS = (
     NewDesire,
     NewPlace,
     NewRecording,
+    NewRehearsal,
     NewTourRun,
     PlaceChange,
     PlaybackChange,

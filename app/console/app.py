@@ -24,6 +24,7 @@ from app.console.live.visitor_link import visitor_link
 from app.console.page import install_page
 from app.console.panels import Panel, panels_router
 from app.console.problems import install_problem_handlers
+from app.console.rehearsals import Rehearsals
 from app.console.replays import Replays
 from app.console.rest.attention import attention_router
 from app.console.rest.camera import camera_router
@@ -36,6 +37,7 @@ from app.console.rest.places import places_router
 from app.console.rest.playback import playback_router
 from app.console.rest.program import program_router, robot_router
 from app.console.rest.recordings import recordings_router
+from app.console.rest.rehearsal import rehearsal_router
 from app.console.rest.routing import records
 from app.console.rest.session import session_router
 from app.console.rest.tour_run import tour_run_router
@@ -77,6 +79,7 @@ def create_app(
     view = View(system, lambda: hub.is_shown(COSTMAP), early=early_view, playback=playback)
     door = Door(token, host_names)
     replays = Replays(host, token, host_names)
+    rehearsals = Rehearsals()
     visitors = TourVisitors(system, door)
 
     @asynccontextmanager
@@ -89,7 +92,7 @@ def create_app(
         finally:
             leave()
             hub.close()
-            await asyncio.gather(replays.close(), view.close())
+            await asyncio.gather(replays.close(), rehearsals.close(), view.close())
 
     # FastAPI's own documentation pages load scripts from elsewhere; ours need nothing but this server.
     app = _Console(
@@ -103,6 +106,7 @@ def create_app(
     app.state.hub = hub
     app.state.view = view
     app.state.replays = replays
+    app.state.rehearsals = rehearsals
     install_problem_handlers(app)
     api = APIRouter(prefix=API)
     routers = (
@@ -117,6 +121,7 @@ def create_app(
         goal_router(system, hub),
         tours_router(system),
         tour_run_router(system),
+        rehearsal_router(system, rehearsals),
         visitor_router(system, door, visitors, listens=host, names=host_names),
         program_router(system, hub),
         recordings_router(system, replays, None if playback is None else playback.info.path),

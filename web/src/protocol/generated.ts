@@ -954,6 +954,75 @@ export interface RecordingReport {
   robot: string;
 }
 
+/** A tour as it was rehearsed. */
+export interface Rehearsal {
+  tour: string;
+  language: string;
+  /** Why it ended, in words. */
+  outcome: string;
+  /** Since the rehearsal's begin, s. */
+  duration_s: number;
+  driven_m: number;
+  /** Ids of those that were presented, in order. */
+  stops: string[];
+  states: RehearsedState[];
+  subtitles: Subtitle[];
+  path: RehearsedPose[];
+  problems: RehearsalProblem[];
+}
+
+/** What would go wrong. An ``error`` keeps the tour from being led as it is written; a ``warning`` does not. */
+export interface RehearsalProblem {
+  severity: "error" | "warning";
+  /** Id of the stop; empty: none. */
+  stop: string;
+  /** One sentence. */
+  message: string;
+  at_s: number | null;
+}
+
+/** The rehearsal that is under way, or the last. */
+export interface RehearsalReport {
+  state: "done" | "failed" | "none" | "running";
+  /** Id of the tour; empty: there was none. */
+  tour: string;
+  /** Of the visitors. */
+  language: string;
+  /** Unix time, s. */
+  began: number | null;
+  /** How much of the tour was played (s). */
+  seconds: number;
+  /** Id of the stop that it is at; empty: none. */
+  stop: string;
+  /** Why it failed, in words; empty: it did not. */
+  problem: string;
+  /** Whether nothing keeps the tour from being led; null: not known. */
+  can_be_led: boolean | null;
+  /** What was found; null: nothing yet. */
+  result: Rehearsal | null;
+}
+
+/** Where the robot was, on the map (m, rad), and how far the farthest visitor was from it (m; null: nobody). */
+export interface RehearsedPose {
+  /** Since the rehearsal's begin, s. */
+  at_s: number;
+  x: number;
+  y: number;
+  heading: number;
+  farthest_m: number | null;
+}
+
+/** A state of the guide, as it began. */
+export interface RehearsedState {
+  /** Since the rehearsal's begin, s. */
+  at_s: number;
+  state: string;
+  /** Id of the stop; empty: none. */
+  stop: string;
+  /** In words; may be empty. */
+  reason: string;
+}
+
 /** A replay that runs. */
 export interface ReplayReport {
   /** The recording replayed. */
@@ -1248,6 +1317,16 @@ export interface StopReport {
   people: number;
   /** How often each question was asked, by its id. */
   questions: Record<string, number>;
+}
+
+/** A sentence that was said. */
+export interface Subtitle {
+  /** Since the rehearsal's begin, s. */
+  at_s: number;
+  /** Since the rehearsal's begin, s. */
+  until_s: number;
+  text: string;
+  language: string;
 }
 
 /** One event of the timeline; ``data`` is JSON as it is. */
@@ -1695,6 +1774,16 @@ export interface NewRecording {
   intensity?: number;
   /** Utility desired: how full the recording must be at least. */
   utility?: number;
+}
+
+/** How a tour is rehearsed. */
+export interface NewRehearsal {
+  /** Of the visitors; left out: the tour's first. */
+  language?: string | null;
+  /** How many visitors follow. */
+  people?: number;
+  /** Of how they follow: the same again with the same. */
+  seed?: number;
 }
 
 /** How a tour begins. */
