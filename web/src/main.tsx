@@ -17,6 +17,7 @@ import { AppContext } from "./state/context";
 import { keepHistory } from "./state/history";
 import { Session } from "./state/session";
 import { createStore } from "./state/store";
+import { RehearsalControl } from "./tours/rehearsalControl";
 import { RouteControl } from "./tours/routeControl";
 import { StopMaker } from "./tours/stopMaker";
 import { TourControl } from "./tours/tourControl";
@@ -86,10 +87,17 @@ const tourPointing = new TourPointing(store, session.rest, map, tours);
 const tourRun = new TourRunControl(store, session.rest, tours);
 const tourTrial = new TourTrial(store, session.rest);
 const tourDrive = new TourDrive(store, session.rest, map, maps, places, tours);
+const rehearsal = new RehearsalControl(session.rest, tours);
 const tourMarks = computed(() => {
   const tour = tours.draft.value;
   if (!tour || !toursShown.value || (maps.inUse.value !== null && maps.inUse.value !== tour.map)) return null;
-  return { tour, legs: tourRoute.legs.value, places: places.all.value, open: stops.open.value };
+  return {
+    tour,
+    legs: tourRoute.legs.value,
+    places: places.all.value,
+    open: stops.open.value,
+    rehearsed: rehearsal.mark.value,
+  };
 });
 const grid = {
   map: new GridFeed(session, "map", map.shown),
@@ -122,6 +130,7 @@ render(
       tourPointing,
       tourTrial,
       tourRun,
+      rehearsal,
       tourDrive,
       tourMarks,
       grid,
@@ -147,6 +156,7 @@ tourRoute.start();
 tourPointing.start();
 tourDrive.start();
 tourRun.start();
+rehearsal.start();
 listening.start();
 talking.start();
 void session.start();

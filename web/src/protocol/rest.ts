@@ -14,6 +14,7 @@ import type {
   NewDesire,
   NewPlace,
   NewRecording,
+  NewRehearsal,
   NewTourRun,
   Place,
   PlaceChange,
@@ -21,6 +22,7 @@ import type {
   PlaybackReport,
   PoseRequest,
   RecordingList,
+  RehearsalReport,
   RenameRequest,
   ReplayReport,
   RobotEvent,
@@ -279,6 +281,19 @@ export class Rest {
   /** A table of all reports. */
   tourReportsTable(): string {
     return `${ROOT}/tour-reports.csv`;
+  }
+
+  /** Begins a rehearsal of a tour as it is kept; refused while another runs. */
+  async rehearse(id: string, how: NewRehearsal): Promise<RehearsalReport> {
+    return (await this.ask("POST", `${tourPath(id)}/rehearsal`, how)) as RehearsalReport;
+  }
+
+  async rehearsal(): Promise<RehearsalReport> {
+    return (await this.ask("GET", "/tour-rehearsal")) as RehearsalReport;
+  }
+
+  async cancelRehearsal(): Promise<void> {
+    await this.ask("DELETE", "/tour-rehearsal");
   }
 
   /** For operators: how visitors' phones get in. */

@@ -12,6 +12,7 @@ import type { PlaybackController } from "../playback/playbackController";
 import type { RecordingControl } from "../recordings/recordingControl";
 import type { Listening } from "../sound/listening";
 import type { Talking } from "../sound/talking";
+import type { RehearsalControl } from "../tours/rehearsalControl";
 import type { RouteControl } from "../tours/routeControl";
 import type { StopMaker } from "../tours/stopMaker";
 import type { TourControl } from "../tours/tourControl";
@@ -49,6 +50,8 @@ export interface App {
   tourTrial: TourTrial;
   /** The tour that is led. */
   tourRun: TourRunControl;
+  /** A rehearsal of the edited one. */
+  rehearsal: RehearsalControl;
   /** A tour that is configured by driving. */
   tourDrive: TourDrive;
   /** What of the edited one is drawn on the map; null: nothing. */

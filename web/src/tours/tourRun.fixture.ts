@@ -1,6 +1,6 @@
 /** How a tour goes, for tests. */
 
-import type { RunReport, TourProgress } from "../protocol/types";
+import type { Rehearsal, RehearsalReport, RunReport, TourProgress } from "../protocol/types";
 
 export function aProgress(more: Partial<TourProgress> = {}): TourProgress {
   return {
@@ -56,6 +56,37 @@ export function aReport(more: Partial<RunReport> = {}): RunReport {
     paused_s: 0,
     stops: [],
     failures: [],
+    ...more,
+  };
+}
+
+export function aRehearsal(more: Partial<Rehearsal> = {}): Rehearsal {
+  return {
+    tour: "lab",
+    language: "en",
+    outcome: "the tour is over",
+    duration_s: 104.5,
+    driven_m: 12,
+    stops: ["arm"],
+    states: [],
+    subtitles: [],
+    path: [],
+    problems: [],
+    ...more,
+  };
+}
+
+export function aRehearsalReport(more: Partial<RehearsalReport> = {}): RehearsalReport {
+  return {
+    state: "running",
+    tour: "lab",
+    language: "en",
+    began: 1000,
+    seconds: 0,
+    stop: "",
+    problem: "",
+    can_be_led: null,
+    result: null,
     ...more,
   };
 }

@@ -43,6 +43,11 @@ export function isThere(progress: TourProgress | null): progress is TourProgress
   return progress !== null && progress.tour !== "" && (progress.waits || progress.state !== "idle");
 }
 
+/** Of a rehearsal, which has states as text. */
+export function stateWord(state: string): string {
+  return STATES[state as TourState] ?? state;
+}
+
 export function stateWords({ state, waits }: TourProgress): string {
   return state === "idle" && waits ? "Waits for visitors to begin" : STATES[state];
 }
