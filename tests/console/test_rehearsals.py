@@ -6,6 +6,7 @@ import asyncio
 import math
 import os
 from collections.abc import AsyncIterator
+from dataclasses import replace
 from pathlib import Path
 
 import httpx
@@ -101,8 +102,8 @@ async def test_why_there_is_no_result_is_said(rehearsals: Rehearsals, command: t
 
 def test_a_sentence_that_is_said_at_the_end_ends_with_it() -> None:
     open_ = Subtitle(100.0, math.inf, "Goodbye.", "en")
-    whole = finished(Rehearsal("t", "en", "over", 104.5, 0.0, (), (), (open_,), (), ()))
-    assert whole.subtitles[0].until_s == 104.5
+    whole = finished(replace(FOUND, subtitles=(*FOUND.subtitles, open_)))
+    assert [said.until_s for said in whole.subtitles] == [5.5, FOUND.duration_s]
     assert msgspec.json.decode(msgspec.json.encode(whole), type=Rehearsal) == whole
 
 

@@ -8,7 +8,7 @@ import stat
 import time
 from collections.abc import Sequence
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from fastapi import APIRouter, Path, Request
 from fastapi.responses import FileResponse, Response
@@ -47,7 +47,9 @@ PRESSES_AT_ONCE, PRESSES_PER_S = 5, 0.5
 ALL_PRESSES_AT_ONCE, ALL_PRESSES_PER_S = 20, 4.0
 FILES_AT_ONCE, FILES_PER_S = 60, 5.0
 
-_TOO_OFTEN = {429: {"description": "Too often; `Retry-After` says how many seconds to wait."}}
+_TOO_OFTEN: dict[int | str, dict[str, Any]] = {
+    429: {"description": "Too often; `Retry-After` says how many seconds to wait."}
+}
 _FILE = {"content": {kind: {"schema": BYTES} for kind in sorted(set(TYPES.values()))}, "description": "The file."}
 
 
