@@ -17,27 +17,30 @@ from typing import get_args
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from app.console import schema
-from app.console.live.messages import FROM_ROBOT, FaceReport
+from app.console.live.messages import FROM_ROBOT, FaceReport, VisitorLink, VisitorView
 from app.console.live.protocol import FromPage, TimedMessage
 from app.console.records.camera import CameraPoint
 from app.console.records.maps import MapList
 from app.console.records.places import PlaceReport
 from app.console.records.recordings import RecordingList, ReplayReport, Saved
 from app.console.records.route import RouteReport
-from app.console.records.tours import TourList, TourReport
+from app.console.records.tours import RehearsalReport, RunReportList, TourList, TourReport, TourRunReport
 from app.console.rest.camera import CameraClick
 from app.console.rest.map_models import GoalRequest, LoadRequest, RenameRequest, ZonesRequest
 from app.console.rest.models import DesireChange, NewDesire
 from app.console.rest.place_models import NewPlace, PlaceChange
 from app.console.rest.playback_models import PlaybackChange
 from app.console.rest.recording_models import NewRecording, SaveRequest
+from app.console.rest.rehearsal import NewRehearsal
 from app.console.rest.route_models import RouteRequest
 from app.console.rest.session import LoginRequest
+from app.console.rest.tour_run_models import NewTourRun, TourPress
+from app.console.rest.visitor_models import VisitorKey, VisitorPress
 from app.tours.model import Tour
 
 ROOT = Path(__file__).resolve().parents[1]
 FILE = ROOT / "web" / "src" / "protocol" / "generated.ts"
-#: Answers of REST, and of the stream of the face, that a page reads and that are no messages of the live stream.
+#: Answers of REST, and of the streams of face and visitors, that a page reads: no messages of the live stream.
 ANSWERS = (
     CameraPoint,
     FaceReport,
@@ -45,11 +48,16 @@ ANSWERS = (
     PlaceReport,
     RecordingList,
     ReplayReport,
+    RehearsalReport,
     RouteReport,
+    RunReportList,
     Saved,
     Tour,
     TourList,
     TourReport,
+    TourRunReport,
+    VisitorLink,
+    VisitorView,
 )
 #: Bodies of requests to REST that the page makes.
 REQUESTS = (
@@ -61,11 +69,16 @@ REQUESTS = (
     NewDesire,
     NewPlace,
     NewRecording,
+    NewRehearsal,
+    NewTourRun,
     PlaceChange,
     PlaybackChange,
     RenameRequest,
     RouteRequest,
     SaveRequest,
+    TourPress,
+    VisitorKey,
+    VisitorPress,
     ZonesRequest,
 )
 WIDTH = 120

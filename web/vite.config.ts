@@ -12,7 +12,7 @@ export default defineConfig({
     emptyOutDir: true,
     target: "es2022",
     modulePreload: { polyfill: false },
-    rolldownOptions: { input: ["index.html", "face.html", "rest.html"] },
+    rolldownOptions: { input: ["index.html", "face.html", "visitor.html", "rest.html"] },
     license: { fileName: "licenses.md" },
     chunkSizeWarningLimit: 2000, // Swagger UI, on the page on REST alone
   },

@@ -17,10 +17,14 @@ from app.console.description import describe, operation_id
 from app.console.live.endpoint import live
 from app.console.live.face import face
 from app.console.live.hub import Hub
+from app.console.live.messages import VisitorLink
 from app.console.live.protocol import COSTMAP
+from app.console.live.tour_visitors import TourVisitors
+from app.console.live.visitor_link import visitor_link
 from app.console.page import install_page
 from app.console.panels import Panel, panels_router
 from app.console.problems import install_problem_handlers
+from app.console.rehearsals import Rehearsals
 from app.console.replays import Replays
 from app.console.rest.attention import attention_router
 from app.console.rest.camera import camera_router
@@ -33,11 +37,13 @@ from app.console.rest.places import places_router
 from app.console.rest.playback import playback_router
 from app.console.rest.program import program_router, robot_router
 from app.console.rest.recordings import recordings_router
+from app.console.rest.rehearsal import rehearsal_router
 from app.console.rest.routing import records
 from app.console.rest.session import session_router
 from app.console.rest.tour_run import tour_run_router
 from app.console.rest.tours import tours_router
 from app.console.rest.viewers import viewers_router
+from app.console.rest.visitor import visitor_router
 from app.console.view.relay import view_router
 from app.console.view.view import View
 
@@ -73,16 +79,20 @@ def create_app(
     view = View(system, lambda: hub.is_shown(COSTMAP), early=early_view, playback=playback)
     door = Door(token, host_names)
     replays = Replays(host, token, host_names)
+    rehearsals = Rehearsals()
+    visitors = TourVisitors(system, door)
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         hub.open()
         view.open()
+        leave = visitors.open()
         try:
             yield
         finally:
+            leave()
             hub.close()
-            await asyncio.gather(replays.close(), view.close())
+            await asyncio.gather(replays.close(), rehearsals.close(), view.close())
 
     # FastAPI's own documentation pages load scripts from elsewhere; ours need nothing but this server.
     app = _Console(
@@ -96,6 +106,7 @@ def create_app(
     app.state.hub = hub
     app.state.view = view
     app.state.replays = replays
+    app.state.rehearsals = rehearsals
     install_problem_handlers(app)
     api = APIRouter(prefix=API)
     routers = (
@@ -110,6 +121,8 @@ def create_app(
         goal_router(system, hub),
         tours_router(system),
         tour_run_router(system),
+        rehearsal_router(system, rehearsals),
+        visitor_router(system, door, visitors, listens=host, names=host_names),
         program_router(system, hub),
         recordings_router(system, replays, None if playback is None else playback.info.path),
         viewers_router(hub, view),
@@ -125,7 +138,14 @@ def create_app(
 
     @api.websocket("/face")
     async def face_stream(websocket: WebSocket) -> None:
-        await face(websocket, system)
+        await face(websocket, system, link)
+
+    @api.websocket("/visitor/live")
+    async def visitor_stream(websocket: WebSocket) -> None:
+        await visitors.serve(websocket)
+
+    def link(base: str) -> VisitorLink:
+        return visitor_link(door.visitors.key, base=base, listens=host, names=host_names, asks=door.asks)
 
     app.include_router(api)
     app.include_router(view_router(view))

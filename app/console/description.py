@@ -12,7 +12,7 @@ from fastapi.responses import RedirectResponse, Response
 from fastapi.routing import APIRoute
 
 from app.console import schema
-from app.console.access.auth import COOKIE, OPEN_PATHS, cookie_name
+from app.console.access.auth import COOKIE, OPEN_PATHS, VISITOR_COOKIE, VISITOR_PATHS, cookie_name
 from app.console.problems import ProblemDocument
 from app.console.rest.answers import Json, problem_content
 
@@ -31,6 +31,7 @@ _TAGS = [
     {"name": "robot", "description": "The body: pose, guard, emergency stop."},
     {"name": "maps", "description": "Maps, the robot's place on them, and its goal."},
     {"name": "tours", "description": "Guided tours: edit, check, exchange, print posters, lead, report."},
+    {"name": "visitors", "description": "What phones of a tour's visitors may do, by the key of its run."},
     {"name": "program", "description": "Modules and channels."},
     {"name": "recordings", "description": "Logs of the robot: record, list, download, replay."},
     {"name": "playback", "description": "The transport of a played recording: play, pause, seek, speed."},
@@ -50,6 +51,13 @@ _SCHEMES = {
         "name": COOKIE,
         "description": "What `POST /api/v1/session` gives a browser for the token.",
     },
+}
+#: How a visitor's phone does, in the few operations that are for visitors.
+_VISITOR = {
+    "type": "apiKey",
+    "in": "cookie",
+    "name": VISITOR_COOKIE,
+    "description": "What `POST /api/v1/visitor/session` gives a phone for the key of this run.",
 }
 
 #: Refusals by the authentication or the router, possible before any operation: name, status, when.
@@ -101,7 +109,10 @@ def describe(app: FastAPI, prefix: str, *, answers: Sequence[type[Any]] = (), to
     @app.get(f"{prefix}/openapi.json", include_in_schema=False)
     async def openapi(request: Request) -> Response:
         document = await asyncio.to_thread(request.app.openapi)
-        schemes = _SCHEMES | {"session": _SCHEMES["session"] | {"name": cookie_name(request.scope)}}
+        schemes = _SCHEMES | {
+            "session": _SCHEMES["session"] | {"name": cookie_name(request.scope)},
+            "visitor": _VISITOR | {"name": cookie_name(request.scope, VISITOR_COOKIE)},
+        }
         return Json(document | {"components": document["components"] | {"securitySchemes": schemes}})
 
     @app.get(f"{prefix}/live.json", include_in_schema=False)
@@ -142,11 +153,13 @@ def _document(app: FastAPI, answers: Sequence[type[Any]], token_needed: bool) ->
     for name in ("HTTPValidationError", "ValidationError"):
         models.pop(name, None)
     components["responses"] = {name: {"description": when, "content": problem_content()} for name, _, when in _COMMON}
-    components["securitySchemes"] = _SCHEMES
+    components["securitySchemes"] = _SCHEMES | {"visitor": _VISITOR}
     document["security"] = [{name: []} for name in _SCHEMES] + ([] if token_needed else [{}])
     for path, operations in document["paths"].items():
         for method, operation in operations.items():
             _complete(path, method, operation)
+            if path.startswith(VISITOR_PATHS) and path not in OPEN_PATHS:
+                operation["security"] = [*document["security"], {"visitor": []}]
     schema.with_plain_lists(document)
     return document
 

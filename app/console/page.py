@@ -1,5 +1,5 @@
-"""The pages that Vite built (the operator's, the robot's face, the one on REST), or a plain one that says how to build
-them."""
+"""The pages that Vite built (the operator's, the robot's face, that of a tour's visitors, the one on REST), or a plain
+one that says how to build them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from starlette.types import Receive, Scope, Send
 mimetypes.init()
 
 #: Pages at an address without the file's ending.
-ADDRESSES = {"face": "face.html"}
+ADDRESSES = {"face": "face.html", "visitor": "visitor.html"}
 
 _NOT_BUILT = """<!doctype html>
 <html lang="en"><meta charset="utf-8"><title>HBBA console</title>
@@ -42,7 +42,7 @@ class Page(StaticFiles):
         try:
             return await super().get_response(path, scope)
         except HTTPException as error:
-            if error.status_code == 404 and path in (".", "index.html", "face.html", "rest.html"):
+            if error.status_code == 404 and path in (".", "index.html", "face.html", "visitor.html", "rest.html"):
                 return HTMLResponse(_NOT_BUILT)
             raise
 

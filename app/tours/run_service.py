@@ -18,6 +18,11 @@ class TourRunServer(Protocol):
     """Guides tours; all methods are called on the event loop, and raise TourRefused."""
 
     @property
+    def tour(self) -> Tour | None:
+        """The tour that is led, or waits for visitors; None: there is none."""
+        ...
+
+    @property
     def progress(self) -> TourProgress:
         """How the tour goes."""
         ...

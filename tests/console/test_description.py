@@ -22,15 +22,17 @@ from app.program.system import System
 
 #: What client generators call their functions. A name that is changed here breaks the programs of others.
 NAMES = """\
-begin_map cancel_goal change_desire change_place change_playback change_resource change_tour create_desire
-create_place create_tour delete_map delete_place delete_recording delete_tour delete_tour_report dismiss_tour
-download_recording end_replay export_tour export_tour_reports find_camera_point get_desire get_desire_class get_goal
-get_health get_intention get_map get_map_picture get_module get_percepts get_place get_playback get_robot get_session
-get_timeline get_tour get_tour_posters get_tour_report get_tour_run get_tour_schema get_zones import_tour latch_e_stop
+begin_map cancel_goal cancel_rehearsal change_desire change_place change_playback change_resource change_tour
+check_visitor create_desire create_place create_tour delete_map delete_place delete_recording delete_tour
+delete_tour_report dismiss_tour download_recording end_replay enter_as_visitor export_tour export_tour_reports
+find_camera_point get_desire get_desire_class get_goal get_health get_intention get_map get_map_picture get_module
+get_percepts get_place get_playback get_rehearsal get_robot get_session get_timeline get_tour get_tour_posters
+get_tour_report get_tour_run get_tour_schema get_visitor_link get_visitor_media get_zones import_tour latch_e_stop
 list_channels list_desire_classes list_desires list_maps list_modules list_places list_recordings list_resources
-list_strategies list_tour_reports list_tours list_viewers load_map log_in log_out place_robot plan_route press_tour
-redo_tour release_e_stop remove_desire rename_map replace_place replace_tour replay_recording save_map save_ring
-search_robot set_goal set_zones start_recording start_tour step_playback stop_recording undo_tour validate_tour
+list_strategies list_tour_reports list_tours list_viewers load_map log_in log_out place_robot plan_route
+press_as_visitor press_tour redo_tour release_e_stop remove_desire rename_map replace_place replace_tour
+replay_recording save_map save_ring search_robot set_goal set_zones start_recording start_rehearsal start_tour
+step_playback stop_recording undo_tour validate_tour
 """
 
 
@@ -60,7 +62,8 @@ def test_operations_have_names_that_stay(app: FastAPI) -> None:
 def test_who_may_is_said_of_every_operation(app: FastAPI, system: System, page: Path) -> None:
     open_to_all = {(path, method) for path, method, o in operations(app.openapi()) if o.get("security") == []}
     session = {("/api/v1/session", method) for method in ("get", "post", "delete")}
-    assert open_to_all == {("/api/v1/health", "get"), *session}
+    visitor = {("/api/v1/visitor/session", method) for method in ("get", "post")}
+    assert open_to_all == {("/api/v1/health", "get"), *visitor, *session}
     assert app.openapi()["security"] == [{"token": []}, {"session": []}, {}]
     locked = create_app(system, static_dir=page, early_view=False, token="a long token").openapi()
     assert locked["security"] == [{"token": []}, {"session": []}]

@@ -17,11 +17,13 @@ import { AppContext } from "./state/context";
 import { keepHistory } from "./state/history";
 import { Session } from "./state/session";
 import { createStore } from "./state/store";
+import { RehearsalControl } from "./tours/rehearsalControl";
 import { RouteControl } from "./tours/routeControl";
 import { StopMaker } from "./tours/stopMaker";
 import { TourControl } from "./tours/tourControl";
 import { TourDrive } from "./tours/tourDrive";
 import { TourPointing } from "./tours/tourPointing";
+import { TourRunControl } from "./tours/tourRunControl";
 import { TourTrial } from "./tours/tourTrial";
 import { narrow } from "./ui/media";
 import { PictureFeed } from "./view/pictureFeed";
@@ -82,12 +84,20 @@ const tourRoute = new RouteControl(session.rest, {
 });
 const stops = new StopMaker(store, session.rest, places, tours);
 const tourPointing = new TourPointing(store, session.rest, map, tours);
+const tourRun = new TourRunControl(store, session.rest, tours);
 const tourTrial = new TourTrial(store, session.rest);
 const tourDrive = new TourDrive(store, session.rest, map, maps, places, tours);
+const rehearsal = new RehearsalControl(session.rest, tours);
 const tourMarks = computed(() => {
   const tour = tours.draft.value;
   if (!tour || !toursShown.value || (maps.inUse.value !== null && maps.inUse.value !== tour.map)) return null;
-  return { tour, legs: tourRoute.legs.value, places: places.all.value, open: stops.open.value };
+  return {
+    tour,
+    legs: tourRoute.legs.value,
+    places: places.all.value,
+    open: stops.open.value,
+    rehearsed: rehearsal.mark.value,
+  };
 });
 const grid = {
   map: new GridFeed(session, "map", map.shown),
@@ -119,6 +129,8 @@ render(
       stops,
       tourPointing,
       tourTrial,
+      tourRun,
+      rehearsal,
       tourDrive,
       tourMarks,
       grid,
@@ -143,6 +155,8 @@ tours.start();
 tourRoute.start();
 tourPointing.start();
 tourDrive.start();
+tourRun.start();
+rehearsal.start();
 listening.start();
 talking.start();
 void session.start();

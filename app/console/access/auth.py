@@ -4,6 +4,8 @@ On loopback without a token anyone on this computer may, but a web page elsewher
 of this computer (DNS rebinding), and where a browser states an ``Origin``, it must be ours. Beyond loopback a token is
 needed, as ``Authorization: Bearer`` or, for browsers, as the cookie of a session from ``/api/v1/session``;
 the ``Host`` must then be an address, this computer's name, or one that the console was started for.
+
+Visitors of a tour have neither: the key of its run opens what is below VISITOR_PATHS to them, and nothing else.
 """
 
 from __future__ import annotations
@@ -26,11 +28,15 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from app.console.access.login_attempts import Attempts
 from app.console.access.request_limits import ClientLeft, objection_to_scope, with_body
 from app.console.access.sessions import LoginSession, Sessions
+from app.console.access.visitor_keys import VisitorKeys
 from app.console.problems import MEDIA_TYPE, Problem, problem_body, problem_response
 
 COOKIE = "hbba_session"
-#: Paths that may be reached without a login, besides the page itself: the login and the sign of life.
-OPEN_PATHS = frozenset({"/api/v1/health", "/api/v1/session"})
+VISITOR_COOKIE = "hbba_visitor"
+#: All that a visitor's cookie opens; browsers send it nowhere else.
+VISITOR_PATHS = "/api/v1/visitor/"
+#: Paths that may be reached without a login, besides the pages: both logins and the sign of life.
+OPEN_PATHS = frozenset({"/api/v1/health", "/api/v1/session", f"{VISITOR_PATHS}session"})
 GUARDED = ("/api", "/viser", "/panels")
 
 _PAGE_POLICY = (
@@ -69,6 +75,8 @@ class Door:
         self._names = frozenset(name.lower().rstrip(".") for name in (*names, *own_names()))
         self._sessions = Sessions(now)
         self._attempts = Attempts(now)
+        #: Of the tour that is led.
+        self.visitors = VisitorKeys(now)
 
     @property
     def asks(self) -> bool:
@@ -90,6 +98,12 @@ class Door:
     def session(self, scope: Scope) -> LoginSession | None:
         """The session that a request belongs to; None without one, as where it brings the token itself."""
         return self._sessions.find(_cookie(scope)) if self.asks else None
+
+    def visitor(self, scope: Scope) -> LoginSession | None:
+        """The session of the visitor who makes a request; None for all others, and for all that is not visitors'."""
+        if not scope["path"].startswith(VISITOR_PATHS):
+            return None
+        return self.visitors.find(_cookie(scope, VISITOR_COOKIE))
 
     def refusal(self, scope: Scope) -> Problem | None:
         """Why a request may not enter for what it brings (a session's cookie, or the token), or None."""
@@ -131,7 +145,9 @@ class Door:
         path = scope["path"]
         guarded = any(path == prefix or path.startswith(f"{prefix}/") for prefix in GUARDED)
         # The session's own GET answers 401 by itself, so that a page can ask whether it must log in.
-        return self.refusal(scope) if guarded and path not in OPEN_PATHS else None
+        if not guarded or path in OPEN_PATHS or self.visitor(scope) is not None:
+            return None
+        return self.refusal(scope)
 
     def _objection_to_host(self, host: str) -> Problem | None:
         name = host_name(host)
@@ -192,20 +208,21 @@ def _scheme(scope: Scope) -> str:
     return "https" if scope["scheme"] in ("https", "wss") else "http"
 
 
-def cookie_name(scope: Scope) -> str:
+def cookie_name(scope: Scope, cookie: str = COOKIE) -> str:
     """The name of a session's cookie, one per port: browsers send a cookie to every port of a host, where the consoles
     of replays may be."""
     server = scope.get("server")
-    return f"{COOKIE}_{server[1]}" if server else COOKIE
+    return f"{cookie}_{server[1]}" if server else cookie
 
 
-def cookie_fields(scope: Scope) -> dict[str, Any]:
-    """How a session's cookie is set and deleted: for no script, no other site, and, over TLS, for TLS alone."""
-    return {"httponly": True, "samesite": "strict", "path": "/", "secure": _scheme(scope) == "https"}
+def cookie_fields(scope: Scope, path: str = "/") -> dict[str, Any]:
+    """How a session's cookie for ``path`` is set and deleted: for no script, no other site, and, over TLS, for TLS
+    alone."""
+    return {"httponly": True, "samesite": "strict", "path": path, "secure": _scheme(scope) == "https"}
 
 
-def _cookie(scope: Scope) -> str | None:
-    return HTTPConnection(scope).cookies.get(cookie_name(scope))
+def _cookie(scope: Scope, cookie: str = COOKIE) -> str | None:
+    return HTTPConnection(scope).cookies.get(cookie_name(scope, cookie))
 
 
 class Guarded:
@@ -250,7 +267,7 @@ class Guarded:
         problem = objection_to_scope(scope) or self._door.objection(scope)
         if problem is not None:
             await _refuse_websocket(problem, scope, receive, send)
-        elif (session := self._door.session(scope)) is not None:
+        elif (session := self._door.visitor(scope) or self._door.session(scope)) is not None:
             await _within(session, self._app, scope, receive, send)
         else:
             await self._app(scope, receive, send)

@@ -25,6 +25,11 @@ class LoginSession:
     def held(self) -> bool:
         return bool(self._held)
 
+    @property
+    def connections(self) -> int:
+        """How many are open."""
+        return len(self._held)
+
     def hold(self, end: Callable[[], None]) -> Callable[[], None]:
         """A connection of it opens, which ``end`` closes when the session ends; returns what notes that it closed."""
         key = object()
@@ -79,6 +84,12 @@ class Sessions:
         """End the session of this name, and every connection of it."""
         session = self._sessions.pop(_key(name), None) if name else None
         if session is not None:
+            session.close()
+
+    def end_all(self) -> None:
+        """End all sessions, and every connection of them."""
+        ended, self._sessions = self._sessions, OrderedDict()
+        for session in ended.values():
             session.close()
 
 

@@ -9,7 +9,7 @@ from typing import Any, Literal, get_args
 from app.console import schema
 from app.console.access.auth import COOKIE
 from app.console.live import protocol
-from app.console.live.messages import FROM_ROBOT, TO_FACE
+from app.console.live.messages import FROM_ROBOT, TO_FACE, TO_VISITORS
 
 _ABOUT = """One WebSocket carries everything that changes too fast for polling, and in the other direction the
 operator's drive commands and voice. Text frames are JSON objects, distinguished by their `type`; binary frames are
@@ -26,7 +26,7 @@ _VOICE = "An operator's voice, kind 17: a header of 24 bytes, then `samples` of 
 @functools.cache
 def _channel_and_components() -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
     """Channels, operations and components: the same on every console."""
-    kinds = FROM_ROBOT | TO_FACE
+    kinds = FROM_ROBOT | TO_FACE | TO_VISITORS
     records = schema.sent([message.record for message in kinds.values()])
     texts = {
         kind: _text(message.about, schema.with_type(kind, records[message.record.__name__]))
@@ -68,10 +68,15 @@ def _channel_and_components() -> tuple[dict[str, Any], dict[str, Any], dict[str,
         "send_to_page": _operation("send", "The robot to the page.", from_robot),
         "send_to_robot": _operation("receive", "The page to the robot.", from_page),
         "send_to_face": _operation("send", "The robot to a page that shows its face.", TO_FACE, channel="face"),
+        "send_to_visitor": _operation("send", "The robot to a visitor's phone.", TO_VISITORS, channel="visitor"),
     }
     face = {
         "address": "/api/v1/face",
         "messages": {name: {"$ref": f"#/components/messages/{name}"} for name in TO_FACE},
+    }
+    visitor = {
+        "address": "/api/v1/visitor/live",
+        "messages": {name: {"$ref": f"#/components/messages/{name}"} for name in TO_VISITORS},
     }
     components = {
         "messages": {**texts, **from_robot, **from_page},
@@ -81,7 +86,7 @@ def _channel_and_components() -> tuple[dict[str, Any], dict[str, Any], dict[str,
             "session": {"type": "httpApiKey", "in": "cookie", "name": COOKIE},
         },
     }
-    return {"live": channel, "face": face}, operations, components
+    return {"live": channel, "face": face, "visitor": visitor}, operations, components
 
 
 def description(host: str, *, secure: bool = False, token_needed: bool = False, cookie: str = COOKIE) -> dict[str, Any]:

@@ -16,21 +16,27 @@ from fastapi import WebSocket
 from app.console import reports
 from app.console.live import protocol
 from app.console.live.endpoint import send_from
-from app.console.live.messages import FaceReport, Pong
+from app.console.live.messages import FaceReport, Pong, VisitorLink
 from app.console.live.outbox import Outbox
+from app.console.live.visitor_link import NO_LINK
 from app.console.taps import Tap
 from app.console.wire import frame
-from app.messages import JointState, Speech
+from app.messages import JointState, Speech, TourProgress
 
 if TYPE_CHECKING:
     from app.program.system import System
 
+#: States of a tour in which people stand before the face, and may want to see more on their phones.
+INVITES: Final = frozenset({"idle", "inviting", "confirming", "turning", "presenting", "listening", "answering"})
 #: The actuator group of the face, as the body's file names it.
 GROUP: Final = "face"
 
 
-async def face(websocket: WebSocket, system: System) -> None:
-    """Serve one page until its connection ends, however it ends."""
+async def face(websocket: WebSocket, system: System, link: Callable[[str], VisitorLink]) -> None:
+    """Serve one page until its connection ends, however it ends.
+
+    ``link`` gives the way in for visitors' phones, to a page that reached the console at an address.
+    """
     await websocket.accept()
     outbox = Outbox()
     group = system.link.description.groups.get(GROUP)
@@ -48,6 +54,10 @@ async def face(websocket: WebSocket, system: System) -> None:
     def say(speech: Speech) -> None:
         outbox.put("speech", frame("speech", speech))
 
+    def invite(progress: TourProgress) -> None:
+        shown = link(_base(websocket)) if progress.state in INVITES else NO_LINK
+        outbox.put("visitor_link", frame("visitor_link", shown))
+
     def answer(text: str) -> None:
         try:
             message = protocol.decode(text)
@@ -56,7 +66,7 @@ async def face(websocket: WebSocket, system: System) -> None:
         if isinstance(message, protocol.PingMessage):
             outbox.put("pong", frame("pong", Pong(message.t, system.clock.now())))
 
-    handlers: dict[str, Callable[[Any], None]] = {"joints": show, "speech": say}
+    handlers: dict[str, Callable[[Any], None]] = {"joints": show, "speech": say, "tour_progress": invite}
     sending = asyncio.create_task(send_from(outbox, websocket), name="face")
     with ExitStack() as taps:
         for channel, handler in handlers.items():
@@ -70,3 +80,8 @@ async def face(websocket: WebSocket, system: System) -> None:
         finally:
             sending.cancel()
             await asyncio.wait({sending})
+
+
+def _base(websocket: WebSocket) -> str:
+    """The address by which a page reached the console, without a path."""
+    return f"{'https' if websocket.url.scheme == 'wss' else 'http'}://{websocket.url.netloc}"

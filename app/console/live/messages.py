@@ -33,8 +33,11 @@ from app.messages import (
     SaliencyMap,
     SalientRegions,
     Scale,
+    ShownMedia,
     Speech,
     TourProgress,
+    TourQuestion,
+    TourState,
 )
 from app.messages.base import Stamp, doc
 
@@ -196,6 +199,39 @@ class FaceReport:
 
 
 @dataclass(frozen=True, slots=True)
+class VisitorLink:
+    """The way in for phones of visitors."""
+
+    url: Annotated[str, doc("Of the page for visitors, with the key of this run; empty: there is no way in now.")]
+    code: Annotated[tuple[str, ...], doc("The same as a QR code: its rows from the top, `1` for each black module.")]
+    problem: Annotated[str, doc("Why phones do not get in by it, in words; empty: they do.")]
+
+
+VisitorButton = Literal["start", "agree", "decline", "next"]
+
+
+@dataclass(frozen=True, slots=True)
+class VisitorView:
+    """How the tour goes, for visitors."""
+
+    tour: Annotated[bool, doc("Whether one is led, or waits for visitors.")]
+    title: Annotated[Mapping[str, str], doc("By language.")]
+    language: Annotated[str, doc("That the robot speaks.")]
+    languages: tuple[str, ...]
+    state: TourState
+    stop_title: Annotated[Mapping[str, str], doc("By language.")]
+    number: Annotated[int, doc("Of the stop, from 1; 0: none.")]
+    stops: int
+    sentences: Annotated[Mapping[str, tuple[str, ...]], doc("Of the text of this step, by language.")]
+    sentence: Annotated[int, doc("Which of them is said, in the language that the robot speaks, from 0.")]
+    said: Annotated[str, doc("What is said beside the text, in the language that the robot speaks; empty: nothing.")]
+    shown: Annotated[ShownMedia | None, doc("A picture or a video: `file` is below `media/`; null: none.")]
+    press: Annotated[Mapping[str, str], doc("What the button `next` is called, by language.")]
+    questions: Annotated[tuple[TourQuestion, ...], doc("That may be asked now.")]
+    buttons: Annotated[tuple[VisitorButton, ...], doc("That the tour waits for.")]
+
+
+@dataclass(frozen=True, slots=True)
 class Pong:
     """The answer to `ping`."""
 
@@ -263,5 +299,12 @@ FROM_ROBOT: dict[str, FrameKind] = {
 TO_FACE: dict[str, FrameKind] = {
     "face": FrameKind(FaceReport, "30 times a second: where the joints of the face are."),
     "speech": FROM_ROBOT["speech"],
+    "visitor_link": FrameKind(VisitorLink, "On change: the way in for visitors while a tour would have them."),
+    "pong": FROM_ROBOT["pong"],
+}
+
+#: The same of the stream for visitors of a tour.
+TO_VISITORS: dict[str, FrameKind] = {
+    "visitor": FrameKind(VisitorView, "On change: how the tour goes."),
     "pong": FROM_ROBOT["pong"],
 }

@@ -9,6 +9,7 @@ from msgspec import Meta
 
 from app.messages import TourProgress
 from app.messages.base import doc
+from app.rehearsal.result import Rehearsal
 from app.tours.run_report import RunReport
 
 Severity = Literal["mistake", "error", "warning"]
@@ -81,3 +82,18 @@ class RunReportList:
     """Reports on runs of tours, the newest first."""
 
     reports: tuple[RunReport, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class RehearsalReport:
+    """The rehearsal that is under way, or the last."""
+
+    state: Literal["none", "running", "done", "failed"]
+    tour: Annotated[str, doc("Id of the tour; empty: there was none.")]
+    language: Annotated[str, doc("Of the visitors.")]
+    began: Annotated[float | None, doc("Unix time, s.")]
+    seconds: Annotated[float, doc("How much of the tour was played (s).")]
+    stop: Annotated[str, doc("Id of the stop that it is at; empty: none.")]
+    problem: Annotated[str, doc("Why it failed, in words; empty: it did not.")]
+    can_be_led: Annotated[bool | None, doc("Whether nothing keeps the tour from being led; null: not known.")]
+    result: Annotated[Rehearsal | None, doc("What was found; null: nothing yet.")]

@@ -28,11 +28,12 @@ class Download(FileResponse):
         problem documents.
         """
         if asked is not None:
-            _check_range(asked, status.st_size)
+            check_range(asked, status.st_size)
         return cls(path, filename=path.name, media_type=MCAP, stat_result=status)
 
 
-def _check_range(asked: str, size: int) -> None:
+def check_range(asked: str, size: int) -> None:
+    """Raises Problem unless a file of ``size`` bytes has the part ``asked`` for in the header ``Range``."""
     refusal = Problem(
         416,
         "range-not-satisfiable",

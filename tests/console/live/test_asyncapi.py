@@ -78,6 +78,7 @@ def test_it_has_every_message_that_is_there_in_words() -> None:
     assert messages("send_to_page") == from_robot | {"picture", "sound"}
     assert messages("send_to_robot") == in_words("From the page to the robot") | {"voice"}
     assert messages("send_to_face") == in_words("The face")
+    assert messages("send_to_visitor") == in_words("Visitors")
 
 
 def test_references_lead_somewhere() -> None:

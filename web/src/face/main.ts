@@ -6,6 +6,7 @@ import { tokenIn } from "../protocol/token";
 import type { FromRobot } from "../protocol/types";
 import { subtitleOf } from "../speech/subtitle";
 import type { Message } from "../state/latest";
+import { codePath, QUIET } from "../ui/qrPath";
 import { type Link, linkOf } from "./link";
 import { FacePicture } from "./picture";
 import { blended, CALM, type Pose, poseOf, same } from "./shape";
@@ -20,7 +21,10 @@ const picture = new FacePicture();
 const subtitles = document.createElement("p");
 subtitles.className = "subtitles";
 subtitles.dataset["testid"] = "subtitles";
-document.body.append(picture.svg, subtitles);
+const code = document.createElement("div");
+code.className = "visitor-code";
+code.dataset["testid"] = "visitor-code";
+document.body.append(picture.svg, subtitles, code);
 document.body.insertAdjacentHTML(
   "beforeend",
   `<svg class="mark" viewBox="0 0 24 24" role="img" aria-label="No connection to the robot">
@@ -67,8 +71,21 @@ function receive(message: FromRobot): void {
     target = poseOf(message.joints);
     newest = message.stamp;
   } else if (message.type === "speech") speech = message;
+  else if (message.type === "visitor_link") invite(message);
   else if (message.type === "pong") now = message.stamp;
   watch();
+}
+
+/** The way to the page for visitors, for their phones to read. */
+function invite({ url, code: rows, problem }: Message<"visitor_link">): void {
+  const shown = problem === "" ? url : "";
+  if ((code.dataset["url"] ?? "") === shown) return;
+  code.dataset["url"] = shown;
+  const side = rows.length + 2 * QUIET;
+  code.innerHTML = shown
+    ? `<svg viewBox="0 0 ${side} ${side}" role="img" aria-label="Code for phones of visitors" shape-rendering="crispEdges">
+         <rect width="${side}" height="${side}" fill="#fff" /><path d="${codePath(rows)}" /></svg>`
+    : "";
 }
 
 function watch(): void {

@@ -10,6 +10,7 @@ import { zonesPanel } from "../map/Zones";
 import { recordingsPanel } from "../recordings/Recordings";
 import { wordsPanel } from "../speech/WordsPanel";
 import { tourPanel } from "../tours/TourPanel";
+import { tourReportsPanel, tourRunPanel } from "../tours/TourRunPanel";
 import { eventsPanel } from "./Events";
 import { foundPanel } from "./Found";
 import { intentionPanel } from "./Intention";
@@ -24,7 +25,9 @@ export const PANELS: readonly Panel[] = [
   placesPanel,
   zonesPanel,
   mapsPanel,
+  tourRunPanel,
   tourPanel,
+  tourReportsPanel,
   lanesPanel,
   aroundPanel,
   peoplePanel,

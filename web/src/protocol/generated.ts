@@ -954,6 +954,75 @@ export interface RecordingReport {
   robot: string;
 }
 
+/** A tour as it was rehearsed. */
+export interface Rehearsal {
+  tour: string;
+  language: string;
+  /** Why it ended, in words. */
+  outcome: string;
+  /** Since the rehearsal's begin, s. */
+  duration_s: number;
+  driven_m: number;
+  /** Ids of those that were presented, in order. */
+  stops: string[];
+  states: RehearsedState[];
+  subtitles: Subtitle[];
+  path: RehearsedPose[];
+  problems: RehearsalProblem[];
+}
+
+/** What would go wrong. An ``error`` keeps the tour from being led as it is written; a ``warning`` does not. */
+export interface RehearsalProblem {
+  severity: "error" | "warning";
+  /** Id of the stop; empty: none. */
+  stop: string;
+  /** One sentence. */
+  message: string;
+  at_s: number | null;
+}
+
+/** The rehearsal that is under way, or the last. */
+export interface RehearsalReport {
+  state: "done" | "failed" | "none" | "running";
+  /** Id of the tour; empty: there was none. */
+  tour: string;
+  /** Of the visitors. */
+  language: string;
+  /** Unix time, s. */
+  began: number | null;
+  /** How much of the tour was played (s). */
+  seconds: number;
+  /** Id of the stop that it is at; empty: none. */
+  stop: string;
+  /** Why it failed, in words; empty: it did not. */
+  problem: string;
+  /** Whether nothing keeps the tour from being led; null: not known. */
+  can_be_led: boolean | null;
+  /** What was found; null: nothing yet. */
+  result: Rehearsal | null;
+}
+
+/** Where the robot was, on the map (m, rad), and how far the farthest visitor was from it (m; null: nobody). */
+export interface RehearsedPose {
+  /** Since the rehearsal's begin, s. */
+  at_s: number;
+  x: number;
+  y: number;
+  heading: number;
+  farthest_m: number | null;
+}
+
+/** A state of the guide, as it began. */
+export interface RehearsedState {
+  /** Since the rehearsal's begin, s. */
+  at_s: number;
+  state: string;
+  /** Id of the stop; empty: none. */
+  stop: string;
+  /** In words; may be empty. */
+  reason: string;
+}
+
 /** A replay that runs. */
 export interface ReplayReport {
   /** The recording replayed. */
@@ -1004,6 +1073,48 @@ export interface RouteReport {
   length_m: number;
   /** Of all legs that can be driven. */
   duration_s: number;
+}
+
+/** What a run of a tour was. */
+export interface RunReport {
+  /** Its id. */
+  run: string;
+  /** Id of the tour. */
+  tour: string;
+  /** Of the tour, by language. */
+  title: Record<string, string>;
+  /** That the robot spoke. */
+  language: string;
+  /** Unix time, s. */
+  began: number;
+  /** Unix time, s; null: it is under way. */
+  ended: number | null;
+  /** Why it ended, in words; empty: it has not. */
+  outcome: string;
+  /** Whether visitors came along. */
+  agreed: boolean;
+  /** How many were seen when it began. */
+  people_begin: number;
+  /** The most that were seen at once. */
+  people_most: number;
+  /** How many were seen at the farewell. */
+  people_end: number;
+  /** The way that was driven (m). */
+  driven_m: number;
+  /** How often it waited for visitors, or looked back for them. */
+  waits: number;
+  /** How long in all. */
+  waited_s: number;
+  pauses: number;
+  paused_s: number;
+  /** In the order of the way; one that was gone to twice is there twice. */
+  stops: StopReport[];
+  failures: TourFailure[];
+}
+
+/** Reports on runs of tours, the newest first. */
+export interface RunReportList {
+  reports: RunReport[];
 }
 
 /**
@@ -1188,6 +1299,36 @@ export interface Stop {
   left_out: boolean;
 }
 
+/** What became of one stop. */
+export interface StopReport {
+  /** Its id. */
+  stop: string;
+  /** When the robot set out for it (Unix time, s). */
+  began: number;
+  /** When it was there (Unix time, s); null: never. */
+  arrived: number | null;
+  /** When it was presented, or left (Unix time, s); null: not yet. */
+  ended: number | null;
+  /** Whether all of it was presented. */
+  presented: boolean;
+  /** Whether people skipped it. */
+  skipped: boolean;
+  /** The most people that were seen there at once. */
+  people: number;
+  /** How often each question was asked, by its id. */
+  questions: Record<string, number>;
+}
+
+/** A sentence that was said. */
+export interface Subtitle {
+  /** Since the rehearsal's begin, s. */
+  at_s: number;
+  /** Since the rehearsal's begin, s. */
+  until_s: number;
+  text: string;
+  language: string;
+}
+
 /** One event of the timeline; ``data`` is JSON as it is. */
 export interface TimelineEvent {
   /** Grows by one from 1. */
@@ -1366,6 +1507,14 @@ export interface TourReport {
   problems: TourProblemReport[];
 }
 
+/** The tour that is under way. */
+export interface TourRunReport {
+  /** How it goes now. */
+  progress: TourProgress;
+  /** What the run has been so far, or the last one was; null: none. */
+  report: RunReport | null;
+}
+
 /** A tour in the list of all. */
 export interface TourSummary {
   id: string;
@@ -1390,6 +1539,61 @@ export interface Velocity {
   linear_mps: number;
   angular_radps: number;
   lateral_mps: number;
+}
+
+/** The way in for phones of visitors. */
+export interface VisitorLink {
+  /** Of the page for visitors, with the key of this run; empty: there is no way in now. */
+  url: string;
+  /** The same as a QR code: its rows from the top, `1` for each black module. */
+  code: string[];
+  /** Why phones do not get in by it, in words; empty: they do. */
+  problem: string;
+}
+
+/** How the tour goes, for visitors. */
+export interface VisitorView {
+  /** Whether one is led, or waits for visitors. */
+  tour: boolean;
+  /** By language. */
+  title: Record<string, string>;
+  /** That the robot speaks. */
+  language: string;
+  languages: string[];
+  state:
+    | "answering"
+    | "blocked"
+    | "confirming"
+    | "going_home"
+    | "idle"
+    | "inviting"
+    | "leading"
+    | "listening"
+    | "lost"
+    | "parting"
+    | "paused"
+    | "presenting"
+    | "turning"
+    | "waiting";
+  /** By language. */
+  stop_title: Record<string, string>;
+  /** Of the stop, from 1; 0: none. */
+  number: number;
+  stops: number;
+  /** Of the text of this step, by language. */
+  sentences: Record<string, string[]>;
+  /** Which of them is said, in the language that the robot speaks, from 0. */
+  sentence: number;
+  /** What is said beside the text, in the language that the robot speaks; empty: nothing. */
+  said: string;
+  /** A picture or a video: `file` is below `media/`; null: none. */
+  shown: ShownMedia | null;
+  /** What the button `next` is called, by language. */
+  press: Record<string, string>;
+  /** That may be asked now. */
+  questions: TourQuestion[];
+  /** That the tour waits for. */
+  buttons: ("agree" | "decline" | "next" | "start")[];
 }
 
 /** A wait until the first of what it names, or until its time is over. */
@@ -1572,6 +1776,24 @@ export interface NewRecording {
   utility?: number;
 }
 
+/** How a tour is rehearsed. */
+export interface NewRehearsal {
+  /** Of the visitors; left out: the tour's first. */
+  language?: string | null;
+  /** How many visitors follow. */
+  people?: number;
+  /** Of how they follow: the same again with the same. */
+  seed?: number;
+}
+
+/** How a tour begins. */
+export interface NewTourRun {
+  /** Now, or when visitors or the schedule begin it, as the tour says, again and again. */
+  begin?: "now" | "visitors";
+  /** That the robot speaks; left out: the tour's first. */
+  language?: string | null;
+}
+
 /** Ping; the pong returns ``t`` unchanged. */
 export interface PingMessage {
   type: "ping";
@@ -1679,6 +1901,28 @@ export interface TimedMessage {
   heard_t?: number | null;
 }
 
+/** One thing that is done with the tour under way. */
+export interface TourPress {
+  /** A button, one of `buttons` now. */
+  button?:
+    | "start"
+    | "agree"
+    | "decline"
+    | "next"
+    | "pause"
+    | "resume"
+    | "retry"
+    | "skip"
+    | "undo_skip"
+    | "repeat"
+    | "end"
+    | null;
+  /** Id of a stop to go to. */
+  stop?: string | null;
+  /** Id of a question that a visitor asks, one of `questions` now. */
+  ask?: string | null;
+}
+
 /** Which pictures the page shows; None: unchanged. */
 export interface ViewMessage {
   type: "view";
@@ -1686,6 +1930,19 @@ export interface ViewMessage {
   panorama?: boolean | null;
   map?: boolean | null;
   costmap?: boolean | null;
+}
+
+/** The key of a link for visitors. */
+export interface VisitorKey {
+  key: string;
+}
+
+/** One thing that a visitor presses. */
+export interface VisitorPress {
+  /** One of `buttons` now. */
+  button?: "start" | "agree" | "decline" | "next" | null;
+  /** Id of a question, one of `questions` now. */
+  ask?: string | null;
 }
 
 /** A part of the map with a rule for driving in it. */

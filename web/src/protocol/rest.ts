@@ -14,21 +14,31 @@ import type {
   NewDesire,
   NewPlace,
   NewRecording,
+  NewRehearsal,
+  NewTourRun,
   Place,
   PlaceChange,
   PlaybackChange,
   PlaybackReport,
   PoseRequest,
   RecordingList,
+  RehearsalReport,
   RenameRequest,
   ReplayReport,
   RobotEvent,
   RouteReport,
   RouteRequest,
+  RunReport,
+  RunReportList,
   Saved,
   SaveRequest,
   TourList,
+  TourPress,
   TourReport,
+  TourRunReport,
+  VisitorKey,
+  VisitorLink,
+  VisitorPress,
   Zone,
   ZonesRequest,
 } from "./types";
@@ -244,6 +254,69 @@ export class Rest {
   posters(id: string, paper: Paper, stop?: string): string {
     const one = stop === undefined ? "" : `&stop=${encodeURIComponent(stop)}`;
     return `${ROOT}${tourPath(id)}/posters.pdf?paper=${paper}${one}`;
+  }
+
+  async startTour(id: string, how: NewTourRun): Promise<TourRunReport> {
+    return (await this.ask("POST", `${tourPath(id)}/run`, how)) as TourRunReport;
+  }
+
+  async pressTour(press: TourPress): Promise<TourRunReport> {
+    return (await this.ask("POST", "/tour-run/press", press)) as TourRunReport;
+  }
+
+  /** Waits for visitors no more. */
+  async dismissTour(): Promise<void> {
+    await this.ask("DELETE", "/tour-run");
+  }
+
+  /** The newest first. */
+  async tourReports(): Promise<RunReport[]> {
+    return ((await this.ask("GET", "/tour-reports")) as RunReportList).reports;
+  }
+
+  async deleteTourReport(run: string): Promise<void> {
+    await this.ask("DELETE", `/tour-reports/${encodeURIComponent(run)}`);
+  }
+
+  /** A table of all reports. */
+  tourReportsTable(): string {
+    return `${ROOT}/tour-reports.csv`;
+  }
+
+  /** Begins a rehearsal of a tour as it is kept; refused while another runs. */
+  async rehearse(id: string, how: NewRehearsal): Promise<RehearsalReport> {
+    return (await this.ask("POST", `${tourPath(id)}/rehearsal`, how)) as RehearsalReport;
+  }
+
+  async rehearsal(): Promise<RehearsalReport> {
+    return (await this.ask("GET", "/tour-rehearsal")) as RehearsalReport;
+  }
+
+  async cancelRehearsal(): Promise<void> {
+    await this.ask("DELETE", "/tour-rehearsal");
+  }
+
+  /** For operators: how visitors' phones get in. */
+  async visitorLink(): Promise<VisitorLink> {
+    return (await this.ask("GET", "/tour-run/visitors")) as VisitorLink;
+  }
+
+  /** Resolves where this browser may see the tour as a visitor. */
+  async checkVisitor(): Promise<void> {
+    await this.ask("GET", "/visitor/session");
+  }
+
+  async enterAsVisitor(key: string): Promise<void> {
+    await this.ask("POST", "/visitor/session", { key } satisfies VisitorKey);
+  }
+
+  async pressAsVisitor(press: VisitorPress): Promise<void> {
+    await this.ask("POST", "/visitor/press", press);
+  }
+
+  /** What visitors are shown; `file` as the tour names it. */
+  visitorMedia(file: string): string {
+    return `${ROOT}/visitor/media/${file.split("/").map(encodeURIComponent).join("/")}`;
   }
 
   private async askTour(

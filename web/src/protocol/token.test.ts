@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { tokenIn } from "./token";
+import { keyIn, tokenIn } from "./token";
 
 test.each([
   ["#token=abc-DEF_123", "abc-DEF_123"],
@@ -10,4 +10,10 @@ test.each([
   ["", null],
 ])("%s holds %s", (hash, token) => {
   expect(tokenIn(hash)).toBe(token);
+});
+
+test("a link for visitors holds a key, and no token", () => {
+  expect(keyIn("#key=abc-DEF_123")).toBe("abc-DEF_123");
+  expect(keyIn("#token=abc")).toBeNull();
+  expect(tokenIn("#key=abc")).toBeNull();
 });

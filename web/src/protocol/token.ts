@@ -2,3 +2,8 @@
 export function tokenIn(hash: string): string | null {
   return new URLSearchParams(hash.replace(/^#/, "")).get("token") || null;
 }
+
+/** The key of a link for visitors, or null. */
+export function keyIn(hash: string): string | null {
+  return new URLSearchParams(hash.replace(/^#/, "")).get("key") || null;
+}

@@ -1,6 +1,15 @@
 /** The records of `generated.ts`, some of them under the page's own names, and what follows from them. */
 
-import type { FromRobot as Declared, FaceReport, GridInfo as Grid, LaneRow, Notice, TimedMessage } from "./generated";
+import type {
+  FromRobot as Declared,
+  FaceReport,
+  GridInfo as Grid,
+  LaneRow,
+  Notice,
+  TimedMessage,
+  VisitorLink,
+  VisitorView,
+} from "./generated";
 
 export type {
   DesireClassReport as DesireClass,
@@ -33,7 +42,13 @@ export type ChannelFrame = { type: "channel"; channel: string; message: { stamp:
 /** Where the joints of the face are, on the stream of the face. */
 export type FaceFrame = { type: "face" } & FaceReport;
 
-export type FromRobot = Declared | ChannelFrame | FaceFrame;
+/** The way in for visitors' phones, on the stream of the face. */
+export type VisitorLinkFrame = { type: "visitor_link" } & VisitorLink;
+
+/** How a tour goes for visitors, on their own stream. */
+export type VisitorFrame = { type: "visitor" } & VisitorView;
+
+export type FromRobot = Declared | ChannelFrame | FaceFrame | VisitorLinkFrame | VisitorFrame;
 
 export type LaneState = LaneRow["state"];
 

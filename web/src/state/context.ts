@@ -12,12 +12,14 @@ import type { PlaybackController } from "../playback/playbackController";
 import type { RecordingControl } from "../recordings/recordingControl";
 import type { Listening } from "../sound/listening";
 import type { Talking } from "../sound/talking";
+import type { RehearsalControl } from "../tours/rehearsalControl";
 import type { RouteControl } from "../tours/routeControl";
 import type { StopMaker } from "../tours/stopMaker";
 import type { TourControl } from "../tours/tourControl";
 import type { TourDrive } from "../tours/tourDrive";
 import type { TourMarks } from "../tours/tourMarks";
 import type { TourPointing } from "../tours/tourPointing";
+import type { TourRunControl } from "../tours/tourRunControl";
 import type { TourTrial } from "../tours/tourTrial";
 import type { PictureFeed } from "../view/pictureFeed";
 import type { Session } from "./session";
@@ -46,9 +48,13 @@ export interface App {
   stops: StopMaker;
   tourPointing: TourPointing;
   tourTrial: TourTrial;
+  /** The tour that is led. */
+  tourRun: TourRunControl;
+  /** A rehearsal of the edited one. */
+  rehearsal: RehearsalControl;
   /** A tour that is configured by driving. */
   tourDrive: TourDrive;
-  /** What of it is drawn on the map; null: nothing. */
+  /** What of the edited one is drawn on the map; null: nothing. */
   tourMarks: ReadonlySignal<TourMarks | null>;
   /** The pictures of map and local costmap. */
   grid: { map: GridFeed; costmap: GridFeed };

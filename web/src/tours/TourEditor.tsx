@@ -5,6 +5,7 @@ import { Confirm } from "../map/Confirm";
 import { useApp } from "../state/context";
 import { BackIcon, PlaceIcon, PlusIcon, TrashIcon, UndoIcon, WarnIcon } from "../ui/icons";
 import { Choice, More, NumberField, Problems, TextFields, TypedField, WordFields } from "./parts";
+import { RehearsalCard } from "./RehearsalCard";
 import { StepList } from "./StepList";
 import { StopList } from "./StopList";
 import { stopOf, textOf } from "./tourEdits";
@@ -25,6 +26,7 @@ export function TourEditor() {
       <ConflictNote />
       <Problems problems={problemsOfTour(tours.problems.value)} />
       <Way />
+      <RehearsalCard />
       <StopList />
       <StopAdders />
       <Settings />

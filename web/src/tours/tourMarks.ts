@@ -4,6 +4,7 @@ import { type Context, disc, FONT, outlined, stroke, trace } from "../map/canvas
 import * as colors from "../map/colors";
 import type { Point } from "../map/mapProjection";
 import type { Place, Stop, Tour } from "../protocol/types";
+import type { RehearsedMark } from "./rehearsalPlay";
 import type { Leg } from "./tourRoute";
 
 export interface TourMarks {
@@ -12,10 +13,13 @@ export interface TourMarks {
   places: readonly Place[];
   /** Id of the stop whose form is open. */
   open: string | null;
+  /** Where the robot is in the rehearsal that is shown; null: none is. */
+  rehearsed: RehearsedMark | null;
 }
 
 /** `at`: a place on the map (m) in px. */
-export function drawTour(context: Context, { tour, legs, places, open }: TourMarks, at: (point: Point) => Point): void {
+export function drawTour(context: Context, marks: TourMarks, at: (point: Point) => Point): void {
+  const { tour, legs, places, open, rehearsed } = marks;
   const placed = new Map(places.map((place) => [place.id, place]));
   for (const leg of legs) drawLeg(context, leg, at);
   for (const [from, to] of gaps(tour, legs, placed)) drawGap(context, at(from), at(to));
@@ -26,6 +30,27 @@ export function drawTour(context: Context, { tour, legs, places, open }: TourMar
     const place = placed.get(stop.place);
     if (place) drawNumber(context, at(place), number + 1, stop);
   });
+  if (rehearsed) drawRehearsed(context, rehearsed, at);
+}
+
+/** Unlike the robot itself, which stands somewhere else meanwhile: a ring with a beak, and its way behind it. */
+function drawRehearsed(context: Context, { x, y, theta, trail }: RehearsedMark, at: (point: Point) => Point): void {
+  trace(context, trail.map(at), false);
+  context.lineWidth = 2;
+  context.strokeStyle = "#ffd479";
+  context.stroke();
+  const here = at({ x, y });
+  const ahead = at({ x: x + 0.5 * Math.cos(theta), y: y + 0.5 * Math.sin(theta) });
+  context.lineWidth = 4;
+  context.beginPath();
+  stroke(context, here, ahead);
+  context.stroke();
+  disc(context, here, 8);
+  context.fillStyle = "#ffd479";
+  context.fill();
+  context.lineWidth = 2;
+  context.strokeStyle = "#0b0f15";
+  context.stroke();
 }
 
 /** Ends of the legs that cannot be driven, which have no path. */

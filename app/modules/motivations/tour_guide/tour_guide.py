@@ -156,12 +156,19 @@ class TourGuide(Module):
         self._stack.callback(self._desires.withdraw)
         self._kept = await self.compute_background(self._keeper.read, self.service(TourStore))
         self._stack.callback(self.service(TourRunService).attach(self))
+        # So that all know that this program leads tours.
+        self.output_progress.publish(replace(_NOTHING, stamp=self.clock.now()))
 
     async def stop(self) -> None:
         """Withdraw all desires. The run stays kept."""
         self._stack.close()
 
     # --- the TourRunServer -----------------------------------------------------------------------------------------
+
+    @property
+    def tour(self) -> Tour | None:
+        """The tour that is led, as its author made it."""
+        return None if self._run is None else self._run.tour
 
     @property
     def progress(self) -> TourProgress:

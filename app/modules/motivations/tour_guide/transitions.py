@@ -60,6 +60,9 @@ def advance(progress: Progress, view: View, scene: Scene) -> Progress:
     progress = _interrupted(progress, view, scene)
     for event in view.events:
         progress = _after(progress, event, view, scene)
+    if view.e_stop or view.by_hand:
+        # What is pressed or heard does not move a robot that is held.
+        progress = _interrupted(progress, view, scene)
     progress = _people(progress, view, scene.tour)
     return _timed(progress, view, scene)
 
@@ -74,7 +77,7 @@ def _interrupted(progress: Progress, view: View, scene: Scene) -> Progress:
     if not progress.is_running:
         return progress
     if view.e_stop:
-        return _paused(progress, view, "the emergency stop is latched", to_press=True, excuse="e_stop")
+        return _paused(progress, view, "the emergency stop was pressed", to_press=True, excuse="e_stop")
     if view.by_hand:
         return _paused(progress, view, "it is driven by hand", to_press=False)
     if progress.state in ("paused", "parting", "going_home"):

@@ -437,6 +437,14 @@ def test_it_charges_at_home_until_it_is_moved() -> None:
     assert again.see(by_hand=True).see(by_hand=False).wishes() == ()
 
 
+@pytest.mark.parametrize("button", ["end", "resume"])
+def test_a_press_does_not_move_a_robot_that_is_driven_by_hand(button: Button) -> None:
+    run = Run().started().until("leading").see(by_hand=True, towards=0.5)
+    assert run.see(Pressed(button)).progress.state == "paused"
+    assert run.moves() == ()
+    assert run.see(by_hand=False).see(after_s=2.0).progress.state == ("parting" if button == "end" else "leading")
+
+
 buttons: st.SearchStrategy[Button] = st.sampled_from(
     ["start", "agree", "decline", "next", "pause", "resume", "retry", "skip", "undo_skip", "repeat", "end"]
 )

@@ -1,0 +1,414 @@
+/** Leads tours: begins one, shows how it goes and why, and steers it. */
+
+import { useSignal } from "@preact/signals";
+import { Confirm } from "../map/Confirm";
+import { panel } from "../panels/panel";
+import type { TourProgress } from "../protocol/types";
+import { subtitleOf } from "../speech/subtitle";
+import { useApp } from "../state/context";
+import { sentence } from "../ui/format";
+import { PauseIcon, PersonIcon, PlayIcon, WarnIcon } from "../ui/icons";
+import { QrPicture } from "../ui/QrPicture";
+import { Choice, languageName } from "./parts";
+import { TourReports } from "./TourReports";
+import { textOf } from "./tourEdits";
+import {
+  badgeOf,
+  buttonWords,
+  type Control,
+  controlsOf,
+  defaultWords,
+  isUrgent,
+  pauseWords,
+  peopleWords,
+  stateWords,
+  stopWords,
+  visitorControls,
+} from "./tourRunText";
+
+export const tourRunPanel = panel({
+  type: "tour",
+  tab: "Tour",
+  Card: TourRun,
+  offered: ({ store }) => store.body.value.maps && store.of("tour").value !== null,
+  badge: badgeOf,
+  alarm: isUrgent,
+});
+
+export const tourReportsPanel = panel({
+  type: "tour",
+  tab: "Tour",
+  Card: () => <TourReports />,
+  offered: ({ store, tours }) => store.of("tour").value !== null && !store.replay.value && tours.draft.value === null,
+});
+
+function TourRun() {
+  const { tourRun } = useApp();
+  const progress = tourRun.progress.value;
+  return (
+    <section
+      class={`card tour-run ${progress?.state ?? "none"}`}
+      aria-label="Leading a tour"
+      data-testid="tour-run"
+      data-state={progress?.state ?? "none"}
+      data-stop={progress?.stop ?? ""}
+    >
+      {progress ? <UnderWay progress={progress} /> : <Begin />}
+      {tourRun.refusal.value && (
+        <p class="inline-note error" role="alert" data-testid="tour-run-problem">
+          <WarnIcon />
+          <span>{tourRun.refusal.value}</span>
+        </p>
+      )}
+    </section>
+  );
+}
+
+/** Which tour, in which language, and whether now or when visitors come. */
+function Begin() {
+  const { store, tourRun, tours } = useApp();
+  const chosen = tourRun.chosen.value;
+  const list = tours.list.value?.tours ?? [];
+  if (store.replay.value) return <h2>No tour is under way</h2>;
+  if (!chosen) return <h2>{list.length === 0 ? "No tour to lead yet" : "No tour can be read"}</h2>;
+  const ready = tourRun.allowed.value && chosen.errors === 0;
+  const { languages } = chosen;
+  const language = languages.includes(tourRun.language.value) ? tourRun.language.value : (languages[0] ?? "");
+  return (
+    <>
+      <h2>Lead a tour</h2>
+      <div class="tour-run-choice">
+        <Choice
+          label="Tour"
+          value={chosen.id}
+          testid="tour-run-tour"
+          options={list
+            .filter(({ problem }) => problem === null)
+            .map(({ id, title, languages }) => [id, textOf(title, languages) || id] as const)}
+          onChange={(id) => (tourRun.wanted.value = id)}
+        />
+        <Choice
+          label="It speaks"
+          value={language}
+          testid="tour-run-language"
+          options={languages.map((tag) => [tag, languageName(tag)] as const)}
+          onChange={(tag) => (tourRun.language.value = tag)}
+        />
+      </div>
+      {chosen.errors > 0 && (
+        <p class="tour-lack small">
+          {chosen.errors === 1 ? "1 thing is missing" : `${chosen.errors} things are missing`}: open the tour to see
+          what.
+        </p>
+      )}
+      <div class="tour-run-buttons">
+        <button
+          type="button"
+          class="button accent"
+          data-testid="tour-run-start"
+          disabled={!ready}
+          onClick={() => void tourRun.begin("now")}
+        >
+          <PlayIcon /> Begin now
+        </button>
+        <button
+          type="button"
+          class="button"
+          data-testid="tour-run-wait"
+          title="It begins when visitors or the schedule begin it, again and again"
+          disabled={!ready}
+          onClick={() => void tourRun.begin("visitors")}
+        >
+          <PersonIcon /> Wait for visitors
+        </button>
+      </div>
+    </>
+  );
+}
+
+function UnderWay({ progress }: { progress: TourProgress }) {
+  const { store } = useApp();
+  const stopped = store.stopped.value;
+  const pause = pauseWords(progress, stopped);
+  return (
+    <>
+      <h2 class="card-head">
+        <span class="tour-name">{textOf(progress.title, progress.languages)}</span>
+        <span class="muted small">{languageName(progress.language)}</span>
+      </h2>
+      <div role="status" class="tour-run-state">
+        <b data-testid="tour-run-state">{stateWords(progress)}</b>
+        {progress.reason && (
+          <span class="muted" data-testid="tour-run-reason">
+            {sentence(progress.reason)}
+          </span>
+        )}
+        {progress.stop && <span data-testid="tour-run-stop">{stopWords(progress)}</span>}
+      </div>
+      <Dots progress={progress} />
+      <Said progress={progress} />
+      {pause && (
+        <p class="inline-note warn" role="alert" data-testid="tour-run-held">
+          <WarnIcon />
+          <span>
+            {pause}
+            {progress.question && (
+              <span data-testid="tour-run-default"> {defaultWords(progress.question, store.seconds.value)}</span>
+            )}
+          </span>
+        </p>
+      )}
+      <Question progress={progress} />
+      {!store.replay.value && <Steering progress={progress} />}
+      <p class="tour-run-people muted small" data-testid="tour-run-people">
+        <PersonIcon /> {peopleWords(progress)}
+      </p>
+      <Failures progress={progress} />
+      <ForPhones />
+    </>
+  );
+}
+
+/** The stops as a row of marks: done, skipped, here, to come. */
+function Dots({ progress }: { progress: TourProgress }) {
+  const { tourRun } = useApp();
+  const stops = tourRun.stops.value;
+  if (stops.length === 0) return null;
+  return (
+    <ol class="tour-run-dots" aria-label="Stops">
+      {stops.map(({ id, title }) => {
+        const state =
+          id === progress.stop
+            ? "here"
+            : progress.presented.includes(id)
+              ? "done"
+              : progress.skipped.includes(id)
+                ? "skipped"
+                : "ahead";
+        const name = textOf(title, progress.languages) || id;
+        return (
+          <li key={id} class={state} title={`${name}: ${state}`}>
+            <span class="visually-hidden">{`${name}: ${state}`}</span>
+          </li>
+        );
+      })}
+    </ol>
+  );
+}
+
+/** The sentence that is said; while nothing is, the text that the step has. */
+function Said({ progress }: { progress: TourProgress }) {
+  const { store } = useApp();
+  const subtitle = subtitleOf(store.of("speech").value, store.now.value);
+  if (subtitle)
+    return (
+      <p class="tour-run-said" data-testid="tour-run-said" lang={progress.language}>
+        {subtitle.before}
+        {subtitle.word && <mark>{subtitle.word}</mark>}
+        {subtitle.after}
+      </p>
+    );
+  const text = textOf(progress.text, [progress.language, ...progress.languages]);
+  if (!text) return null;
+  return (
+    <p class="tour-run-said muted" data-testid="tour-run-said" lang={progress.language}>
+      {text}
+    </p>
+  );
+}
+
+/** What the robot asks its operator; of a pause, Resume and the end are asked for below in any case. */
+function Question({ progress }: { progress: TourProgress }) {
+  const { store, tourRun } = useApp();
+  const question = progress.question;
+  if (!question || progress.state === "paused") return null;
+  return (
+    <div class="tour-run-question" role="alert" data-testid="tour-run-question">
+      <b>{question.text}</b>
+      <span class="small" data-testid="tour-run-default">
+        {defaultWords(question, store.seconds.value)}
+      </span>
+      {!store.replay.value && (
+        <span class="form-actions">
+          {question.answers.map((answer) => (
+            <button
+              key={answer}
+              type="button"
+              class={`button small ${answer === question.answers[0] ? "accent" : ""}`}
+              data-testid={`tour-answer-${answer}`}
+              disabled={!tourRun.allowed.value || !progress.buttons.includes(answer)}
+              onClick={() => void tourRun.press({ button: answer })}
+            >
+              {buttonWords(answer, progress)}
+            </button>
+          ))}
+        </span>
+      )}
+    </div>
+  );
+}
+
+function Steering({ progress }: { progress: TourProgress }) {
+  const { store, tourRun } = useApp();
+  const ending = useSignal(false);
+  const asks = visitorControls(progress);
+  const controls = controlsOf(progress, store.stopped.value);
+  const [main, others] = [controls.filter(isMain), controls.filter((control) => !isMain(control))];
+  const press = ({ button }: Control) => {
+    if (button === "end") ending.value = true;
+    else void tourRun.press({ button });
+  };
+  return (
+    <>
+      {main.length > 0 && (
+        <div class="tour-run-buttons">
+          {main.map((control) => (
+            <RunButton key={control.button} control={control} onPress={press} />
+          ))}
+        </div>
+      )}
+      {asks.length + progress.questions.length > 0 && (
+        <div class="tour-run-buttons for-visitors" role="group" aria-label="For visitors">
+          {asks.map((control) => (
+            <RunButton key={control.button} control={control} onPress={press} />
+          ))}
+          {progress.questions.map(({ id, question }) => (
+            <button
+              key={id}
+              type="button"
+              class="button quiet"
+              data-testid="tour-run-ask"
+              data-question={id}
+              disabled={!tourRun.allowed.value}
+              onClick={() => void tourRun.press({ ask: id })}
+            >
+              {textOf(question, progress.languages)}
+            </button>
+          ))}
+        </div>
+      )}
+      <div class="tour-run-buttons" role="group" aria-label="Steer the tour">
+        {others.map((control) => (
+          <RunButton key={control.button} control={control} onPress={press} />
+        ))}
+        {progress.waits && progress.state === "idle" && (
+          <button
+            type="button"
+            class="button"
+            data-testid="tour-run-dismiss"
+            disabled={!tourRun.allowed.value}
+            onClick={() => void tourRun.dismiss()}
+          >
+            Wait no more
+          </button>
+        )}
+      </div>
+      {ending.value && progress.state !== "idle" && (
+        <Confirm
+          words="The robot says goodbye and goes home."
+          yes="End the tour"
+          onYes={() => {
+            ending.value = false;
+            void tourRun.press({ button: "end" });
+          }}
+          onNo={() => (ending.value = false)}
+        />
+      )}
+      <GoToStop progress={progress} />
+    </>
+  );
+}
+
+/** What holds the robot, or has it go on: large, and always first. */
+function isMain({ button }: Control): boolean {
+  return button === "resume" || button === "pause" || button === "start";
+}
+
+function RunButton({ control, onPress }: { control: Control; onPress: (control: Control) => void }) {
+  const { tourRun } = useApp();
+  const { button, words, works } = control;
+  const main = isMain(control);
+  return (
+    <button
+      type="button"
+      class={`button ${main ? "main" : ""} ${button === "resume" || button === "start" ? "accent" : ""}`}
+      data-testid={`tour-press-${button}`}
+      disabled={!works || !tourRun.allowed.value}
+      onClick={() => onPress(control)}
+    >
+      {button === "pause" && <PauseIcon />}
+      {(button === "resume" || button === "start") && <PlayIcon />}
+      {words}
+    </button>
+  );
+}
+
+function GoToStop({ progress }: { progress: TourProgress }) {
+  const { tourRun } = useApp();
+  const stops = tourRun.stops.value;
+  if (!progress.buttons.includes("skip") || stops.length < 2) return null;
+  return (
+    <select
+      class="tour-run-go"
+      aria-label="Go to a stop"
+      data-testid="tour-run-go"
+      value=""
+      disabled={!tourRun.allowed.value}
+      onChange={(event) => {
+        const stop = event.currentTarget.value;
+        event.currentTarget.value = "";
+        if (stop) void tourRun.press({ stop });
+      }}
+    >
+      <option value="">Go to a stop…</option>
+      {stops.map(({ id, title }, index) => (
+        <option key={id} value={id}>
+          {`${index + 1}  ${textOf(title, progress.languages) || id}`}
+        </option>
+      ))}
+    </select>
+  );
+}
+
+/** The way in for visitors' phones. */
+function ForPhones() {
+  const { tourRun } = useApp();
+  const link = tourRun.link.value;
+  if (!link || link.url === "") return null;
+  return (
+    <details class="tour-more" data-testid="tour-run-phones">
+      <summary>For visitors' phones</summary>
+      {link.problem ? (
+        <p class="inline-note warn" data-testid="tour-run-phones-problem">
+          <WarnIcon />
+          <span>{link.problem}</span>
+        </p>
+      ) : (
+        <QrPicture code={link.code} label="Code for visitors' phones" />
+      )}
+      <p class="small">
+        <a href={link.url} target="_blank" rel="noreferrer" data-testid="tour-run-link">
+          {link.url}
+        </a>
+      </p>
+      <p class="muted small">
+        It shows text, pictures and questions in their language, and lets them press what the tour waits for. Each run
+        has another link.
+      </p>
+    </details>
+  );
+}
+
+function Failures({ progress }: { progress: TourProgress }) {
+  if (progress.failures.length === 0) return null;
+  return (
+    <ul class="tour-problems" aria-label="What failed">
+      {progress.failures.map(({ stop, what }, index) => (
+        <li key={`${index} ${stop}`} data-testid="tour-run-failure" data-stop={stop}>
+          <WarnIcon />
+          <span>{sentence(stop ? `${stop}: ${what}` : what)}</span>
+        </li>
+      ))}
+    </ul>
+  );
+}

@@ -1,0 +1,142 @@
+/** The tour under way in words, and what can be pressed; pure. */
+
+import type { RunReport, TourProgress } from "../protocol/types";
+import { clockSpan, number, sentence } from "../ui/format";
+import { textOf } from "./tourEdits";
+
+export type TourState = TourProgress["state"];
+export type Button = TourProgress["buttons"][number];
+
+const STATES: Record<TourState, string> = {
+  idle: "Nobody is led",
+  inviting: "Invites visitors",
+  confirming: "Asks whether to begin",
+  leading: "On its way",
+  waiting: "Waits for visitors to catch up",
+  turning: "Turns to the visitors",
+  presenting: "Presents",
+  listening: "Waits for visitors",
+  answering: "Answers a question",
+  blocked: "Cannot get through",
+  lost: "Does not know where it is",
+  paused: "Paused",
+  parting: "Says goodbye",
+  going_home: "On its way home",
+};
+
+const WORDS: Record<Button, string> = {
+  start: "Begin now",
+  agree: "Visitors say yes",
+  decline: "Visitors say no",
+  next: "Go on",
+  pause: "Pause",
+  resume: "Resume",
+  retry: "Try again",
+  skip: "Skip this stop",
+  undo_skip: "Undo skip",
+  repeat: "Repeat this stop",
+  end: "End the tour",
+};
+
+/** Whether a tour is led, or waits for visitors. */
+export function isThere(progress: TourProgress | null): progress is TourProgress {
+  return progress !== null && progress.tour !== "" && (progress.waits || progress.state !== "idle");
+}
+
+/** Of a rehearsal, which has states as text. */
+export function stateWord(state: string): string {
+  return STATES[state as TourState] ?? state;
+}
+
+export function stateWords({ state, waits }: TourProgress): string {
+  return state === "idle" && waits ? "Waits for visitors to begin" : STATES[state];
+}
+
+/** How the tab says that a tour is under way; empty: none is. */
+export function badgeOf(progress: TourProgress | null): string {
+  if (!isThere(progress) || progress.state === "idle") return "";
+  return progress.number > 0 ? `${progress.number}/${progress.stops}` : "on";
+}
+
+/** Whether somebody has to look: a question waits, or the robot stands for want of a press. */
+export function isUrgent(progress: TourProgress | null): boolean {
+  return isThere(progress) && (progress.question !== null || progress.state === "lost");
+}
+
+/** "Stop 2 of 3: The arm"; empty where it is at none. */
+export function stopWords({ number: at, stops, stop, stop_title, languages }: TourProgress): string {
+  if (stop === "") return "";
+  const title = textOf(stop_title, languages) || stop;
+  return at > 0 ? `Stop ${at} of ${stops}: ${title}` : title;
+}
+
+export function peopleWords({ people, farthest_m }: TourProgress): string {
+  if (people === 0) return "No visitors are seen";
+  const count = people === 1 ? "1 visitor is seen" : `${people} visitors are seen`;
+  if (farthest_m === null) return count;
+  return `${count}, ${people === 1 ? "" : "the farthest "}${number(farthest_m)} m away`;
+}
+
+/** What keeps a paused tour from going on; empty: it is not paused. `stopped`: the emergency stop is latched now. */
+export function pauseWords({ state, question }: TourProgress, stopped: boolean): string {
+  if (state !== "paused") return "";
+  if (stopped) return "Release the emergency stop first. Even then nothing moves until you press Resume.";
+  // Who waits for a press asks for it; a pause by hands ends with them.
+  return question === null
+    ? "It goes on by itself once nobody drives the robot by hand."
+    : "Nothing moves until you press Resume.";
+}
+
+/** What the robot does without an answer, and when. */
+export function defaultWords(question: NonNullable<TourProgress["question"]>, now: number | null): string {
+  if (now === null) return `Without an answer ${question.default}.`;
+  return `Without an answer ${question.default} in ${clockSpan(Math.max(0, Math.ceil(question.until - now)))} min.`;
+}
+
+export function buttonWords(button: Button, { press, languages, state, stop }: TourProgress): string {
+  if (button === "next") return textOf(press, languages) || WORDS.next;
+  if (button === "skip" && stop !== "" && state === "blocked") return "Skip it";
+  return WORDS[button];
+}
+
+/** What people press to steer, in an order that stays: what goes on or holds, the way, the end. */
+const STEERING: readonly Button[] = ["start", "resume", "pause", "skip", "undo_skip", "repeat", "end"];
+/** What people press for visitors who say it aloud. */
+const FOR_VISITORS: readonly Button[] = ["agree", "decline", "next"];
+
+export interface Control {
+  button: Button;
+  words: string;
+  /** It stays in its place while it does nothing, so that no thumb meets another. */
+  works: boolean;
+}
+
+/** Pause and Resume share a place; others keep theirs while a tour is under way. `stopped`: the emergency stop is latched. */
+export function controlsOf(progress: TourProgress, stopped: boolean): Control[] {
+  const can = (button: Button) => progress.buttons.includes(button) && !(stopped && button === "resume");
+  const shown = STEERING.filter((button) => {
+    if (button === "start" || button === "pause") return can(button);
+    // A paused tour has Resume in any case, if only to see that the emergency stop keeps it from going on.
+    if (button === "resume") return progress.state === "paused";
+    return progress.state !== "idle";
+  });
+  return shown.map((button) => ({ button, words: buttonWords(button, progress), works: can(button) }));
+}
+
+/** Only what does something now. */
+export function visitorControls(progress: TourProgress): Control[] {
+  return FOR_VISITORS.filter((button) => progress.buttons.includes(button)).map((button) => ({
+    button,
+    words: buttonWords(button, progress),
+    works: true,
+  }));
+}
+
+/** A run that is over, in a line: how it ended, and for how long and how many it was. */
+export function reportWords(report: RunReport): string {
+  const presented = report.stops.filter((stop) => stop.presented).length;
+  const people = report.people_most === 1 ? "1 visitor" : `${report.people_most} visitors`;
+  const stops = presented === 1 ? "1 stop presented" : `${presented} stops presented`;
+  const time = report.ended === null ? "" : `${clockSpan(report.ended - report.began)} min, `;
+  return `${time}${people}, ${stops}. ${sentence(report.outcome)}`.trim();
+}
