@@ -636,7 +636,7 @@ export interface OdometryReport {
   lateral_mps: number;
 }
 
-/** What the robot asks whoever operates it; without an answer it does what it says. */
+/** What the robot asks its operator; without an answer it does what it says. */
 export interface OperatorQuestion {
   /** The question. */
   text: string;
