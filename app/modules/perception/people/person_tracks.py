@@ -29,7 +29,7 @@ from app.modules.perception.people.identities import (
 from app.modules.perception.people.motion import Motion, assigned, costs
 from app.modules.perception.people.track import AGREED_S, Track, perceived_apart, seen_in_images
 from app.modules.perception.people.values import FaceSeen, LegsSeen, PersonRules
-from app.modules.perception.people.voices import VoiceHeard, bound
+from app.modules.perception.people.voices import Candidate, VoiceHeard, Voices
 
 Vector = NDArray[np.float64]
 
@@ -58,7 +58,7 @@ class PersonTracks:
         #: Colours by face track, and when they came.
         self._torsos: dict[int, tuple[float, Colors]] = {}
         self._torso = -math.inf
-        self._voices: dict[int, tuple[float, int]] = {}
+        self._voices = Voices()
         self._furniture = Furniture(self.rules.most)
 
     # --- observations ------------------------------------------------------------------------------------------------
@@ -132,13 +132,25 @@ class PersonTracks:
     def hear(self, stamp: float, p_OA: Vector, voices: Sequence[VoiceHeard]) -> None:
         """Take the voices heard now at ``p_OA`` (2,) m in ``odom``."""
         self._advance(stamp)
-        people = {t.number: t.motion.at for t in (*self._tracks, *self._lost) if t.believed is not None}
-        before = {voice: number for voice, (_, number) in self._voices.items()}
-        for voice, number in bound(voices, p_OA, people, before).items():
-            self._voices[voice] = stamp, number
-            track = next(t for t in (*self._tracks, *self._lost) if t.number == number)
+        everybody = {t.number: t for t in (*self._tracks, *self._lost)}
+        candidates = [
+            Candidate(
+                t.number,
+                t.motion.at,
+                t.motion.P[:2, :2],
+                believed=t.believed is not None,
+                faces=seen_in_images(t, stamp),
+            )
+            for t in everybody.values()
+        ]
+        for voice, number in self._voices.hear(stamp, p_OA, voices, candidates).items():
+            track = everybody[number]
             track.voice, track.spoke = voice, stamp
-        self._voices = {voice: held for voice, held in self._voices.items() if stamp - held[0] < 5.0}
+            if track.believed is None and self._voices.heard_s(voice) >= self.rules.voice_s:
+                # What has legs and speaks is no chair.
+                track.believed = stamp
+                self._furniture.forget(track.origin)
+        self._settle(stamp)
 
     def persons(self, stamp: float) -> tuple[Person, ...]:
         """Everybody at ``stamp``, in the order of tracks."""

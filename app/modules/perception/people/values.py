@@ -44,6 +44,8 @@ class PersonRules:
     #: Faces, or the way walked, after which a person is believed.
     faces: int = 2
     walked_m: float = 0.5
+    #: Legs whose direction a voice has for so long are a person's.
+    voice_s: float = 0.8
     #: Time for colours to come before a person without any is identified, and for others to be found out after a
     #: mistake was.
     colors_s: float = 0.8
