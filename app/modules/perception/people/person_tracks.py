@@ -27,6 +27,7 @@ from app.modules.perception.people.identities import (
     pruned,
 )
 from app.modules.perception.people.motion import Motion, assigned, costs
+from app.modules.perception.people.torso_color import distance
 from app.modules.perception.people.track import AGREED_S, Track, perceived_apart, seen_in_images
 from app.modules.perception.people.values import FaceSeen, LegsSeen, PersonRules
 from app.modules.perception.people.voices import Candidate, VoiceHeard, Voices
@@ -92,18 +93,32 @@ class PersonTracks:
             self._torso = stamp
             track = next((t for t in self._tracks if t.face_track == face and stamp - t.face < 0.3), None)
             if track is not None:
-                track.recent.add(histogram)
-                track.torso = stamp
-                # Who passes before a person does not change what the person wears.
-                worn = track.colors if track.identity is None else track.identity.colors
-                far = track.recent.distance(worn, self.rules.identity.samples)
-                if far is None or far < self.rules.identity.same:
-                    worn.add(histogram)
-                    track.agreed = track.agreed if far is None else stamp
-                elif track.identity is None and track.recent.samples >= self.rules.other_samples:
-                    track.colors, track.recent = Colors(40), Colors(6)
+                self._wear(track, stamp, histogram)
         self._torsos = {face: held for face, held in self._torsos.items() if stamp - held[0] < 5.0}
         self._settle(stamp)
+
+    def see_worn(self, stamp: float, histograms: Mapping[int, Histogram]) -> None:
+        """Take the colours (BINS,) above legs, by the numbers of tracks."""
+        self._advance(stamp)
+        for track in self._tracks:
+            if track.number in histograms:
+                self._wear(track, stamp, histograms[track.number])
+        self._settle(stamp)
+
+    def _wear(self, track: Track, stamp: float, histogram: Histogram) -> None:
+        rules = self.rules
+        track.recent.add(histogram)
+        track.torso = stamp
+        # Who passes before a person does not change what the person wears.
+        worn = track.colors if track.identity is None else track.identity.colors
+        far = track.recent.distance(worn, rules.identity.samples)
+        if far is None or far < rules.identity.same:
+            worn.add(histogram)
+            # The mean lags behind one who has just been confused with another.
+            if far is not None and worn.mean is not None and distance(histogram, worn.mean) < rules.identity.same:
+                track.agreed = stamp
+        elif track.identity is None and track.recent.samples >= rules.other_samples:
+            track.colors, track.recent = Colors(40), Colors(6)
 
     def see_legs(self, stamp: float, legs: Sequence[LegsSeen]) -> None:
         """Take what may be legs in one scan."""
@@ -121,6 +136,9 @@ class PersonTracks:
         for row, leg in enumerate(legs):
             if row in pairs:
                 track = self._tracks[pairs[row]]
+                if math.dist(leg.at, track.motion.at) > self.rules.jump_m:
+                    # Who passed before a person may be taken for the person.
+                    track.mixed = stamp
                 track.motion.update(leg.at, leg.covariance)
             elif leg.known or self._of_a_person(leg.at, stamp):
                 continue
@@ -290,10 +308,12 @@ class PersonTracks:
             return
         believed = [track for track in self._tracks if track.believed is not None]
         for track in believed:
+            if any(o is not track and math.dist(o.motion.at, track.motion.at) < rules.confused_m for o in believed):
+                track.mixed = stamp
             identity = track.identity
             if identity is None or identity.colors.samples < rules.identity.samples or stamp - track.agreed < AGREED_S:
                 continue
-            if any(o is not track and math.dist(o.motion.at, track.motion.at) < rules.confused_m for o in believed):
+            if track.agreed <= track.mixed:
                 identity.crossed = True
                 self._miss(track, identity)
                 track.forget_identity()
@@ -338,8 +358,21 @@ class PersonTracks:
             if rules.identity.colors and few and stamp - self._torso < rules.colored_s:
                 # Colours will say whether it is somebody known.
                 return
+            if self._worn_by_another(track, stamp):
+                return
             self._take(track, Identity(self.next_person, stamp, track.motion.at.copy(), track.colors))
             self.next_person += 1
+
+    def _worn_by_another(self, track: Track, stamp: float) -> bool:
+        """Whether somebody not seen just now has the colours of ``track``: one of both tracks is wrong then."""
+        rules = self.rules
+        for other in self._tracks:
+            if other is track or other.identity is None or stamp - other.agreed <= rules.both_s:
+                continue
+            far = track.colors.distance(other.identity.colors, rules.identity.samples)
+            if far is not None and far <= rules.identity.same:
+                return True
+        return False
 
     def _take(self, track: Track, identity: Identity) -> None:
         self._missing = [other for other in self._missing if other is not identity]

@@ -55,6 +55,8 @@ class Track:
     #: When colours agreed with its identity last, and whether the place is too doubtful for giving one.
     agreed: float = -math.inf
     doubtful: bool = False
+    #: When it was last so near to another that the laser may have confused them.
+    mixed: float = -math.inf
     not_new_before: float = -math.inf
     colors: Colors = field(default_factory=lambda: Colors(40))
     recent: Colors = field(default_factory=lambda: Colors(6))

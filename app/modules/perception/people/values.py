@@ -60,6 +60,10 @@ class PersonRules:
     #: Who is lost so near to somebody else may have been taken for them.
     crossing_m: float = 0.9
     confused_m: float = 0.6
+    #: Legs so far from where they were expected may be another's.
+    jump_m: float = 0.22
+    #: Two in the same colours are two when those of both were seen within so long.
+    both_s: float = 0.5
     #: Height of the middle of faces where none was seen.
     face_m: float = 1.57
     most: int = 60
