@@ -334,7 +334,8 @@ class PersonTracks:
         rules = self.rules
         assert track.believed is not None
         few = track.colors.samples < rules.identity.samples
-        if few and stamp - track.believed < rules.colors_s and rules.identity.colors:
+        wait_s = rules.colors_come_s if stamp - self._torso < rules.colored_s else rules.colors_s
+        if few and stamp - track.believed < wait_s and rules.identity.colors:
             return
         colored = track.colors.samples >= rules.identity.samples
         # An identity that somebody has by place alone may turn out to be that of whom the colours show.

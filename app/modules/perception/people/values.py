@@ -49,6 +49,8 @@ class PersonRules:
     #: Time for colours to come before a person without any is identified, and for others to be found out after a
     #: mistake was.
     colors_s: float = 0.8
+    #: ... while colours of anybody come: place alone is the weaker witness.
+    colors_come_s: float = 2.5
     doubt_s: float = 4.0
     #: While colours of anybody came within so long, a person without any is not numbered as new.
     colored_s: float = 60.0
