@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 import pickle
+import tempfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
@@ -46,7 +47,7 @@ from app.robots.simulated.acoustics.sound_library import ClipLibrary
 from app.robots.simulated.lockstep import without_threads
 from app.robots.simulated.lockstep_world import LockstepWorld
 from app.robots.simulated.scenery.scenario_config import ScenarioConfig, load_scenario
-from benchmarks.people_scene import SCANS, SCENARIO, Torsos, Truth
+from benchmarks.people_scene import SCANS, SCENARIO, Torsos, Truth, Worn, scenario_of
 
 #: Periods (s) of images of both cameras, of sounds, and of the truth.
 KINECT_S, PANORAMA_S, SOUND_S, TRUTH_S = 0.267, 0.4, 0.08, 0.05
@@ -126,7 +127,8 @@ class Drive:
 
 def model(seconds: float, path: Path, seed: int = 1) -> None:
     """Write so many seconds of the scene to ``path``, as ``people_scene.record`` does."""
-    scenario = load_scenario(paths.config_dir() / "scenarios" / SCENARIO)
+    with tempfile.TemporaryDirectory() as folder:
+        scenario = load_scenario(scenario_of(seed, Path(folder)))
     grid = _mapped(80.0)
     with path.open("wb") as file:
         for message in _perceived(Drive(scenario), grid, seconds, np.random.default_rng(seed)):
@@ -208,6 +210,8 @@ class _Senses:
 
     def __init__(self, rng: np.random.Generator) -> None:
         self._rng = rng
+        #: Of its own, so that what faces and voices are is not changed by what is worn.
+        self._cloth = np.random.default_rng(7)
         #: By sentence: its track, error (rad), and when it began.
         self._voices: dict[str, tuple[int, float, float]] = {}
 
@@ -230,20 +234,23 @@ class _Senses:
             _face(sighting, face.track, face.p_BF, face.covariance)
             for sighting, face in zip(sightings, placed, strict=True)
         )
-        pixels = {face.track: self._worn(shirts[person.name]) for person, face in zip(seen, placed, strict=True)}
+        pixels = {face.track: _worn(self._rng, shirts[person.name]) for person, face in zip(seen, placed, strict=True)}
         yield Faces(stamp, camera, width=640, height=480, X_BC=X_BC, faces=found)
         yield Torsos(stamp, camera, pixels)
+        half = KINECT_HALF_RAD if camera == "kinect" else PANORAMA_HALF_RAD
+        worn = []
+        for person in people:
+            away, azimuth = _polar(person, X_WB)
+            if abs(azimuth) < half and not _hidden(person, X_WB, people):
+                place = (away * math.cos(azimuth), away * math.sin(azimuth))
+                worn.append((place, _worn(self._cloth, shirts[person.name])))
+        yield Worn(stamp, camera, X_BC, tuple(worn))
 
     def _found(self, person: PersonTruth, camera: str, X_WB: Pose2, people: tuple[PersonTruth, ...]) -> bool:
         away, azimuth = _polar(person, X_WB)
         towards = math.atan2(X_WB.y - person.y, X_WB.x - person.x)
-        if abs(wrap_angle(person.heading - towards)) > LOOKS_RAD or _behind_wall(person, X_WB):
+        if abs(wrap_angle(person.heading - towards)) > LOOKS_RAD or _hidden(person, X_WB, people):
             return False
-        for other in people:
-            if other.name != person.name:
-                nearer, aside = _polar(other, X_WB)
-                if nearer < away - 0.3 and abs(wrap_angle(aside - azimuth)) < math.atan2(BODY_M, nearer):
-                    return False
         if camera == "kinect":
             return abs(azimuth) < KINECT_HALF_RAD and 0.5 < away < KINECT_REACH_M and self._rng.random() < 0.97
         return abs(azimuth) < PANORAMA_HALF_RAD and bool(self._rng.random() < np.interp(away, DISTANCES_M, FOUND))
@@ -274,12 +281,6 @@ class _Senses:
             range_sigma_m=range_sigma_m,
             measured=camera == "kinect",
         )
-
-    def _worn(self, shirt: tuple[int, int, int]) -> NDArray[np.uint8]:
-        light = self._rng.uniform(0.75, 1.1)
-        colors = light * np.array(shirt) + self._rng.normal(0, 8, (80, 3))
-        colors[:8] = self._rng.uniform(0, 255, 3)
-        return np.clip(colors, 0, 255).astype(np.uint8)
 
     def listen(
         self, stamp: float, X_WB: Pose2, people: tuple[PersonTruth, ...], speaking: Mapping[str, str]
@@ -315,6 +316,24 @@ def _face(sighting: FaceSighting, track: int, p_BF: NDArray[np.float64], covaria
         range_m=sighting.range_m,
         range_sigma_m=sighting.range_sigma_m,
     )
+
+
+def _worn(rng: np.random.Generator, shirt: tuple[int, int, int]) -> NDArray[np.uint8]:
+    light = rng.uniform(0.75, 1.1)
+    colors = light * np.array(shirt) + rng.normal(0, 8, (80, 3))
+    colors[:8] = rng.uniform(0, 255, 3)
+    return np.clip(colors, 0, 255).astype(np.uint8)
+
+
+def _hidden(person: PersonTruth, X_WB: Pose2, people: tuple[PersonTruth, ...]) -> bool:
+    """Whether a wall or somebody else hides a person."""
+    away, azimuth = _polar(person, X_WB)
+    for other in people:
+        if other.name != person.name:
+            nearer, aside = _polar(other, X_WB)
+            if nearer < away - 0.3 and abs(wrap_angle(aside - azimuth)) < math.atan2(BODY_M, nearer):
+                return True
+    return _behind_wall(person, X_WB)
 
 
 def _polar(person: PersonTruth, X_WB: Pose2) -> tuple[float, float]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
@@ -29,11 +29,14 @@ class Hypothesis:
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """One instant: the ``truth`` by name, the ``found``, and true objects that need not be found (``ignored``)."""
+    """One instant: the ``truth`` by name, the ``found``, and by name true objects that need not be found (``ignored``).
+
+    What is found of an ignored object is not another's.
+    """
 
     truth: Mapping[str, Point]
     found: Sequence[Hypothesis]
-    ignored: Sequence[Point] = ()
+    ignored: Mapping[str, Point] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,12 +65,13 @@ def score(frames: Iterable[Frame], within_m: float) -> Scores:
     together: Counter[tuple[str, int]] = Counter()
     identities: set[int] = set()
     for frame in frames:
-        pairs, alone = matched(frame, tracks, within_m)
+        everything, alone = matched(frame, tracks, within_m)
+        pairs = {name: each for name, each in everything.items() if name in frame.truth}
         objects += len(frame.truth)
         misses += len(frame.truth) - len(pairs)
         false += alone
         found += len(pairs) + alone
-        tracks = {name: each.track for name, each in pairs.items()}
+        tracks = {name: each.track for name, each in everything.items()}
         for name, each in pairs.items():
             distances.append(math.dist(frame.truth[name], each.at))
             if each.identity is None:
@@ -92,27 +96,28 @@ def score(frames: Iterable[Frame], within_m: float) -> Scores:
 
 
 def matched(frame: Frame, before: Mapping[str, int], within_m: float) -> tuple[dict[str, Hypothesis], int]:
-    """The hypothesis of each true object, and how many hypotheses are none's.
+    """The hypothesis of each true object, the ignored too, and how many hypotheses are none's.
 
     Pairs of the frame ``before`` (tracks by name) stay while they are near enough; the others are matched at the least
     distance together.
     """
     by_track = {each.track: each for each in frame.found}
+    truth = {**frame.ignored, **frame.truth}
     pairs: dict[str, Hypothesis] = {}
     for name, track in before.items():
-        if name in frame.truth and track in by_track and math.dist(frame.truth[name], by_track[track].at) <= within_m:
+        if name in truth and track in by_track and math.dist(truth[name], by_track[track].at) <= within_m:
             pairs[name] = by_track.pop(track)
-    names = [name for name in frame.truth if name not in pairs]
+    names = [name for name in truth if name not in pairs]
     rest = list(by_track.values())
     if names and rest:
-        apart = np.array([[math.dist(frame.truth[name], each.at) for each in rest] for name in names])
+        apart = np.array([[math.dist(truth[name], each.at) for each in rest] for name in names])
         rows, columns = linear_sum_assignment(np.where(apart <= within_m, apart, 1e6))
         for row, column in zip(rows, columns, strict=True):
             if apart[row, column] <= within_m:
                 pairs[names[row]] = rest[column]
     taken = {each.track for each in pairs.values()}
     left = [each for each in rest if each.track not in taken]
-    alone = [each for each in left if all(math.dist(each.at, at) > within_m for at in frame.ignored)]
+    alone = [each for each in left if all(math.dist(each.at, at) > within_m for at in frame.ignored.values())]
     return pairs, len(alone)
 
 

@@ -16,16 +16,18 @@ PersonState = Literal["tentative", "confirmed", "unsure", "lost"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TorsoColors:
-    """Colours of what people wear below the faces of one image, by the tracks of ``Faces`` of the same image.
+    """Colours of what people wear in one image: below faces, and above legs where no face is seen.
 
-    ``stamp`` and ``frame`` are those of the image. Each row of ``histograms`` (N, B) float32 has the sum 1 and belongs
-    to ``tracks[i]``. Never recorded.
+    ``stamp`` and ``frame`` are those of the image. Each row of ``histograms`` (N, B) float32 has the sum 1; the first
+    belong to ``tracks`` of ``Faces`` of the same image, the others to ``persons``, tracks of ``Persons``. Never
+    recorded.
     """
 
     stamp: float
     frame: str
     tracks: tuple[int, ...]
     histograms: NDArray[np.float32]
+    persons: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

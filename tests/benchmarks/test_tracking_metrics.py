@@ -48,7 +48,7 @@ def test_unsure_is_found_and_no_swap_and_yet_not_identified() -> None:
 
 
 def test_what_stands_at_an_ignored_object_is_not_false() -> None:
-    scores = score([Frame({"a": A}, at((1, 1, A), (2, 2, B)), ignored=(B,))], 1.0)
+    scores = score([Frame({"a": A}, at((1, 1, A), (2, 2, B)), ignored={"b": B})], 1.0)
     assert (scores.false, scores.mota, scores.idf1) == (0, 1.0, 1.0)
 
 

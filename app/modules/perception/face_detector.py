@@ -4,6 +4,7 @@
     │ FaceDetector   in   images     Image with depth, 15 Hz / φ                                   │
     │                in   panorama   Image of the fisheye, 10 Hz / φ                               │
     │                in   odometry   Odometry, 100 Hz, X_OB in odom; never filtered                │
+    │                in   persons    Persons: above whose legs to look for colours; optional       │
     │                out  faces      Faces, with each image taken, px and m in base_link           │
     │                out  torsos     TorsoColors, with each image in which there are any           │
     └─────────────────────────────────────────────────────────────────────────────────────────────┘
@@ -11,8 +12,9 @@
 Detects faces with YuNet, in the fisheye's image after unrolling (``faces/yunet.py``, ``faces/panorama.py``). Positions
 come from depth, or without depth from the direction and the distribution of people's heights
 (``faces/face_position.py``, ``height_prior.py``). Each face has a track number for as long as it is visible in either
-camera (``faces/face_tracks.py``). Both cameras are optional, and either may be closed. The colours below the faces are
-given out for recognizing persons, where something wants them (``people/torso_color.py``).
+camera (``faces/face_tracks.py``). Both cameras are optional, and either may be closed. The colours below the faces, and
+above the legs of persons who show none, are given out for recognizing persons, where something wants them
+(``people/torso_color.py``, ``people/torso_places.py``).
 
 ``min_score`` is a parameter of the desire LocateFaces. ``fine`` is a parameter of its strategies: without it images are
 reduced first, which takes a third of the CPU time and halves the range of detection.
@@ -27,18 +29,21 @@ import numpy as np
 from pydantic import BaseModel, Field
 
 from app.attention.desires import DesireClass
-from app.messages import Face, Faces, Image, Odometry, TorsoColors, read_only
+from app.messages import Face, Faces, Image, Odometry, Persons, TorsoColors, read_only
 from app.modules.perception.faces.face_position import FaceLocator, FaceSighting
 from app.modules.perception.faces.face_tracks import FaceTracks, TrackedFace, TrackModel, prepare
 from app.modules.perception.faces.yunet import THRESHOLD
 from app.modules.perception.height_prior import HeightPrior
 from app.modules.perception.opencv import use_calling_thread
-from app.modules.perception.people.torso_color import BINS, histogram, torso_pixels
+from app.modules.perception.people.torso_color import BINS, LEGS_ASIDE_M, histogram, torso_pixels
+from app.modules.perception.people.torso_places import torso_places
 from app.modules.perception.pose_at import PoseAt
 from app.runtime.module import Module, ModuleContext, Settings
 
 #: Kept over restarts, so that track numbers are not reused.
 _NEXT_TRACK = "next track"
+#: Persons of so long (s) before or after an image say where torsos are in it.
+_PERSONS_S = 0.3
 
 
 class FaceDetectorSettings(Settings):
@@ -84,15 +89,18 @@ class FaceDetector(Module):
         self._fine = self.settings.fine
         self._looker: FaceLocator | None = None
         self._tracks = FaceTracks()
+        self._persons: Persons | None = None
         self._poses = PoseAt(self.clock, self.log, "faces are followed by their place in the image alone")
         self.images = self.input("images", Image)
         self.panorama = self.input("panorama", Image)
         self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True, rests=True)
+        self.persons = self.input("persons", Persons, always_open=True, wants="never", rests=True)
         self.faces = self.output("faces", Faces)
         self.torsos = self.output("torsos", TorsoColors)
         self.on(self.images, self._detect)
         self.on(self.panorama, self._detect)
         self.on(self.odometry, self._poses.add)
+        self.on(self.persons, self._note_persons)
 
     async def start(self) -> None:
         """Load the model; after a restart, continue with unused track numbers. Raises ModuleFailed."""
@@ -114,10 +122,25 @@ class FaceDetector(Module):
         faces = tuple(_face(sighting, where) for sighting, where in zip(sightings, placed, strict=True))
         height, width = image.color.shape[:2]
         self.faces.publish(Faces(image.stamp, image.frame, width=width, height=height, X_BC=image.X_BC, faces=faces))
-        if faces and self.torsos.wanted:
-            colors = await self.compute(_torso_colors, image, faces)
-            if colors.tracks:
-                self.torsos.publish(colors)
+        if self.torsos.wanted:
+            places = await self._torso_places(image, faces)
+            if faces or places:
+                colors = await self.compute(_torso_colors, image, faces, places)
+                if len(colors.histograms):
+                    self.torsos.publish(colors)
+
+    async def _torso_places(self, image: Image, faces: tuple[Face, ...]) -> dict[int, tuple[float, float, float]]:
+        persons = self._persons
+        if persons is None or not persons.persons or abs(image.stamp - persons.stamp) > _PERSONS_S:
+            return {}
+        X_OB = await self._poses.logged_at(image.stamp)
+        if X_OB is None:
+            return {}
+        tracks = {face.track for face in faces}
+        return torso_places(persons, image.stamp, tracks, (X_OB, image.X_BC), measured=image.depth is not None)
+
+    def _note_persons(self, persons: Persons) -> None:
+        self._persons = persons
 
     def _find(self, image: Image, min_score: float, fine: bool) -> list[FaceSighting]:
         assert self._looker is not None
@@ -127,11 +150,16 @@ class FaceDetector(Module):
         return self._looker.look(image, longest, settings.fine_px_per_rad if fine else settings.coarse_px_per_rad)
 
 
-def _torso_colors(image: Image, faces: tuple[Face, ...]) -> TorsoColors:
-    found = {face.track: torso_pixels(image, face.p_BF) for face in faces}
-    histograms = {track: histogram(pixels) for track, pixels in found.items() if pixels is not None}
-    rows = np.array(list(histograms.values()), np.float32).reshape(-1, BINS)
-    return TorsoColors(image.stamp, image.frame, tuple(histograms), read_only(rows))
+def _torso_colors(
+    image: Image, faces: tuple[Face, ...], places: Mapping[int, tuple[float, float, float]]
+) -> TorsoColors:
+    below = {face.track: torso_pixels(image, face.p_BF) for face in faces}
+    above = {track: torso_pixels(image, place, LEGS_ASIDE_M) for track, place in places.items()}
+    by_face, by_legs = (
+        {track: histogram(pixels) for track, pixels in found.items() if pixels is not None} for found in (below, above)
+    )
+    rows = np.array([*by_face.values(), *by_legs.values()], np.float32).reshape(-1, BINS)
+    return TorsoColors(image.stamp, image.frame, tuple(by_face), read_only(rows), tuple(by_legs))
 
 
 def _face(sighting: FaceSighting, placed: TrackedFace) -> Face:

@@ -100,7 +100,9 @@ class PersonTracker(Module):
             self._tracks.see_faces(faces.stamp, faces_seen(faces, X_OB))
 
     def _see_torsos(self, torsos: TorsoColors) -> None:
-        self._tracks.see_torsos(torsos.stamp, dict(zip(torsos.tracks, torsos.histograms, strict=True)))
+        below = len(torsos.tracks)
+        self._tracks.see_torsos(torsos.stamp, dict(zip(torsos.tracks, torsos.histograms[:below], strict=True)))
+        self._tracks.see_worn(torsos.stamp, dict(zip(torsos.persons, torsos.histograms[below:], strict=True)))
 
     async def _hear(self, sources: SoundSources) -> None:
         X_OB = await self._poses.logged_at(sources.stamp) if sources.sources else None

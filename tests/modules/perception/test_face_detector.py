@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from app.base.geometry import Pose2
-from app.messages import Face, Faces, Image, Odometry, TorsoColors
+from app.messages import Face, Faces, Image, Odometry, Person, Persons, TorsoColors
 from app.runtime.clock import run_virtual
 from tests.modules.fakes import Bench, drain
 from tests.scenery.face_scenes import FaceCard, facing, kinect_image, panorama_image
@@ -21,6 +21,22 @@ def bench(cameras: tuple[str, ...] = CAMERAS, attended: tuple[str, ...] = ()) ->
         inputs={**dict.fromkeys(cameras, Image), "odometry": Odometry},
         outputs={"faces": Faces},
         attended=attended,
+    )
+
+
+def legs_of_a_person(track: int, stamp: float, at: tuple[float, float]) -> Person:
+    return Person(
+        track,
+        None,
+        "unsure",
+        p_OP=(*at, 1.57),
+        v_O=(0.0, 0.0),
+        covariance=0.01 * np.eye(2),
+        face=None,
+        voice=None,
+        legs=True,
+        speaking=False,
+        last_seen=stamp,
     )
 
 
@@ -122,6 +138,27 @@ def test_what_is_below_each_face_is_published_by_its_track() -> None:
             faces, torsos = await seen.receive(), await colors.receive()
             assert (torsos.stamp, torsos.frame) == (faces.stamp, faces.frame)
             assert torsos.tracks == tuple(face.track for face in faces.faces)
+            assert torsos.histograms.sum(axis=1) == pytest.approx([1.0])
+
+    run_virtual(main())
+
+
+def test_what_is_above_the_legs_of_a_person_is_published_by_the_persons_track() -> None:
+    async def main() -> None:
+        b = Bench(
+            "app.modules.perception.face_detector:FaceDetector",
+            inputs={"panorama": Image, "odometry": Odometry, "persons": Persons},
+            outputs={"faces": Faces, "torsos": TorsoColors},
+        )
+        async with b:
+            colors = b.listen("torsos")
+            at = b.clock.now()
+            be_at(b, at, Pose2())
+            b.feed("persons", Persons(at, (legs_of_a_person(12, at, (2.0, 0.5)),)))
+            await b.clock.sleep(0.01)
+            b.feed("panorama", panorama_image(at, Pose2(), []))
+            torsos = await colors.receive()
+            assert (torsos.tracks, torsos.persons) == ((), (12,))
             assert torsos.histograms.sum(axis=1) == pytest.approx([1.0])
 
     run_virtual(main())

@@ -29,6 +29,8 @@ class IdentityRules:
     #: Speed (m/s) with which somebody unseen moves at most, and the distance (m) beyond it.
     reach_mps: float = 1.5
     reach_m: float = 0.6
+    #: ... of somebody in the same colours: the place last known may be of a track that had left the person.
+    reach_alike_m: float = 1.6
     #: So long (s) place alone identifies.
     gap_s: float = 8.0
     #: Distances of histograms (0 to 1) of the same person at most, of different ones at least, and between two
@@ -106,10 +108,12 @@ def identify(
     possible: list[Identity] = []
     for identity in sorted(missing, key=lambda i: i.number):
         gap_s = max(0.0, seen.stamp - identity.stamp)
-        reached = _reached((seen.stamp, seen.at), (identity.stamp, identity.at), rules)
-        if not reached and (identity.agreed is None or not _reached((seen.now, seen.here), identity.agreed, rules)):
-            continue
         far = seen.colors.distance(identity.colors, rules.samples) if rules.colors else None
+        most_m = rules.reach_alike_m if far is not None and far <= rules.same else rules.reach_m
+        reached = _reached((seen.stamp, seen.at), (identity.stamp, identity.at), most_m, rules.reach_mps)
+        last = identity.agreed
+        if not reached and (last is None or not _reached((seen.now, seen.here), last, most_m, rules.reach_mps)):
+            continue
         if far is not None and far >= rules.different:
             continue
         alone = not (rules.colors and identity.crossed and identity.colors.samples >= rules.samples)
@@ -129,9 +133,9 @@ def identify(
     return "new" if colored or passable is not None else "unsure"
 
 
-def _reached(seen: tuple[float, Vector], last: tuple[float, Vector], rules: IdentityRules) -> bool:
+def _reached(seen: tuple[float, Vector], last: tuple[float, Vector], most_m: float, most_mps: float) -> bool:
     """Whether who was at ``last`` (stamp, place) can be where another is ``seen``."""
-    return math.dist(seen[1], last[1]) <= rules.reach_m + rules.reach_mps * max(0.0, seen[0] - last[0])
+    return math.dist(seen[1], last[1]) <= most_m + most_mps * max(0.0, seen[0] - last[0])
 
 
 def _of_alike(

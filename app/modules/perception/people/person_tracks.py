@@ -11,12 +11,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from app.messages import Person, PersonState, read_only
+from app.messages import Person
+from app.modules.perception.people.furniture import SPOT_M, Furniture
 from app.modules.perception.people.identities import (
     Appearance,
     Colors,
@@ -26,65 +26,22 @@ from app.modules.perception.people.identities import (
     identify,
     pruned,
 )
-from app.modules.perception.people.motion import GATE, NEVER, Motion, assigned, costs
+from app.modules.perception.people.motion import Motion, assigned, costs
+from app.modules.perception.people.torso_color import distance
+from app.modules.perception.people.track import AGREED_S, Track, perceived_apart, seen_in_images
 from app.modules.perception.people.values import FaceSeen, LegsSeen, PersonRules
-from app.modules.perception.people.voices import VoiceHeard, bound
+from app.modules.perception.people.voices import Candidate, VoiceHeard, Voices
 
 Vector = NDArray[np.float64]
 
 
-#: A face and a track that were together keep together: a lower cost, and up to a distance (m) beyond the gate.
-_TOGETHER, _TOGETHER_S, _TOGETHER_M = 8.0, 2.0, 1.2
-#: Cost of a torso that has nothing in common with the track's.
-_UNLIKE = 25.0
 #: Two tracks nearer than this (m) are of one person, unless both have faces.
 _ONE_PERSON_M = 0.4
 #: Floor of a face's standard deviation over ground (m), and of the share of its covariance: its place is a track's,
 #: whose errors last.
 _FACE_FLOOR_M, _FACE_FACTOR = 0.1, 2.0
-_SPOKEN_S = 0.4
-#: Colours that agreed so long ago (s) hold an identity against another in the same colours.
-_AGREED_S = 1.5
-#: What was perceived so long ago (s) is perceived.
-_RECENT_S = 0.7
-#: What stood so often (sightings) within so far (m) of one spot is furniture until it walks. A person beside it is
-#: within such a distance (m), and slower than so (m/s).
-_STOOD, _SPOT_M = 15, 0.2
-_BESIDE_M, _STANDS_MPS = 0.3, 0.4
-#: Furniture not seen for so long (s) is forgotten: people stand in one place again and again.
-_FURNITURE_S = 20.0
-#: Histograms of a face's track and a person's before an unlike pair is refused, and from which distance on it is.
-_COLORS, _UNLIKE_FROM = 3, 0.65
-
-
-@dataclass(slots=True, eq=False)
-class _Track:
-    number: int
-    motion: Motion
-    born: float
-    origin: Vector
-    #: Last sighting; the last that was not legs at an obstacle of the map; the last of legs, of a face.
-    seen: float
-    sure: float
-    legs: float = -math.inf
-    face: float = -math.inf
-    face_track: int | None = None
-    faces: dict[int, float] = field(default_factory=dict)
-    faces_seen: int = 0
-    sightings: int = 0
-    #: When it was believed to be a person, None before.
-    believed: float | None = None
-    identity: Identity | None = None
-    #: When colours agreed with its identity last, and whether the place is too doubtful for giving one.
-    agreed: float = -math.inf
-    doubtful: bool = False
-    not_new_before: float = -math.inf
-    colors: Colors = field(default_factory=lambda: Colors(40))
-    recent: Colors = field(default_factory=lambda: Colors(6))
-    torso: float = -math.inf
-    z: float | None = None
-    voice: int | None = None
-    spoke: float = -math.inf
+#: What stood so often (sightings) within a spot is furniture until it walks.
+_STOOD = 15
 
 
 class PersonTracks:
@@ -96,15 +53,14 @@ class PersonTracks:
         self.next_person = next_person
         self.passable: Passable = lambda a, b: True
         """Whether no known wall is between two places (2,) m in ``odom``."""
-        self._tracks: list[_Track] = []
-        self._lost: list[_Track] = []
+        self._tracks: list[Track] = []
+        self._lost: list[Track] = []
         self._missing: list[Identity] = []
         #: Colours by face track, and when they came.
         self._torsos: dict[int, tuple[float, Colors]] = {}
         self._torso = -math.inf
-        self._voices: dict[int, tuple[float, int]] = {}
-        #: Where something with legs stood and did not walk, and when it was seen last.
-        self._furniture: list[tuple[float, Vector]] = []
+        self._voices = Voices()
+        self._furniture = Furniture(self.rules.most)
 
     # --- observations ------------------------------------------------------------------------------------------------
 
@@ -116,14 +72,15 @@ class PersonTracks:
         spread = np.array([_over_ground(face.covariance) for face in faces]).reshape(-1, 2, 2)
         cost = costs([track.motion for track in self._tracks], places, spread)
         for row, face in enumerate(faces):
+            worn = self._torsos[face.track][1] if face.track in self._torsos and self.rules.identity.colors else None
             for column, track in enumerate(self._tracks):
-                cost[row, column] = self._face_cost(float(cost[row, column]), face, track, stamp)
+                cost[row, column] = track.face_cost(float(cost[row, column]), face, stamp, worn)
         pairs = dict(assigned(cost))
         for row, face in enumerate(faces):
             track = self._tracks[pairs[row]] if row in pairs else self._new(stamp, places[row], spread[row])
             if row in pairs:
                 track.motion.update(places[row], spread[row])
-            self._note_face(track, stamp, face)
+            track.note_face(stamp, face)
         self._settle(stamp)
 
     def see_torsos(self, stamp: float, histograms: Mapping[int, Histogram]) -> None:
@@ -136,18 +93,32 @@ class PersonTracks:
             self._torso = stamp
             track = next((t for t in self._tracks if t.face_track == face and stamp - t.face < 0.3), None)
             if track is not None:
-                track.recent.add(histogram)
-                track.torso = stamp
-                # Who passes before a person does not change what the person wears.
-                worn = track.colors if track.identity is None else track.identity.colors
-                far = track.recent.distance(worn, self.rules.identity.samples)
-                if far is None or far < self.rules.identity.same:
-                    worn.add(histogram)
-                    track.agreed = track.agreed if far is None else stamp
-                elif track.identity is None and track.recent.samples >= self.rules.other_samples:
-                    track.colors, track.recent = Colors(40), Colors(6)
+                self._wear(track, stamp, histogram)
         self._torsos = {face: held for face, held in self._torsos.items() if stamp - held[0] < 5.0}
         self._settle(stamp)
+
+    def see_worn(self, stamp: float, histograms: Mapping[int, Histogram]) -> None:
+        """Take the colours (BINS,) above legs, by the numbers of tracks."""
+        self._advance(stamp)
+        for track in self._tracks:
+            if track.number in histograms:
+                self._wear(track, stamp, histograms[track.number])
+        self._settle(stamp)
+
+    def _wear(self, track: Track, stamp: float, histogram: Histogram) -> None:
+        rules = self.rules
+        track.recent.add(histogram)
+        track.torso = stamp
+        # Who passes before a person does not change what the person wears.
+        worn = track.colors if track.identity is None else track.identity.colors
+        far = track.recent.distance(worn, rules.identity.samples)
+        if far is None or far < rules.identity.same:
+            worn.add(histogram)
+            # The mean lags behind one who has just been confused with another.
+            if far is not None and worn.mean is not None and distance(histogram, worn.mean) < rules.identity.same:
+                track.agreed = stamp
+        elif track.identity is None and track.recent.samples >= rules.other_samples:
+            track.colors, track.recent = Colors(40), Colors(6)
 
     def see_legs(self, stamp: float, legs: Sequence[LegsSeen]) -> None:
         """Take what may be legs in one scan."""
@@ -156,15 +127,18 @@ class PersonTracks:
         places = np.array([leg.at for leg in legs]).reshape(-1, 2)
         spread = np.array([leg.covariance for leg in legs]).reshape(-1, 2, 2)
         cost = costs([track.motion for track in self._tracks], places, spread)
-        furniture = [leg.known or self._is_furniture(leg.at) for leg in legs]
+        furniture = [leg.known or self._furniture.at(leg.at) for leg in legs]
         for row, leg in enumerate(legs):
             for column, track in enumerate(self._tracks):
-                if cost[row, column] < NEVER:
-                    cost[row, column] = self._legs_cost(float(cost[row, column]), leg, track, stamp, furniture[row])
+                fits = float(cost[row, column])
+                cost[row, column] = track.legs_cost(fits, leg, furniture[row], self.rules.known_s)
         pairs = dict(assigned(cost))
         for row, leg in enumerate(legs):
             if row in pairs:
                 track = self._tracks[pairs[row]]
+                if math.dist(leg.at, track.motion.at) > self.rules.jump_m:
+                    # Who passed before a person may be taken for the person.
+                    track.mixed = stamp
                 track.motion.update(leg.at, leg.covariance)
             elif leg.known or self._of_a_person(leg.at, stamp):
                 continue
@@ -176,20 +150,33 @@ class PersonTracks:
     def hear(self, stamp: float, p_OA: Vector, voices: Sequence[VoiceHeard]) -> None:
         """Take the voices heard now at ``p_OA`` (2,) m in ``odom``."""
         self._advance(stamp)
-        people = {t.number: t.motion.at for t in (*self._tracks, *self._lost) if t.believed is not None}
-        before = {voice: number for voice, (_, number) in self._voices.items()}
-        for voice, number in bound(voices, p_OA, people, before).items():
-            self._voices[voice] = stamp, number
-            track = next(t for t in (*self._tracks, *self._lost) if t.number == number)
+        everybody = {t.number: t for t in (*self._tracks, *self._lost)}
+        candidates = [
+            Candidate(
+                t.number,
+                t.motion.at,
+                t.motion.P[:2, :2],
+                believed=t.believed is not None,
+                faces=seen_in_images(t, stamp),
+            )
+            for t in everybody.values()
+        ]
+        for voice, number in self._voices.hear(stamp, p_OA, voices, candidates).items():
+            track = everybody[number]
             track.voice, track.spoke = voice, stamp
-        self._voices = {voice: held for voice, held in self._voices.items() if stamp - held[0] < 5.0}
+            if track.believed is None and self._voices.heard_s(voice) >= self.rules.voice_s:
+                # What has legs and speaks is no chair.
+                track.believed = stamp
+                self._furniture.forget(track.origin)
+        self._settle(stamp)
 
     def persons(self, stamp: float) -> tuple[Person, ...]:
         """Everybody at ``stamp``, in the order of tracks."""
         self._advance(stamp)
         self._settle(stamp)
         everybody = sorted((*self._tracks, *self._lost), key=lambda track: track.number)
-        return tuple(self._person(track, stamp) for track in everybody)
+        lost = {track.number for track in self._lost}
+        return tuple(track.person(stamp, track.number in lost, self.rules) for track in everybody)
 
     # --- tracks ------------------------------------------------------------------------------------------------------
 
@@ -213,15 +200,15 @@ class PersonTracks:
         self._tracks = kept
         self._lost = [track for track in self._lost if stamp - track.seen <= rules.identity.gap_s]
         self._missing = pruned(self._missing, stamp, rules.identity)
-        self._furniture = [held for held in self._furniture if stamp - held[0] < _FURNITURE_S]
+        self._furniture.forget_old(stamp)
 
-    def _miss(self, track: _Track, identity: Identity) -> None:
+    def _miss(self, track: Track, identity: Identity) -> None:
         if all(identity is not other for other in self._missing):
             self._missing.append(identity)
 
-    def _new(self, stamp: float, at: Vector, covariance: Vector) -> _Track:
+    def _new(self, stamp: float, at: Vector, covariance: Vector) -> Track:
         motion = Motion.begin(stamp, at, covariance)
-        track = _Track(self.next_track, motion, stamp, np.array(at), seen=stamp, sure=stamp)
+        track = Track(self.next_track, motion, stamp, np.array(at), seen=stamp, sure=stamp)
         self.next_track += 1
         self._tracks.append(track)
         if len(self._tracks) > self.rules.most:
@@ -231,55 +218,14 @@ class PersonTracks:
                 self._miss(gone, gone.identity)
         return track
 
-    def _note_face(self, track: _Track, stamp: float, face: FaceSeen) -> None:
-        track.seen = track.sure = track.face = max(stamp, track.seen)
-        track.face_track = face.track
-        track.faces = {f: at for f, at in track.faces.items() if stamp - at < _TOGETHER_S} | {face.track: stamp}
-        track.faces_seen += 1
-        track.sightings += 1
-        z, sigma2 = float(face.p_OF[2]), float(face.covariance[2, 2]) + 0.02**2
-        track.z = z if track.z is None else track.z + 0.02 / (0.02 + sigma2) * (z - track.z)
-
-    def _note_legs(self, track: _Track, stamp: float, leg: LegsSeen) -> None:
+    def _note_legs(self, track: Track, stamp: float, leg: LegsSeen) -> None:
         track.seen = track.legs = max(stamp, track.seen)
         track.sightings += 1
-        self._note_furniture(track)
-        if not leg.known and not self._is_furniture(leg.at):
-            track.sure = max(stamp, track.sure)
-
-    def _face_cost(self, cost: float, face: FaceSeen, track: _Track, stamp: float) -> float:
-        if stamp - track.faces.get(face.track, -math.inf) < _TOGETHER_S:
-            if cost >= NEVER and math.dist(face.p_OF[:2], track.motion.at) < _TOGETHER_M:
-                cost = GATE
-            cost -= _TOGETHER if cost < NEVER else 0.0
-        if cost < NEVER and self.rules.identity.colors:
-            held = self._torsos.get(face.track)
-            far = None if held is None else held[1].distance(track.recent, 1)
-            if held is not None and far is not None:
-                if far >= _UNLIKE_FROM and min(held[1].samples, track.recent.samples) >= _COLORS:
-                    return NEVER
-                cost += _UNLIKE * far**2
-        return cost
-
-    def _legs_cost(self, cost: float, leg: LegsSeen, track: _Track, stamp: float, furniture: bool) -> float:
-        if track.believed is None:
-            return NEVER if leg.known else cost
-        if furniture:
-            # Who stands beside a chair stays; who walks past does not become one.
-            stands = math.dist(leg.at, track.motion.at) < _BESIDE_M and track.motion.speed < _STANDS_MPS
-            if not stands or stamp - track.sure > self.rules.known_s:
-                return NEVER
-            return cost
-        return cost - _TOGETHER
-
-    def _is_furniture(self, at: Vector) -> bool:
-        return any(math.dist(spot, at) < _SPOT_M for _, spot in self._furniture)
-
-    def _note_furniture(self, track: _Track) -> None:
-        stood = track.sightings >= _STOOD and math.dist(track.motion.at, track.origin) < _SPOT_M
+        stood = track.sightings >= _STOOD and math.dist(track.motion.at, track.origin) < SPOT_M
         if track.believed is None and stood:
-            others = [held for held in self._furniture if math.dist(held[1], track.origin) > _SPOT_M]
-            self._furniture = [*others[-self.rules.most + 1 :], (track.seen, track.origin)]
+            self._furniture.note(track.seen, track.origin)
+        if not leg.known and not self._furniture.at(leg.at):
+            track.sure = max(stamp, track.sure)
 
     def _of_a_person(self, at: Vector, stamp: float) -> bool:
         """Whether a person is where a candidate without a track is: the other leg, a bag."""
@@ -302,7 +248,7 @@ class PersonTracks:
         for track in self._tracks:
             if track.identity is not None and track.seen > track.identity.stamp:
                 track.identity.stamp, track.identity.at = track.seen, track.motion.at.copy()
-        agreed = [(t, t.identity) for t in self._tracks if t.identity is not None and stamp - t.agreed < _AGREED_S]
+        agreed = [(t, t.identity) for t in self._tracks if t.identity is not None and stamp - t.agreed < AGREED_S]
         numbers = {identity.number for _, identity in agreed}
         for track, identity in agreed:
             identity.agreed = stamp, track.motion.at.copy()
@@ -318,14 +264,14 @@ class PersonTracks:
             if track.faces_seen >= rules.faces or walked:
                 track.believed = stamp
                 # What stood there was this person.
-                self._furniture = [held for held in self._furniture if math.dist(held[1], track.origin) > 2 * _SPOT_M]
+                self._furniture.forget(track.origin)
             elif track.sightings >= 3:
                 self._stand_again(track, stamp)
 
-    def _stand_again(self, track: _Track, stamp: float) -> None:
+    def _stand_again(self, track: Track, stamp: float) -> None:
         """Take legs where one person was lost a moment ago for theirs: who stood behind somebody need not walk."""
         gap = self.rules.identity.gap_s
-        if self._is_furniture(track.motion.at):
+        if self._furniture.at(track.motion.at):
             return
         near = [
             identity
@@ -339,12 +285,12 @@ class PersonTracks:
             self._take(track, near[0])
 
     def _merge(self, stamp: float) -> None:
-        order = sorted(self._tracks, key=lambda t: (t.believed is None, stamp - t.face > _RECENT_S, t.number))
+        order = sorted(self._tracks, key=lambda t: (t.believed is None, not seen_in_images(t, stamp), t.number))
         for rank, track in enumerate(order):
             if track.believed is None:
                 continue
             for other in order[rank + 1 :]:
-                if other.believed is not None and _perceived_apart(track, other, stamp):
+                if other.believed is not None and perceived_apart(track, other, stamp):
                     continue
                 if math.dist(track.motion.at, other.motion.at) < _ONE_PERSON_M:
                     self._tracks = [t for t in self._tracks if t is not other]
@@ -362,15 +308,17 @@ class PersonTracks:
             return
         believed = [track for track in self._tracks if track.believed is not None]
         for track in believed:
-            identity = track.identity
-            if identity is None or identity.colors.samples < rules.identity.samples or stamp - track.agreed < _AGREED_S:
-                continue
             if any(o is not track and math.dist(o.motion.at, track.motion.at) < rules.confused_m for o in believed):
+                track.mixed = stamp
+            identity = track.identity
+            if identity is None or identity.colors.samples < rules.identity.samples or stamp - track.agreed < AGREED_S:
+                continue
+            if track.agreed <= track.mixed:
                 identity.crossed = True
                 self._miss(track, identity)
-                _forget_identity(track)
+                track.forget_identity()
 
-    def _check(self, track: _Track, stamp: float, identity: Identity) -> None:
+    def _check(self, track: Track, stamp: float, identity: Identity) -> None:
         """Doubt the identity of a track whose colours have become another's."""
         rules = self.rules
         if not rules.identity.colors:
@@ -379,21 +327,22 @@ class PersonTracks:
         if far is None or far < rules.identity.different:
             return
         self._miss(track, identity)
-        _forget_identity(track)
+        track.forget_identity()
         track.believed, track.not_new_before, track.doubtful = stamp, stamp + rules.doubt_s, False
 
-    def _identify(self, track: _Track, stamp: float) -> None:
+    def _identify(self, track: Track, stamp: float) -> None:
         rules = self.rules
         assert track.believed is not None
         few = track.colors.samples < rules.identity.samples
-        if few and stamp - track.believed < rules.colors_s and rules.identity.colors:
+        wait_s = rules.colors_come_s if stamp - self._torso < rules.colored_s else rules.colors_s
+        if few and stamp - track.believed < wait_s and rules.identity.colors:
             return
         colored = track.colors.samples >= rules.identity.samples
         # An identity that somebody has by place alone may turn out to be that of whom the colours show.
         weak = [
             t
             for t in self._tracks
-            if colored and t is not track and t.identity is not None and stamp - t.agreed > _AGREED_S
+            if colored and t is not track and t.identity is not None and stamp - t.agreed > AGREED_S
         ]
         claimed = [t.identity for t in weak if t.identity is not None and t.identity.colors.samples]
         missing = [*self._missing, *claimed]
@@ -403,17 +352,30 @@ class PersonTracks:
         if isinstance(found, Identity):
             for other in weak:
                 if other.identity is found:
-                    _forget_identity(other)
+                    other.forget_identity()
             self._take(track, found)
         elif found == "new" and stamp >= track.not_new_before:
             few = track.colors.samples < rules.new_samples
             if rules.identity.colors and few and stamp - self._torso < rules.colored_s:
                 # Colours will say whether it is somebody known.
                 return
+            if self._worn_by_another(track, stamp):
+                return
             self._take(track, Identity(self.next_person, stamp, track.motion.at.copy(), track.colors))
             self.next_person += 1
 
-    def _take(self, track: _Track, identity: Identity) -> None:
+    def _worn_by_another(self, track: Track, stamp: float) -> bool:
+        """Whether somebody not seen just now has the colours of ``track``: one of both tracks is wrong then."""
+        rules = self.rules
+        for other in self._tracks:
+            if other is track or other.identity is None or stamp - other.agreed <= rules.both_s:
+                continue
+            far = track.colors.distance(other.identity.colors, rules.identity.samples)
+            if far is not None and far <= rules.identity.same:
+                return True
+        return False
+
+    def _take(self, track: Track, identity: Identity) -> None:
         self._missing = [other for other in self._missing if other is not identity]
         self._lost = [other for other in self._lost if other.identity is not identity]
         if identity.colors.samples < self.rules.identity.samples <= track.colors.samples:
@@ -422,45 +384,6 @@ class PersonTracks:
         track.not_new_before = -math.inf
         track.doubtful = False
         track.agreed = track.torso if track.colors.samples >= self.rules.identity.samples else -math.inf
-
-    # --- out ---------------------------------------------------------------------------------------------------------
-
-    def _person(self, track: _Track, stamp: float) -> Person:
-        x, y, vx, vy = track.motion.x.tolist()
-        state: PersonState = "confirmed"
-        if track.believed is None:
-            state = "tentative"
-        elif track.identity is None:
-            state = "unsure"
-        elif any(track is lost for lost in self._lost):
-            state = "lost"
-        speaking = stamp - track.spoke <= _SPOKEN_S
-        return Person(
-            track.number,
-            None if track.identity is None else track.identity.number,
-            state,
-            p_OP=(x, y, self.rules.face_m if track.z is None else track.z),
-            v_O=(vx, vy),
-            covariance=read_only(track.motion.P[:2, :2].copy()),
-            face=track.face_track if stamp - track.face <= self.rules.lost_s else None,
-            voice=track.voice if speaking else None,
-            legs=stamp - track.legs <= self.rules.lost_s,
-            speaking=speaking,
-            last_seen=track.seen,
-        )
-
-
-def _forget_identity(track: _Track) -> None:
-    """Leave ``track`` unsure, until colours that are seen from now on identify it: the last ones may be of both."""
-    track.identity, track.doubtful = None, True
-    track.colors, track.recent = Colors(40), Colors(6)
-
-
-def _perceived_apart(a: _Track, b: _Track, stamp: float) -> bool:
-    """Whether two tracks have faces, or legs, each of its own."""
-    return (stamp - a.face < _RECENT_S and stamp - b.face < _RECENT_S) or (
-        stamp - a.legs < _RECENT_S and stamp - b.legs < _RECENT_S
-    )
 
 
 def _over_ground(covariance: Vector) -> Vector:

@@ -13,7 +13,9 @@ from numpy.typing import NDArray
 from app.messages import Image
 
 #: The patch of the torso: how far below the middle of the face (m), and how far to either side.
-_BELOW_M, _ASIDE_M = (0.38, 0.62), 0.13
+_BELOW_M, ASIDE_M = (0.38, 0.62), 0.13
+#: ... where legs alone say where it is.
+LEGS_ASIDE_M = 0.08
 _ROWS, _COLUMNS = 9, 9
 #: Least share of the patch inside the image, and on the person where depth is measured.
 _LEAST_SHARE = 0.6
@@ -27,8 +29,8 @@ _LEAST_SATURATION, _LEAST_VALUE = 50, 30
 BINS = _HUES * 2 + _VALUES
 
 
-def torso_pixels(image: Image, p_BF: tuple[float, float, float]) -> NDArray[np.uint8] | None:
-    """Colours (N, 3) uint8 RGB of the torso below the face at ``p_BF`` (m in ``base_link``).
+def torso_pixels(image: Image, p_BF: tuple[float, float, float], aside_m: float = ASIDE_M) -> NDArray[np.uint8] | None:
+    """Colours (N, 3) uint8 RGB of the torso below the face at ``p_BF`` (m in ``base_link``), ``aside_m`` either side.
 
     None if too little of it is in the image.
     """
@@ -40,7 +42,7 @@ def torso_pixels(image: Image, p_BF: tuple[float, float, float]) -> NDArray[np.u
         return None
     aside = np.array([-towards[1], towards[0], 0.0]) / length
     down = np.linspace(*_BELOW_M, _ROWS)
-    across = np.linspace(-_ASIDE_M, _ASIDE_M, _COLUMNS)
+    across = np.linspace(-aside_m, aside_m, _COLUMNS)
     grid = face + across[None, :, None] * aside - down[:, None, None] * np.array([0.0, 0.0, 1.0])
     points_C = X_CB.transform(grid.reshape(-1, 3))
     pixels = image.camera.project(points_C)

@@ -44,9 +44,13 @@ class PersonRules:
     #: Faces, or the way walked, after which a person is believed.
     faces: int = 2
     walked_m: float = 0.5
+    #: Legs whose direction a voice has for so long are a person's.
+    voice_s: float = 0.8
     #: Time for colours to come before a person without any is identified, and for others to be found out after a
     #: mistake was.
     colors_s: float = 0.8
+    #: ... while colours of anybody come: place alone is the weaker witness.
+    colors_come_s: float = 2.5
     doubt_s: float = 4.0
     #: While colours of anybody came within so long, a person without any is not numbered as new.
     colored_s: float = 60.0
@@ -58,6 +62,10 @@ class PersonRules:
     #: Who is lost so near to somebody else may have been taken for them.
     crossing_m: float = 0.9
     confused_m: float = 0.6
+    #: Legs so far from where they were expected may be another's.
+    jump_m: float = 0.22
+    #: Two in the same colours are two when those of both were seen within so long.
+    both_s: float = 0.5
     #: Height of the middle of faces where none was seen.
     face_m: float = 1.57
     most: int = 60

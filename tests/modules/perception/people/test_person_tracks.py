@@ -230,3 +230,33 @@ def test_numbers_are_used_once_and_memory_is_bounded(seed: int) -> None:
 def _values(person: Person) -> tuple[object, ...]:
     place = tuple(round(value, 9) for value in (*person.p_OP, *person.v_O))
     return person.track, person.person, person.state, place, person.face, person.legs
+
+
+def test_colours_above_legs_say_who_stands_turned_away() -> None:
+    tracks = PersonTracks()
+    play(tracks, [], [(1, standing(2.0, 1.0), ORANGE), (2, standing(2.0, -1.0), BLUE)], end=3.0)
+    for k in range(600, 640):
+        tracks.see_legs(0.1 * k, [legs(1.0 + 0.05 * (k - 600), 0.0)])
+        (person,) = [p for p in tracks.persons(0.1 * k) if p.state != "lost"]
+        tracks.see_worn(0.1 * k, {person.track: colors(BLUE)})
+    (person,) = tracks.persons(64.0)
+    assert (person.state, person.person, person.face) == ("confirmed", 2, None)
+
+
+def test_a_track_whose_legs_jump_is_unsure_until_colours_say_whose_they_are() -> None:
+    tracks = PersonTracks()
+    play(tracks, [standing(3.0, 0.0)], [(1, standing(3.0, 0.0), ORANGE), (2, standing(1.0, 2.0), BLUE)], end=3.0)
+    numbers = {p.face: p.person for p in tracks.persons(3.0)}
+    play(tracks, [standing(3.0, 0.0)], begin=3.0, end=6.0)
+
+    def passing(t: float) -> tuple[float, float]:
+        return 3.0, 0.3 + 0.5 * (t - 6.0)
+
+    # Another passes before who stands there, and the laser sees one pair of legs.
+    (person,) = [p for p in play(tracks, [passing], begin=6.0, end=8.0) if p.state != "lost"]
+    assert (person.state, person.person) == ("unsure", None)
+    for k in range(80, 100):
+        tracks.see_legs(0.1 * k, [legs(*passing(0.1 * k))])
+        tracks.see_worn(0.1 * k, {person.track: colors(BLUE)})
+    (person,) = [p for p in tracks.persons(10.0) if p.state != "lost"]
+    assert (person.state, person.person) == ("confirmed", numbers[2])
