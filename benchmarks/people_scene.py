@@ -133,7 +133,9 @@ class Picture:
 
     def image(self) -> Image:
         """The image again."""
-        color = cv2.imdecode(np.frombuffer(self.color, np.uint8), cv2.IMREAD_COLOR)[..., ::-1]
+        decoded = cv2.imdecode(np.frombuffer(self.color, np.uint8), cv2.IMREAD_COLOR)
+        assert decoded is not None
+        color = decoded[..., ::-1]
         depth = None
         if self.depth is not None:
             height, width = color.shape[:2]
