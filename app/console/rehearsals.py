@@ -40,6 +40,7 @@ class Rehearsals:
         self.command = command or python("-m", "app.console.rehearsal_process", str(os.getpid()))
         self._report = NOTHING
         self._task: asyncio.Task[None] | None = None
+        self._ending = asyncio.Event()
 
     @property
     def report(self) -> RehearsalReport:
@@ -51,6 +52,7 @@ class Rehearsals:
         if self._report.state == "running":
             raise RehearsalUnderWay(f"{self._report.tour} is being rehearsed already: cancel that first")
         self._report = replace(NOTHING, state="running", tour=tour, language=order.language, began=time.time())
+        self._ending = asyncio.Event()
         self._task = asyncio.create_task(self._run(order), name=f"rehearsal of {tour}")
 
     async def wait(self) -> RehearsalReport:
@@ -63,7 +65,8 @@ class Rehearsals:
         """End the one that runs, and forget it, or the result of the last."""
         task, self._task = self._task, None
         if task is not None:
-            task.cancel()
+            # A process that is just being started cannot be left by cancelling its start.
+            self._ending.set()
             await asyncio.wait({task})
         self._report = NOTHING
 
@@ -79,7 +82,7 @@ class Rehearsals:
             self._end("failed", f"its process cannot be started: {failure.strerror or failure}")
         finally:
             if folder is not None:
-                await asyncio.shield(asyncio.to_thread(shutil.rmtree, folder, ignore_errors=True))
+                await asyncio.to_thread(shutil.rmtree, folder, ignore_errors=True)
 
     async def _follow(self, order: RehearsalOrder, folder: str) -> None:
         process = await asyncio.create_subprocess_exec(
@@ -87,28 +90,31 @@ class Rehearsals:
             stdout=asyncio.subprocess.PIPE, stderr=asyncio.subprocess.PIPE, start_new_session=True,
             limit=_LARGEST_WORD,
         )  # fmt: skip
-        assert process.stdin is not None
-        assert process.stdout is not None
         assert process.stderr is not None
         noting = asyncio.create_task(_tail(process.stderr), name="rehearsal's errors")
-        try:
-            with contextlib.suppress(ConnectionError):
-                process.stdin.write(msgspec.json.encode(order))
-                await process.stdin.drain()
-            process.stdin.close()
-            async for line in process.stdout:
-                self._hear(line)
-            status = await process.wait()
-            if self._report.state == "running":
-                self._end("failed", _last_words(await noting) or f"it ended with status {status} and said nothing")
-        finally:
-            if process.returncode is None:
-                # Also what it has started itself.
-                with contextlib.suppress(ProcessLookupError):
-                    os.killpg(process.pid, signal.SIGKILL)
-            await asyncio.shield(process.wait())
-            noting.cancel()
-            await asyncio.wait({noting})
+        hearing = asyncio.create_task(self._talk(process, order), name="rehearsal's words")
+        ending = asyncio.create_task(self._ending.wait(), name="rehearsal's end")
+        await asyncio.wait({hearing, ending}, return_when=asyncio.FIRST_COMPLETED)
+        ending.cancel()
+        if self._ending.is_set():
+            # Also what it has started itself.
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
+        await hearing
+        said, status = await noting, await process.wait()
+        if self._report.state == "running":
+            self._end("failed", _last_words(said) or f"it ended with status {status} and said nothing")
+
+    async def _talk(self, process: asyncio.subprocess.Process, order: RehearsalOrder) -> None:
+        """Give ``process`` its order, and hear it to its end."""
+        assert process.stdin is not None
+        assert process.stdout is not None
+        with contextlib.suppress(ConnectionError):
+            process.stdin.write(msgspec.json.encode(order))
+            await process.stdin.drain()
+        process.stdin.close()
+        async for line in process.stdout:
+            self._hear(line)
 
     def _hear(self, line: bytes) -> None:
         try:
