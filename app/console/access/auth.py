@@ -3,7 +3,8 @@
 On loopback without a token anyone on this computer may, but a web page elsewhere may not: the ``Host`` must be a name
 of this computer (DNS rebinding), and where a browser states an ``Origin``, it must be ours. Beyond loopback a token is
 needed, as ``Authorization: Bearer`` or, for browsers, as the cookie of a session from ``/api/v1/session``;
-the ``Host`` must then be an address, this computer's name, or one that the console was started for.
+the ``Host`` must then be an address, this computer's name, or one that the console was started for. The second port,
+that of the 3D view, asks the same, and takes the session's cookie of the first.
 """
 
 from __future__ import annotations
@@ -13,7 +14,6 @@ import contextlib
 import hmac
 import ipaddress
 import math
-import re
 import socket
 import time
 from collections.abc import Callable, Collection
@@ -23,27 +23,17 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from app.console.access.headers import add_headers
 from app.console.access.login_attempts import Attempts
+from app.console.access.origins import Ports, host_name, scheme_of
 from app.console.access.request_limits import ClientLeft, objection_to_scope, with_body
 from app.console.access.sessions import LoginSession, Sessions
 from app.console.problems import MEDIA_TYPE, Problem, problem_body, problem_response
 
 COOKIE = "hbba_session"
 #: Paths that may be reached without a login, besides the page itself: the login and the sign of life.
-OPEN_PATHS = frozenset({"/api/v1/health", "/api/v1/session"})
+OPEN_PATHS = frozenset({"/api/v1/health", "/api/v1/session", "/viser/health"})
 GUARDED = ("/api", "/viser", "/panels")
-
-_PAGE_POLICY = (
-    "default-src 'self'; img-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; connect-src 'self'; "
-    "object-src 'none'; base-uri 'none'; form-action 'self'; frame-ancestors 'self'"
-)
-# viser's client is one file that unpacks and runs itself, with workers and WebAssembly.
-_VIEW_POLICY = (
-    "default-src 'self' data: blob:; script-src 'self' 'unsafe-inline' 'unsafe-eval' blob: data:; "
-    "style-src 'self' 'unsafe-inline'; worker-src 'self' blob: data:; connect-src 'self' data: blob:; "
-    "object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'self'"
-)
-
 
 def is_loopback(host: str) -> bool:
     """Whether ``host`` (a name or an address, without port) is this computer itself."""
@@ -58,13 +48,19 @@ def is_loopback(host: str) -> bool:
 class Door:
     """Decides which requests are let in. ``token`` None: those from this computer.
 
-    ``names`` are host names that this console answers to beyond addresses and this computer's own name; ``now`` gives
-    seconds of any steady clock.
+    ``names`` are host names that this console answers to beyond addresses and this computer's own name; ``ports`` are
+    where it listens, if the 3D view has one of its own; ``now`` gives seconds of any steady clock.
     """
 
     def __init__(
-        self, token: str | None, names: Collection[str] = (), *, now: Callable[[], float] = time.monotonic
+        self,
+        token: str | None,
+        names: Collection[str] = (),
+        *,
+        ports: Ports | None = None,
+        now: Callable[[], float] = time.monotonic,
     ) -> None:
+        self.ports = ports
         self._token = token
         self._names = frozenset(name.lower().rstrip(".") for name in (*names, *own_names()))
         self._sessions = Sessions(now)
@@ -85,11 +81,11 @@ class Door:
 
     def log_out(self, scope: Scope) -> None:
         """End the session that a request belongs to, and its connections."""
-        self._sessions.end(_cookie(scope))
+        self._sessions.end(self._cookie(scope))
 
     def session(self, scope: Scope) -> LoginSession | None:
         """The session that a request belongs to; None without one, as where it brings the token itself."""
-        return self._sessions.find(_cookie(scope)) if self.asks else None
+        return self._sessions.find(self._cookie(scope)) if self.asks else None
 
     def refusal(self, scope: Scope) -> Problem | None:
         """Why a request may not enter for what it brings (a session's cookie, or the token), or None."""
@@ -126,12 +122,17 @@ class Door:
             return problem
         origin = headers.get("origin")
         changes = scope["type"] == "websocket" or scope["method"] not in ("GET", "HEAD", "OPTIONS")
-        if changes and origin is not None and origin.lower() != f"{_scheme(scope)}://{host}".lower():
+        if changes and origin is not None and origin.lower() != f"{scheme_of(scope)}://{host}".lower():
             return Problem(403, "foreign-origin", f"Pages of {origin} may not use this console.")
         path = scope["path"]
         guarded = any(path == prefix or path.startswith(f"{prefix}/") for prefix in GUARDED)
         # The session's own GET answers 401 by itself, so that a page can ask whether it must log in.
         return self.refusal(scope) if guarded and path not in OPEN_PATHS else None
+
+    def _cookie(self, scope: Scope) -> str | None:
+        at_scene = self.ports is not None and self.ports.at_scene(scope)
+        name = f"{COOKIE}_{self.ports.page}" if self.ports is not None and at_scene else cookie_name(scope)
+        return HTTPConnection(scope).cookies.get(name)
 
     def _objection_to_host(self, host: str) -> Problem | None:
         name = host_name(host)
@@ -161,18 +162,6 @@ def unauthorized() -> Problem:
     )
 
 
-#: A host as a header may name it: a name, an IPv4 address or a bracketed IPv6 address, and a port.
-_HOST = re.compile(
-    r"(?:([a-z0-9](?:[a-z0-9._-]*[a-z0-9])?)\.?|\[([0-9a-f:.]+)\])(?::[0-9]{1,5})?", re.IGNORECASE | re.ASCII
-)
-
-
-def host_name(host: str) -> str:
-    """The name or address in a ``Host`` header, in lower case and without brackets; "" for what is no host."""
-    found = _HOST.fullmatch(host)
-    return "" if found is None else (found[1] or found[2]).lower()
-
-
 def own_names() -> tuple[str, ...]:
     """The names under which this computer knows itself, and mDNS knows it."""
     name = socket.gethostname().lower()
@@ -188,10 +177,6 @@ def _is_address(name: str) -> bool:
     return True
 
 
-def _scheme(scope: Scope) -> str:
-    return "https" if scope["scheme"] in ("https", "wss") else "http"
-
-
 def cookie_name(scope: Scope) -> str:
     """The name of a session's cookie, one per port: browsers send a cookie to every port of a host, where the consoles
     of replays may be."""
@@ -201,11 +186,7 @@ def cookie_name(scope: Scope) -> str:
 
 def cookie_fields(scope: Scope) -> dict[str, Any]:
     """How a session's cookie is set and deleted: for no script, no other site, and, over TLS, for TLS alone."""
-    return {"httponly": True, "samesite": "strict", "path": "/", "secure": _scheme(scope) == "https"}
-
-
-def _cookie(scope: Scope) -> str | None:
-    return HTTPConnection(scope).cookies.get(cookie_name(scope))
+    return {"httponly": True, "samesite": "strict", "path": "/", "secure": scheme_of(scope) == "https"}
 
 
 class Guarded:
@@ -230,7 +211,7 @@ class Guarded:
     async def _http(self, scope: Scope, receive: Receive, send: Send) -> None:
         async def send_with_headers(message: Message) -> None:
             if message["type"] == "http.response.start":
-                add_headers(MutableHeaders(scope=message), scope["path"])
+                add_headers(MutableHeaders(scope=message), scope, self._door.ports)
             await send(message)
 
         try:
@@ -297,17 +278,3 @@ async def _refuse_websocket(problem: Problem, scope: Scope, receive: Receive, se
     headers += [(name.lower().encode("latin-1"), value.encode("latin-1")) for name, value in problem.headers.items()]
     await send({"type": "websocket.http.response.start", "status": problem.status, "headers": headers})
     await send({"type": "websocket.http.response.body", "body": problem_body(problem)})
-
-
-def add_headers(headers: MutableHeaders, path: str) -> None:
-    """Set the security and cache headers of an answer at ``path``; what is set already stays."""
-    headers.setdefault("x-content-type-options", "nosniff")
-    headers.setdefault("referrer-policy", "same-origin")
-    headers.setdefault("cross-origin-opener-policy", "same-origin")
-    headers.setdefault("cross-origin-resource-policy", "same-origin")
-    headers.setdefault("content-security-policy", _VIEW_POLICY if path.startswith("/viser") else _PAGE_POLICY)
-    if path.startswith("/assets/"):
-        # Vite names these by their content.
-        headers.setdefault("cache-control", "public, max-age=31536000, immutable")
-    else:
-        headers.setdefault("cache-control", "no-store" if path.startswith("/api") else "no-cache")

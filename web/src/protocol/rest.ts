@@ -27,6 +27,7 @@ import type {
   RouteRequest,
   Saved,
   SaveRequest,
+  SceneAddress,
   TourList,
   TourReport,
   Zone,
@@ -203,6 +204,11 @@ export class Rest {
   /** Plans and moves nothing. */
   async planRoute(wanted: RouteRequest): Promise<RouteReport> {
     return (await this.ask("POST", "/map/route", wanted)) as RouteReport;
+  }
+
+  /** Where the 3D view's frame is on a port of its own. */
+  async scene(): Promise<SceneAddress> {
+    return (await this.ask("GET", "/scene")) as SceneAddress;
   }
 
   async tours(): Promise<TourList> {
