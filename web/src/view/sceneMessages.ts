@@ -41,16 +41,20 @@ export function fromScene(
 ): FromScene | null {
   if (origin === null || event.origin !== origin || scene === null || event.source !== scene) return null;
   const said = event.data as Record<string, unknown> | null;
-  const fits = typeof said === "object" && said !== null && SHAPES[String(said["type"])]?.(said);
+  const fits = typeof said === "object" && said !== null && SHAPES.get(said["type"])?.(said);
   return fits ? (said as unknown as FromScene) : null;
 }
 
-const SHAPES: Record<string, (said: Record<string, unknown>) => boolean> = {
-  ready: () => true,
-  blur: () => true,
-  frames: ({ ms }) => typeof ms === "number" && ms > 0,
-  held: ({ codes }) => Array.isArray(codes) && codes.every((code) => typeof code === "string"),
-  key: (said) =>
-    ["code", "key"].every((name) => typeof said[name] === "string") &&
-    ["down", "repeat", "ctrlKey", "altKey", "metaKey", "shiftKey"].every((name) => typeof said[name] === "boolean"),
-};
+const TEXTS = ["code", "key"];
+const FLAGS = ["down", "repeat", "ctrlKey", "altKey", "metaKey", "shiftKey"];
+const SHAPES: ReadonlyMap<unknown, (said: Record<string, unknown>) => boolean> = new Map([
+  ["ready", () => true],
+  ["blur", () => true],
+  ["frames", ({ ms }) => typeof ms === "number" && ms > 0],
+  ["held", ({ codes }) => Array.isArray(codes) && codes.every((code) => typeof code === "string")],
+  [
+    "key",
+    (said) =>
+      TEXTS.every((name) => typeof said[name] === "string") && FLAGS.every((name) => typeof said[name] === "boolean"),
+  ],
+] satisfies [FromScene["type"], (said: Record<string, unknown>) => boolean][]);
