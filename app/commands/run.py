@@ -166,7 +166,9 @@ async def _live(
     # Building takes long enough to disturb driving.
     app = create_app(system, token=token, host=host, host_names=names, ports=ports, panels=panels)
     async with system:
-        await serve_once_started(system, lambda: serve(app, host, port, listener=listener, scene=scene, started=announce))
+        await serve_once_started(
+            system, lambda: serve(app, host, port, listener=listener, scene=scene, started=announce)
+        )
 
 
 async def serve_once_started(system: System, serve: Callable[[], Coroutine[Any, Any, None]]) -> None:
@@ -199,7 +201,9 @@ def announcer(what: str, host: str, ports: Ports, token: str | None, *, open_bro
     def announce(url: str) -> None:
         print(f"{what}: {login_url(url, token)}  (Ctrl-C stops it)", flush=True)
         if host in ("0.0.0.0", "::"):
-            print(f"From other computers: {login_url(f'http://{socket.gethostname()}:{ports.page}', token)}", flush=True)
+            print(
+                f"From other computers: {login_url(f'http://{socket.gethostname()}:{ports.page}', token)}", flush=True
+            )
             print(f"The 3D view has port {ports.scene}, too", flush=True)
         if open_browser:
             asyncio.get_running_loop().run_in_executor(None, webbrowser.open, login_url(url, token))

@@ -40,7 +40,7 @@ from app.console.rest.tour_run import tour_run_router
 from app.console.rest.tours import tours_router
 from app.console.rest.viewers import viewers_router
 from app.console.view.relay import view_router
-from app.console.view.scene_port import AtPorts
+from app.console.view.scene_port import AtPorts, scene_app
 from app.console.view.view import View
 
 if TYPE_CHECKING:
@@ -68,8 +68,9 @@ def create_app(
     ``static_dir`` holds the built page (default: where the build puts it). ``token`` None: any client on this
     computer may use it, under a name of this computer; see :mod:`app.console.access.auth`. ``host_names`` are its names
     beside this computer's own, where a token is needed. ``host`` is where replays that are started from here
-    listen. ``ports`` are those it is served at, if the 3D view has one of its own; None: it has none. ``early_view``: start the 3D view with the program rather than with its first viewer. ``panels`` are those
-    of packages, by name (:func:`app.console.panels.load_panels`).
+    listen. ``ports`` are those it is served at, if the 3D view has one of its own; None: it has none. ``early_view``:
+    start the 3D view with the program rather than with its first viewer. ``panels`` are those of packages, by name
+    (:func:`app.console.panels.load_panels`).
     """
     panels = panels or {}
     hub = Hub(system, playback, sorted({channel for panel in panels.values() for channel in panel.channels}))
@@ -146,10 +147,10 @@ class _Console(FastAPI):
     def __init__(self, door: Door, view: View, **options: Any) -> None:
         super().__init__(**options)
         self._door = door
-        self._view = view
+        self._scene = None if door.ports is None else scene_app(view, door.ports)
 
     def build_middleware_stack(self) -> ASGIApp:
         stack = super().build_middleware_stack()
-        if self._door.ports is not None:
-            stack = AtPorts(stack, self._view, self._door.ports)
+        if self._scene is not None and self._door.ports is not None:
+            stack = AtPorts(stack, self._scene, self._door.ports)
         return Guarded(stack, self._door)

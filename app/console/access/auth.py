@@ -35,6 +35,7 @@ COOKIE = "hbba_session"
 OPEN_PATHS = frozenset({"/api/v1/health", "/api/v1/session", "/viser/health"})
 GUARDED = ("/api", "/viser", "/panels")
 
+
 def is_loopback(host: str) -> bool:
     """Whether ``host`` (a name or an address, without port) is this computer itself."""
     if host.lower().rstrip(".") == "localhost":

@@ -51,8 +51,8 @@ def viewers_router(hub: Hub, view: View, ports: Ports | None) -> APIRouter:
 
     @router.get("/scene", response_model=SceneAddress, summary="Where the 3D view for a page's frame is")
     async def get_scene(request: Request) -> Response:
-        """Its address on the port of the 3D view, for a client that reached the console under this request's `Host`. Where
-        that is another name or port than the console's own, as behind a proxy, the second port's address is not known,
+        """Its address on the port of the 3D view, for a client that reached the console under this request's `Host`.
+        Where that names another port than the console's own, as behind a proxy, the second port's address is not known,
         and the view is at `/viser/` here."""
         origin = None if ports is None else ports.scene_origin(request.scope)
         return Json(SceneAddress(None if origin is None else f"{origin}/viser/"))

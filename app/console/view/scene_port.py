@@ -16,11 +16,11 @@ HEALTH = "/viser/health"
 
 
 class AtPorts:
-    """ASGI: requests to the port of the 3D view go to an application of its own, all others to ``page``."""
+    """ASGI: requests to the port of the 3D view go to ``scene``, all others to ``page``."""
 
-    def __init__(self, page: ASGIApp, view: View, ports: Ports) -> None:
+    def __init__(self, page: ASGIApp, scene: ASGIApp, ports: Ports) -> None:
         self._page = page
-        self._scene = _scene_app(view, ports)
+        self._scene = scene
         self._ports = ports
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -29,7 +29,8 @@ class AtPorts:
         await (self._scene if to_scene else self._page)(scope, receive, send)
 
 
-def _scene_app(view: View, ports: Ports) -> FastAPI:
+def scene_app(view: View, ports: Ports) -> FastAPI:
+    """What is served at the port of the 3D view. Takes a while to build."""
     app = FastAPI(openapi_url=None, docs_url=None, redoc_url=None)
     install_problem_handlers(app)
 

@@ -164,5 +164,5 @@ def test_a_port_that_was_asked_for_is_taken_or_refused_with_what_to_do() -> None
         port = address_of(taken)[1]
         with pytest.raises(ConfigError, match=rf"port {port} .* is taken by another program.*--scene-port"):
             listen_for_scene("127.0.0.1", 8080, port)
-        with pytest.raises(ConfigError, match="needs a port of its own.*--scene-port 0"):
+        with pytest.raises(ConfigError, match=r"needs a port of its own.*--scene-port 0"):
             listen_for_scene("127.0.0.1", port, port)
