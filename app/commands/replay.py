@@ -212,7 +212,7 @@ async def _live(
     listener, scene = listeners
     host, port = address_of(listener)
     ports = Ports(port, address_of(scene)[1])
-    announce = announcer(f"HBBA replays {past.info.path.name}", host, ports, token, open_browser=args.open)
+    announce = announcer(f"HBBA replays {past.info.path.name}", host, port, token, open_browser=args.open)
     speed = 1.0 if args.speed is None else _finite(args.speed)
     playback = Playback(replay.system, replay.body, clock, past, speed=speed)
     panels = await asyncio.to_thread(load_panels)

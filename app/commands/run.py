@@ -26,7 +26,6 @@ from app.commands.kernels import kernels_ready
 from app.runtime.realtime import tune_for_latency
 
 if TYPE_CHECKING:
-    from app.console.access.origins import Ports
     from app.program.config import Configuration
     from app.program.system import System
     from app.robots.factory import Body
@@ -156,7 +155,7 @@ async def _live(
     listener, scene = listeners
     host, port = address_of(listener)
     ports = Ports(port, address_of(scene)[1])
-    announce = announcer("HBBA is up", host, ports, token, open_browser=open_browser)
+    announce = announcer("HBBA is up", host, port, token, open_browser=open_browser)
     log.info("starting", extra={"configuration": configuration.program_document.file})
     clock = RealClock()
     system = System(
@@ -195,16 +194,13 @@ async def serve_once_started(system: System, serve: Callable[[], Coroutine[Any, 
         await asyncio.gather(*tasks, return_exceptions=True)
 
 
-def announcer(what: str, host: str, ports: Ports, token: str | None, *, open_browser: bool) -> Callable[[str], None]:
+def announcer(what: str, host: str, port: int, token: str | None, *, open_browser: bool) -> Callable[[str], None]:
     """A function that prints the console's address, and opens it if requested, once the console listens."""
 
     def announce(url: str) -> None:
         print(f"{what}: {login_url(url, token)}  (Ctrl-C stops it)", flush=True)
         if host in ("0.0.0.0", "::"):
-            print(
-                f"From other computers: {login_url(f'http://{socket.gethostname()}:{ports.page}', token)}", flush=True
-            )
-            print(f"The 3D view has port {ports.scene}, too", flush=True)
+            print(f"From other computers: {login_url(f'http://{socket.gethostname()}:{port}', token)}", flush=True)
         if open_browser:
             asyncio.get_running_loop().run_in_executor(None, webbrowser.open, login_url(url, token))
 

@@ -38,7 +38,6 @@ export function SceneView() {
     const takeBack = () => void window.setTimeout(() => takeKeyboardBack(frame.current));
     window.addEventListener("message", receive);
     window.addEventListener("blur", takeBack);
-    void scene.open();
     return () => {
       window.removeEventListener("message", receive);
       window.removeEventListener("blur", takeBack);
@@ -46,10 +45,8 @@ export function SceneView() {
     };
   }, []);
   useSignalEffect(() => scene.takeKeys(keysOfPage(store)));
-  const wasLive = useRef(live);
   useEffect(() => {
-    if (live && !wasLive.current) void scene.again();
-    wasLive.current = live;
+    if (live) void scene.answered(); // not before the login
   }, [live]);
   const slow = hopeless(pace);
   useEffect(() => {

@@ -65,15 +65,28 @@ test("a second port that shows no view gives way to our own, and only that one i
   expect(scene.state.value).toBe("shown");
 });
 
+test("an error that was loaded while the robot did not answer is loaded again when it does", async () => {
+  const { scene } = framed(OWN, OWN, OWN);
+  await scene.answered();
+  expect([scene.load.value, scene.address.value]).toEqual([1, OWN]);
+  await scene.answered();
+  expect(scene.load.value).toBe(1); // on its way
+  scene.loaded();
+  await scene.answered();
+  expect(scene.load.value).toBe(2);
+  vi.advanceTimersByTime(READY_WITHIN_MS);
+  expect(scene.state.value).toBe("loading");
+});
+
 test("a robot that answers again is asked at once, elsewhere if it was started again elsewhere", async () => {
   const { scene, say, inner } = framed(APART, APART, OWN);
   await scene.open();
   say({ type: "ready" });
   const loads = scene.load.value;
-  await scene.again();
+  await scene.answered();
   expect(scene.load.value).toBe(loads);
   expect(inner.postMessage).toHaveBeenLastCalledWith({ type: "reconnect" }, "http://127.0.0.1:8081");
-  await scene.again();
+  await scene.answered();
   expect([scene.load.value, scene.address.value]).toEqual([loads + 1, OWN]);
 });
 

@@ -35,6 +35,7 @@ export class SceneFrame {
   private readonly keys: SceneKeys;
   private taken: string[] = [];
   private turn = 0;
+  /** Something has loaded that has not said yet that it is our page. */
   private ready: ReturnType<typeof setTimeout> | undefined;
 
   constructor(private readonly parts: SceneParts) {
@@ -47,23 +48,24 @@ export class SceneFrame {
     if (address !== null) this.show(address);
   }
 
-  /** The robot answers again after a while: at the same address, or it was started again elsewhere. */
-  async again(): Promise<void> {
+  /** The robot answers, at first or after a while: at the same address, or it was started again elsewhere. */
+  async answered(): Promise<void> {
     const address = await this.sought();
     if (address === null) return;
-    if (this.state.peek() === "missing" || address !== this.address.peek()) this.show(address);
+    const failed = this.state.peek() === "missing" || this.ready !== undefined;
+    if (failed || address !== this.address.peek()) this.show(address);
     else this.say({ type: "reconnect" });
   }
 
   close(): void {
     this.turn += 1;
-    clearTimeout(this.ready);
+    this.stopWaiting();
     this.keys.release();
   }
 
   /** The frame has loaded something: our page, or a page of an error. */
   loaded(): void {
-    clearTimeout(this.ready);
+    this.stopWaiting();
     if (this.state.peek() === "loading") this.ready = setTimeout(() => this.unreached(), READY_WITHIN_MS);
   }
 
@@ -80,7 +82,7 @@ export class SceneFrame {
 
   private take(message: FromScene): void {
     if (message.type === "ready") {
-      clearTimeout(this.ready);
+      this.stopWaiting();
       this.keys.release(); // of the page that was there before
       this.state.value = "shown";
       this.say({ type: "keys", codes: this.taken });
@@ -96,6 +98,7 @@ export class SceneFrame {
   }
 
   private show(address: string): void {
+    this.stopWaiting();
     this.keys.release();
     this.state.value = "loading";
     this.address.value = address;
@@ -103,8 +106,14 @@ export class SceneFrame {
   }
 
   private unreached(): void {
+    this.ready = undefined;
     if (this.address.peek() !== this.parts.own) this.show(this.parts.own);
     else this.state.value = "missing";
+  }
+
+  private stopWaiting(): void {
+    clearTimeout(this.ready);
+    this.ready = undefined;
   }
 
   private get origin(): string | null {
