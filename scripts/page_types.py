@@ -22,6 +22,7 @@ from app.console.live.protocol import FromPage, TimedMessage
 from app.console.records.camera import CameraPoint
 from app.console.records.maps import MapList
 from app.console.records.places import PlaceReport
+from app.console.records.program import SceneAddress
 from app.console.records.recordings import RecordingList, ReplayReport, Saved
 from app.console.records.route import RouteReport
 from app.console.records.tours import RehearsalReport, RunReportList, TourList, TourReport, TourRunReport
@@ -52,6 +53,7 @@ ANSWERS = (
     RouteReport,
     RunReportList,
     Saved,
+    SceneAddress,
     Tour,
     TourList,
     TourReport,

@@ -158,7 +158,7 @@ def _headless(args: argparse.Namespace, log: Log, options: ReplayOptions) -> int
 def _with_console(
     args: argparse.Namespace, log: Log, options: ReplayOptions, opened: Callable[[], Log], stack: ExitStack
 ) -> int:
-    from app.console.server import listen
+    from app.console.server import address_of, listen, listen_for_scene
     from app.logs.replay.playback_state import FASTEST
     from app.logs.replay.replay import Replay
     from app.runtime.replay_clock import ReplayClock
@@ -179,7 +179,10 @@ def _with_console(
         print(note)
     listener = stack.enter_context(listen(host, console.port if args.port is None else args.port))
     host_names = (*console.host_names, *args.host_name)
-    live = _live(args, replay, clock=clock, past=past, listener=listener, token=token, host_names=host_names)
+    scene_port = console.scene_port if args.scene_port is None else args.scene_port
+    scene = stack.enter_context(listen_for_scene(host, address_of(listener)[1], scene_port))
+    listeners = (listener, scene)
+    live = _live(args, replay, clock=clock, past=past, listeners=listeners, token=token, host_names=host_names)
     return asyncio.run(until_stopped(live, Stopping()))
 
 
@@ -188,13 +191,17 @@ async def _live(
     replay: Replay,
     clock: Any,
     past: Log,
-    listener: socket.socket,
+    listeners: tuple[socket.socket, socket.socket],
     token: str | None,
     host_names: Sequence[str],
 ) -> None:
-    """Replay with a console until it is stopped. Raises LinkFailed."""
+    """Replay with a console until it is stopped. Raises LinkFailed.
+
+    ``listeners`` are those of the page and of the 3D view alone.
+    """
     import cv2
 
+    from app.console.access.origins import Ports
     from app.console.app import create_app
     from app.console.panels import load_panels
     from app.console.server import address_of, serve
@@ -202,13 +209,21 @@ async def _live(
 
     cv2.setNumThreads(1)
     await kernels_ready()
+    listener, scene = listeners
     host, port = address_of(listener)
+    ports = Ports(port, address_of(scene)[1])
     announce = announcer(f"HBBA replays {past.info.path.name}", host, port, token, open_browser=args.open)
     speed = 1.0 if args.speed is None else _finite(args.speed)
     playback = Playback(replay.system, replay.body, clock, past, speed=speed)
     panels = await asyncio.to_thread(load_panels)
     app = create_app(  # takes long: before anything plays
-        replay.system, token=token, host=host, host_names=host_names, playback=playback, panels=panels
+        replay.system,
+        token=token,
+        host=host,
+        host_names=host_names,
+        ports=ports,
+        playback=playback,
+        panels=panels,
     )
     async with replay, playback:
         up = asyncio.Event()
@@ -217,7 +232,7 @@ async def _live(
             announce(url)
             up.set()
 
-        serving = serve(app, host, port, listener=listener, started=started)
+        serving = serve(app, host, port, listener=listener, scene=scene, started=started)
         tasks = [asyncio.create_task(serving, name="console")]
         tasks.append(asyncio.create_task(_failed(replay), name="replay's failure"))
         if args.exit_when_unwatched is not None:

@@ -14,6 +14,7 @@ import sys
 import threading
 import webbrowser
 from collections.abc import Callable, Coroutine, Sequence
+from contextlib import ExitStack
 from types import FrameType
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
@@ -51,6 +52,12 @@ def add_console_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--host", metavar="H", help="address to listen on (default 127.0.0.1: this computer alone)")
     parser.add_argument("--port", type=_port, metavar="N", help="port to listen on (default 8080; 0: any free one)")
     parser.add_argument(
+        "--scene-port",
+        type=_port,
+        metavar="N",
+        help="port of the 3D view alone (default: the next one, or any that is free; 0: any free one)",
+    )
+    parser.add_argument(
         "--token-file",
         type=file_named,
         metavar="FILE",
@@ -71,7 +78,7 @@ def add_console_options(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run until a signal comes or the body fails. Raises ConfigError."""
-    from app.console.server import listen
+    from app.console.server import address_of, listen, listen_for_scene
     from app.link import LinkFailed
     from app.runtime.allocator import share_arenas
 
@@ -81,10 +88,13 @@ def run(args: argparse.Namespace) -> int:
     host = args.host or console.host
     token = token_for(args, host)
     try:
-        with listen(host, console.port if args.port is None else args.port) as listener:
+        with ExitStack() as stack:
+            listener = stack.enter_context(listen(host, console.port if args.port is None else args.port))
+            scene_port = console.scene_port if args.scene_port is None else args.scene_port
+            scene = stack.enter_context(listen_for_scene(host, address_of(listener)[1], scene_port))
             logging_setup.configure(args.log_level, as_json=args.log_json)
             names = (*console.host_names, *args.host_name)
-            live = _live(configuration, body, listener, token, names, open_browser=args.open)
+            live = _live(configuration, body, (listener, scene), token, names, open_browser=args.open)
             return asyncio.run(until_stopped(live, Stopping()))
     except LinkFailed as failure:
         print(f"hbba run: {failure}", file=sys.stderr)
@@ -118,15 +128,19 @@ async def until_stopped(live: Coroutine[Any, Any, None], stopping: Stopping) -> 
 async def _live(
     configuration: Configuration,
     body: Body,
-    listener: socket.socket,
+    listeners: tuple[socket.socket, socket.socket],
     token: str | None,
     names: Sequence[str],
     *,
     open_browser: bool,
 ) -> None:
-    """Bring everything up, say where, wait for the end, take everything down. Raises LinkFailed, ConfigError."""
+    """Bring everything up, say where, wait for the end, take everything down. Raises LinkFailed, ConfigError.
+
+    ``listeners`` are those of the page and of the 3D view alone.
+    """
     import cv2
 
+    from app.console.access.origins import Ports
     from app.console.app import create_app
     from app.console.panels import load_panels
     from app.console.server import address_of, serve
@@ -138,7 +152,9 @@ async def _live(
     cv2.setNumThreads(1)  # modules have their own threads; OpenCV's pool would only fight them for the cores
 
     await kernels_ready()
+    listener, scene = listeners
     host, port = address_of(listener)
+    ports = Ports(port, address_of(scene)[1])
     announce = announcer("HBBA is up", host, port, token, open_browser=open_browser)
     log.info("starting", extra={"configuration": configuration.program_document.file})
     clock = RealClock()
@@ -147,9 +163,11 @@ async def _live(
     )
     panels = await asyncio.to_thread(load_panels)
     # Building takes long enough to disturb driving.
-    app = create_app(system, token=token, host=host, host_names=names, panels=panels)
+    app = create_app(system, token=token, host=host, host_names=names, ports=ports, panels=panels)
     async with system:
-        await serve_once_started(system, lambda: serve(app, host, port, listener=listener, started=announce))
+        await serve_once_started(
+            system, lambda: serve(app, host, port, listener=listener, scene=scene, started=announce)
+        )
 
 
 async def serve_once_started(system: System, serve: Callable[[], Coroutine[Any, Any, None]]) -> None:
@@ -250,7 +268,7 @@ def _port(text: str) -> int:
 
 
 def _host_name(text: str) -> str:
-    from app.console.access.auth import host_name
+    from app.console.access.origins import host_name
 
     if (name := host_name(text)) == "" or ":" in text:
         raise argparse.ArgumentTypeError(f"a host name is one as robot.example, without a port, not {text!r}")

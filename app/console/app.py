@@ -13,6 +13,7 @@ from starlette.types import ASGIApp
 
 from app.base import paths
 from app.console.access.auth import Door, Guarded
+from app.console.access.origins import Ports
 from app.console.description import describe, operation_id
 from app.console.live.endpoint import live
 from app.console.live.face import face
@@ -45,6 +46,7 @@ from app.console.rest.tours import tours_router
 from app.console.rest.viewers import viewers_router
 from app.console.rest.visitor import visitor_router
 from app.console.view.relay import view_router
+from app.console.view.scene_port import AtPorts, scene_app
 from app.console.view.view import View
 
 if TYPE_CHECKING:
@@ -62,6 +64,7 @@ def create_app(
     token: str | None = None,
     host: str = "127.0.0.1",
     host_names: Sequence[str] = (),
+    ports: Ports | None = None,
     early_view: bool = True,
     panels: Mapping[str, Panel] | None = None,
 ) -> FastAPI:
@@ -71,13 +74,14 @@ def create_app(
     ``static_dir`` holds the built page (default: where the build puts it). ``token`` None: any client on this
     computer may use it, under a name of this computer; see :mod:`app.console.access.auth`. ``host_names`` are its names
     beside this computer's own, where a token is needed. ``host`` is where replays that are started from here
-    listen. ``early_view``: start the 3D view with the program rather than with its first viewer. ``panels`` are those
-    of packages, by name (:func:`app.console.panels.load_panels`).
+    listen. ``ports`` are those it is served at, if the 3D view has one of its own; None: it has none. ``early_view``:
+    start the 3D view with the program rather than with its first viewer. ``panels`` are those of packages, by name
+    (:func:`app.console.panels.load_panels`).
     """
     panels = panels or {}
     hub = Hub(system, playback, sorted({channel for panel in panels.values() for channel in panel.channels}))
     view = View(system, lambda: hub.is_shown(COSTMAP), early=early_view, playback=playback)
-    door = Door(token, host_names)
+    door = Door(token, host_names, ports=ports)
     replays = Replays(host, token, host_names)
     rehearsals = Rehearsals()
     visitors = TourVisitors(system, door)
@@ -97,6 +101,7 @@ def create_app(
     # FastAPI's own documentation pages load scripts from elsewhere; ours need nothing but this server.
     app = _Console(
         door,
+        view,
         lifespan=lifespan,
         openapi_url=None,
         docs_url=None,
@@ -125,7 +130,7 @@ def create_app(
         visitor_router(system, door, visitors, listens=host, names=host_names),
         program_router(system, hub),
         recordings_router(system, replays, None if playback is None else playback.info.path),
-        viewers_router(hub, view),
+        viewers_router(hub, view, ports),
         session_router(door),
         playback_router(playback),
     )
@@ -159,9 +164,13 @@ def create_app(
 class _Console(FastAPI):
     """FastAPI with the door as its outermost layer, outside even of the one that answers 500."""
 
-    def __init__(self, door: Door, **options: Any) -> None:
+    def __init__(self, door: Door, view: View, **options: Any) -> None:
         super().__init__(**options)
         self._door = door
+        self._scene = None if door.ports is None else scene_app(view, door.ports)
 
     def build_middleware_stack(self) -> ASGIApp:
-        return Guarded(super().build_middleware_stack(), self._door)
+        stack = super().build_middleware_stack()
+        if self._scene is not None and self._door.ports is not None:
+            stack = AtPorts(stack, self._scene, self._door.ports)
+        return Guarded(stack, self._door)

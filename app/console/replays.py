@@ -70,7 +70,8 @@ class Replays:
         """
         async with self._turn:
             await self._end_current(replaced=True)
-            options = ["--port", "0", "--host", self._host, "--exit-when-unwatched", f"{UNWATCHED_S:g}"]
+            options = ["--port", "0", "--scene-port", "0", "--host", self._host]
+            options += ["--exit-when-unwatched", f"{UNWATCHED_S:g}"]
             options += [option for name in self._names for option in ("--host-name", name)]
             environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
             if self._token is not None:

@@ -39,8 +39,8 @@ _EXHAUSTED = (errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM)
 log = logging.getLogger("hbba.console")
 
 
-def listen(host: str, port: int) -> socket.socket:
-    """Bind ``host:port`` (port 0: any free one) and listen.
+def listen(host: str, port: int, option: str = "--port") -> socket.socket:
+    """Bind ``host:port`` (port 0: any free one, which ``option`` chooses) and listen.
 
     To be done before anything else starts, so that nothing starts in vain. No request is answered before :func:`serve`.
     Raises ConfigError saying what to do when the address cannot be had, or connections to it could not.
@@ -61,21 +61,37 @@ def listen(host: str, port: int) -> socket.socket:
         listener.setblocking(False)
     except OSError as failure:
         listener.close()
-        raise ConfigError(_why_not(host, port, failure)) from None
+        raise ConfigError(_why_not(host, port, option, failure)) from None
     return listener
 
 
-def _why_not(host: str, port: int, failure: OSError) -> str:
+def _why_not(host: str, port: int, option: str, failure: OSError) -> str:
     if failure.errno == errno.EADDRINUSE:
         return (
             f"port {port} of {host} is taken by another program; stop that one or choose another: "
-            f"--port {port + 1 if port < 65535 else 8080}, or --port 0 for any free one"
+            f"{option} {port + 1 if port < 65535 else 8080}, or {option} 0 for any free one"
         )
     if failure.errno == errno.EACCES:
-        return f"port {port} needs more rights than this program has; choose one above 1023: --port 8080"
+        return f"port {port} needs more rights than this program has; choose one above 1023: {option} 8080"
     if failure.errno == errno.EADDRNOTAVAIL:
         return f"{host} is no address of this computer; use 127.0.0.1, or 0.0.0.0 for all its addresses"
     return f"the console cannot listen on {host}:{port}: {failure.strerror or failure}"
+
+
+def listen_for_scene(host: str, page_port: int, port: int | None) -> socket.socket:
+    """Listen on the second port, for the 3D view alone.
+
+    ``port`` None: the one after ``page_port``, or any free one where that cannot be had. Raises ConfigError.
+    """
+    if port is None and page_port < 65535:
+        with contextlib.suppress(ConfigError):  # what else than its being taken is wrong is said below
+            return listen(host, page_port + 1, "--scene-port")
+    if port == page_port:
+        raise ConfigError(
+            f"the 3D view needs a port of its own, not the page's {port}: choose another, or --scene-port 0 for any "
+            "free one"
+        )
+    return listen(host, port or 0, "--scene-port")
 
 
 def address_of(listener: socket.socket) -> tuple[str, int]:
@@ -171,11 +187,13 @@ async def serve(
     port: int,
     *,
     listener: socket.socket | None = None,
+    scene: socket.socket | None = None,
     started: Callable[[str], None] | None = None,
 ) -> None:
     """Serve ``app`` until cancelled, then end within a second.
 
-    ``listener`` is a socket from :func:`listen`, if one was bound beforehand. ``started(url)`` is called once requests
+    ``listener`` is a socket from :func:`listen`, if one was bound beforehand; ``scene`` one from
+    :func:`listen_for_scene`, if the 3D view has a port of its own. ``started(url)`` is called once requests
     are answered. Raises ConfigError when the address cannot be had.
     """
     sock = listener or listen(host, port)
@@ -198,7 +216,8 @@ async def serve(
     )
     server = _Server(config, visitors)
     url = url_of(sock)
-    task = asyncio.create_task(server.serve([sock]), name="console")
+    sockets = [sock] if scene is None else [sock, scene]
+    task = asyncio.create_task(server.serve(sockets), name="console")
     try:
         while not server.started and not task.done():
             # uvicorn has no event for this.
@@ -213,4 +232,5 @@ async def serve(
         await task
         raise
     finally:
-        sock.close()
+        for each in sockets:
+            each.close()

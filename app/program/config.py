@@ -58,6 +58,9 @@ class ConsoleConfig(_Model):
 
     host: str = "127.0.0.1"
     port: int = Field(8080, ge=0, le=65535, description="0: any free port")
+    scene_port: int | None = Field(
+        None, ge=0, le=65535, description="port of the 3D view alone; null: the next one, or any that is free"
+    )
     # Its token is no part of this: a configuration is attached to every recording.
     host_names: tuple[str, ...] = Field((), description="names it is reached by beside the computer's own")
     command_validity_s: float = Field(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import socket
 import time
 from collections.abc import AsyncIterator, Callable
 from pathlib import Path
@@ -280,12 +281,14 @@ def build(
 
 
 @contextlib.asynccontextmanager
-async def served(app: FastAPI) -> AsyncIterator[str]:
-    """``app`` served on a free port of 127.0.0.1; gives its URL."""
-    listener = listen("127.0.0.1", 0)
+async def served(
+    app: FastAPI, listener: socket.socket | None = None, scene: socket.socket | None = None
+) -> AsyncIterator[str]:
+    """``app`` served on a free port of 127.0.0.1, or by ``listener`` and ``scene``; gives its URL."""
+    listener = listener or listen("127.0.0.1", 0)
     url = url_of(listener)
     up = asyncio.Event()
-    task = asyncio.create_task(serve(app, "127.0.0.1", 0, listener=listener, started=lambda _: up.set()))
+    task = asyncio.create_task(serve(app, "127.0.0.1", 0, listener=listener, scene=scene, started=lambda _: up.set()))
     started = asyncio.create_task(up.wait())
     await asyncio.wait({task, started}, return_when=asyncio.FIRST_COMPLETED)
     try:

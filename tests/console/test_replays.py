@@ -92,7 +92,7 @@ async def test_one_that_is_not_up_yet_ends_as_replaced(replays: Replays) -> None
 async def test_its_arguments_say_where_to_listen_and_when_to_end(replays: Replays) -> None:
     replays.command = ("sh", "-c", 'echo "http://127.0.0.1:1/#$(echo "$@" | tr " " ,) "; exec sleep 60', "sh")
     url = await replays.start("tour", Path("/somewhere/tour.mcap"))
-    assert url.endswith("#--port,0,--host,127.0.0.1,--exit-when-unwatched,180,--,/somewhere/tour.mcap")
+    assert url.endswith("#--port,0,--scene-port,0,--host,127.0.0.1,--exit-when-unwatched,180,--,/somewhere/tour.mcap")
 
 
 @pytest.mark.parametrize(
@@ -201,7 +201,7 @@ async def test_the_token_goes_by_the_environment_alone_and_the_names_by_the_argu
 
 async def test_a_replay_answers_to_the_names_of_this_console() -> None:
     replays = Replays("127.0.0.1", None, ["robot.example", "robot.lan"])
-    replays.command = ("sh", "-c", 'shift 6; echo "http://host/$1/$2/$3/$4/$5 "; exec sleep 60', "replay")
+    replays.command = ("sh", "-c", 'shift 8; echo "http://host/$1/$2/$3/$4/$5 "; exec sleep 60', "replay")
     try:
         url = await replays.start("tour", Path("tour.mcap"))
         assert url == "http://host/--host-name/robot.example/--host-name/robot.lan/--"

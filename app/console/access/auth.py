@@ -3,7 +3,8 @@
 On loopback without a token anyone on this computer may, but a web page elsewhere may not: the ``Host`` must be a name
 of this computer (DNS rebinding), and where a browser states an ``Origin``, it must be ours. Beyond loopback a token is
 needed, as ``Authorization: Bearer`` or, for browsers, as the cookie of a session from ``/api/v1/session``;
-the ``Host`` must then be an address, this computer's name, or one that the console was started for.
+the ``Host`` must then be an address, this computer's name, or one that the console was started for. The second port,
+that of the 3D view, asks the same, and takes the session's cookie of the first.
 
 Visitors of a tour have neither: the key of its run opens what is below VISITOR_PATHS to them, and nothing else.
 """
@@ -15,7 +16,6 @@ import contextlib
 import hmac
 import ipaddress
 import math
-import re
 import socket
 import time
 from collections.abc import Callable, Collection
@@ -25,7 +25,9 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from app.console.access.headers import add_headers
 from app.console.access.login_attempts import Attempts
+from app.console.access.origins import Ports, host_name, scheme_of
 from app.console.access.request_limits import ClientLeft, objection_to_scope, with_body
 from app.console.access.sessions import LoginSession, Sessions
 from app.console.access.visitor_keys import VisitorKeys
@@ -36,19 +38,8 @@ VISITOR_COOKIE = "hbba_visitor"
 #: All that a visitor's cookie opens; browsers send it nowhere else.
 VISITOR_PATHS = "/api/v1/visitor/"
 #: Paths that may be reached without a login, besides the pages: both logins and the sign of life.
-OPEN_PATHS = frozenset({"/api/v1/health", "/api/v1/session", f"{VISITOR_PATHS}session"})
+OPEN_PATHS = frozenset({"/api/v1/health", "/api/v1/session", f"{VISITOR_PATHS}session", "/viser/health"})
 GUARDED = ("/api", "/viser", "/panels")
-
-_PAGE_POLICY = (
-    "default-src 'self'; img-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; connect-src 'self'; "
-    "object-src 'none'; base-uri 'none'; form-action 'self'; frame-ancestors 'self'"
-)
-# viser's client is one file that unpacks and runs itself, with workers and WebAssembly.
-_VIEW_POLICY = (
-    "default-src 'self' data: blob:; script-src 'self' 'unsafe-inline' 'unsafe-eval' blob: data:; "
-    "style-src 'self' 'unsafe-inline'; worker-src 'self' blob: data:; connect-src 'self' data: blob:; "
-    "object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'self'"
-)
 
 
 def is_loopback(host: str) -> bool:
@@ -64,13 +55,19 @@ def is_loopback(host: str) -> bool:
 class Door:
     """Decides which requests are let in. ``token`` None: those from this computer.
 
-    ``names`` are host names that this console answers to beyond addresses and this computer's own name; ``now`` gives
-    seconds of any steady clock.
+    ``names`` are host names that this console answers to beyond addresses and this computer's own name; ``ports`` are
+    where it listens, if the 3D view has one of its own; ``now`` gives seconds of any steady clock.
     """
 
     def __init__(
-        self, token: str | None, names: Collection[str] = (), *, now: Callable[[], float] = time.monotonic
+        self,
+        token: str | None,
+        names: Collection[str] = (),
+        *,
+        ports: Ports | None = None,
+        now: Callable[[], float] = time.monotonic,
     ) -> None:
+        self.ports = ports
         self._token = token
         self._names = frozenset(name.lower().rstrip(".") for name in (*names, *own_names()))
         self._sessions = Sessions(now)
@@ -93,17 +90,17 @@ class Door:
 
     def log_out(self, scope: Scope) -> None:
         """End the session that a request belongs to, and its connections."""
-        self._sessions.end(_cookie(scope))
+        self._sessions.end(self._cookie(scope))
 
     def session(self, scope: Scope) -> LoginSession | None:
         """The session that a request belongs to; None without one, as where it brings the token itself."""
-        return self._sessions.find(_cookie(scope)) if self.asks else None
+        return self._sessions.find(self._cookie(scope)) if self.asks else None
 
     def visitor(self, scope: Scope) -> LoginSession | None:
         """The session of the visitor who makes a request; None for all others, and for all that is not visitors'."""
         if not scope["path"].startswith(VISITOR_PATHS):
             return None
-        return self.visitors.find(_cookie(scope, VISITOR_COOKIE))
+        return self.visitors.find(HTTPConnection(scope).cookies.get(cookie_name(scope, VISITOR_COOKIE)))
 
     def refusal(self, scope: Scope) -> Problem | None:
         """Why a request may not enter for what it brings (a session's cookie, or the token), or None."""
@@ -140,7 +137,7 @@ class Door:
             return problem
         origin = headers.get("origin")
         changes = scope["type"] == "websocket" or scope["method"] not in ("GET", "HEAD", "OPTIONS")
-        if changes and origin is not None and origin.lower() != f"{_scheme(scope)}://{host}".lower():
+        if changes and origin is not None and origin.lower() != f"{scheme_of(scope)}://{host}".lower():
             return Problem(403, "foreign-origin", f"Pages of {origin} may not use this console.")
         path = scope["path"]
         guarded = any(path == prefix or path.startswith(f"{prefix}/") for prefix in GUARDED)
@@ -148,6 +145,11 @@ class Door:
         if not guarded or path in OPEN_PATHS or self.visitor(scope) is not None:
             return None
         return self.refusal(scope)
+
+    def _cookie(self, scope: Scope) -> str | None:
+        at_scene = self.ports is not None and self.ports.at_scene(scope)
+        name = f"{COOKIE}_{self.ports.page}" if self.ports is not None and at_scene else cookie_name(scope)
+        return HTTPConnection(scope).cookies.get(name)
 
     def _objection_to_host(self, host: str) -> Problem | None:
         name = host_name(host)
@@ -177,18 +179,6 @@ def unauthorized() -> Problem:
     )
 
 
-#: A host as a header may name it: a name, an IPv4 address or a bracketed IPv6 address, and a port.
-_HOST = re.compile(
-    r"(?:([a-z0-9](?:[a-z0-9._-]*[a-z0-9])?)\.?|\[([0-9a-f:.]+)\])(?::[0-9]{1,5})?", re.IGNORECASE | re.ASCII
-)
-
-
-def host_name(host: str) -> str:
-    """The name or address in a ``Host`` header, in lower case and without brackets; "" for what is no host."""
-    found = _HOST.fullmatch(host)
-    return "" if found is None else (found[1] or found[2]).lower()
-
-
 def own_names() -> tuple[str, ...]:
     """The names under which this computer knows itself, and mDNS knows it."""
     name = socket.gethostname().lower()
@@ -204,10 +194,6 @@ def _is_address(name: str) -> bool:
     return True
 
 
-def _scheme(scope: Scope) -> str:
-    return "https" if scope["scheme"] in ("https", "wss") else "http"
-
-
 def cookie_name(scope: Scope, cookie: str = COOKIE) -> str:
     """The name of a session's cookie, one per port: browsers send a cookie to every port of a host, where the consoles
     of replays may be."""
@@ -218,11 +204,7 @@ def cookie_name(scope: Scope, cookie: str = COOKIE) -> str:
 def cookie_fields(scope: Scope, path: str = "/") -> dict[str, Any]:
     """How a session's cookie for ``path`` is set and deleted: for no script, no other site, and, over TLS, for TLS
     alone."""
-    return {"httponly": True, "samesite": "strict", "path": path, "secure": _scheme(scope) == "https"}
-
-
-def _cookie(scope: Scope, cookie: str = COOKIE) -> str | None:
-    return HTTPConnection(scope).cookies.get(cookie_name(scope, cookie))
+    return {"httponly": True, "samesite": "strict", "path": path, "secure": scheme_of(scope) == "https"}
 
 
 class Guarded:
@@ -247,7 +229,7 @@ class Guarded:
     async def _http(self, scope: Scope, receive: Receive, send: Send) -> None:
         async def send_with_headers(message: Message) -> None:
             if message["type"] == "http.response.start":
-                add_headers(MutableHeaders(scope=message), scope["path"])
+                add_headers(MutableHeaders(scope=message), scope, self._door.ports)
             await send(message)
 
         try:
@@ -314,17 +296,3 @@ async def _refuse_websocket(problem: Problem, scope: Scope, receive: Receive, se
     headers += [(name.lower().encode("latin-1"), value.encode("latin-1")) for name, value in problem.headers.items()]
     await send({"type": "websocket.http.response.start", "status": problem.status, "headers": headers})
     await send({"type": "websocket.http.response.body", "body": problem_body(problem)})
-
-
-def add_headers(headers: MutableHeaders, path: str) -> None:
-    """Set the security and cache headers of an answer at ``path``; what is set already stays."""
-    headers.setdefault("x-content-type-options", "nosniff")
-    headers.setdefault("referrer-policy", "same-origin")
-    headers.setdefault("cross-origin-opener-policy", "same-origin")
-    headers.setdefault("cross-origin-resource-policy", "same-origin")
-    headers.setdefault("content-security-policy", _VIEW_POLICY if path.startswith("/viser") else _PAGE_POLICY)
-    if path.startswith("/assets/"):
-        # Vite names these by their content.
-        headers.setdefault("cache-control", "public, max-age=31536000, immutable")
-    else:
-        headers.setdefault("cache-control", "no-store" if path.startswith("/api") else "no-cache")

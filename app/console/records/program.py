@@ -80,6 +80,13 @@ class Session:
 
 
 @dataclass(frozen=True, slots=True)
+class SceneAddress:
+    """Where a page takes the 3D view for a frame from."""
+
+    url: Annotated[str | None, doc("On its own port; null: from the console's, at `viser/`.")]
+
+
+@dataclass(frozen=True, slots=True)
 class PageReport:
     """A page on the live stream."""
 

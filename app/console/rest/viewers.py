@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Request
 from fastapi.responses import Response
 
+from app.console.access.origins import Ports
 from app.console.live.hub import Hub
-from app.console.records.program import PageReport, ViewerList, ViewReport
+from app.console.records.program import PageReport, SceneAddress, ViewerList, ViewReport
 from app.console.rest.answers import Json
 from app.console.rest.routing import router as api_router
 from app.console.view.view import View
 
 
-def viewers_router(hub: Hub, view: View) -> APIRouter:
-    """Routes of ``/viewers``."""
+def viewers_router(hub: Hub, view: View, ports: Ports | None) -> APIRouter:
+    """Routes of ``/viewers`` and ``/scene``."""
     router = api_router("session")
 
     @router.get("/viewers", response_model=ViewerList, summary="Connected pages and 3D views, and their connections")
@@ -47,5 +48,13 @@ def viewers_router(hub: Hub, view: View) -> APIRouter:
             for session in view.sessions
         )
         return Json(ViewerList(tuple(pages), views))
+
+    @router.get("/scene", response_model=SceneAddress, summary="Where the 3D view for a page's frame is")
+    async def get_scene(request: Request) -> Response:
+        """Its address on the port of the 3D view, for a client that reached the console under this request's `Host`.
+        Where that names another port than the console's own, as behind a proxy, the second port's address is not known,
+        and the view is at `/viser/` here."""
+        origin = None if ports is None else ports.scene_origin(request.scope)
+        return Json(SceneAddress(None if origin is None else f"{origin}/viser/"))
 
     return router

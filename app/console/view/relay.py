@@ -17,8 +17,9 @@ from pathlib import Path
 
 import msgspec
 import websockets
-from fastapi import APIRouter, WebSocket
+from fastapi import APIRouter, Request, WebSocket
 from fastapi.responses import HTMLResponse, Response
+from starlette.types import Scope
 from starlette.websockets import WebSocketDisconnect
 from websockets.asyncio.client import ClientConnection
 
@@ -32,6 +33,8 @@ _PROTOCOL = "viser-v"
 
 log = logging.getLogger("hbba.view")
 
+#: In its place the origin of the page around the view is written, which is made of a host's name and a port alone.
+_PAGE_ORIGIN = "{page origin}"
 _INJECTED = (Path(__file__).parent / "inject.html").read_text(encoding="utf-8")
 
 
@@ -67,27 +70,31 @@ def allowed(frame: bytes) -> bool:
         return False
 
 
-def viewer_page() -> str:
-    """viser's page with our addition at the head. Reads a file; for a worker thread."""
+def viewer_page() -> tuple[str, str]:
+    """viser's page, before and after our addition at its head. Reads a file; for a worker thread."""
     found = importlib.util.find_spec("viser")
     assert found is not None
     assert found.origin is not None
     page = (Path(found.origin).parent / "client" / "build" / "index.html").read_text(encoding="utf-8")
     head, tag, rest = page.partition("<head>")
-    return head + tag + _INJECTED + rest
+    return head + tag, rest
 
 
-def view_router(view: View) -> APIRouter:
-    """Routes of ``/viser``."""
+def view_router(view: View, page_origin: Callable[[Scope], str | None] = lambda _: None) -> APIRouter:
+    """Routes of ``/viser``.
+
+    ``page_origin`` gives the origin of the page that may speak with the view that a request asks for; None: its own.
+    """
     router = APIRouter(include_in_schema=False)
-    pages: list[str] = []
+    pages: list[tuple[str, str]] = []
 
     @router.get("/viser")
     @router.get("/viser/")
-    async def page() -> Response:
+    async def page(request: Request) -> Response:
         if not pages:
             pages.append(await asyncio.to_thread(viewer_page))
-        return HTMLResponse(pages[0])
+        head, rest = pages[0]
+        return HTMLResponse(head + _INJECTED.replace(_PAGE_ORIGIN, page_origin(request.scope) or "") + rest)
 
     @router.websocket("/viser")
     async def scene(websocket: WebSocket) -> None:

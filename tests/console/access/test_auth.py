@@ -13,7 +13,8 @@ import pytest
 import websockets
 
 from app.base.errors import ConfigError
-from app.console.access.auth import COOKIE, host_name, is_loopback
+from app.console.access.auth import COOKIE, is_loopback
+from app.console.access.origins import host_name
 from app.console.app import create_app
 from app.console.server import listen, url_of
 from app.program.system import System

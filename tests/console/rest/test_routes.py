@@ -50,6 +50,7 @@ def is_problem(response: httpx.Response, status: int, kind: str) -> dict[str, An
         ("/session", program.Session),
         ("/health", program.Health),
         ("/viewers", program.ViewerList),
+        ("/scene", program.SceneAddress),
     ],
 )
 async def test_every_answer_has_the_shape_that_is_declared(

@@ -24,7 +24,7 @@ function heldKeys({ going = false, on = target() } = {}) {
   const drive = new DriveController(store, session, {} as PlaybackController);
   const stop = vi.fn(() => going);
   drive.onStop = stop;
-  drive.listenIn(on as unknown as Window);
+  drive.listenTo(on as unknown as Window);
   drive.input({ type: "allow", allowed: true });
   const press = (type: "keydown" | "keyup", code: string, repeat = false) => {
     const event = Object.assign(new Event(type, { cancelable: true }), { code, key: code, repeat });

@@ -52,7 +52,7 @@ export class DriveController {
     effect(() => this.input({ type: "allow", allowed: this.refusal.value === null }));
     window.setInterval(() => this.beat(), TICK_MS);
     this.session.onChance = () => this.beat();
-    this.listen(window);
+    this.listenTo(window);
     window.addEventListener("blur", () => this.release());
     window.addEventListener("pagehide", () => this.release(true));
     document.addEventListener("visibilitychange", () => this.release(document.hidden));
@@ -63,13 +63,6 @@ export class DriveController {
     for (const kind of ["focus", "blur"]) window.addEventListener(kind, () => this.look());
     window.addEventListener("gamepadconnected", () => this.poll());
     window.addEventListener("gamepaddisconnected", () => this.release());
-  }
-
-  /** Keys pressed in `frame`'s page drive too; its losing the focus is a release like ours. */
-  listenIn(frame: Window): void {
-    this.listen(frame);
-    frame.addEventListener("blur", () => this.release());
-    frame.addEventListener("focus", () => this.look());
   }
 
   input(input: Input): void {
@@ -116,7 +109,8 @@ export class DriveController {
     this.input({ type: "preset", factor });
   }
 
-  private listen(target: Window): void {
+  /** Takes the keys pressed on `target`, and on what is in it. */
+  listenTo(target: Window): void {
     target.addEventListener("keydown", (event) => this.keyDown(event), { capture: true });
     target.addEventListener("keyup", (event) => this.keyUp(event), { capture: true });
   }
@@ -252,8 +246,6 @@ function readPreset(): number {
   const kept = Number(localStorage.getItem(PRESET_KEY));
   return PRESETS.find(({ factor }) => factor === kept)?.factor ?? PRESETS[1].factor;
 }
-
-// Elements of the 3D view's page are of another realm: `instanceof` would not know them.
 
 function closest(target: EventTarget | Element | null, selector: string): Element | null {
   const element = target as Element | null;

@@ -101,11 +101,7 @@ export class MapControl {
       this.view.value = { ...view, x: middle.x, y: middle.y, up };
     });
     // Before the driving keys: Escape cancels the map's tool first, while the robot stands.
-    this.listenIn(window);
-  }
-
-  listenIn(target: Window): void {
-    target.addEventListener("keydown", (event) => this.keyDown(event), { capture: true });
+    window.addEventListener("keydown", (event) => this.keyDown(event), { capture: true });
   }
 
   /** The canvas has so many px now, and is there now: what was seen in one place is seen in the other. */

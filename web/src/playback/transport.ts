@@ -18,6 +18,8 @@ const KEYS: Readonly<Record<string, Action>> = {
   Home: "begin",
   End: "end",
 };
+/** Codes of the keys that move a recording. */
+export const PLAYBACK_KEYS: readonly string[] = Object.keys(KEYS);
 
 export interface Key {
   code: string;

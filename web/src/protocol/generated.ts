@@ -1165,6 +1165,12 @@ export interface Scale {
   utility: number;
 }
 
+/** Where a page takes the 3D view for a frame from. */
+export interface SceneAddress {
+  /** On its own port; null: from the console's, at `viser/`. */
+  url: string | null;
+}
+
 /** A strategy at work. */
 export interface SelectedStrategy {
   name: string;

@@ -32,6 +32,7 @@ import type {
   RunReportList,
   Saved,
   SaveRequest,
+  SceneAddress,
   TourList,
   TourPress,
   TourReport,
@@ -213,6 +214,11 @@ export class Rest {
   /** Plans and moves nothing. */
   async planRoute(wanted: RouteRequest): Promise<RouteReport> {
     return (await this.ask("POST", "/map/route", wanted)) as RouteReport;
+  }
+
+  /** Where the 3D view's frame is on a port of its own. */
+  async scene(): Promise<SceneAddress> {
+    return (await this.ask("GET", "/scene")) as SceneAddress;
   }
 
   async tours(): Promise<TourList> {

@@ -45,12 +45,6 @@ export class Talking {
     });
   }
 
-  /** The key pressed in `frame`'s page counts too; its losing the focus is a release. */
-  listenIn(frame: Window): void {
-    this.listen(frame);
-    frame.addEventListener("blur", () => this.release());
-  }
-
   press(): void {
     if (this.state.peek() !== "idle") return;
     const reason = this.refusal.peek();

@@ -1,79 +1,77 @@
-/** The 3D view: viser in a frame of our own origin. Its keys drive too, and it never keeps the keyboard for itself. */
+/** The 3D view: viser in a frame. Its keys drive too, and it never keeps the keyboard for itself. */
 
+import { useSignalEffect } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
+import { DRIVE_KEYS, HEAD_KEYS, STRAFE_KEYS } from "../drive/keys";
+import { PLAYBACK_KEYS } from "../playback/transport";
 import { useApp } from "../state/context";
-import { hopeless, paced, SHARES, startPace } from "./pace";
-
-type Scene = "loading" | "shown" | "missing";
+import type { Store } from "../state/store";
+import { FULL, hopeless, paced, SHARES } from "./pace";
+import { sceneAddress } from "./sceneAddress";
+import { SceneFrame } from "./sceneFrame";
+import type { Stroke } from "./sceneMessages";
 
 export function SceneView() {
-  const { store, drive, talking, map } = useApp();
+  const { store, session } = useApp();
   const frame = useRef<HTMLIFrameElement>(null);
-  const [scene, setScene] = useState<Scene>("loading");
-  const [step, setStep] = useState(0);
-  const warned = useRef(false);
-  const live = store.live.value;
-  useEffect(() => {
-    if (scene !== "shown" || new URLSearchParams(location.search).get("scene") === "full") return;
-    let pace = startPace(performance.now(), step);
-    let request = requestAnimationFrame(function frame(now) {
-      pace = document.hidden ? startPace(now, pace.step) : paced(pace, now);
-      if (hopeless(pace) && !warned.current) {
-        warned.current = true;
-        store.notify("info", "The 3D view is slow on this computer. Hide it for smoother driving.");
-      }
-      if (pace.step !== step) setStep(pace.step);
-      else request = requestAnimationFrame(frame);
+  const [pace, setPace] = useState(FULL);
+  const [scene] = useState(() => {
+    const own = new URL("./viser/", location.href).href;
+    const whole = new URLSearchParams(location.search).get("scene") === "full";
+    return new SceneFrame({
+      own,
+      find: () => sceneAddress(session.rest, own, isSecureContext),
+      inner: () => frame.current?.contentWindow ?? null,
+      strike: (stroke) => strike(frame.current ?? window, stroke),
+      frames: (ms) => {
+        if (!whole) setPace((before) => paced(before, ms));
+      },
     });
-    return () => cancelAnimationFrame(request);
-  }, [scene, step]);
-
-  const loaded = () => {
-    const inner = pageOf(frame.current);
-    if (inner?.document.contentType !== "text/html") {
-      setScene("missing");
-      return;
-    }
-    setScene("shown");
-    keepReconnecting(inner);
-    dress(inner.document);
-    map.listenIn(inner);
-    drive.listenIn(inner);
-    talking.listenIn(inner);
-  };
-  const reload = () => {
-    setScene("loading");
-    frame.current?.contentWindow?.location.reload();
-  };
+  });
+  const share = SHARES[pace.step]!;
+  const live = store.live.value;
+  const state = scene.state.value;
+  const address = scene.address.value;
 
   useEffect(() => {
-    if (!live) return;
-    if (scene === "missing") frame.current!.src = "./viser/";
-    else pageOf(frame.current)?.dispatchEvent(new Event("focus"));
+    const receive = (event: MessageEvent) => scene.receive(event);
+    const takeBack = () => void window.setTimeout(() => takeKeyboardBack(frame.current));
+    window.addEventListener("message", receive);
+    window.addEventListener("blur", takeBack);
+    return () => {
+      window.removeEventListener("message", receive);
+      window.removeEventListener("blur", takeBack);
+      scene.close();
+    };
+  }, []);
+  useSignalEffect(() => scene.takeKeys(keysOfPage(store)));
+  useEffect(() => {
+    if (live) void scene.answered(); // not before the login
   }, [live]);
+  const slow = hopeless(pace);
+  useEffect(() => {
+    if (slow) store.notify("info", "The 3D view is slow on this computer. Hide it for smoother driving.");
+  }, [slow]);
 
   return (
-    <div
-      class="scene"
-      data-testid="scene"
-      data-state={scene}
-      data-share={SHARES[step]}
-      onPointerLeave={() => drive.state.peek().command.held || takeKeyboardBack(frame.current)}
-    >
-      <iframe
-        ref={frame}
-        src="./viser/"
-        title="3D view of the robot and what it perceives"
-        onLoad={loaded}
-        tabIndex={-1}
-        style={shrunk(SHARES[step]!)}
-      />
-      {scene === "shown" && <SceneLegend />}
-      {scene === "loading" && <p class="scene-note">Loading the 3D view…</p>}
-      {scene === "missing" && (
+    <div class="scene" data-testid="scene" data-state={state} data-share={share}>
+      {address !== null && (
+        <iframe
+          key={scene.load.value}
+          ref={frame}
+          src={address}
+          title="3D view of the robot and what it perceives"
+          onLoad={() => scene.loaded()}
+          tabIndex={-1}
+          style={shrunk(share)}
+        />
+      )}
+      {state === "shown" && <SceneLegend />}
+      {state === "loading" && <p class="scene-note">Loading the 3D view…</p>}
+      {state === "missing" && (
         <div class="scene-note">
           <p>The 3D view does not answer.</p>
-          <button type="button" class="button" onClick={reload}>
+          <button type="button" class="button" onClick={() => void scene.open()}>
             Try again
           </button>
         </div>
@@ -131,41 +129,28 @@ function shrunk(share: number): Record<string, string> {
   };
 }
 
-function pageOf(frame: HTMLIFrameElement | null): (Window & typeof globalThis) | null {
-  try {
-    const inner = frame?.contentWindow as (Window & typeof globalThis) | null | undefined;
-    return inner?.document ? inner : null;
-  } catch {
-    return null; // the browser's own error page is of another origin
-  }
+/** The keys that viser, which moves its camera by some of them, is kept from. */
+function keysOfPage(store: Store): string[] {
+  if (store.replay.value) return [...PLAYBACK_KEYS];
+  const { drives, strafes, turnsHead } = store.body.value;
+  if (!drives) return ["Space"];
+  return ["Space", ...DRIVE_KEYS, ...(strafes ? STRAFE_KEYS : []), ...(turnsHead ? HEAD_KEYS : [])];
 }
 
-/** viser reconnects only while its document has the focus, which a frame beside ours seldom has. */
-function keepReconnecting(inner: Window): void {
-  inner.document.hasFocus = () => true;
-  inner.dispatchEvent(new Event("focus"));
+/** A key of the frame, as one of the page pressed on the frame. */
+function strike(target: EventTarget, { down, code, key, repeat, ctrlKey, altKey, metaKey, shiftKey }: Stroke): void {
+  const held = { ctrlKey, altKey, metaKey, shiftKey };
+  const event = { code, key, repeat, ...held, bubbles: true, cancelable: true };
+  target.dispatchEvent(new KeyboardEvent(down ? "keydown" : "keyup", event));
 }
 
 /**
- * What viser shows over its scene and the page has no room for: its notices, which lie under the camera picture, and on
- * a phone its panel, which would cover the scene (it is drawn with these inline styles and has no name).
+ * A click into the frame gives it the keyboard. The page has it back at once: keys need no way through the frame's
+ * process, which may be busy drawing.
  */
-const DRESS = `
-  .mantine-Notifications-root { display: none !important; }
-  [style*="position: fixed"][style*="width: 20em"][style*="max-height: 60%"] { display: none !important; }
-`;
-
-function dress(page: Document): void {
-  const style = page.createElement("style");
-  style.textContent = DRESS;
-  page.head.append(style);
-}
-
-/** When the pointer leaves the view, the keyboard comes back to the page, unless something is typed over there. */
 function takeKeyboardBack(frame: HTMLIFrameElement | null): void {
-  if (!frame || document.activeElement !== frame) return;
-  const typing = pageOf(frame)?.document.activeElement?.matches("input, textarea");
-  if (typing) return;
+  if (!frame || document.activeElement !== frame || !document.hasFocus()) return;
   frame.blur();
+  window.focus();
   document.querySelector<HTMLElement>("[data-testid=stick]")?.focus({ preventScroll: true });
 }

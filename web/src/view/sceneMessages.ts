@@ -1,0 +1,60 @@
+/**
+ * What the page and the 3D view's frame say to each other by `postMessage`: the frame may be of another origin and in a
+ * process of its own. The frame's half is `app/console/view/inject.html`. Pure.
+ */
+
+/** A key pressed or let go of in the frame; the names are those of KeyboardEvent. */
+export interface Stroke {
+  type: "key";
+  down: boolean;
+  code: string;
+  key: string;
+  repeat: boolean;
+  ctrlKey: boolean;
+  altKey: boolean;
+  metaKey: boolean;
+  shiftKey: boolean;
+}
+
+export type FromScene =
+  /** It is our page, and there. */
+  | { type: "ready" }
+  | Stroke
+  /** Again and again while any is held: all keys that are. */
+  | { type: "held"; codes: string[] }
+  /** It has lost the keyboard, or is not seen any more. */
+  | { type: "blur" }
+  /** The mean time between frames lately. */
+  | { type: "frames"; ms: number };
+
+export type ToScene =
+  /** The codes of keys that viser is to be kept from. */
+  | { type: "keys"; codes: string[] }
+  /** The robot answers again: viser shall try at once. */
+  | { type: "reconnect" };
+
+/** What an event of the window says of the scene; null unless it comes from the window `scene`, of exactly `origin`. */
+export function fromScene(
+  event: Pick<MessageEvent, "origin" | "source" | "data">,
+  origin: string | null,
+  scene: MessageEventSource | null,
+): FromScene | null {
+  if (origin === null || event.origin !== origin || scene === null || event.source !== scene) return null;
+  const said = event.data as Record<string, unknown> | null;
+  const fits = typeof said === "object" && said !== null && SHAPES.get(said["type"])?.(said);
+  return fits ? (said as unknown as FromScene) : null;
+}
+
+const TEXTS = ["code", "key"];
+const FLAGS = ["down", "repeat", "ctrlKey", "altKey", "metaKey", "shiftKey"];
+const SHAPES: ReadonlyMap<unknown, (said: Record<string, unknown>) => boolean> = new Map([
+  ["ready", () => true],
+  ["blur", () => true],
+  ["frames", ({ ms }) => typeof ms === "number" && ms > 0],
+  ["held", ({ codes }) => Array.isArray(codes) && codes.every((code) => typeof code === "string")],
+  [
+    "key",
+    (said) =>
+      TEXTS.every((name) => typeof said[name] === "string") && FLAGS.every((name) => typeof said[name] === "boolean"),
+  ],
+] satisfies [FromScene["type"], (said: Record<string, unknown>) => boolean][]);
