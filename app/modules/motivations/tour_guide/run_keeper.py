@@ -32,14 +32,14 @@ class RunKeeper:
 
     async def save(self, now: float, run: GuidedRun | None) -> None:
         """Keep ``run``, once something of it has changed, and the reports of those that are over."""
-        kept, facets = None, None
+        facets = None
         if run is not None and (run.waits or run.progress.is_running):
             at = run.progress
             facets = (run.tour.id, at.entry, at.state, at.stop, at.step, at.sentence, at.to_press, at.skipped)
-            kept = kept_bytes(run.kept(now))
         reports = tuple(self.over)
-        if facets == self._saved and not reports and (kept is None or now - self._saved_at < KEEP_S):
+        if facets == self._saved and not reports and (facets is None or now - self._saved_at < KEEP_S):
             return
+        kept = None if run is None or facets is None else kept_bytes(run.kept(now))
         self._saved, self._saved_at = facets, now
         self.over.clear()
         try:
