@@ -26,7 +26,12 @@ async def test_a_run_is_written_as_it_changes_and_its_tour_is_digested_once(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     digested: list[Tour] = []
-    monkeypatch.setattr(guided_run, "digest", lambda tour: digested.append(tour) or digest(tour))
+
+    def counted(tour: Tour) -> str:
+        digested.append(tour)
+        return digest(tour)
+
+    monkeypatch.setattr(guided_run, "digest", counted)
     library, writes = RunLibrary(tmp_path), 0
 
     async def behind(function: Callable[..., None], *args: object) -> None:
