@@ -20,7 +20,6 @@ from app.program.system import System
 from app.robots.simulated.scenery.people import TRUNK_RADIUS_SHARE
 from app.tours.model import Tour
 
-
 #: What is said in these states asks something of people, and is cut short, for this reason, as they do it.
 _CUT_SHORT = {
     "confirming": "visitors answered",

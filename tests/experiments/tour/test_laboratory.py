@@ -48,9 +48,7 @@ def test_the_packaged_tour_can_be_led_on_the_map_of_the_laboratory() -> None:
 
 
 def test_places_that_the_world_does_not_have_are_refused() -> None:
-    with pytest.raises(
-        ConfigError, match=r"has no place nowhere; before the posters of the world there are: robotics-lab"
-    ):
+    with pytest.raises(ConfigError, match=r"has no place nowhere; before the posters of the world there are: robot"):
         plan(tour(home="nowhere"))
 
 
