@@ -44,7 +44,7 @@ def test_none_are_none() -> None:
 
 def test_in_a_narrow_place_they_stand_in_two_rows() -> None:
     cells = np.full((26, 120), 100, np.int8)
-    cells[4:22, 70:] = 0
-    dead_end = GridRays(OccupancyGrid(0.0, "map", cells, 0.05, origin=(-4.0, -0.65), version=1))
+    cells[4:22, 50:] = 0
+    dead_end = GridRays(OccupancyGrid(0.0, "map", cells, 0.05, origin=(-3.0, -0.65), version=1))
     people = visitors(2, Pose2(0.0, 0.0, 0.0), dead_end).people
     assert [round(math.dist((0, 0), person.at), 1) for person in people] == [1.5, 2.2]
