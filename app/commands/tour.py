@@ -181,6 +181,12 @@ def _posters(args: argparse.Namespace) -> int:
     return 0
 
 
+def tour_named(named: str) -> Tour:
+    """The tour of a file, or of an id. Raises ConfigError."""
+    tour, _ = _load(_file(_library(), named))
+    return tour
+
+
 def _library() -> TourLibrary:
     from app.base import paths
     from app.tours.library import TourLibrary, default_folder

@@ -17,7 +17,7 @@ _STEP_M, _STEP_RAD, _STEP_S = 0.1, 0.2, 5.0
 #: A visitor may be farther than the tour's ``wait_m`` for so long (s) before the robot has to wait.
 LEFT_BEHIND_S = 10.0
 #: States in which the robot does not drive away from visitors.
-_STANDS = frozenset({"idle", "waiting", "turning", "presenting", "listening", "answering", "paused", "blocked", "lost"})
+STANDS = frozenset({"idle", "waiting", "turning", "presenting", "listening", "answering", "paused", "blocked", "lost"})
 
 
 class RehearsalObserver:
@@ -76,7 +76,7 @@ class RehearsalObserver:
 
     def _watch(self, farthest_m: float | None) -> None:
         state = self.states[-1].state if self.states else "idle"
-        if farthest_m is None or farthest_m <= self._wait_m or state in _STANDS or state in ("parting", "going_home"):
+        if farthest_m is None or farthest_m <= self._wait_m or state in STANDS or state in ("parting", "going_home"):
             self._far_since = None
             return
         since = self._far_since

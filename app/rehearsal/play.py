@@ -33,7 +33,9 @@ ORIGIN = 1_000_000.0
 @dataclass(frozen=True, slots=True)
 class Stage:
     """Where a rehearsal is played: the program ``configuration``, on the map ``map_name`` of ``maps``, from ``start``
-    (``X_MB``), among the people of ``scenario``; reports of tours are kept in ``runs`` (None: the user's)."""
+    (``X_MB``), among the people of ``scenario``; reports of tours are kept in ``runs`` (None: the user's).
+
+    ``noise_m``: standard deviation of the laser's distances (m), drawn by the scenario's seed."""
 
     configuration: Configuration
     maps: MapLibrary
@@ -42,6 +44,7 @@ class Stage:
     scenario: ScenarioConfig | None = None
     runs: RunLibrary | None = None
     without: Collection[str] = ()
+    noise_m: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +81,10 @@ def play(stage: Stage, script: Callable[[RehearsalRun], Awaitable[T]]) -> T:
 
 def _body(stage: Stage, body: BodyConfig) -> KinematicConfig:
     start = StartPose(x=stage.start.x, y=stage.start.y, heading_deg=math.degrees(stage.start.theta))
-    return kinematic_of(body, stage.maps.existing(stage.map_name) / MAP, start)
+    config = kinematic_of(body, stage.maps.existing(stage.map_name) / MAP, start)
+    if config.laser is None or not stage.noise_m:
+        return config
+    return config.model_copy(update={"laser": config.laser.model_copy(update={"noise_m": stage.noise_m})})
 
 
 async def _run(run: RehearsalRun, script: Callable[[RehearsalRun], Awaitable[T]]) -> T:

@@ -18,8 +18,10 @@ from app.maps.map_service import MapUnavailable
 from app.maps.places import pose_of
 from app.messages import Place
 from app.program.config import Configuration
+from app.program.system import System
 from app.rehearsal.observer import RehearsalObserver
 from app.rehearsal.play import RehearsalRun, Stage, play
+from app.rehearsal.replies import VisitorReplies
 from app.rehearsal.result import Rehearsal, RehearsalProblem
 from app.rehearsal.visitors import visitors
 from app.tours.consistency import steps_of
@@ -32,8 +34,6 @@ LOOK_S = 0.25
 LONGEST_S = 7200.0
 #: The guide is there so long (s) after the begin at most.
 READY_S = 30.0
-#: Visitors answer, ask and press so long (s) after they can.
-ANSWER_S = 2.0
 #: Progress is said so often (s).
 REPORT_S = 10.0
 #: Modules whose desires have nothing to do with the tour.
@@ -90,24 +90,26 @@ class _Found:
 
 
 class _Conductor:
-    """Begins the tour, and presses what visitors would: each question once, and then to go on."""
+    """Begins the tour, and has visitors reply, until it ends."""
 
     def __init__(self, run: RehearsalRun, request: RehearsalRequest, progress: Callable[[float, str], None]) -> None:
         self._run = run
         self._request = request
         self._progress = progress
-        self._asked: set[tuple[str, str]] = set()
         self._reported_s = -math.inf
 
     async def lead(self) -> _Found:
         """Lead the tour to its end, or to the end of patience."""
         request, clock = self._request, self._run.system.clock
-        with RehearsalObserver(self._run, request.tour.pace.wait_m) as noted:
-            await self._begin(noted)
+        with (
+            RehearsalObserver(self._run, request.tour.pace.wait_m) as noted,
+            VisitorReplies(self._run.system, self._run.link.let_pass) as replies,
+        ):
+            await begin_tour(self._run.system, request.tour, request.language)
             while not noted.has_ended and noted.elapsed_s < LONGEST_S:
                 await clock.sleep(LOOK_S)
                 noted.look()
-                self._visit(clock.now())
+                replies.look()
                 self._report(noted)
         last = noted.states[-1]
         outcome = last.reason if noted.has_ended else f"it did not end within {LONGEST_S / 60:.0f} min"
@@ -128,36 +130,6 @@ class _Conductor:
         )
         return _Found(rehearsal, noted.stood)
 
-    async def _begin(self, noted: RehearsalObserver) -> None:
-        """Start the tour as soon as the guide can. Raises ConfigError with its refusal where it cannot."""
-        system, request = self._run.system, self._request
-        while True:
-            try:
-                system.tour_run.server.start_tour(request.tour, language=request.language, waits=False)
-            except TourRefused as refusal:
-                if noted.elapsed_s >= READY_S:
-                    raise ConfigError(str(refusal)) from None
-                await system.clock.sleep(LOOK_S)
-            else:
-                return
-
-    def _visit(self, now: float) -> None:
-        """Press what visitors press now."""
-        server = self._run.system.tour_run.server
-        shown = server.progress
-        if now - shown.since < ANSWER_S:
-            return
-        if shown.state == "confirming" and "agree" in shown.buttons:
-            server.press("agree")
-        if shown.state != "listening":
-            return
-        question = next((each.id for each in shown.questions if (shown.stop, each.id) not in self._asked), None)
-        if question is not None:
-            self._asked.add((shown.stop, question))
-            server.ask(question)
-        elif shown.press and "next" in shown.buttons:
-            server.press("next")
-
     def _report(self, noted: RehearsalObserver) -> None:
         if noted.elapsed_s - self._reported_s >= REPORT_S:
             self._reported_s = noted.elapsed_s
@@ -167,6 +139,20 @@ class _Conductor:
         for name, state in self._run.system.supervisor.states.items():
             if state.restarts:
                 yield RehearsalProblem("error", "", f"the module {name} failed: {state.problem or 'it was restarted'}")
+
+
+async def begin_tour(system: System, tour: Tour, language: str) -> None:
+    """Start ``tour`` as soon as the guide can. Raises ConfigError with its refusal where it cannot."""
+    until = system.clock.now() + READY_S
+    while True:
+        try:
+            system.tour_run.server.start_tour(tour, language=language, waits=False)
+        except TourRefused as refusal:
+            if system.clock.now() >= until:
+                raise ConfigError(str(refusal)) from None
+            await system.clock.sleep(LOOK_S)
+        else:
+            return
 
 
 def _unsaid(tour: Tour, language: str) -> Iterator[RehearsalProblem]:

@@ -11,8 +11,10 @@ from app.maps.grid_rays import GridRays
 from app.robots.simulated.scenery.faces import FACES
 from app.robots.simulated.scenery.scenario_config import PersonConfig, ScenarioConfig, StepConfig
 
-#: They stand so far (m) from the robot, so far (rad) from one another as it sees them, and so far from walls (m).
+#: They stand so far (m) from the robot, so far (rad) from one another as it sees them, and so far from walls (m);
+#: in a narrow place, in a second row.
 AWAY_M, APART_RAD, CLEAR_M = 1.5, 0.45, 0.3
+_SECOND_ROW_M = 2.2
 #: Longer than any rehearsal (s).
 _ALL_DAY_S = 86_400.0
 
@@ -37,9 +39,9 @@ def visitors(count: int, start: Pose2, rays: GridRays, seed: int = 1) -> Scenari
 def _places(start: Pose2, rays: GridRays) -> Iterator[tuple[float, float]]:
     """Free places in sight of ``start``, those ahead first."""
     turns = math.ceil(math.pi / APART_RAD)
-    for step in range(2 * turns):
+    for away_m, step in itertools.product((AWAY_M, _SECOND_ROW_M), range(2 * turns)):
         side = -1 if step % 2 else 1
         direction = start.theta + side * (step + 1) // 2 * APART_RAD
-        place = start.x + AWAY_M * math.cos(direction), start.y + AWAY_M * math.sin(direction)
+        place = start.x + away_m * math.cos(direction), start.y + away_m * math.sin(direction)
         if rays.clear_m(*place) >= CLEAR_M and rays.sees((start.x, start.y), place):
             yield place

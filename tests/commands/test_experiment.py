@@ -11,6 +11,8 @@ from app import cli
 from app.experiments.barn.experiment import plan
 from app.experiments.barn.result import WorldResult
 from app.experiments.results_store import ResultsStore
+from app.tours.tour_file import tour_text
+from tests.tours.tours import tour
 
 
 @pytest.mark.parametrize("which", ["trial", "overload"])
@@ -88,3 +90,13 @@ def test_barns_mistakes_are_one_sentence(
         status = int(refusal.code or 0)
     assert status == 2
     assert words in capsys.readouterr().err
+
+
+def test_a_tour_whose_places_the_world_lacks_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "arm-tour.yaml"
+    file.write_text(tour_text(tour(id="arm-tour", home="nowhere")), encoding="utf-8")
+    assert cli.main(["experiment", "tour", "--tour", str(file), "--out", str(tmp_path / "out")]) == 2
+    assert (
+        "the tour arm-tour has no place nowhere; before the posters of the world" in capsys.readouterr().err
+    )
+    assert not (tmp_path / "out").exists()

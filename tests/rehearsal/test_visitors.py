@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
 from app.base.geometry import Pose2, wrap_angle
 from app.maps.grid_rays import GridRays
+from app.messages import OccupancyGrid
 from app.rehearsal.visitors import AWAY_M, visitors
 from tests.robots.simulated.kinematic.rooms import room
 
@@ -38,3 +40,11 @@ def test_they_stand_in_no_wall_and_behind_none() -> None:
 
 def test_none_are_none() -> None:
     assert visitors(0, Pose2(), GridRays(room())).people == ()
+
+
+def test_in_a_narrow_place_they_stand_in_two_rows() -> None:
+    cells = np.full((26, 120), 100, np.int8)
+    cells[4:22, 50:] = 0
+    dead_end = GridRays(OccupancyGrid(0.0, "map", cells, 0.05, origin=(-3.0, -0.65), version=1))
+    people = visitors(2, Pose2(0.0, 0.0, 0.0), dead_end).people
+    assert [round(math.dist((0, 0), person.at), 1) for person in people] == [1.5, 2.2]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import cv2
@@ -61,19 +62,31 @@ class ReachableFloor:
 
 def survey(world: WorldConfig, robot: RobotConfig) -> ReachableFloor:
     """The floor of ``world`` for ``robot``, without people: every shape counts as its bounding box in plan view."""
+    taken = filled(outlines(world, robot), (math.ceil(world.size[1] / CELL_M), math.ceil(world.size[0] / CELL_M)))
+    room = ndimage.distance_transform_edt(np.pad(~taken, 1)) * CELL_M
+    return ReachableFloor(np.asarray(room[1:-1, 1:-1]))
+
+
+def outlines(world: WorldConfig, robot: RobotConfig) -> Iterator[NDArray[np.float64]]:
+    """The corners (N, 2; m, plan view) of each shape's bounding box that ``robot`` would run into, without people."""
     base = TrueBase(robot.base.wheel_radius_m, robot.base.wheel_radius_m, robot.base.track_m)
     simulation = build_simulation(robot, world, base)
     model, data = simulation.model, simulation.data
-    taken = np.zeros([math.ceil(side / CELL_M) for side in (world.size[1], world.size[0])], dtype=np.uint8)
     signs = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, 8).T
     for geom in np.flatnonzero((model.geom_bodyid == 0) & (model.geom_type != mujoco.mjtGeom.mjGEOM_PLANE)):
         corners = model.geom_aabb[geom, :3] + signs * model.geom_aabb[geom, 3:]
         corners = corners @ data.geom_xmat[geom].reshape(3, 3).T + data.geom_xpos[geom]
         if corners[:, 2].max() > _STEP_M and corners[:, 2].min() < robot.height_m:
-            outline = cv2.convexHull((corners[:, :2] / CELL_M * _PARTS).round().astype(np.int32))
-            cv2.fillConvexPoly(taken, outline, 1, shift=_SHIFT)
-    room = ndimage.distance_transform_edt(np.pad(taken == 0, 1)) * CELL_M
-    return ReachableFloor(np.asarray(room[1:-1, 1:-1]))
+            yield corners[:, :2]
+
+
+def filled(shapes: Iterable[NDArray[np.float64]], size: tuple[int, int]) -> NDArray[np.bool_]:
+    """Cells, ``size`` rows and columns from the origin on, that the convex ``shapes`` (corners (N, 2) in m) cover."""
+    taken = np.zeros(size, dtype=np.uint8)
+    for corners in shapes:
+        outline = cv2.convexHull((corners / CELL_M * _PARTS).round().astype(np.int32))
+        cv2.fillConvexPoly(taken, outline, 1, shift=_SHIFT)
+    return taken.astype(np.bool_)
 
 
 def _cell(place: float) -> int:

@@ -70,6 +70,11 @@ class LockstepLink(SimulatedBody):
     def people(self) -> tuple[PersonTruth, ...]:
         return self._simulation.scenario_state.people if self._simulation is not None else ()
 
+    def let_pass(self) -> None:
+        """The robot asks those who follow it to let it pass: what is said is heard by no person here."""
+        if self._simulation is not None:
+            self._simulation.scenario_state.let_pass()
+
     @property
     def contacts(self) -> tuple[Contact, ...]:
         """All contacts of the body with anything but the floor since :meth:`start`."""

@@ -22,7 +22,8 @@ def subject_of(progress: Progress) -> State:
 
 
 def enter(progress: Progress, state: State, view: View, *, step: int = 0, reason: str = "") -> Progress:
-    """In ``state`` from now on."""
+    """In ``state`` from now on. A wait for visitors is no new try to reach the stop."""
+    same_try = {progress.state, state} == {"leading", "waiting"}
     return replace(
         progress,
         state=state,
@@ -30,7 +31,7 @@ def enter(progress: Progress, state: State, view: View, *, step: int = 0, reason
         entry=progress.entry + 1,
         step=step,
         ended=frozenset(),
-        attempt=0,
+        attempt=progress.attempt if same_try else 0,
         sentence=0,
         said_from=0,
         to_press=False,
@@ -50,7 +51,7 @@ def lead(progress: Progress, view: View, scene: Scene, stop: int = 0) -> Progres
             continue
         ahead = replace(progress, stop=index, seen_m=view.driven_m)
         if stops[index].place in scene.places:
-            return enter(ahead, "leading", view)
+            return replace(enter(ahead, "leading", view), attempt=0)
         noted = Failure(stops[index].id, f"there is no place {stops[index].place}")
         progress = replace(ahead, failures=(*progress.failures, noted))
     return part(progress, view, "it is over")

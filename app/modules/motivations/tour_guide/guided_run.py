@@ -30,6 +30,8 @@ class GuidedRun:
     view: View = field(default_factory=lambda: View(0.0))
     report: RunReport | None = None
     over: list[RunReport] = field(default_factory=list)
+    #: The tour that was digested last: writing one out takes some 20 ms, and it is asked for at each look.
+    _digested: tuple[Tour, str] | None = None
 
     def see(self, view: View) -> None:
         """Go on with what is seen now."""
@@ -57,7 +59,13 @@ class GuidedRun:
 
     def kept(self, now: float) -> KeptRun:
         """What a program that is started again goes on with."""
-        return KeptRun(digest(self.scene.tour), now, self.progress, self.report or self._begun(self.view), self.waits)
+        return KeptRun(self._digest(), now, self.progress, self.report or self._begun(self.view), self.waits)
+
+    def _digest(self) -> str:
+        tour = self.scene.tour
+        if self._digested is None or self._digested[0] is not tour:
+            self._digested = tour, digest(tour)
+        return self._digested[1]
 
     def _begun(self, view: View) -> RunReport:
         # Ids begin with their time, so that the newest report is the last by name.

@@ -27,8 +27,10 @@ from app.tours.model import Tour
 _PATIENCE_S: Final = 1.0
 #: Greatest age (s) of the report of who drives.
 _FRESH_S: Final = 0.5
-#: A way is free again once nothing was in it for so long (s).
-_FREE_S: Final = 2.0
+#: A way is free again once it is so much (m) shorter, or nothing was in it for so long (s): before people who do not
+#: move, navigation waits and tries by turns.
+_FREE_M: Final = 0.5
+_FREE_S: Final = 6.0
 _STUCK: Final = frozenset({"recovering", "waiting", "unreachable"})
 _LOCALIZED: Final = frozenset({"mapping", "tracking"})
 
@@ -50,6 +52,9 @@ class Senses:
         self._docked = False
         self._stuck_since: float | None = None
         self._stuck_at = -math.inf
+        #: The rest of the way (m), now and when it was stuck first.
+        self._left_m: float | None = None
+        self._stuck_m: float | None = None
 
     def take_odometry(self, odometry: Odometry) -> None:
         """Where the base is."""
@@ -81,9 +86,14 @@ class Senses:
 
     def take_navigation(self, status: NavigationStatus) -> None:
         """Whether the way to the goal is free."""
+        self._left_m = status.remaining_m
         if status.state in _STUCK:
             self._stuck(status.stamp)
-        elif status.state in ("arrived", "idle") or status.stamp - self._stuck_at > _FREE_S:
+        elif (
+            status.state in ("arrived", "idle")
+            or status.stamp - self._stuck_at > _FREE_S
+            or (self._left_m is not None and self._stuck_m is not None and self._left_m < self._stuck_m - _FREE_M)
+        ):
             self._stuck_since = None
 
     def localized(self, map_name: str) -> bool:
@@ -125,7 +135,7 @@ class Senses:
 
     def _stuck(self, stamp: float) -> None:
         if self._stuck_since is None or stamp - self._stuck_at > _FREE_S:
-            self._stuck_since = stamp
+            self._stuck_since, self._stuck_m = stamp, self._left_m
         self._stuck_at = stamp
 
     def _place(self, now: float) -> None:

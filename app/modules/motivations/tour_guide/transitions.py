@@ -41,6 +41,8 @@ LEFT_S: Final = 5.0
 TURN_S: Final = 8.0
 #: A step that reports nothing has failed after so long (s).
 LONGEST_STEP_S: Final = 180.0
+#: As it sets out, mapping begins, and says within this time (s) where the robot is.
+LOCATES_S: Final = 3.0
 #: So long it looks for where it is (s).
 LOST_S: Final = 180.0
 #: A pause ends the tour after so long (s); one by driving by hand ends so long after that.
@@ -84,7 +86,8 @@ def _interrupted(progress: Progress, view: View, scene: Scene) -> Progress:
         return progress
     if view.battery is not None and view.battery < scene.tour.battery.end_below:
         return part(progress, view, "the battery is low", excuse="battery")
-    if not view.localized and progress.state in ON_THE_WAY and progress.state != "lost":
+    known = view.localized or progress.state == "lost" or view.now - progress.since < LOCATES_S
+    if progress.state in ON_THE_WAY and not known:
         return enter(progress, "lost", view, reason="the robot does not know where it is")
     return progress
 

@@ -149,12 +149,20 @@ def _wishes(progress: Progress, scene: Scene, now: float) -> Iterator[Wish]:
             step = step_now(progress, tour)
             if step is not None:
                 yield from _of_step(progress, step, scene)
-            yield from _facing(progress) if progress.state == "parting" else _facing_at_stop(progress, tour)
+            if progress.state == "parting":
+                yield from _facing(progress)
+            elif not _points(progress, step):
+                yield from _facing_at_stop(progress, tour)
 
 
 def _excused(progress: Progress) -> bool:
     """Whether it first says why it ends."""
     return progress.state == "parting" and progress.step == 0 and bool(progress.excuse)
+
+
+def _points(progress: Progress, step: Step | None) -> bool:
+    """Whether it is pointing, for which the base may have to turn away from visitors."""
+    return step is not None and step.point is not None and key(progress, "point") not in progress.ended
 
 
 def _facing_at_stop(progress: Progress, tour: Tour) -> Iterator[Wish]:

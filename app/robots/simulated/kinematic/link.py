@@ -28,6 +28,7 @@ from app.messages import (
     LinkStatus,
     OccupancyGrid,
     Odometry,
+    PersonTruth,
     SceneTruth,
     Twist,
 )
@@ -77,6 +78,21 @@ class KinematicLink:
             name: max(1, round(config.rate_hz / stream.rate_hz)) for name, stream in self.description.streams.items()
         }
         self._turning: asyncio.Task[None] | None = None
+
+    # The truth, for rehearsals and tests alone.
+
+    def true_pose(self) -> Pose2:
+        """``X_WB`` now."""
+        return self.base.pose
+
+    @property
+    def people(self) -> tuple[PersonTruth, ...]:
+        """Everyone on the map."""
+        return self.scenario_state.people
+
+    def let_pass(self) -> None:
+        """The robot asks those who follow it to let it pass: what is said is heard by no person here."""
+        self.scenario_state.let_pass()
 
     # app.link.RobotLink
 

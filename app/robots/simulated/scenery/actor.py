@@ -104,6 +104,11 @@ class Actor:
         """Schedule a clap at ``time_s``, which should leave time to raise the arms."""
         self._claps.append(time_s)
 
+    def let_pass(self) -> None:
+        """The robot asks to be let pass; who follows it does."""
+        if self._follower is not None:
+            self._follower.let_pass(self._now)
+
     def tick(self, dt: float, now: float, X_WB: Pose2, before: Sequence[Actor]) -> list[ActorSound]:
         """Advance by ``dt`` to ``now``; ``before``: people with right of way. Returns sounds that start."""
         self._now = now
@@ -111,6 +116,8 @@ class Actor:
         happenings: list[ActorSound] = []
         look: Look = "ahead"
         wanted_speed = 0.0
+        if self._follower is not None:  # who pauses goes on along the way, too, and through no wall
+            self._follower.see(now, X_WB)
         for _ in range(len(self.config.script) + 1):  # steps that take no time are done in one tick
             if self._done:
                 look = self.config.script[-1].look if self.config.script else "ahead"
@@ -127,8 +134,7 @@ class Actor:
                 if step.walk is not None:
                     self._going = self._place_to_go(step.walk, dt, now)
                     wanted_speed = self._steer(self._going, step.speed, dt, X_WB, before)
-                if self._follower is not None:
-                    self._follower.see(now, X_WB)
+                if self._follower is not None and step.follow is not None:
                     goal = self._follower.goal(now, (self.x, self.y), X_WB)
                     if goal is not None:
                         self._going = goal
@@ -151,10 +157,12 @@ class Actor:
         return step.walk is not None or step.follow is not None
 
     def _begin(self, step: StepConfig, now: float) -> list[ActorSound]:
-        self._follower = None
         if step.follow is not None:
             distance_m = self._habit.distance_m if step.distance is None else step.distance
-            self._follower = Follower(FollowHabit(distance_m, self._habit.lag_s if step.lag is None else step.lag))
+            habit = FollowHabit(distance_m, self._habit.lag_s if step.lag is None else step.lag)
+            if self._follower is None:
+                self._follower = Follower(habit)
+            self._follower.habit = habit
         if step.say is not None:
             return [ActorSound("speech", step.say, step.gain_db, now)]
         if step.clap is not None:

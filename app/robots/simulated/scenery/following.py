@@ -2,7 +2,7 @@
 
 Following the way of another, and not its direction, keeps people out of walls. They stand as soon as they are near
 enough, however long the way between is: nobody follows into a dead end that the robot comes back from. They step aside
-for a robot that comes towards them.
+for a robot that comes towards them, and those whom it asks to let it pass go on along its way until they are behind it.
 """
 
 from __future__ import annotations
@@ -28,6 +28,8 @@ MOVED_S = 1.0
 """A robot that reached a new point of its way within this time (s) is moving."""
 LONGEST_M = 200.0
 """Length (m) of the way that is known."""
+PASSES_S = 10.0
+"""For so long (s) people make room who were asked to."""
 DECIDE_S = 0.1
 """Where to walk is decided so often (s)."""
 
@@ -56,14 +58,19 @@ class _Passed:
 
 
 class Follower:
-    """Where a person who follows as ``habit`` says walks to; one instance for each time that they follow."""
+    """Where a person who follows as ``habit`` says walks to. It is to :meth:`see` the robot while they pause, too."""
 
     def __init__(self, habit: FollowHabit) -> None:
-        self._habit = habit
+        self.habit = habit
         #: From where the person was on it last.
         self._way: deque[_Passed] = deque(maxlen=round(LONGEST_M / STEP_M))
         self._decided_at = -math.inf
         self._goal: tuple[float, float] | None = None
+        self._asked_at = -math.inf
+
+    def let_pass(self, now: float) -> None:
+        """The robot asks at ``now`` to be let pass."""
+        self._asked_at = now
 
     def see(self, now: float, X_WB: Pose2) -> None:
         """The robot is at ``X_WB`` at ``now`` (simulated s)."""
@@ -83,7 +90,7 @@ class Follower:
         return self._goal
 
     def _along(self, now: float, here: tuple[float, float]) -> tuple[float, float] | None:
-        seen = list(itertools.takewhile(lambda passed: passed.time_s <= now - self._habit.lag_s, self._way))
+        seen = list(itertools.takewhile(lambda passed: passed.time_s <= now - self.habit.lag_s, self._way))
         if not seen:
             return None
         away = [math.dist(here, (passed.x, passed.y)) for passed in seen]
@@ -95,20 +102,24 @@ class Follower:
         if beside:
             for _ in range(number):
                 self._way.popleft()
-        if away[-1] <= self._habit.distance_m:
+        if away[-1] <= self.habit.distance_m and not self._makes_room(now):
             return None
-        stand_m = min(seen[-1].along_m - self._habit.distance_m, seen[number].along_m + LOOKAHEAD_M)
+        stand_m = min(seen[-1].along_m - self.habit.distance_m, seen[number].along_m + LOOKAHEAD_M)
         ahead = [passed for passed in seen[number:] if passed.along_m <= stand_m]
         if not ahead:
             return None
         target = ahead[-1] if beside else seen[number]
         return target.x, target.y
 
+    def _makes_room(self, now: float) -> bool:
+        return self.habit.lag_s <= now - self._asked_at <= PASSES_S + self.habit.lag_s
+
     def _aside(self, now: float, here: tuple[float, float], X_WB: Pose2) -> tuple[float, float] | None:
         """A place beside the robot's line, where it comes; None where it does not."""
         at = X_WB.inverse() @ Pose2(*here)
         moving = len(self._way) > 1 and now - self._way[-1].time_s <= MOVED_S
-        if not moving or not 0.0 < at.x < COMING_M or abs(at.y) >= ASIDE_M:
+        comes = moving or self._makes_room(now)
+        if not comes or not 0.0 < at.x < COMING_M or abs(at.y) >= ASIDE_M:
             return None
         place = X_WB @ Pose2(at.x, math.copysign(ASIDE_M + STEP_M, at.y))
         return place.x, place.y

@@ -105,6 +105,11 @@ class ScenarioState:
         """Whether a tick passes up to ``time_s`` (simulated s)."""
         return (self._ticks + 1) * TICK_S <= time_s + 1e-9
 
+    def let_pass(self) -> None:
+        """The robot asks those who follow it to let it pass."""
+        for actor in self.actors:
+            actor.let_pass()
+
     def advance(self, time_s: float, X_WB: Pose2) -> None:
         """Advance the people to ``time_s`` (simulated s), the robot being at ``X_WB``."""
         before = self._ticks

@@ -198,6 +198,16 @@ def test_a_stop_that_cannot_be_reached(then: str, state: State, stop_id: str) ->
     assert run.progress.failures == (Failure("one", "not reached"),)
 
 
+def test_a_wait_for_visitors_is_no_new_try() -> None:
+    run = Run(changed(on_failure={"reach": {"retry": 1}})).started().until("leading").done("GoTo", done=False)
+    assert run.see(farthest_m=4.5).progress.state == "waiting"
+    assert run.see(farthest_m=1.0).progress.state == "leading"
+    assert run.done("GoTo", done=False).progress.state == "blocked"
+    again = Run(changed(on_failure={"reach": {"retry": 1}})).started().until("leading").done("GoTo", done=False)
+    again.see(farthest_m=4.5).press("skip").see(farthest_m=1.0)
+    assert again.done("GoTo", done=False).progress.state == "leading", "the next stop has tries of its own"
+
+
 def test_the_operator_is_asked_before_a_stop_is_given_up() -> None:
     run = Run(changed(on_failure={"reach": {"retry": 0}})).started().until("leading").done("GoTo", done=False)
     assert run.press("retry").progress.state == "leading"
@@ -306,11 +316,17 @@ def test_a_low_battery_ends_the_tour_at_once() -> None:
 
 
 def test_a_lost_robot_stops_and_says_so() -> None:
-    run = Run().started().until("leading").see(localized=False)
+    run = Run().started().until("leading").see(localized=False, after_s=3)
     assert (run.progress.state, [wish.cls for wish in run.wishes()]) == ("lost", ["Say"])
     assert run.see(localized=True).progress.state == "leading"
-    run.see(localized=False).see(after_s=181)
+    run.see(localized=False, after_s=3).see(after_s=181)
     assert (run.progress.state, run.wishes()) == ("idle", ())
+
+
+def test_it_is_not_lost_as_it_sets_out_and_mapping_has_just_begun() -> None:
+    run = Run().started().until("leading").see(localized=False, after_s=2.5)
+    assert (run.progress.state, run.texts()) == ("leading", [])
+    assert run.see(localized=False, after_s=1.0).progress.state == "lost"
 
 
 def test_a_place_that_is_gone_is_passed_over_and_noted() -> None:
@@ -366,6 +382,14 @@ def test_it_faces_visitors_and_turns_after_them() -> None:
     assert [wish.cls for wish in run.wishes()] == ["GoTo"], "it looks where it goes"
     for state in ("turning", "presenting", "listening", "parting"):
         assert run.until(state).wish("RotateToHeading").params == {"heading": 1.0}
+
+
+def test_it_does_not_turn_to_visitors_while_it_points() -> None:
+    points = say("There it is.") | {"point": [1.0, 2.0, 1.0]}
+    run = Run(changed(stops=[stop("one", do=[points]), stop("two")])).started().see(towards=0.5).until("presenting")
+    assert sorted(wish.cls for wish in run.wishes()) == ["PointAt", "Say"]
+    run.done("PointAt")
+    assert run.wish("RotateToHeading").params == {"heading": 0.5}, "it is still speaking"
 
 
 def test_it_greets_those_it_sees_and_turns_to_nobody_else() -> None:

@@ -10,16 +10,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.base.geometry import Pose2
+from app.messages import NavigationStatus
 from app.modules.motivations.tour_guide.controls import buttons, operator_question
 from app.modules.motivations.tour_guide.desire_changes import desire_changes
 from app.modules.motivations.tour_guide.listening import CLAPS_APART_S, Claps, is_due, sentence_number
 from app.modules.motivations.tour_guide.perceptions import awaited_phrases, perceptions
-from app.modules.motivations.tour_guide.progress import Button, Clapped, Pressed, State
+from app.modules.motivations.tour_guide.progress import Button, Clapped, Pressed, Progress, State
+from app.modules.motivations.tour_guide.senses import Senses
 from app.modules.motivations.tour_guide.transitions import advance
 from app.modules.motivations.tour_guide.visitors import HEARD_S, SEEN_S, Visitors
 from app.modules.motivations.tour_guide.wishes import Wish
 from app.tours.model import Slot
-from tests.modules.motivations.tour_guide.run import Run
+from tests.modules.motivations.tour_guide.run import LAB, Run
 from tests.modules.motivations.tour_guide.test_guide import changed
 
 
@@ -167,3 +169,21 @@ def test_it_perceives_what_the_state_is_about() -> None:
     run.until("listening")
     assert "DetectNoises" in classes()
     assert awaited_phrases(run.progress, run.scene) == ("next", "heavy")
+
+
+def navigated(senses: Senses, now: float, state: str, remaining_m: float) -> float | None:
+    """Since when the way is not free, after this status."""
+    goal = Pose2(5.0, 0.0)
+    senses.take_navigation(NavigationStatus(now, "PlanAndFollowPath", state, "", goal=goal, remaining_m=remaining_m))
+    return senses.view(now, LAB, Progress(), diverted=False, events=()).stuck_since
+
+
+def test_a_way_where_navigation_waits_and_tries_by_turns_is_not_free() -> None:
+    senses = Senses(by_hand="Teleop", voice=0.5)
+    assert navigated(senses, 10.0, "following", 3.0) is None
+    assert navigated(senses, 11.0, "waiting", 2.5) == 11.0
+    assert navigated(senses, 14.0, "following", 2.4) == 11.0
+    assert navigated(senses, 16.0, "recovering", 2.6) == 11.0
+    assert navigated(senses, 18.0, "following", 1.9) is None, "it came through"
+    navigated(senses, 30.0, "waiting", 1.5)
+    assert navigated(senses, 36.5, "following", 4.0) is None, "another way is longer, and free"

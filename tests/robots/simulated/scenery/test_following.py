@@ -123,3 +123,40 @@ def test_habits_are_their_own_and_the_seeds() -> None:
     habits = draw_habits(np.random.default_rng(1), 50)
     assert all(1.2 <= habit.distance_m <= 2.2 and 0.5 <= habit.lag_s <= 1.5 for habit in habits)
     assert len({habit.distance_m for habit in habits}) == 50
+
+
+def test_who_is_asked_to_let_it_pass_goes_on_along_its_way_until_behind_it() -> None:
+    state = scene([{"follow": 100, "distance": 1.6, "lag": 1}])
+    back = along((0, 0), (3, 0), (2.2, 0.8))
+    *_, (time_s, X_WB, (person,)) = played(state, back, 20)
+    stood = (person.x, person.y)
+    assert math.dist(stood, (1.4, 0)) < 0.2, "near enough to the robot, which is stuck beside them"
+    state.let_pass()
+    for _ in range(round(8 / LOOK_S)):
+        time_s += LOOK_S
+        state.advance(time_s, X_WB)
+    (person,) = state.people
+    assert math.dist((person.x, person.y), (2.5, 0)) < 0.3, "the way between is as long as they keep"
+
+
+def test_who_is_asked_and_stands_in_its_line_steps_aside() -> None:
+    state = scene([{"follow": 100, "distance": 1.3, "lag": 1}], at=(-1.0, 0.0))
+    *_, (time_s, X_WB, _) = played(state, along((0, 0), (0.2, 0)), 5)
+    facing = Pose2(X_WB.x, X_WB.y, math.pi)
+    for look in range(round(20 / LOOK_S)):
+        time_s += LOOK_S
+        state.advance(time_s, facing)
+        if look == round(5 / LOOK_S):
+            (person,) = state.people
+            assert abs(person.y) < 0.1
+            state.let_pass()
+    (person,) = state.people
+    assert abs(person.y) > 0.85
+
+
+def test_who_pauses_goes_on_along_the_way_and_not_through_the_corner() -> None:
+    script: list[dict[str, object]] = [{"follow": 6, "distance": 1.3}, {"wait": 20}, {"follow": 100, "distance": 1.3}]
+    state = scene(script, at=(-1.3, 0.0))
+    seen = [(person.x, person.y) for *_, (person,) in played(state, along((0, 0), (4, 0), (4, 4)), 60)]
+    assert math.dist(seen[-1], (4, 2.7)) < 0.3, "they have caught up"
+    assert min(math.dist(place, (4, 0)) for place in seen) < 0.6, "round the corner"

@@ -1,0 +1,1 @@
+"""Guided tours of the laboratory with simulated visitors, judged by the truth."""
