@@ -96,7 +96,5 @@ def test_a_tour_whose_places_the_world_lacks_is_refused(tmp_path: Path, capsys: 
     file = tmp_path / "arm-tour.yaml"
     file.write_text(tour_text(tour(id="arm-tour", home="nowhere")), encoding="utf-8")
     assert cli.main(["experiment", "tour", "--tour", str(file), "--out", str(tmp_path / "out")]) == 2
-    assert (
-        "the tour arm-tour has no place nowhere; before the posters of the world" in capsys.readouterr().err
-    )
+    assert "the tour arm-tour has no place nowhere; before the posters of the world" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()

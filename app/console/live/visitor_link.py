@@ -11,7 +11,8 @@ from urllib.parse import urlsplit
 import psutil
 import segno
 
-from app.console.access.origins import host_name, is_loopback, own_names
+from app.console.access.auth import is_loopback, own_names
+from app.console.access.origins import host_name
 from app.console.live.messages import VisitorLink
 
 PAGE = "visitor"
