@@ -37,6 +37,7 @@ ALLOWED = {
     "console/view/relay.py": "how fast a viewer's network is",
     "experiments/barn/trial.py": "how long a trial took on this computer",
     "experiments/observation.py": "how late the event loop is, which is what the experiment measures",
+    "experiments/tour/tour_run.py": "how long a trial took on this computer",
     "base/log_rate_limit.py": "how often a line of the log is repeated",
     "maps/library.py": "the age of a file that somebody left behind",
     "modules/recording/recorder.py": "how long the thread that writes may take to end",

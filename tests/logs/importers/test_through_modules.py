@@ -27,7 +27,7 @@ WALL_X, CENTRE, SIDE = 3.5, (0.9, 1.2), 0.8
 
 def poster() -> NDArray[np.uint8]:
     """The code and its white border, one value (0 or 255) a module."""
-    rows = segno.make(TEXT, error="m").matrix_iter(border=4)
+    rows = segno.make_qr(TEXT, error="m").matrix_iter(border=4)
     return np.array([[0 if dark else 255 for dark in row] for row in rows], np.uint8)
 
 

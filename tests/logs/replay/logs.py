@@ -107,7 +107,9 @@ def lab_manifest() -> Manifest:
 
 def poster(text: str = "https://example.org/lab") -> np.ndarray[Any, np.dtype[np.uint8]]:
     """A picture (120, 160, 3) of a QR code on a wall."""
-    code = np.array([[not cell for cell in row] for row in segno.make(text, error="m").matrix_iter(border=4)], np.uint8)
+    code = np.array(
+        [[not cell for cell in row] for row in segno.make_qr(text, error="m").matrix_iter(border=4)], np.uint8
+    )
     scale = 100 // len(code)
     code = np.kron(code, np.ones((scale, scale), np.uint8)) * 255
     picture = np.full((120, 160, 3), 150, np.uint8)

@@ -128,6 +128,7 @@ def test_modules_that_would_hear_nothing_stay_out_with_their_strategies() -> Non
         "PlaceKeeper.landmarks ",
         "SLAM2D.landmark_poses ",
         "TourGuide.",
+        "Follow.",
         "PlanAndFollowPath.images ",
         "PlanAndFollowPath.base ",
         "LookA",

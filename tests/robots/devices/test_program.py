@@ -38,7 +38,7 @@ def desk(folder: Path) -> Path:
     picture = np.full((480, 640, 3), 170, np.uint8)
     portrait = cv2.resize(np.asarray(cv2.imread(str(PORTRAIT))), (240, 320), interpolation=cv2.INTER_AREA)
     picture[80:400, 40:280] = portrait
-    segno.make("hello").save(str(folder / "code.png"), scale=8)
+    segno.make_qr("hello").save(str(folder / "code.png"), scale=8)
     code = np.asarray(cv2.imread(str(folder / "code.png")))
     picture[100 : 100 + code.shape[0], 350 : 350 + code.shape[1]] = code
     cv2.imwrite(str(folder / "desk.png"), picture)
