@@ -1,7 +1,5 @@
 """Synthetic keyframes for a map without any: simulated laser views from places all over a foreign occupancy grid."""
 
-# mypy: allow-untyped-defs, allow-incomplete-defs
-
 from __future__ import annotations
 
 import math
@@ -10,8 +8,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from app.base.compiled import kernel
 from app.base.geometry import Pose2
+from app.maps.ray_kernels import cast_grid
 from app.messages import OccupancyGrid
 from app.modules.perception.slam.likelihood_field import FREE, OCCUPIED
 from app.modules.perception.slam.scans import BeamGeometry, prepared
@@ -70,38 +68,3 @@ def _free_cells(grid: OccupancyGrid) -> NDArray[np.float64]:
             found.append((left + columns[middle] + 0.5, top + rows[middle] + 0.5))
     cells = np.array(found, np.float64).reshape(-1, 2)
     return np.asarray(cells * grid.resolution_m + np.array(grid.origin), np.float64)
-
-
-@kernel("float32[::1](uint8[:,::1], uint8[:,::1], float64, float64, float64[::1], float64)")
-def cast_grid(occupied, unknown, column, row, angles, reach) -> NDArray[np.float32]:
-    """Length (cells) of rays from ``column``, ``row`` to halfway through an occupied cell; ``reach`` where they meet
-    none, NaN where they enter unknown cells."""
-    height, width = occupied.shape
-    ranges = np.empty(len(angles), np.float32)
-    for k in range(len(angles)):
-        c, s = math.cos(angles[k]), math.sin(angles[k])
-        ranges[k] = reach
-        i, j = math.floor(column), math.floor(row)
-        # Grid traversal by Amanatides and Woo: from one side of a cell to the next.
-        si, sj = (1 if c > 0 else -1), (1 if s > 0 else -1)
-        di = abs(1.0 / c) if c != 0.0 else 1e30
-        dj = abs(1.0 / s) if s != 0.0 else 1e30
-        ti = ((i + 1 - column) if c > 0 else (column - i)) * di
-        tj = ((j + 1 - row) if s > 0 else (row - j)) * dj
-        gone = 0.0
-        while gone < reach:
-            if i < 0 or j < 0 or i >= width or j >= height or unknown[j, i]:
-                ranges[k] = np.nan
-                break
-            if occupied[j, i]:
-                ranges[k] = gone + 0.5 * (min(ti, tj) - gone)
-                break
-            if ti < tj:
-                gone = ti
-                ti += di
-                i += si
-            else:
-                gone = tj
-                tj += dj
-                j += sj
-    return ranges
