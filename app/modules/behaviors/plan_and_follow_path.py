@@ -43,7 +43,6 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
-from pydantic import Field
 
 from app.base.errors import ConfigError
 from app.base.geometry import Pose2
@@ -68,8 +67,6 @@ from app.messages import (
 )
 from app.modules.behaviors.accomplishment_reporter import AccomplishmentReporter
 from app.modules.behaviors.go_to import GO_TO, report_arrival
-from app.modules.behaviors.navigation.costmap.inflation import CostSettings
-from app.modules.behaviors.navigation.costmap.local_costmap import CostmapSettings
 from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import PersistentObstacleLayer
 from app.modules.behaviors.navigation.costmap.persistent_obstacle_store import PersistentObstacleStore
 from app.modules.behaviors.navigation.costmap.self_filter import self_filtered
@@ -77,61 +74,26 @@ from app.modules.behaviors.navigation.kernel_loading import load_kernels
 from app.modules.behaviors.navigation.planning.global_planner import GlobalPlanner, PlanRequest, PlanResult
 from app.modules.behaviors.navigation.planning.goal_planning import GlobalPlan
 from app.modules.behaviors.navigation.planning.route_planner import LegRequest, RouteFinder
-from app.modules.behaviors.navigation.recovery.recovery_behaviors import RecoverySettings
+from app.modules.behaviors.navigation.settings import PlanAndFollowPathSettings
 from app.modules.behaviors.navigation.tracking.command_jitter import CommandJitter
 from app.modules.behaviors.navigation.tracking.control_cycle import (
-    CONTROLLERS,
     ControlCycle,
-    ControlCycleSettings,
     CycleInput,
     CycleOutput,
 )
 from app.modules.behaviors.navigation.tracking.desired_goal import goal_of
 from app.modules.behaviors.navigation.tracking.localization_monitor import LocalizationMonitor
-from app.modules.behaviors.navigation.tracking.path_tracker import NavigationGoal, PathTrackerSettings, TrackingStep
+from app.modules.behaviors.navigation.tracking.path_tracker import NavigationGoal, TrackingStep
+from app.modules.behaviors.navigation.tracking.replanning import MOVED, Planned, why_plan
 from app.modules.behaviors.navigation.tracking.status_publisher import StatusPublisher
 from app.modules.body_shapes import moving_shapes
 from app.modules.stream_module import robot_link
 from app.runtime.errors import ModuleFailed
-from app.runtime.module import Caution, Module, ModuleContext, Settings
+from app.runtime.module import Caution, Module, ModuleContext
 from app.runtime.realtime import raise_thread_priority
 
 #: Least period of published costmaps, s.
 _COSTMAP_S = 0.2
-#: Why it plans where the goal has moved.
-_MOVED = "the goal moved"
-#: A jump of localization by more than this (m, rad) triggers planning at once.
-_JUMP = (0.15, 0.1)
-
-
-class PlanAndFollowPathSettings(Settings):
-    """Settings of PlanAndFollowPath; they depend on the body's speed, while its sizes and limits come from the body."""
-
-    period_s: float = Field(0.1, gt=0, le=0.2, description="one control cycle")
-    controller: str = Field(
-        "mppi", pattern=f"^({'|'.join(CONTROLLERS)})$", description="unless the strategy gives another"
-    )
-    fresh_s: float = Field(0.3, gt=0, le=1, description="greatest age of a scan or image to drive by")
-    replan_s: float = Field(1.0, gt=0, le=10, description="period of planning")
-    blocked_replan_s: float = Field(
-        0.3, gt=0, le=10, description="period of planning while an obstacle blocks the path"
-    )
-    costmap_m: float = Field(4.0, ge=2, le=20, description="side of the costmap around the robot")
-    costmap_resolution_m: float = Field(0.025, ge=0.01, le=0.1)
-    keep_s: float = Field(45.0, gt=0, description="how long an unseen stationary obstacle is kept")
-    unknown: str = Field("costly", pattern="^(free|costly|blocked)$", description="cost of paths through unknown space")
-    closeness: float = Field(
-        6.0, ge=0, description="surcharge per metre of path beside an obstacle, in metres of open floor"
-    )
-    reach_m: float = Field(0.75, gt=0, le=3, description="distance beyond which an obstacle adds no cost")
-    stuck_s: float = Field(2.0, gt=0, description="time without progress before recovery")
-    wait_s: float = Field(2.0, ge=0, description="duration of the first recovery action, waiting")
-    ask_s: float = Field(15.0, gt=0, description="time for people to help before the next round of recovery")
-    corner_share: float = Field(0.6, gt=0, le=1, description="share of the speed beside blind corners; 1: no reduction")
-    people_m: float = Field(
-        0.0, ge=0, le=0.3, description="radius kept clear around leg candidates that the map does not have; 0: none"
-    )
-    rounds: int = Field(2, ge=1, description="rounds of all recovery actions before people are asked")
 
 
 class PlanAndFollowPath(Module):
@@ -181,10 +143,7 @@ class PlanAndFollowPath(Module):
         self._controller = self.settings.controller
         self._controller_in_use = self._controller
         self._planning: asyncio.Task[PlanResult] | None = None
-        self._planned_at = -math.inf
-        self._planned_from: Localization | None = None
-        self._planned_for: NavigationGoal | None = None
-        self._planned_to: Pose2 | None = None
+        self._planned: Planned | None = None
         self._answer: PlanResult | None = None
         self._plan: GlobalPlan | None = None
         self._wanted_plan = ""
@@ -208,28 +167,19 @@ class PlanAndFollowPath(Module):
             outline = BodyOutline(description.footprint, self._own)
         await self.compute(load_kernels)
         await self.compute(raise_thread_priority)
-        s = self.settings
-        settings = ControlCycleSettings(
-            costmap=CostmapSettings(
-                size_m=s.costmap_m,
-                memory_m=max(8.0, 1.5 * s.costmap_m),
-                resolution_m=s.costmap_resolution_m,
-                keep_s=s.keep_s,
-            ),
-            path_tracker=PathTrackerSettings(corner_share=s.corner_share),
-            recovery=RecoverySettings(stuck_s=s.stuck_s, wait_s=s.wait_s, rounds=s.rounds, ask_s=s.ask_s),
-            fresh_s=s.fresh_s,
-            people_m=s.people_m,
-        )
         try:
             self._control = await self.compute(
                 lambda: ControlCycle(
-                    description, self._controller, settings, depth=self.images.connected, outline=outline
+                    description,
+                    self._controller,
+                    self.settings.of_control_cycle(),
+                    depth=self.images.connected,
+                    outline=outline,
                 )
             )
         except ValueError as error:
             raise ModuleFailed(f"{self.name} cannot drive {description.name}: {error}") from None
-        costs = CostSettings(unknown=s.unknown, closeness=s.closeness, reach_m=s.reach_m)
+        costs = self.settings.of_costs()
         self._global_planner = GlobalPlanner(self._control.footprint, costs)
         self._route_finder = RouteFinder(self._control.footprint, self._control.body, costs)
         await self._attach()
@@ -341,7 +291,7 @@ class PlanAndFollowPath(Module):
             self._publish_stop(now, goal, problem)
             return
         answer, self._answer = self._answer, None
-        if answer is not None and self._planned_for is not goal:
+        if self._planned is None or self._planned.goal is not goal:
             answer = None
         inputs = CycleInput(
             now,
@@ -359,7 +309,7 @@ class PlanAndFollowPath(Module):
             is_lost=self._poses.is_lost(now) and self._grid is not None,
             given_mps=self._given_mps,
             joints=self._positions.newest,
-            moved=answer is not None and answer.why == _MOVED,
+            moved=answer is not None and answer.why == MOVED,
         )
         if self._controller != self._controller_in_use:
             self._controller_in_use = self._controller
@@ -431,7 +381,7 @@ class PlanAndFollowPath(Module):
             )
         )
         if goal is None:
-            self._planned_for = None
+            self._planned = None
             self._clear_path(now)
         elif output.step.state == "arrived":
             self._arrived(goal, output.step.reason)
@@ -461,12 +411,22 @@ class PlanAndFollowPath(Module):
     def _plan_if_wanted(self, now: float, goal: NavigationGoal, output: CycleOutput) -> None:
         if self._planning is not None:
             return
-        if self._planned_for is not goal:
-            self._plan = None
-        why = self._why_plan(now, goal, output)
+        last, end = self._planned, self._end_of(goal)
+        if last is None or last.goal is not goal:
+            last, self._plan = None, None
+        localization, grid = self._poses.localization, self._grid
+        why = why_plan(
+            now,
+            end,
+            last,
+            None if localization is None else localization.X_MO,
+            wanted=output.step.replan or self._wanted_plan,
+            is_following=self._plan is not None and len(self._plan.poses) > 0 and output.step.state == "following",
+            period_s=self.settings.replan_s,
+            blocked_period_s=self.settings.blocked_replan_s,
+        )
         if why is None:
             return
-        localization, grid = self._poses.localization, self._grid
         X_MB = self._poses.X_MB(now)
         if localization is None or grid is None or X_MB is None:
             return
@@ -475,7 +435,7 @@ class PlanAndFollowPath(Module):
             self._zones.zones,
             X_MO=localization.X_MO,
             X_MB=X_MB,
-            goal=self._end_of(goal),
+            goal=end,
             around=output.around,
             opened_up=output.opened_up,
             kept=self._plan,
@@ -483,33 +443,13 @@ class PlanAndFollowPath(Module):
             footprint=output.footprint,
             persistent_obstacles=output.persistent_obstacles,
         )
-        self._planned_at, self._planned_from, self._planned_for = now, localization, goal
-        self._planned_to = request.goal
+        self._planned = Planned(now, goal, end, localization.X_MO)
         self._wanted_plan = ""
         finding = self.compute_background(self._global_planner.find, request)
         self._planning = asyncio.create_task(finding, name=f"{self.name} plans")
-        self._planning.add_done_callback(self._planned)
+        self._planning.add_done_callback(self._take_plan)
 
-    def _why_plan(self, now: float, goal: NavigationGoal, output: CycleOutput) -> str | None:
-        """Reason for planning now: "" for a possibly better path only; None for no planning."""
-        since = now - self._planned_at
-        if self._planned_for is not goal:
-            return "another goal"
-        if self._planned_to is not self._end_of(goal) and since >= self.settings.blocked_replan_s:
-            return _MOVED
-        before, newest = self._planned_from, self._poses.localization
-        if before is not None and newest is not None and _jumped(before.X_MO, newest.X_MO):
-            return "localization corrected itself"
-        wanted = output.step.replan or self._wanted_plan
-        if wanted and since >= self.settings.blocked_replan_s:
-            # An obstacle for the controller need not block the path: it is replaced only by a better one or if it is
-            # bad.
-            return (
-                "" if self._plan is not None and len(self._plan.poses) and output.step.state == "following" else wanted
-            )
-        return "" if since >= self.settings.replan_s else None
-
-    def _planned(self, task: asyncio.Task[PlanResult]) -> None:
+    def _take_plan(self, task: asyncio.Task[PlanResult]) -> None:
         self._planning = None
         if task.cancelled():
             return
@@ -518,11 +458,6 @@ class PlanAndFollowPath(Module):
             self.fail(error)
         elif error is None:
             self._answer = task.result()
-
-
-def _jumped(before: Pose2, now: Pose2) -> bool:
-    moved = before.inverse() @ now
-    return math.hypot(moved.x, moved.y) > _JUMP[0] or abs(moved.theta) > _JUMP[1]
 
 
 def _speeds(answer: PlanResult, speed_mps: float) -> Any:
