@@ -192,7 +192,7 @@ def _heard(scene: Scene) -> tuple[float, float, float, float]:
         cpu_s += time.thread_time() - before
         waiting = np.concatenate([waiting, clean])
         while len(waiting) >= pipeline.step:
-            sources, _ = pipeline.process(waiting[: pipeline.step], at / RATE, at, own_voice=True)
+            sources, _ = pipeline.process(waiting[: pipeline.step], at / RATE, at, own_noise=True)
             waiting, at = waiting[pipeline.step :], at + pipeline.step
             active = [source for source in sources.sources if source.active]
             time_s = sources.stamp - BEFORE_S

@@ -19,11 +19,12 @@ own voice is nobody's.
 ``microphones`` (2, 4, 8 ...: the number of used ones) and ``separation`` are parameters
 of the strategies for the desire LocateVoices, ``voices`` (how many are separated) of the desire itself. After a gap in
 the sound, and after a restart, all state except the track numbers is reset. Microphone positions that do not explain
-the sound (voices/array_check.py) are logged once.
+the sound (voices/array_check.py) are logged once; what is heard while the robot speaks or drives is no evidence.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -46,6 +47,10 @@ from app.runtime.module import Module, ModuleContext, Settings
 
 #: Kept over restarts and for the next pipeline, so that track numbers are not reused.
 _NEXT_TRACK = "next track"
+#: Speeds (m/s, rad/s) up to which the base is at rest.
+_AT_REST = 0.01
+#: Noise of the wheels lasts so long (s) after the base has come to rest: what is heard is a mean over some blocks.
+_ROLLS_OUT_S = 1.0
 
 
 class VoiceLocalizerSettings(Settings):
@@ -110,6 +115,8 @@ class VoiceLocalizer(Module):
         self._doubted = False
         self._waiting: list[NDArray[np.int16]] = []
         self._waiting_length = 0
+        #: When the base last moved (s).
+        self._moved = -math.inf
         #: Number and time of the first waiting sample, and the number of the next expected one.
         self._first_sample, self._stamp, self._next_sample = 0, 0.0, -1
         self._own_voice: OwnVoiceFilter | None = None
@@ -120,7 +127,7 @@ class VoiceLocalizer(Module):
         self.sources = self.output("sources", SoundSources)
         self.separated = self.output("separated", SeparatedSound)
         self.on(self.audio, self._take_audio)
-        self.on(self.odometry, self._poses.add)
+        self.on(self.odometry, self._take_odometry)
 
     async def start(self) -> None:
         """Load the network of the voice activity detection."""
@@ -143,6 +150,11 @@ class VoiceLocalizer(Module):
     def overflowed(self, port: str, loss: InboxOverflow) -> None:
         """Lost sound is a gap, which the samples' numbers show."""
         self._overruns.lost(self.audio, loss)
+
+    def _take_odometry(self, odometry: Odometry) -> None:
+        self._poses.add(odometry)
+        if max(abs(odometry.linear_mps), abs(odometry.lateral_mps), abs(odometry.angular_radps)) > _AT_REST:
+            self._moved = odometry.stamp
 
     async def _take_audio(self, audio: Audio) -> None:
         self._overruns.heard()
@@ -198,8 +210,9 @@ class VoiceLocalizer(Module):
         self._waiting, self._waiting_length = ([rest] if len(rest) else []), len(rest)
         self._stamp, self._first_sample = stamp + pipeline.step / rate, first_sample + pipeline.step
         heading = await self._heading_at(pipeline.instant(stamp))
-        own_voice = self._own_voice is not None and self._own_voice.needed
-        process = partial(pipeline.process, own_voice=own_voice)
+        speaks = self._own_voice is not None and self._own_voice.needed
+        drives = pipeline.instant(stamp) - self._moved < _ROLLS_OUT_S
+        process = partial(pipeline.process, own_noise=speaks or drives)
         sources, separated = await self.compute(process, block, stamp, first_sample, heading)
         self.persistent[_NEXT_TRACK] = pipeline.next_track
         self.sources.publish(sources)

@@ -110,14 +110,14 @@ class VoicePipeline:
         first_sample: int = 0,
         heading: float = 0.0,
         *,
-        own_voice: bool = False,
+        own_noise: bool = False,
     ) -> tuple[SoundSources, SeparatedSound | None]:
         """Process one block: ``samples`` (step, C), of which the first is number ``first_sample``, taken at ``time_s``.
 
         ``heading`` (rad) is the robot's in ``odom`` at :meth:`instant`. The sources are those of then, in
-        ``base_link``; what is separated comes every few blocks, and is older. ``own_voice``: the robot speaks; what is
-        left of its voice, whose source is too near, is no evidence for the check of the array. Raises ValueError for
-        samples of another shape.
+        ``base_link``; what is separated comes every few blocks, and is older. ``own_noise``: the robot speaks or
+        drives; sound of its loudspeaker and its wheels, which are too near, is no evidence for the check of the
+        array. Raises ValueError for samples of another shape.
         """
         if samples.ndim != 2 or len(samples) != self.step or samples.shape[1] <= max(self.array.channels):
             raise ValueError(f"samples are ({self.step}, > {max(self.array.channels)}), not {samples.shape}")
@@ -128,7 +128,7 @@ class VoicePipeline:
         if instant <= self._time:
             self._restart()
         tracks = self._follow(sound, instant, heading)
-        if not own_voice:
+        if not own_noise:
             self._check_array()
         self._time = instant
         self._heard += self.step
