@@ -74,7 +74,6 @@ from app.modules.behaviors.navigation.kernel_loading import load_kernels
 from app.modules.behaviors.navigation.planning.global_planner import GlobalPlanner, PlanRequest, PlanResult
 from app.modules.behaviors.navigation.planning.goal_planning import GlobalPlan
 from app.modules.behaviors.navigation.planning.route_planner import LegRequest, RouteFinder
-from app.modules.behaviors.navigation.settings import PlanAndFollowPathSettings
 from app.modules.behaviors.navigation.tracking.command_jitter import CommandJitter
 from app.modules.behaviors.navigation.tracking.control_cycle import (
     ControlCycle,
@@ -83,6 +82,7 @@ from app.modules.behaviors.navigation.tracking.control_cycle import (
 )
 from app.modules.behaviors.navigation.tracking.desired_goal import goal_of
 from app.modules.behaviors.navigation.tracking.localization_monitor import LocalizationMonitor
+from app.modules.behaviors.navigation.tracking.navigation_settings import PlanAndFollowPathSettings
 from app.modules.behaviors.navigation.tracking.path_tracker import NavigationGoal, TrackingStep
 from app.modules.behaviors.navigation.tracking.replanning import MOVED, Planned, why_plan
 from app.modules.behaviors.navigation.tracking.status_publisher import StatusPublisher

@@ -28,7 +28,7 @@ from app.base.geometry import Pose2, wrap_angle
 from app.messages import Accomplished, Desire, Persons
 from app.modules.behaviors.follow.following import Following, FollowRules, FollowStep, Side
 from app.modules.behaviors.follow.standing import Point, bearing, nearing_mps, share_of_speed
-from app.modules.behaviors.navigation.settings import PlanAndFollowPathSettings
+from app.modules.behaviors.navigation.tracking.navigation_settings import PlanAndFollowPathSettings
 from app.modules.behaviors.navigation.tracking.path_tracker import NavigationGoal, TrackingStep
 from app.modules.behaviors.plan_and_follow_path import PlanAndFollowPath
 from app.runtime.module import ModuleContext

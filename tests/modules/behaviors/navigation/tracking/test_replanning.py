@@ -16,7 +16,7 @@ LAST = Planned(10.0, NavigationGoal(END, 0.25, 0.2), END, Pose2())
 
 
 def asked(now: float, end: Pose2 = END, last: Planned | None = LAST, **more: Any) -> str | None:
-    usual = {"wanted": "", "is_following": True, "period_s": 1.0, "blocked_period_s": 0.3}
+    usual: dict[str, Any] = {"wanted": "", "is_following": True, "period_s": 1.0, "blocked_period_s": 0.3}
     X_MO = more.pop("X_MO", Pose2())
     return why_plan(now, end, last, X_MO, **(usual | more))
 
