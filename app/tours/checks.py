@@ -10,13 +10,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from app.attention.desires import DesireClass, InvalidDesire
-from app.base.yaml_source import KeyPath, suggestion
+from app.base.yaml_source import KeyPath, dotted, suggestion
 from app.speech.text_spans import sentences_of
 from app.tours.consistency import mistakes, steps_of
 from app.tours.desires import EXPRESS, desires_of
-from app.tours.model import Tour
+from app.tours.model import Commands, Tour
 from app.tours.problems import TourProblem
 from app.tours.steps import Step
+from app.tours.values import Words
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,7 +97,26 @@ def _of_texts(tour: Tour) -> Iterator[TourProblem]:
                 yield TourProblem((*path, language), f"languages does not have {language}: this is not used", "warning")
 
 
+def _of_commands(tour: Tour) -> Iterator[TourProblem]:
+    """Words that would steer the tour in two ways."""
+    taken: dict[tuple[str, str], KeyPath] = {}
+    for path, words in _commands(tour):
+        for language, phrases in words.items():
+            for phrase in phrases:
+                other = taken.setdefault((language, phrase.lower()), path)
+                if other != path:
+                    yield TourProblem((*path, language), f"{phrase!r} is a word of {dotted(other)}, too", "error")
+
+
+def _commands(tour: Tour) -> Iterator[tuple[KeyPath, Words]]:
+    for name in Commands.model_fields:
+        yield ("commands", name), getattr(tour.commands, name)
+    for number, stop in enumerate(tour.stops):
+        yield ("stops", number, "words"), stop.words
+
+
 def _of_words(tour: Tour, around: Surroundings) -> Iterator[TourProblem]:
+    yield from _of_commands(tour)
     for number, stop in enumerate(tour.stops):
         taken: dict[tuple[str, str], str] = {}
         for index, question in enumerate(stop.questions):
@@ -172,6 +192,7 @@ def _heard(tour: Tour) -> Iterator[tuple[KeyPath, Mapping[str, Any]]]:
     if (confirm := tour.greeting.confirm) is not None:
         yield ("greeting", "confirm", "agree"), confirm.agree
         yield ("greeting", "confirm", "decline"), confirm.decline
+    yield from _commands(tour)
     for number, stop in enumerate(tour.stops):
         for index, question in enumerate(stop.questions):
             yield ("stops", number, "questions", index, "words"), question.words

@@ -130,6 +130,7 @@ class Stop(TourPart):
         None, description="Text of the code that hangs there; HBBA:STOP/ and the id in capitals is read farthest."
     )
     stand: Stand = Stand()
+    words: Words = Field(default={}, description="Words by which visitors ask to be led there, by language.")
     do: _Steps = Field((), description="Steps, one after another.")
     questions: tuple[Question, ...] = Field((), max_length=MOST_QUESTIONS)
     on_failure: FailureExceptions = FailureExceptions()
@@ -158,6 +159,17 @@ class Farewell(TourPart):
     do: _Steps = ()
 
 
+class Commands(TourPart):
+    """Words by which visitors steer the tour while it is led, by language; without any, presses alone do."""
+
+    pause: Words = Field(default={}, description="One moment, please.")
+    resume: Words = Field(default={}, description="These end only a pause that visitors asked for.")
+    skip: Words = Field(default={}, description="On to the next stop.")
+    undo_skip: Words = Field(default={}, description="Back to the stop that was skipped.")
+    repeat: Words = Field(default={}, description="The whole stop once more.")
+    end: Words = Field(default={}, description="Goodbye, and home.")
+
+
 class Tour(TourPart):
     """A guided tour."""
 
@@ -176,6 +188,7 @@ class Tour(TourPart):
     on_failure: FailureRules = FailureRules()
     greeting: Greeting = Greeting()
     farewell: Farewell = Farewell()
+    commands: Commands = Commands()
     accept: tuple[CodeText, ...] = Field(
         (), max_length=100, description="Texts of further codes that are obeyed when they are read on this tour."
     )

@@ -80,6 +80,18 @@ def test_a_tour_for_which_all_is_there_has_no_problem() -> None:
             "error",
             "'Heavy' is a word of the question weight, too",
         ),
+        (
+            {"commands": {"pause": {"en": ["wait"]}, "skip": {"en": ["Wait"]}}},
+            "commands.skip.en",
+            "error",
+            "'Wait' is a word of commands.pause, too",
+        ),
+        (
+            {"commands": {"pause": {"en": ["the arm"]}}} | stop(words={"en": ["the arm"]}),
+            "stops.0.words.en",
+            "error",
+            "'the arm' is a word of commands.pause, too",
+        ),
         ({"pace": {"slow_m": 9}}, "pace.slow_m", "mistake", "less than wait_m"),
     ],
 )

@@ -116,6 +116,22 @@ export interface Channels {
   point_cloud: boolean;
 }
 
+/** Words by which visitors steer the tour while it is led, by language; without any, presses alone do. */
+export interface Commands {
+  /** One moment, please. */
+  pause: Record<string, string[]>;
+  /** These end only a pause that visitors asked for. */
+  resume: Record<string, string[]>;
+  /** On to the next stop. */
+  skip: Record<string, string[]>;
+  /** Back to the stop that was skipped. */
+  undo_skip: Record<string, string[]>;
+  /** The whole stop once more. */
+  repeat: Record<string, string[]>;
+  /** Goodbye, and home. */
+  end: Record<string, string[]>;
+}
+
 /** A question before the tour begins, agreed to by a word or a press. */
 export interface Confirmation {
   ask: Record<string, string>;
@@ -1297,6 +1313,8 @@ export interface Stop {
   /** Text of the code that hangs there; HBBA:STOP/ and the id in capitals is read farthest. */
   poster: string | null;
   stand: Stand;
+  /** Words by which visitors ask to be led there, by language. */
+  words: Record<string, string[]>;
   /** Steps, one after another. */
   do: Step[];
   questions: Question[];
@@ -1384,6 +1402,7 @@ export interface Tour {
   on_failure: FailureRules;
   greeting: Greeting;
   farewell: Farewell;
+  commands: Commands;
   /** Texts of further codes that are obeyed when they are read on this tour. */
   accept: string[];
   stops: Stop[];

@@ -61,6 +61,7 @@ export function newStop(tour: Pick<Tour, "languages" | "stops">, place: string, 
     stand: { face: "visitors", tolerance_m: 0.3, tolerance_rad: 0.2 },
     do: [],
     questions: [],
+    words: {},
     on_failure: {
       reach: { retry: null, ask_s: null, then: null },
       present: { retry: null, then: null },

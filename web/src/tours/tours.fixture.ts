@@ -18,6 +18,7 @@ export function aTour(stops: Stop[], more: Partial<Tour> = {}): Tour {
     on_failure: { reach: { retry: 2, ask_s: 20, then: "skip" }, present: { retry: 0, then: "continue" } },
     greeting: { do: [], confirm: null },
     farewell: { do: [] },
+    commands: { pause: {}, resume: {}, skip: {}, undo_skip: {}, repeat: {}, end: {} },
     accept: [],
     stops,
     ...more,

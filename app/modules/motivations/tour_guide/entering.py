@@ -35,6 +35,7 @@ def enter(progress: Progress, state: State, view: View, *, step: int = 0, reason
         sentence=0,
         said_from=0,
         to_press=False,
+        pause_spoken=False,
         stuck_since=None,
         excuse="",
         homed=progress.homed and state in AT_HOME,

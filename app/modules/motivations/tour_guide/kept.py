@@ -65,7 +65,7 @@ def after_restart(run: KeptRun, at: float, view: View, scene: Scene) -> Progress
     if not before.is_running:
         return Progress(reason=before.reason)
     if before.state == "paused" and before.to_press:
-        return replace(fresh, to_press=True)
+        return replace(fresh, to_press=True, pause_spoken=False)
     reasons = {
         "the tour was changed meanwhile": run.digest != digest(tour),
         "the program was away too long": not run.is_fresh(at),

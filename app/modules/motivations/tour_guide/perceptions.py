@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
+from app.modules.motivations.tour_guide.commands import commands_now
 from app.modules.motivations.tour_guide.progress import Progress, State
 from app.modules.motivations.tour_guide.wishes import Scene, Wish, step_now, stop_of
 from app.tours.values import Words
@@ -72,3 +73,5 @@ def _awaited(progress: Progress, scene: Scene) -> Iterator[Words]:
             yield step.wait.words
         for question in stop_of(progress, scene.tour).questions:
             yield question.words
+    for words, _ in commands_now(progress, scene.tour):
+        yield words

@@ -127,14 +127,15 @@ class Progress:
 
     ``since``: when ``state`` began (s); ``entry`` numbers states and steps as they begin, so that no outcome of an
     older one is taken for one of this. ``stop`` and ``step`` are indices; ``ended`` the keys of wishes of this step
-    that ended; ``attempt`` counts tries of what failed. ``resume``: the state before a pause; ``to_press``: whether a
-    press is needed to go on. ``sentence``: of the step's text, the one that is said; ``said_from``: the one that its
-    wish begins with. ``seen_m``: ``driven_m`` when all visitors were last seen near; ``gone_since``,
-    ``near_since``: since when none is seen, and enough are near (s). ``question``: index of the one that is answered,
-    ``listened``: the step to go back to from there. ``invites``: whether people who are near begin a tour; those who
-    came along, or declined, leave first. ``towards``: the heading (rad in odom) that it turns to where it faces
-    visitors; ``stuck_since`` as in View. ``excuse``: key of what it says of its pause, or of the tour's end. ``homed``:
-    it came home, and nobody has moved it since. ``reason``: in words, why it is in this state.
+    that ended; ``attempt`` counts tries of what failed. ``resume``: the state before a pause; ``to_press``: whether
+    a press is needed to go on; ``pause_spoken``: whether a word will do. ``sentence``: of the step's text, the one
+    that is said; ``said_from``: the one that its wish begins with. ``seen_m``: ``driven_m`` when all visitors were
+    last seen near; ``gone_since``, ``near_since``: since when none is seen, and enough are near (s). ``question``:
+    index of the one that is answered, ``listened``: the step to go back to from there. ``invites``: whether people
+    who are near begin a tour; those who came along, or declined, leave first. ``towards``: the heading (rad in
+    odom) that it turns to where it faces visitors; ``stuck_since`` as in View. ``excuse``: key of what it says of
+    its pause, or of the tour's end. ``homed``: it came home, and nobody has moved it since. ``reason``: in words,
+    why it is in this state.
     """
 
     state: State = "idle"
@@ -149,6 +150,7 @@ class Progress:
     said_from: int = 0
     resume: State = "idle"
     to_press: bool = False
+    pause_spoken: bool = False
     seen_m: float = 0.0
     gone_since: float | None = None
     near_since: float | None = None

@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import Final, assert_never
 
 from app.base.geometry import wrap_angle
+from app.modules.motivations.tour_guide.commands import among, commands_now
 from app.modules.motivations.tour_guide.entering import (
     AT_A_STOP,
     AT_HOME,
@@ -33,7 +34,6 @@ from app.modules.motivations.tour_guide.progress import (
 )
 from app.modules.motivations.tour_guide.wishes import Scene, awaited, step_now, steps_now, stop_of
 from app.tours.model import Tour, rules_at
-from app.tours.values import Words
 
 #: A visitor who declines by leaving is gone so long (s).
 LEFT_S: Final = 5.0
@@ -94,8 +94,8 @@ def _interrupted(progress: Progress, view: View, scene: Scene) -> Progress:
 
 def _paused(progress: Progress, view: View, reason: str, *, to_press: bool, excuse: str = "paused") -> Progress:
     if progress.state == "paused":
-        if to_press and not progress.to_press:
-            return replace(progress, to_press=True, reason=reason, excuse=excuse)
+        if to_press and (progress.pause_spoken or not progress.to_press):
+            return replace(progress, to_press=True, pause_spoken=False, reason=reason, excuse=excuse)
         # The time until it goes on begins when no hand drives any more.
         return progress if to_press or progress.to_press else replace(progress, since=view.now)
     kept = replace(progress, resume=progress.state, to_press=to_press, excuse=excuse)
@@ -220,22 +220,23 @@ def _asked(progress: Progress, question: str, view: View, tour: Tour) -> Progres
 def _heard(progress: Progress, phrase: str, view: View, scene: Scene) -> Progress:
     tour = scene.tour
     if progress.state == "confirming" and (confirm := tour.greeting.confirm) is not None:
-        if _among(phrase, confirm.agree):
+        if among(phrase, confirm.agree):
             return lead(progress, view, scene)
-        if _among(phrase, confirm.decline):
+        if among(phrase, confirm.decline):
             return enter(progress, "idle", view, reason="visitors declined")
     if progress.state == "listening":
         step = step_now(progress, tour)
-        if step is not None and step.wait is not None and _among(phrase, step.wait.words):
+        if step is not None and step.wait is not None and among(phrase, step.wait.words):
             return _next_step(progress, view, scene)
         for question in stop_of(progress, tour).questions:
-            if _among(phrase, question.words):
+            if among(phrase, question.words):
                 return _asked(progress, question.id, view, tour)
+    for words, command in commands_now(progress, tour):
+        if among(phrase, words):
+            after = _after(progress, command, view, scene)
+            begins = after.state == "paused" and progress.state != "paused"
+            return replace(after, pause_spoken=True, reason="a visitor asked for a pause") if begins else after
     return progress
-
-
-def _among(phrase: str, words: Words) -> bool:
-    return any(phrase.lower() == each.lower() for phrases in words.values() for each in phrases)
 
 
 def _people(progress: Progress, view: View, tour: Tour) -> Progress:
