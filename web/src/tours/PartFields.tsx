@@ -5,7 +5,7 @@ import type { Media, Step, Wait } from "../protocol/types";
 import { useApp } from "../state/context";
 import { spaced } from "../ui/format";
 import { TargetIcon } from "../ui/icons";
-import { Choice, NumberField, Problems, TextFields, TypedField, WordFields } from "./parts";
+import { Choice, More, NumberField, Problems, TextFields, TypedField, WordFields } from "./parts";
 import type { Part } from "./tourEdits";
 import type { PointTarget } from "./tourPath";
 import { problemsAt } from "./tourProblems";
@@ -206,22 +206,26 @@ function GestureFields({
         options={names.map((name) => [name, spaced(name)] as const)}
         onChange={(name) => onDone({ class: name, params: {} })}
       />
-      {fields.map((field) => (
-        <TypedField
-          key={`${gesture.class}.${field.name}`}
-          label={field.title}
-          path={`${path}.params.${field.name}`}
-          value={String(gesture.params[field.name] ?? "")}
-          placeholder={values[field.name] ?? ""}
-          onDone={(typed) => {
-            const { [field.name]: _, ...rest } = gesture.params;
-            if (typed.trim() === "") return onDone({ ...gesture, params: rest });
-            // What is no such value is handed on as it was typed: the robot says what is wrong with it.
-            const read = paramsOf([field], { [field.name]: typed }).params[field.name] as string | number | boolean;
-            onDone({ ...gesture, params: { ...rest, [field.name]: read ?? typed } });
-          }}
-        />
-      ))}
+      {fields.length > 0 && (
+        <More title="How exactly" paths={[`${path}.params`]}>
+          {fields.map((field) => (
+            <TypedField
+              key={`${gesture.class}.${field.name}`}
+              label={field.title}
+              path={`${path}.params.${field.name}`}
+              value={String(gesture.params[field.name] ?? "")}
+              placeholder={values[field.name] ?? ""}
+              onDone={(typed) => {
+                const { [field.name]: _, ...rest } = gesture.params;
+                if (typed.trim() === "") return onDone({ ...gesture, params: rest });
+                // What is no such value is handed on as it was typed: the robot says what is wrong with it.
+                const read = paramsOf([field], { [field.name]: typed }).params[field.name] as string | number | boolean;
+                onDone({ ...gesture, params: { ...rest, [field.name]: read ?? typed } });
+              }}
+            />
+          ))}
+        </More>
+      )}
       <Problems
         problems={problemsAt(
           tours.problems.value,

@@ -144,6 +144,7 @@ export function StopForm({ stop, number }: { stop: Stop; number: number }) {
             label="Is turned within (°)"
             value={stop.stand.tolerance_rad}
             scale={180 / Math.PI}
+            range={[3, 180]}
             path={`${path}.stand.tolerance_rad`}
             onDone={(tolerance_rad) => edit((now) => ({ stand: { ...now.stand, tolerance_rad } }))}
           />

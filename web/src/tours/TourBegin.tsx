@@ -176,6 +176,7 @@ function Battery() {
           label="At least, to begin (%)"
           value={battery.begin_min}
           scale={100}
+          range={[0, 100]}
           path="battery.begin_min"
           testid="battery-begin"
           onDone={(begin_min) => set({ begin_min })}
@@ -184,6 +185,7 @@ function Battery() {
           label="Ends the tour below (%)"
           value={battery.end_below}
           scale={100}
+          range={[0, 100]}
           path="battery.end_below"
           testid="battery-end"
           onDone={(end_below) => set({ end_below })}

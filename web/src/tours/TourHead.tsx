@@ -1,11 +1,11 @@
 /** The name of the tour that is edited, what became of the edits, and whose counts where two people changed the same. */
 
 import { useApp } from "../state/context";
-import { BackIcon, UndoIcon, WarnIcon } from "../ui/icons";
+import { ChevronLeftIcon, UndoIcon, WarnIcon } from "../ui/icons";
 import { textOf } from "./tourEdits";
 
 export function TourHead() {
-  const { stops, tours } = useApp();
+  const { stops, tourRun, tours } = useApp();
   const tour = tours.draft.value!;
   const kept = tours.kept.value;
   const state = tours.conflict.value
@@ -26,11 +26,12 @@ export function TourHead() {
           title="All tours"
           onClick={() => {
             stops.open.value = null;
+            tourRun.wanted.value = tour.id; // what was edited is what is led next
             tours.close();
             void tours.refresh();
           }}
         >
-          <BackIcon />
+          <ChevronLeftIcon />
         </button>
         <span class="tour-name">{textOf(tour.title, tour.languages)}</span>
         <span class={`tour-state small ${state === "Not kept" ? "bad" : ""}`} role="status" data-testid="tour-state">

@@ -43,8 +43,10 @@ export const tourReportsPanel = panel({
 });
 
 function TourRun() {
-  const { tourRun } = useApp();
+  const { tourRun, tours } = useApp();
   const progress = tourRun.progress.value;
+  // While a tour is edited, and none is led, the room is the editor's.
+  if (!progress && tours.draft.value) return null;
   return (
     <section
       class={`card tour-run ${progress?.state ?? "none"}`}
@@ -101,7 +103,7 @@ function Begin() {
           what.
         </p>
       )}
-      <div class="tour-run-buttons">
+      <div class="tour-run-buttons two-ways">
         <button
           type="button"
           class="button accent"

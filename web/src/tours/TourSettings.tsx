@@ -101,6 +101,7 @@ function Leading() {
         label="Speed (% of its greatest)"
         value={pace.speed}
         scale={100}
+        range={[1, 100]}
         path="pace.speed"
         testid="tour-speed"
         onDone={(speed) => set({ speed })}

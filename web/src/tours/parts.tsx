@@ -9,7 +9,7 @@ import { sentence } from "../ui/format";
 import { WarnIcon } from "../ui/icons";
 import { type Texts, withText, withWords } from "./tourEdits";
 import { problemsAt } from "./tourProblems";
-import { numberOf, numberShown } from "./tourRules";
+import { numberOf, numberShown, wrongOf } from "./tourRules";
 
 interface FieldProps {
   label: string;
@@ -82,10 +82,12 @@ export function NumberField(
     value: number | null;
     /** What is shown is so many times the value: 100 for percent. */
     scale?: number;
+    /** What may be typed, in the unit that is shown, where the robot would refuse it in another. */
+    range?: readonly [least: number, most: number];
     onDone: (value: number | null) => void;
   },
 ) {
-  const { value, scale = 1, onDone, ...rest } = props;
+  const { value, scale = 1, range, onDone, ...rest } = props;
   const wrong = useSignal("");
   return (
     <TypedField
@@ -93,10 +95,8 @@ export function NumberField(
       value={numberShown(value, scale)}
       wrong={wrong.value}
       onDone={(typed) => {
-        const number = numberOf(typed, scale);
-        const isNone = Number.isNaN(number);
-        wrong.value = isNone ? `“${typed.trim()}” is no number: it stays as it was.` : "";
-        if (!isNone) onDone(number);
+        wrong.value = wrongOf(typed, range);
+        if (!wrong.peek()) onDone(numberOf(typed, scale));
       }}
     />
   );

@@ -1,5 +1,16 @@
 import { expect, test } from "vitest";
-import { chosen, DAYS, type Day, linesOf, NEW_SLOT, numberOf, numberShown, slotWords, timesOf } from "./tourRules";
+import {
+  chosen,
+  DAYS,
+  type Day,
+  linesOf,
+  NEW_SLOT,
+  numberOf,
+  numberShown,
+  slotWords,
+  timesOf,
+  wrongOf,
+} from "./tourRules";
 
 const days = DAYS.map(([day]) => day);
 
@@ -35,6 +46,15 @@ test("a share is typed and shown in percent, without the digits of binary number
   expect(numberOf(" ")).toBeNull();
   expect(numberOf("−2.5")).toBe(-2.5);
   expect(numberOf("much")).toBeNaN();
+});
+
+test("what cannot be a value is refused where it is typed, in the unit that is shown", () => {
+  expect(wrongOf("40", [0, 100])).toBe("");
+  expect(wrongOf("", [0, 100])).toBe("");
+  expect(wrongOf("300", [0, 100])).toBe("Not kept: should be 0 to 100, not “300”.");
+  expect(wrongOf("much", [0, 100])).toMatch("0 to 100");
+  expect(wrongOf("much")).toBe("Not kept: should be a number, not “much”.");
+  expect(wrongOf("-3")).toBe("");
 });
 
 test("texts of codes are one a line", () => {

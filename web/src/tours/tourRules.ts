@@ -50,6 +50,15 @@ export function numberOf(typed: string, scale = 1): number | null {
   return Number.isFinite(Number(plain)) ? rounded(Number(plain), 1 / scale, 6) : Number.NaN;
 }
 
+/** Why `typed` cannot be a value; empty: it may be one. */
+export function wrongOf(typed: string, range?: readonly [least: number, most: number]): string {
+  const number = numberOf(typed);
+  const fits = number === null || (range ? range[0] <= number && number <= range[1] : !Number.isNaN(number));
+  if (fits) return "";
+  const allowed = range ? `${range[0]} to ${range[1]}` : "a number";
+  return `Not kept: should be ${allowed}, not “${typed.trim()}”.`;
+}
+
 export function numberShown(value: number | null, scale = 1): string {
   return value === null ? "" : String(rounded(value, scale, 4));
 }

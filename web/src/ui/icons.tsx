@@ -130,6 +130,11 @@ export const ChevronIcon = () => (
     <path d="M8 10l4 4 4-4" />
   </Icon>
 );
+export const ChevronLeftIcon = () => (
+  <Icon>
+    <path d="M14 7l-5 5 5 5" />
+  </Icon>
+);
 export const ChevronUpIcon = () => (
   <Icon>
     <path d="M8 14l4-4 4 4" />
