@@ -1,7 +1,7 @@
 /** The name of the tour that is edited, what became of the edits, and whose counts where two people changed the same. */
 
 import { useApp } from "../state/context";
-import { ChevronLeftIcon, UndoIcon, WarnIcon } from "../ui/icons";
+import { LeftIcon, UndoIcon, WarnIcon } from "../ui/icons";
 import { textOf } from "./tourEdits";
 
 export function TourHead() {
@@ -31,7 +31,7 @@ export function TourHead() {
             void tours.refresh();
           }}
         >
-          <ChevronLeftIcon />
+          <LeftIcon />
         </button>
         <span class="tour-name">{textOf(tour.title, tour.languages)}</span>
         <span class={`tour-state small ${state === "Not kept" ? "bad" : ""}`} role="status" data-testid="tour-state">

@@ -301,7 +301,7 @@ function Steering({ progress }: { progress: TourProgress }) {
             disabled={!tourRun.allowed.value}
             onClick={() => void tourRun.dismiss()}
           >
-            Wait no more
+            Stop waiting
           </button>
         )}
       </div>

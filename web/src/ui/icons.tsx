@@ -130,9 +130,9 @@ export const ChevronIcon = () => (
     <path d="M8 10l4 4 4-4" />
   </Icon>
 );
-export const ChevronLeftIcon = () => (
+export const LeftIcon = () => (
   <Icon>
-    <path d="M14 7l-5 5 5 5" />
+    <path d="M19 12H5M11 6l-6 6 6 6" />
   </Icon>
 );
 export const ChevronUpIcon = () => (

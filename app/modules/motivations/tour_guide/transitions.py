@@ -94,7 +94,8 @@ def _interrupted(progress: Progress, view: View, scene: Scene) -> Progress:
 
 def _paused(progress: Progress, view: View, reason: str, *, to_press: bool, excuse: str = "paused") -> Progress:
     if progress.state == "paused":
-        if to_press and not progress.to_press:
+        # The emergency stop withdraws the goal, too, and may be seen later.
+        if to_press and (not progress.to_press or excuse == "e_stop" != progress.excuse):
             return replace(progress, to_press=True, reason=reason, excuse=excuse)
         # The time until it goes on begins when no hand drives any more.
         return progress if to_press or progress.to_press else replace(progress, since=view.now)
