@@ -18,12 +18,15 @@ from typing import Any
 
 import cv2
 import numpy as np
+import numpy.typing as npt
 from playwright.sync_api import Browser, Locator, Page, TimeoutError, ViewportSize, sync_playwright
 
 from app.base.paths import config_dir
 from app.commands.doctor import find_chromium
 from app.modules.behaviors.face.expression import EXPRESSIONS
 from tests.browser.running import CHROMIUM_ARGUMENTS, Robot, running_robot
+
+Image = npt.NDArray[np.uint8]
 
 FOLDER = Path(__file__).resolve().parent.parent / "docs" / "images"
 DESKTOP: ViewportSize = {"width": 1440, "height": 900}
@@ -87,10 +90,9 @@ def faces(browser: Browser, robot: Robot) -> None:
         page.wait_for_timeout(3_000)
         # Not in the middle of a blink.
         page.wait_for_function("Number(document.querySelector('.face').dataset.pose.split(' ')[4]) < 0.7")
-        pictures.append(np.asarray(cv2.imdecode(np.frombuffer(page.screenshot(), np.uint8), cv2.IMREAD_COLOR)))
+        pictures.append(taken(page))
         robot.request("DELETE", f"/desires/{desire}")
-    cv2.imwrite(str(FOLDER / "face.jpg"), np.hstack(pictures), [cv2.IMWRITE_JPEG_QUALITY, 88])
-    print(json.dumps({"picture": "face"}))
+    saved("face", np.hstack(pictures))
     page.context.close()
 
 
@@ -199,7 +201,72 @@ def guided(browser: Browser, robot: Robot) -> None:
     page.get_by_test_id("stop-open").first.click()
     page.get_by_test_id("stop-form").wait_for()
     shoot(page, "guided-stop")
+    page.get_by_test_id("tour-close").click()
+    written(robot)
+    rehearsed(page)
+    led(browser, page, robot)
     page.context.close()
+
+
+def written(robot: Robot) -> None:
+    """What the tour says and shows; one stop has no French, which a rehearsal in French finds."""
+    media = Path(os.environ["HBBA_TOURS"]) / "media"
+    media.mkdir(parents=True, exist_ok=True)
+    views = np.asarray(cv2.imread(str(FOLDER / "simulated-lab.jpg")))
+    cv2.imwrite(str(media / "robot.jpg"), views[: views.shape[0] // 2, : views.shape[1] // 2])
+    (listed,) = (each for each in robot.get("/tours")["tours"] if not each["shipped"])
+    tour = robot.get(f"/tours/{listed['id']}")["tour"]
+    tour |= {"languages": ["en", "fr"], "pace": {"look_back_m": 100}}
+    texts = (
+        {"en": "Here students build robots.", "fr": "Ici, les étudiants construisent des robots."},
+        {"en": "Here is where programs are written."},
+        {
+            "en": "The parts of my body were made in this workshop. Four motors carry my arms. They yield to a push.",
+            "fr": "Les pièces de mon corps viennent de cet atelier. Quatre moteurs portent mes bras. Ils cèdent.",
+        },
+    )
+    for stop, text in zip(tour["stops"], texts, strict=True):
+        stop["do"] = [{"say": text, "look": "visitors"}]
+    last = tour["stops"][-1]
+    last["do"][0]["show"] = {"file": "media/robot.jpg", "alt": {"en": "The robot", "fr": "Le robot"}}
+    last["do"].append({"wait": {"at_most_s": 60, "press": {"en": "Go on", "fr": "Continuer"}}})
+    answer = {"say": {"en": "About four kilograms each.", "fr": "Environ quatre kilos chacun."}}
+    question = {"en": "How heavy are your arms?", "fr": "Combien pèsent tes bras ?"}
+    last["questions"] = [{"id": "weight", "question": question, "answer": answer}]
+    asked(robot, f"/tours/{listed['id']}", tour)
+
+
+def rehearsed(page: Page) -> None:
+    """The tour played without the robot, and what would go wrong in French."""
+    page.get_by_test_id("tour-open").last.click()
+    page.get_by_test_id("rehearsal-language").select_option("fr")
+    page.get_by_test_id("rehearse").click()
+    page.get_by_test_id("rehearsal-result").wait_for(timeout=2 * GOING_S * 1000)
+    page.get_by_test_id("rehearsal-play").click()
+    moment = page.get_by_test_id("rehearsal-at")
+    moment.fill(f"{0.5 * float(moment.get_attribute('max') or 0):.1f}")
+    shoot(page, "guided-rehearsal")
+    page.get_by_test_id("rehearsal-close").click()
+    page.get_by_test_id("tour-close").click()
+
+
+def led(browser: Browser, page: Page, robot: Robot) -> None:
+    """The last stop is presented: the operator's page, the operator's phone and a visitor's."""
+    phone = opened(browser, f"{robot.url}/?scene=off", PHONE)
+    phone.get_by_test_id("tab-tour").click()
+    visitor = browser.new_context(viewport=PHONE).new_page()
+    visitor.goto(f"{robot.url}/visitor")
+    page.get_by_test_id("tour-run-start").click()
+    page.get_by_test_id("tour-run-go").select_option(index=3)
+    page.locator("[data-testid=tour-run][data-state=presenting]").wait_for()
+    visitor.get_by_test_id("visitor-said").wait_for()
+    phone.get_by_test_id("tour-run-said").wait_for()
+    phones = [taken(visitor), taken(phone)]
+    saved("guided-phones", np.hstack([phones[0], np.full((phones[0].shape[0], 24, 3), 255, np.uint8), phones[1]]))
+    saved("guided-led", taken(page))
+    robot.request("DELETE", "/tour-run")
+    for each in (phone, visitor):
+        each.context.close()
 
 
 def gone(robot: Robot, page: Page, share: float) -> None:
@@ -287,13 +354,20 @@ def shoot(page: Page, name: str, there: Locator | None = None) -> None:
         page.locator("[data-testid=camera]:not(.old)").wait_for(timeout=20_000)
         if there is not None:
             there.wait_for(state="attached", timeout=300_000)
-    picture = FOLDER / f"{name}.png"
-    page.screenshot(path=picture)
+    picture = taken(page)
     for view in views:
         view.evaluate(_GO_ON)
-    # A tenth of the size of a PNG, for a repository that keeps every version.
-    cv2.imwrite(str(picture.with_suffix(".jpg")), np.asarray(cv2.imread(str(picture))), [cv2.IMWRITE_JPEG_QUALITY, 88])
-    picture.unlink()
+    saved(name, picture)
+
+
+def taken(page: Page) -> Image:
+    """What the page shows, as BGR."""
+    return np.asarray(cv2.imdecode(np.frombuffer(page.screenshot(), np.uint8), cv2.IMREAD_COLOR), np.uint8)
+
+
+def saved(name: str, picture: Image) -> None:
+    """As ``docs/images/<name>.jpg``: a tenth of the size of a PNG, for a repository that keeps every version."""
+    cv2.imwrite(str(FOLDER / f"{name}.jpg"), picture, [cv2.IMWRITE_JPEG_QUALITY, 88])
     print(json.dumps({"picture": name}))
 
 

@@ -46,8 +46,8 @@ def mistakes(tour: Tour) -> Iterator[TourProblem]:
     if battery.end_below >= battery.begin_min:
         yield TourProblem(
             ("battery", "end_below"),
-            f"should be less than begin_min ({battery.begin_min:g}), not {battery.end_below:g}: a tour would end as it "
-            "begins",
+            f"should be less than begin_min ({battery.begin_min:g}), not {battery.end_below:g}: a tour that begins "
+            f"with {battery.begin_min:.0%} of a charge would end at once",
         )
 
 

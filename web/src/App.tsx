@@ -115,7 +115,7 @@ function SceneToggle() {
       title={shown ? "Hide the 3D view" : "Show the 3D view"}
       onClick={() => store.showScene(!shown)}
     >
-      <CubeIcon /> <span class="tool-words">{shown ? "Hide 3D" : "Show 3D"}</span>
+      <CubeIcon /> <span class="tool-words">3D</span>
     </button>
   );
 }

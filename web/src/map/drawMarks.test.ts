@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { Context } from "./canvas";
-import { drawRobot } from "./drawMarks";
+import { drawPlaceNames, drawRobot } from "./drawMarks";
 import { FIRST_VIEW } from "./mapProjection";
 
 /** A context that remembers the first path that is filled: the robot's body. */
@@ -51,4 +51,20 @@ test("seen from far it keeps its shape, and is drawn large enough to be seen", (
 
 test("a body without an outline is a disc", () => {
   expect(drawn([])).toEqual({ corners: [], radius: 30 });
+});
+
+test("names of places do not lie on each other", () => {
+  const names: string[] = [];
+  const known: Record<string, unknown> = {
+    measureText: (text: string) => ({ width: 7 * text.length }),
+    fillText: (text: string) => names.push(text),
+  };
+  const context = new Proxy(known, { get: (all, name: string) => all[name] ?? (() => undefined), set: () => true });
+  drawPlaceNames(context as unknown as Context, [
+    { at: { x: 100, y: 100 }, name: "Charging dock" },
+    { at: { x: 130, y: 104 }, name: "Living room" },
+    { at: { x: 130, y: 130 }, name: "Office" },
+    { at: { x: 220, y: 100 }, name: "Robotics lab" },
+  ]);
+  expect(names).toEqual(["Charging dock", "Office", "Robotics lab"]);
 });

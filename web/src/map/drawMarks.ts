@@ -167,8 +167,8 @@ export function drawStart(context: Context, { x, y }: Point): void {
   context.stroke();
 }
 
-/** A dot with an arrow to where one stands there looking, and its name; `doubtful`: only its outline. */
-export function drawPlace(context: Context, at: Point, angle: number, name: string, doubtful: boolean): void {
+/** A dot with an arrow to where one stands there looking; `doubtful`: only its outline. */
+export function drawPlace(context: Context, at: Point, angle: number, doubtful: boolean): void {
   context.save();
   context.translate(at.x, at.y);
   context.rotate(angle);
@@ -187,10 +187,22 @@ export function drawPlace(context: Context, at: Point, angle: number, name: stri
   }
   if (!doubtful) context.fill();
   context.restore();
+}
+
+/** Names below their places; one that would lie on another's is left out until there is room for it. */
+export function drawPlaceNames(context: Context, named: readonly { at: Point; name: string }[]): void {
   context.font = `600 11.5px ${FONT}`;
   context.textAlign = "center";
   context.textBaseline = "top";
-  outlined(context, name.length > LONGEST ? `${name.slice(0, LONGEST - 1)}…` : name, at.x, at.y + 10, colors.PLACE);
+  const drawn: { x: number; y: number; half: number }[] = [];
+  for (const { at, name } of named) {
+    const shown = name.length > LONGEST ? `${name.slice(0, LONGEST - 1)}…` : name;
+    const half = context.measureText(shown).width / 2;
+    const covers = drawn.some(({ x, y, half: other }) => Math.abs(x - at.x) < half + other && Math.abs(y - at.y) < 13);
+    if (covers) continue;
+    drawn.push({ ...at, half });
+    outlined(context, shown, at.x, at.y + 10, colors.PLACE);
+  }
 }
 
 export function drawPoster(context: Context, { x, y }: Point): void {

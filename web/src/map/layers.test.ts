@@ -39,7 +39,10 @@ test("a person is drawn where the distance is known", () => {
 test("a place is drawn on the map with its heading, also while it is not known where odom is", () => {
   const turns: number[] = [];
   const context = new Proxy({} as Record<string, unknown>, {
-    get: (_, name) => (value: number) => void (name === "rotate" && turns.push(value)),
+    get: (_, name) => (value: number) => {
+      if (name === "rotate") turns.push(value);
+      return { width: 0 };
+    },
     set: () => true,
   });
   const place = { name: "Lab", x: 1, y: 2, heading: Math.PI / 2, problem: "" } as Place;

@@ -3,18 +3,26 @@
 import type { Question, Stop } from "../protocol/types";
 import { useApp } from "../state/context";
 import { FlagIcon, PlusIcon, TrashIcon } from "../ui/icons";
-import { Choice, More, Problems, TextFields, TypedField, WordFields } from "./parts";
+import { OwnFailureFields } from "./FailureFields";
+import { Choice, FigureField, More, Problems, TextFields, TypedField, WordFields } from "./parts";
 import { StepForm } from "./StepForm";
 import { StepList } from "./StepList";
 import { newQuestion, stopChanged, withoutStop } from "./tourEdits";
 import { problemsAt } from "./tourProblems";
+
+/** What is wrong with these is shown where they are edited. */
+const FIELDS = ["title", "place", "do", "questions", "poster", "stand", "on_failure"] as const;
 
 export function StopForm({ stop, number }: { stop: Stop; number: number }) {
   const { map, places, session, stops, store, tours } = useApp();
   const tour = tours.draft.value!;
   const { languages } = tour;
   const path = `stops.${number}`;
-  const problems = problemsAt(tours.problems.value, path, [`${path}.do`, `${path}.questions`]);
+  const problems = problemsAt(
+    tours.problems.value,
+    path,
+    FIELDS.map((field) => `${path}.${field}`),
+  );
   const set = (change: Partial<Stop>) => void tours.edit((before) => stopChanged(before, stop.id, change));
   /** By what the stop is when the edit is made. */
   const edit = (change: (now: Stop) => Partial<Stop>) =>
@@ -30,6 +38,7 @@ export function StopForm({ stop, number }: { stop: Stop; number: number }) {
         label="Title"
         texts={stop.title}
         languages={languages}
+        path={`${path}.title`}
         testid="stop-title"
         onDone={(title) => set({ title })}
       />
@@ -37,6 +46,7 @@ export function StopForm({ stop, number }: { stop: Stop; number: number }) {
         <Choice
           label="Place"
           value={stop.place}
+          path={`${path}.place`}
           testid="stop-at"
           options={known ? options : [[stop.place, `${stop.place} (not on this map)`] as const, ...options]}
           onChange={(place) => set({ place })}
@@ -61,7 +71,12 @@ export function StopForm({ stop, number }: { stop: Stop; number: number }) {
         poster={stop.poster}
         onChange={(change) => edit((now) => ({ do: change(now.do) }))}
       />
-      <More title={stop.questions.length === 0 ? "Questions" : `Questions (${stop.questions.length})`}>
+      <More
+        title="Questions"
+        about={stop.questions.length === 0 ? "none" : String(stop.questions.length)}
+        testid="stop-questions"
+        paths={[`${path}.questions`]}
+      >
         {stop.questions.map((question, at) => (
           <QuestionForm
             key={question.id}
@@ -86,10 +101,31 @@ export function StopForm({ stop, number }: { stop: Stop; number: number }) {
           <PlusIcon /> A question
         </button>
       </More>
-      <More title="Poster, how exactly it arrives">
+      <More
+        title="Words that lead here"
+        testid="stop-words"
+        paths={[`${path}.words`]}
+        about={Object.keys(stop.words).length === 0 ? "none" : (stop.words[languages[0] ?? "en"] ?? []).join(", ")}
+      >
+        <WordFields
+          label="Visitors say"
+          words={stop.words}
+          languages={languages}
+          path={`${path}.words`}
+          placeholder="the arm"
+          onDone={(words) => set({ words })}
+        />
+      </More>
+      <More
+        title="Poster, how it stands"
+        testid="stop-stand"
+        paths={[`${path}.poster`, `${path}.stand`]}
+        {...(stop.poster === null ? {} : { about: stop.poster })}
+      >
         <TypedField
           label="Text of the poster"
           value={stop.poster ?? ""}
+          path={`${path}.poster`}
           testid="stop-poster-text"
           placeholder={`HBBA:STOP/${stop.id.toUpperCase()}`}
           hint="Up to 20 capitals and digits are read from 3 m."
@@ -103,6 +139,7 @@ export function StopForm({ stop, number }: { stop: Stop; number: number }) {
         <Choice
           label="Faces"
           value={stop.stand.face}
+          path={`${path}.stand.face`}
           options={[
             ["visitors", "the visitors"],
             ["poster", "the poster"],
@@ -110,6 +147,38 @@ export function StopForm({ stop, number }: { stop: Stop; number: number }) {
           ]}
           onChange={(face) => edit((now) => ({ stand: { ...now.stand, face } }))}
         />
+        <div class="form-row two">
+          <FigureField
+            label="Stands within (m)"
+            value={stop.stand.tolerance_m}
+            path={`${path}.stand.tolerance_m`}
+            testid="stop-tolerance"
+            onDone={(tolerance_m) => edit((now) => ({ stand: { ...now.stand, tolerance_m } }))}
+          />
+          <FigureField
+            label="Is turned within (°)"
+            value={stop.stand.tolerance_rad}
+            scale={180 / Math.PI}
+            range={[3, 180]}
+            path={`${path}.stand.tolerance_rad`}
+            onDone={(tolerance_rad) => edit((now) => ({ stand: { ...now.stand, tolerance_rad } }))}
+          />
+        </div>
+      </More>
+      <More title="When this stop fails" testid="stop-failure" paths={[`${path}.on_failure`]} about={ownWords(stop)}>
+        <OwnFailureFields
+          path={`${path}.on_failure`}
+          rules={stop.on_failure}
+          usual={tour.on_failure}
+          onReach={(change) =>
+            edit(({ on_failure }) => ({ on_failure: { ...on_failure, reach: { ...on_failure.reach, ...change } } }))
+          }
+          onPresent={(change) =>
+            edit(({ on_failure }) => ({ on_failure: { ...on_failure, present: { ...on_failure.present, ...change } } }))
+          }
+        />
+      </More>
+      <div class="tour-stop-end">
         <label class="check">
           <input
             type="checkbox"
@@ -130,9 +199,14 @@ export function StopForm({ stop, number }: { stop: Stop; number: number }) {
         >
           <TrashIcon /> Remove the stop
         </button>
-      </More>
+      </div>
     </div>
   );
+}
+
+function ownWords({ on_failure: { reach, present } }: Stop): string {
+  const own = [...Object.values(reach), ...Object.values(present)].some((value) => value !== null);
+  return own ? "its own rules" : "as the tour";
 }
 
 function QuestionForm(props: {
@@ -151,12 +225,15 @@ function QuestionForm(props: {
         label="Question"
         texts={question.question}
         languages={languages}
+        path={`${path}.question`}
         onDone={(text) => onChange(() => ({ question: text }))}
       />
       <WordFields
         label="Words to hear"
         words={question.words}
         languages={languages}
+        path={`${path}.words`}
+        placeholder="heavy, how heavy"
         onDone={(words) => onChange(() => ({ words }))}
       />
       <span class="tour-label">Answer</span>
@@ -170,7 +247,9 @@ function QuestionForm(props: {
           onChange={(change) => onChange((now) => ({ answer: { ...now.answer, ...change } }))}
         />
       </ul>
-      <Problems problems={problemsAt(tours.problems.value, path, [`${path}.answer`])} />
+      <Problems
+        problems={problemsAt(tours.problems.value, path, [`${path}.answer`, `${path}.question`, `${path}.words`])}
+      />
       <button type="button" class="button small quiet" onClick={props.onRemove}>
         <TrashIcon /> Remove the question
       </button>

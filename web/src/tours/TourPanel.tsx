@@ -72,8 +72,12 @@ function TourList() {
 }
 
 function Row({ tour }: { tour: TourSummary }) {
-  const { tours } = useApp();
-  const { id, map, stops, errors, problem } = tour;
+  const { grid, map, tours } = useApp();
+  const open = async (id: string) => {
+    // All of its way is in sight.
+    if (await tours.open(id)) map.fit(grid.map.picture.peek());
+  };
+  const { id, stops, errors, problem } = tour;
   return (
     <li class="tour-row" data-testid="tour" data-id={id} data-errors={errors}>
       <button
@@ -81,11 +85,12 @@ function Row({ tour }: { tour: TourSummary }) {
         class="tour-open"
         data-testid="tour-open"
         disabled={problem !== null || tours.busy.value}
-        onClick={() => void tours.open(id)}
+        onClick={() => void open(id)}
       >
         <b>{textOf(tour.title, tour.languages) || id}</b>
         <span class="muted small">
-          {problem ?? `${stops === 1 ? "1 stop" : `${stops} stops`} on ${map}${tour.shipped ? ", an example" : ""}`}
+          {problem ??
+            `${stops === 1 ? "1 stop" : `${stops} stops`} on the map ${tour.map}${tour.shipped ? ", an example" : ""}`}
         </span>
         {errors > 0 && (
           <span class="tour-lack small">{errors === 1 ? "1 thing is missing" : `${errors} things are missing`}</span>

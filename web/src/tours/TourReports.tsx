@@ -7,7 +7,7 @@ import { useApp } from "../state/context";
 import { clockSpan, dayTime, number, sentence } from "../ui/format";
 import { TrashIcon } from "../ui/icons";
 import { textOf } from "./tourEdits";
-import { reportWords } from "./tourRunText";
+import { idWords, reportWords, timesWords } from "./tourRunText";
 
 /** As many as one looks at; the table has all. */
 const SHOWN = 20;
@@ -48,13 +48,13 @@ function Row({ report }: { report: RunReport }) {
         </summary>
         <dl class="tour-report-figures small">
           <dt>Visitors</dt>
-          <dd>{`${report.people_begin} at the begin, ${report.people_most} at most, ${report.people_end} at the end`}</dd>
+          <dd>{`${report.people_begin} at the start, ${report.people_most} at most, ${report.people_end} at the end`}</dd>
           <dt>Driven</dt>
           <dd>{`${number(report.driven_m, 0)} m`}</dd>
           <dt>Waited for visitors</dt>
-          <dd>{`${report.waits} times, ${clockSpan(report.waited_s)} min`}</dd>
+          <dd>{timesWords(report.waits, report.waited_s)}</dd>
           <dt>Paused</dt>
-          <dd>{`${report.pauses} times, ${clockSpan(report.paused_s)} min`}</dd>
+          <dd>{timesWords(report.pauses, report.paused_s)}</dd>
           {report.stops.map((stop, index) => (
             <Stop key={`${index} ${stop.stop}`} stop={stop} />
           ))}
@@ -91,7 +91,7 @@ function Stop({ stop }: { stop: RunReport["stops"][number] }) {
   const questions = asked === 0 ? "" : asked === 1 ? ", 1 question" : `, ${asked} questions`;
   return (
     <>
-      <dt>{stop.stop}</dt>
+      <dt>{idWords(stop.stop)}</dt>
       <dd>{`${what}${time}, ${stop.people} there${questions}`}</dd>
     </>
   );
@@ -100,7 +100,7 @@ function Stop({ stop }: { stop: RunReport["stops"][number] }) {
 function FailureRow({ stop, what }: { stop: string; what: string }) {
   return (
     <>
-      <dt class="tour-lack">{stop || "Failed"}</dt>
+      <dt class="tour-lack">{idWords(stop) || "Failed"}</dt>
       <dd class="tour-lack">{sentence(what)}</dd>
     </>
   );

@@ -21,6 +21,7 @@ import {
   isUrgent,
   pauseWords,
   peopleWords,
+  standsWords,
   stateWords,
   stopWords,
   visitorControls,
@@ -43,8 +44,10 @@ export const tourReportsPanel = panel({
 });
 
 function TourRun() {
-  const { tourRun } = useApp();
+  const { tourRun, tours } = useApp();
   const progress = tourRun.progress.value;
+  // While a tour is edited, and none is led, the room is the editor's.
+  if (!progress && tours.draft.value) return null;
   return (
     <section
       class={`card tour-run ${progress?.state ?? "none"}`}
@@ -101,7 +104,7 @@ function Begin() {
           what.
         </p>
       )}
-      <div class="tour-run-buttons">
+      <div class="tour-run-buttons two-ways">
         <button
           type="button"
           class="button accent"
@@ -130,6 +133,7 @@ function UnderWay({ progress }: { progress: TourProgress }) {
   const { store } = useApp();
   const stopped = store.stopped.value;
   const pause = pauseWords(progress, stopped);
+  const why = sentence(progress.reason) || standsWords(progress, store.of("navigation").value);
   return (
     <>
       <h2 class="card-head">
@@ -138,9 +142,9 @@ function UnderWay({ progress }: { progress: TourProgress }) {
       </h2>
       <div role="status" class="tour-run-state">
         <b data-testid="tour-run-state">{stateWords(progress)}</b>
-        {progress.reason && (
+        {why && (
           <span class="muted" data-testid="tour-run-reason">
-            {sentence(progress.reason)}
+            {why}
           </span>
         )}
         {progress.stop && <span data-testid="tour-run-stop">{stopWords(progress)}</span>}
@@ -268,7 +272,8 @@ function Steering({ progress }: { progress: TourProgress }) {
         </div>
       )}
       {asks.length + progress.questions.length > 0 && (
-        <div class="tour-run-buttons for-visitors" role="group" aria-label="For visitors">
+        <div class="tour-run-buttons for-visitors" role="group" aria-label="Said for visitors">
+          <span class="muted small">Press what visitors say</span>
           {asks.map((control) => (
             <RunButton key={control.button} control={control} onPress={press} />
           ))}
@@ -276,7 +281,7 @@ function Steering({ progress }: { progress: TourProgress }) {
             <button
               key={id}
               type="button"
-              class="button quiet"
+              class="button quiet wide"
               data-testid="tour-run-ask"
               data-question={id}
               disabled={!tourRun.allowed.value}
@@ -299,7 +304,7 @@ function Steering({ progress }: { progress: TourProgress }) {
             disabled={!tourRun.allowed.value}
             onClick={() => void tourRun.dismiss()}
           >
-            Wait no more
+            Stop waiting
           </button>
         )}
       </div>

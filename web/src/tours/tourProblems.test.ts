@@ -17,6 +17,7 @@ test("each problem is shown at the value that it is about, and once", () => {
   expect(fields(problemsAt(all, "stops.1"))).toEqual(["stops.1.place", "stops.1.do.0.say.fr"]);
   expect(fields(problemsAt(all, "stops.1", ["stops.1.do"]))).toEqual(["stops.1.place"]);
   expect(fields(problemsOfTour(all))).toEqual(["map", "stops"]);
+  expect(fields(problemsOfTour(all, ["map"]))).toEqual(["stops"]);
 });
 
 test("the worst of them counts", () => {

@@ -17,11 +17,13 @@ export function problemsAt(
   return problems.filter(({ field }) => isIn(field, path) && !elsewhere.some((other) => isIn(field, other)));
 }
 
-/** What is not about a stop, the greeting or the farewell. */
-export function problemsOfTour(problems: readonly TourProblemReport[]): TourProblemReport[] {
-  return problems.filter(
-    ({ field }) => !/^stops\.\d/.test(field) && !isIn(field, "greeting") && !isIn(field, "farewell"),
-  );
+/** What is about no stop, the greeting or the farewell, nor at one of `elsewhere`. */
+export function problemsOfTour(
+  problems: readonly TourProblemReport[],
+  elsewhere: readonly string[] = [],
+): TourProblemReport[] {
+  const others = ["greeting", "farewell", ...elsewhere];
+  return problems.filter(({ field }) => !/^stops\.\d/.test(field) && !others.some((other) => isIn(field, other)));
 }
 
 /** The worst of them; null: there is none. */

@@ -4,13 +4,16 @@ import {
   badgeOf,
   controlsOf,
   defaultWords,
+  idWords,
   isThere,
   isUrgent,
   pauseWords,
   peopleWords,
   reportWords,
+  standsWords,
   stateWords,
   stopWords,
+  timesWords,
   visitorControls,
 } from "./tourRunText";
 
@@ -103,4 +106,21 @@ test("a report in a line", () => {
     "5:05 min, 3 visitors, 1 stop presented. The tour is over.",
   );
   expect(reportWords(aReport({ ended: null, outcome: "", people_most: 1 }))).toBe("1 visitor, 0 stops presented.");
+});
+
+test("a robot that stands on its way says why, as navigation does", () => {
+  const stands = { state: "waiting" as const, reason: "somebody is in the way" };
+  expect(standsWords(aProgress(), stands)).toBe("Somebody is in the way.");
+  expect(standsWords(aProgress(), { ...stands, state: "following" })).toBe("");
+  expect(standsWords(aProgress({ state: "presenting" }), stands)).toBe("");
+  expect(standsWords(aProgress({ reason: "the way was blocked" }), stands)).toBe("");
+  expect(standsWords(aProgress(), null)).toBe("");
+});
+
+test("a report reads as people write", () => {
+  expect(timesWords(0, 0)).toBe("never");
+  expect(timesWords(1, 6.4)).toBe("once, 0:06 min");
+  expect(timesWords(3, 80)).toBe("3 times, 1:20 min");
+  expect(idWords("robotics-lab")).toBe("Robotics lab");
+  expect(idWords("")).toBe("");
 });

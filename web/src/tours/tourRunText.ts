@@ -1,6 +1,6 @@
 /** The tour under way in words, and what can be pressed; pure. */
 
-import type { RunReport, TourProgress } from "../protocol/types";
+import type { NavigationModel, RunReport, TourProgress } from "../protocol/types";
 import { clockSpan, number, sentence } from "../ui/format";
 import { textOf } from "./tourEdits";
 
@@ -15,7 +15,7 @@ const STATES: Record<TourState, string> = {
   waiting: "Waits for visitors to catch up",
   turning: "Turns to the visitors",
   presenting: "Presents",
-  listening: "Waits for visitors",
+  listening: "Waits for visitors to go on",
   answering: "Answers a question",
   blocked: "Cannot get through",
   lost: "Does not know where it is",
@@ -139,4 +139,26 @@ export function reportWords(report: RunReport): string {
   const stops = presented === 1 ? "1 stop presented" : `${presented} stops presented`;
   const time = report.ended === null ? "" : `${clockSpan(report.ended - report.began)} min, `;
   return `${time}${people}, ${stops}. ${sentence(report.outcome)}`.trim();
+}
+
+/** "never", "once, 0:06 min", "3 times, 1:20 min". */
+export function timesWords(times: number, seconds: number): string {
+  if (times === 0) return "never";
+  return `${times === 1 ? "once" : `${times} times`}, ${clockSpan(seconds)} min`;
+}
+
+/** A report names stops by their ids alone, for tours change: `robotics-lab` is "Robotics lab". */
+export function idWords(id: string): string {
+  const words = id.replace(/-+/g, " ").trim();
+  return words.charAt(0).toUpperCase() + words.slice(1);
+}
+
+/** Why the robot stands on its way, as navigation says; empty: it does not. */
+export function standsWords(
+  { state, reason }: TourProgress,
+  navigation: Pick<NavigationModel, "state" | "reason"> | null,
+): string {
+  const goes = state === "leading" || state === "going_home";
+  const stands = navigation?.state === "waiting" || navigation?.state === "recovering";
+  return goes && stands && !reason ? sentence(navigation.reason) : "";
 }

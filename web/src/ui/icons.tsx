@@ -130,6 +130,11 @@ export const ChevronIcon = () => (
     <path d="M8 10l4 4 4-4" />
   </Icon>
 );
+export const LeftIcon = () => (
+  <Icon>
+    <path d="M19 12H5M11 6l-6 6 6 6" />
+  </Icon>
+);
 export const ChevronUpIcon = () => (
   <Icon>
     <path d="M8 14l4-4 4 4" />

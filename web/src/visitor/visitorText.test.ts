@@ -66,6 +66,8 @@ test("what the robot does is said where it says nothing itself", () => {
   const words = wordsIn("en");
   expect(doing(aView({ state: "leading" }), words)).toBe("Please follow the robot.");
   expect(doing(aView({ state: "paused" }), words)).toBe("One moment, please.");
+  expect(doing(aView({ state: "idle", buttons: ["start"] }), words)).toMatch("Press the button");
+  expect(doing(aView({ state: "idle", buttons: [] }), words)).toMatch("soon");
   expect(doing(aView(), words)).toBe("");
 });
 

@@ -48,6 +48,8 @@ export function subtitles(view: VisitorView, language: string): Subtitles | null
 /** What the robot does, where it shows and says nothing; empty: it needs no words. */
 export function doing(view: VisitorView, words: Words): string {
   switch (view.state) {
+    case "idle":
+      return view.buttons.includes("start") ? words.begin : words.soon;
     case "leading":
       return words.follow;
     case "waiting":

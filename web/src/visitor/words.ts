@@ -11,6 +11,10 @@ export interface Words {
   ask: string;
   /** Without a tour. */
   nothing: string;
+  /** Before a tour that a press begins. */
+  begin: string;
+  /** Before a tour that the robot begins. */
+  soon: string;
   follow: string;
   waits: string;
   moment: string;
@@ -29,6 +33,8 @@ const EN: Words = {
   next: "Go on",
   ask: "Ask the robot",
   nothing: "There is no tour now.",
+  begin: "Welcome! Press the button, and the robot shows you round.",
+  soon: "Welcome! The robot begins the tour soon.",
   follow: "Please follow the robot.",
   waits: "The robot waits for you.",
   moment: "One moment, please.",
@@ -47,6 +53,8 @@ const FR: Words = {
   next: "Continuer",
   ask: "Poser une question au robot",
   nothing: "Il n’y a pas de visite en ce moment.",
+  begin: "Bienvenue ! Touchez le bouton, et le robot vous guide.",
+  soon: "Bienvenue ! Le robot commence bientôt la visite.",
   follow: "Suivez le robot, s’il vous plaît.",
   waits: "Le robot vous attend.",
   moment: "Un instant, s’il vous plaît.",
@@ -65,6 +73,8 @@ const DE: Words = {
   next: "Weiter",
   ask: "Den Roboter fragen",
   nothing: "Gerade gibt es keine Führung.",
+  begin: "Willkommen! Drücken Sie den Knopf, und der Roboter führt Sie.",
+  soon: "Willkommen! Der Roboter beginnt die Führung bald.",
   follow: "Bitte folgen Sie dem Roboter.",
   waits: "Der Roboter wartet auf Sie.",
   moment: "Einen Moment, bitte.",
@@ -83,6 +93,8 @@ const ES: Words = {
   next: "Seguir",
   ask: "Preguntar al robot",
   nothing: "Ahora no hay ninguna visita.",
+  begin: "¡Bienvenidos! Pulsen el botón y el robot les guiará.",
+  soon: "¡Bienvenidos! El robot empezará pronto la visita.",
   follow: "Sigan al robot, por favor.",
   waits: "El robot les espera.",
   moment: "Un momento, por favor.",

@@ -94,7 +94,9 @@ def _interrupted(progress: Progress, view: View, scene: Scene) -> Progress:
 
 def _paused(progress: Progress, view: View, reason: str, *, to_press: bool, excuse: str = "paused") -> Progress:
     if progress.state == "paused":
-        if to_press and (progress.pause_spoken or not progress.to_press):
+        # The emergency stop withdraws the goal, too, and may be seen later.
+        changes = progress.pause_spoken or not progress.to_press or excuse == "e_stop" != progress.excuse
+        if to_press and changes:
             return replace(progress, to_press=True, pause_spoken=False, reason=reason, excuse=excuse)
         # The time until it goes on begins when no hand drives any more.
         return progress if to_press or progress.to_press else replace(progress, since=view.now)

@@ -310,6 +310,14 @@ def test_nothing_moves_after_the_emergency_stop_before_a_press() -> None:
     assert (run.progress.state, run.progress.reason) == ("idle", "it was paused too long")
 
 
+def test_an_emergency_stop_that_withdraws_the_goal_first_is_named() -> None:
+    run = Run().started().until("leading")
+    run.see(Withdrawn(run.wish("GoTo").key))
+    assert (run.progress.state, run.progress.reason) == ("paused", "its goal was withdrawn")
+    run.see(e_stop=True)
+    assert (run.progress.reason, run.texts()) == ("the emergency stop was pressed", ["I was stopped. One moment, please."])
+
+
 def test_a_low_battery_ends_the_tour_at_once() -> None:
     run = Run().started().until("presenting").see(battery=0.19)
     assert (run.progress.state, run.progress.reason) == ("parting", "the battery is low")
