@@ -10,6 +10,7 @@ import sys
 import tomllib
 import traceback
 from dataclasses import dataclass
+from functools import lru_cache
 from importlib import metadata
 from pathlib import Path
 
@@ -62,7 +63,7 @@ def extensions(group: str) -> dict[str, Extension]:
     older than the checkout would hide them.
     """
     found = _own(group)
-    for point in metadata.entry_points(group=group):
+    for point in _entry_points().select(group=group):
         distribution = point.dist.name if point.dist is not None else ""
         if distribution == DISTRIBUTION and paths.checkout_dir() is not None:
             continue
@@ -76,18 +77,36 @@ def extensions(group: str) -> dict[str, Extension]:
     return found
 
 
+def _entry_points() -> metadata.EntryPoints:
+    """Those of everything installed: read again when a folder of packages has changed."""
+    folders = [path for path in map(Path, sys.path) if path.is_dir()]
+    return _entry_points_of(tuple((str(path), path.stat().st_mtime_ns) for path in folders))
+
+
+@lru_cache(maxsize=4)
+def _entry_points_of(_folders: tuple[tuple[str, int], ...]) -> metadata.EntryPoints:
+    # Reads a file of each package: 20 ms and more, and a start asks a dozen times.
+    return metadata.entry_points()
+
+
 def _own(group: str) -> dict[str, Extension]:
     root = paths.checkout_dir()
     if root is None:
         return {}
-    project = tomllib.loads((root / "pyproject.toml").read_text("utf-8"))["project"]
-    declared = project.get("entry-points", {}).get(group, {})
+    file = root / "pyproject.toml"
+    declared = _declared(file, file.stat().st_mtime_ns).get(group, {})
     return {name: Extension(group, name, value, DISTRIBUTION) for name, value in declared.items()}
+
+
+@lru_cache(maxsize=4)
+def _declared(project: Path, _changed_ns: int) -> dict[str, dict[str, str]]:
+    declared: dict[str, dict[str, str]] = tomllib.loads(project.read_text("utf-8"))["project"].get("entry-points", {})
+    return declared
 
 
 def announced_packages() -> frozenset[str]:
     """The import packages, this program's own among them, that entry points of the groups ``hbba.*`` name."""
-    points = [point.value for group in GROUPS for point in metadata.entry_points(group=group)]
+    points = [point.value for group in GROUPS for point in _entry_points().select(group=group)]
     return frozenset({"app", *(value.partition(":")[0].partition(".")[0] for value in points)})
 
 

@@ -23,7 +23,7 @@ from app.base import logging_setup
 from app.commands.arguments import add_config, file_named
 from app.commands.body_options import add_body_options, chosen
 from app.commands.kernels import kernels_ready
-from app.runtime.realtime import tune_for_latency
+from app.runtime.realtime import garbage_held, tune_for_latency
 
 if TYPE_CHECKING:
     from app.program.config import Configuration
@@ -78,6 +78,11 @@ def add_console_options(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run until a signal comes or the body fails. Raises ConfigError."""
+    with garbage_held():
+        return _run(args)
+
+
+def _run(args: argparse.Namespace) -> int:
     from app.console.server import address_of, listen, listen_for_scene
     from app.link import LinkFailed
     from app.runtime.allocator import share_arenas

@@ -8,13 +8,13 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fastapi import APIRouter, FastAPI, WebSocket
+from fastapi import FastAPI, WebSocket
 from starlette.types import ASGIApp
 
 from app.base import paths
 from app.console.access.auth import Door, Guarded
 from app.console.access.origins import Ports
-from app.console.description import describe, operation_id
+from app.console.description import describe
 from app.console.live.endpoint import live
 from app.console.live.face import face
 from app.console.live.hub import Hub
@@ -39,7 +39,7 @@ from app.console.rest.playback import playback_router
 from app.console.rest.program import program_router, robot_router
 from app.console.rest.recordings import recordings_router
 from app.console.rest.rehearsal import rehearsal_router
-from app.console.rest.routing import records
+from app.console.rest.routing import API, add_routes, records
 from app.console.rest.session import session_router
 from app.console.rest.tour_run import tour_run_router
 from app.console.rest.tours import tours_router
@@ -52,8 +52,6 @@ from app.console.view.view import View
 if TYPE_CHECKING:
     from app.logs.replay.playback import Playback
     from app.program.system import System
-
-API = "/api/v1"
 
 
 def create_app(
@@ -106,14 +104,12 @@ def create_app(
         openapi_url=None,
         docs_url=None,
         redoc_url=None,
-        generate_unique_id_function=operation_id,
     )
     app.state.hub = hub
     app.state.view = view
     app.state.replays = replays
     app.state.rehearsals = rehearsals
     install_problem_handlers(app)
-    api = APIRouter(prefix=API)
     routers = (
         desires_router(system),
         attention_router(system),
@@ -134,25 +130,23 @@ def create_app(
         session_router(door),
         playback_router(playback),
     )
-    for router in routers:
-        api.include_router(router)
+    add_routes(app, routers)
 
-    @api.websocket("/live")
+    @app.websocket(f"{API}/live")
     async def live_stream(websocket: WebSocket) -> None:
         await live(websocket, hub, system.clock)
 
-    @api.websocket("/face")
+    @app.websocket(f"{API}/face")
     async def face_stream(websocket: WebSocket) -> None:
         await face(websocket, system, link)
 
-    @api.websocket("/visitor/live")
+    @app.websocket(f"{API}/visitor/live")
     async def visitor_stream(websocket: WebSocket) -> None:
         await visitors.serve(websocket)
 
     def link(base: str) -> VisitorLink:
         return visitor_link(door.visitors.key, base=base, listens=host, names=host_names, asks=door.asks)
 
-    app.include_router(api)
     app.include_router(view_router(view))
     app.include_router(panels_router(panels))
     describe(app, API, answers=records(routers), token_needed=token is not None)

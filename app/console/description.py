@@ -9,7 +9,6 @@ from typing import Any
 from fastapi import FastAPI, Request
 from fastapi.openapi.utils import get_openapi
 from fastapi.responses import RedirectResponse, Response
-from fastapi.routing import APIRoute
 
 from app.console import schema
 from app.console.access.auth import COOKIE, OPEN_PATHS, VISITOR_COOKIE, VISITOR_PATHS, cookie_name
@@ -83,11 +82,6 @@ _COMMON = (
     _HEADER_TOO_LARGE,
     _TOO_MANY_CONNECTIONS,
 )
-
-
-def operation_id(route: APIRoute) -> str:
-    """The name of an operation: its function's, which client generators make their own functions' of."""
-    return route.name
 
 
 def describe(app: FastAPI, prefix: str, *, answers: Sequence[type[Any]] = (), token_needed: bool = False) -> None:

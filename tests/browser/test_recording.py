@@ -18,10 +18,10 @@ RECORD_S = 3
 
 @pytest.fixture(scope="module")
 def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
-    """One robot for the file, with a folder of recordings of its own: each test makes and knows its own by name."""
+    """One calm robot for the file, with its own folder of recordings: each test makes and knows its own by name."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("HBBA_RECORDINGS", str(tmp_path_factory.mktemp("recordings")))
-        with running_robot(tmp_path_factory.mktemp("robot")) as running:
+        with running_robot(tmp_path_factory.mktemp("robot"), calm=True) as running:
             yield running
 
 

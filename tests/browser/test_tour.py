@@ -46,7 +46,7 @@ def opened(browser: Browser, robot: Robot) -> Iterator[Page]:
 
 
 def configure(page: Page) -> None:
-    """Three stops, by turning the robot to the left past the posters on the walls."""
+    """Two stops, by turning the robot to the left past the posters on the walls."""
     page.get_by_test_id("tour-toggle").click()
     page.get_by_test_id("tour-new-title").fill("The room")
     page.get_by_test_id("tour-drive").click()
@@ -57,10 +57,13 @@ def configure(page: Page) -> None:
     page.get_by_test_id("tour-stop").nth(len(POSTERS) - 1).wait_for()
 
 
-def led(robot: Robot, tour: str) -> dict[str, Any]:
-    """Start the tour, and return its report once the robot has said goodbye."""
+def begin(robot: Robot, tour: str) -> None:
     status, _, answer = robot.request("POST", f"/tours/{tour}/run", {"language": "en"})
     assert status == 200, answer
+
+
+def reported(robot: Robot) -> dict[str, Any]:
+    """The tour's report, once the robot has said goodbye."""
     given_up = time.monotonic() + PATIENCE_S
     while time.monotonic() < given_up:
         reports = robot.get("/tour-reports")["reports"]
@@ -85,9 +88,14 @@ def test_a_tour_configured_by_driving_is_led_after_a_restart(
             facing = math.radians(hangs["facing_deg"])
             before = x + BEFORE_M * math.cos(facing), y + BEFORE_M * math.sin(facing)
             assert math.dist((place["x"], place["y"]), before) < 0.15
-    with running(tmp_path / "second", visitors=True) as robot, opened(browser, robot) as page:
-        assert robot.request("POST", "/maps/room/load", {"pose": {"x": 0.0, "y": 0.0, "theta": 0.0}})[0] == 200
-        report = led(robot, tour["id"])
+    with running(tmp_path / "second", visitors=True) as robot:
+        with opened(browser, robot) as page:
+            assert robot.request("POST", "/maps/room/load", {"pose": {"x": 0.0, "y": 0.0, "theta": 0.0}})[0] == 200
+            page.get_by_test_id("tab-tour").click()
+            begin(robot, tour["id"])
+            page.locator("[data-testid=tour-run][data-stop=arm]").wait_for()
+        # The page is closed: it would take as much of the computer as the robot itself.
+        report = reported(robot)
         assert [stop["presented"] for stop in report["stops"]] == [True] * len(POSTERS)
         assert 1 <= report["people_most"] <= len(VISITORS)
         assert report["failures"] == []

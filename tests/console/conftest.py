@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import httpx
 import pytest
-from fastapi import FastAPI
+from fastapi import FastAPI, routing
+from fastapi.dependencies.models import Dependant
 
 from app.console.app import create_app
 from app.console.live.hub import Hub
@@ -17,6 +19,26 @@ from app.program.system import System
 from tests.console.program import Body, build, served, write_page
 from tests.console.scripted_recorder import ScriptedRecorder
 from tests.logs.replay.playing import Played, played
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _parameters_are_examined_once() -> Iterator[None]:
+    """What FastAPI finds out about an endpoint's parameters, it finds out again for each application.
+
+    Hundreds of tests make one application each, whose endpoints are of the same code: that took half of their time.
+    """
+    examine = routing.get_dependant
+    known: dict[tuple[str, object], Dependant] = {}
+
+    def get_dependant(*, path: str, call: Callable[..., Any], **options: Any) -> Dependant:
+        key = path, getattr(call, "__code__", call)
+        if key not in known:
+            known[key] = examine(path=path, call=call, **options)
+        return replace(known[key], call=call)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(routing, "get_dependant", get_dependant)
+        yield
 
 
 @pytest.fixture

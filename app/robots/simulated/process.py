@@ -20,11 +20,14 @@ def main(arguments: list[str]) -> int:
     if parent != os.getppid():
         return 0
 
-    from app.robots.simulated.serve import serve  # imported late, so that the lines above hold from the first moment
-    from app.runtime.allocator import share_arenas
+    from app.runtime.allocator import share_arenas  # imported late, so that the lines above hold from the first moment
+    from app.runtime.realtime import garbage_held
 
     share_arenas()
-    return serve(int(arguments[0]), int(arguments[1]))
+    with garbage_held():
+        from app.robots.simulated.serve import serve
+
+        return serve(int(arguments[0]), int(arguments[1]))
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@ from __future__ import annotations
 import types
 import typing
 from collections.abc import Mapping
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -42,6 +43,7 @@ def message_classes() -> list[type[Any]]:
     return [found for found in vars(messages).values() if is_record(found) and "stamp" in field_names(found)]
 
 
+@cache
 def instances(cls: type[Any]) -> st.SearchStrategy[Any]:
     """Instances of ``cls``, as wild as its docstring allows."""
     if cls in _SPECIAL:
@@ -50,6 +52,7 @@ def instances(cls: type[Any]) -> st.SearchStrategy[Any]:
     return st.builds(cls, **{name: _values(name, hints[name]) for name in field_names(cls)})
 
 
+@cache
 def sequences(cls: type[Any], min_size: int = 1, max_size: int = 3) -> st.SearchStrategy[list[Any]]:
     """Some instances of ``cls`` as one channel may carry them: a camera keeps its lens."""
     kinds = [_images((lens,)) for lens in (CameraModel, FisheyeModel)] if cls is Image else [instances(cls)]
