@@ -131,6 +131,9 @@ class PlanAndFollowPathSettings(Settings):
     people_m: float = Field(
         0.0, ge=0, le=0.3, description="radius kept clear around leg candidates that the map does not have; 0: none"
     )
+    taken_s: float = Field(
+        30.0, ge=0, description="time for a goal where something stands that the map does not have to become free"
+    )
     rounds: int = Field(2, ge=1, description="rounds of all recovery actions before people are asked")
 
 
@@ -216,7 +219,7 @@ class PlanAndFollowPath(Module):
                 resolution_m=s.costmap_resolution_m,
                 keep_s=s.keep_s,
             ),
-            path_tracker=PathTrackerSettings(corner_share=s.corner_share),
+            path_tracker=PathTrackerSettings(corner_share=s.corner_share, taken_s=s.taken_s),
             recovery=RecoverySettings(stuck_s=s.stuck_s, wait_s=s.wait_s, rounds=s.rounds, ask_s=s.ask_s),
             fresh_s=s.fresh_s,
             people_m=s.people_m,
@@ -482,6 +485,7 @@ class PlanAndFollowPath(Module):
             why=why,
             footprint=output.footprint,
             persistent_obstacles=output.persistent_obstacles,
+            tolerance_m=goal.tolerance_m,
         )
         self._planned_at, self._planned_from, self._planned_for = now, localization, goal
         self._planned_to = request.goal

@@ -131,10 +131,11 @@ class Progress:
     press is needed to go on. ``sentence``: of the step's text, the one that is said; ``said_from``: the one that its
     wish begins with. ``seen_m``: ``driven_m`` when all visitors were last seen near; ``gone_since``,
     ``near_since``: since when none is seen, and enough are near (s); ``met``: whether any was seen on this run.
-    ``question``: index of the one that is answered, ``listened``: the step to go back to from there. ``invites``: whether people who are near begin a tour; those who
-    came along, or declined, leave first. ``towards``: the heading (rad in odom) that it turns to where it faces
-    visitors; ``stuck_since`` as in View. ``excuse``: key of what it says of its pause, or of the tour's end. ``homed``:
-    it came home, and nobody has moved it since. ``reason``: in words, why it is in this state.
+    ``question``: index of the one that is answered, ``listened``: the step to go back to from there. ``invites``:
+    whether people who are near begin a tour; those who came along, or declined, leave first. ``towards``: the heading
+    (rad in odom) that it turns to where it faces visitors; ``stuck_since`` as in View. ``excuse``: key of what it says
+    of its pause, or of the tour's end. ``homed``: it came home, and nobody has moved it since. ``reason``: in words,
+    why it is in this state.
     """
 
     state: State = "idle"
