@@ -132,7 +132,7 @@ class PlanAndFollowPathSettings(Settings):
         0.0, ge=0, le=0.3, description="radius kept clear around leg candidates that the map does not have; 0: none"
     )
     taken_s: float = Field(
-        30.0, ge=0, description="time for a goal where something stands that the map does not have to become free"
+        30.0, ge=0, description="time for a goal where something stands that the map does not have to go; 0: no wait"
     )
     rounds: int = Field(2, ge=1, description="rounds of all recovery actions before people are asked")
 
@@ -485,7 +485,7 @@ class PlanAndFollowPath(Module):
             why=why,
             footprint=output.footprint,
             persistent_obstacles=output.persistent_obstacles,
-            tolerance_m=goal.tolerance_m,
+            tolerance_m=goal.tolerance_m if self.settings.taken_s else math.inf,
         )
         self._planned_at, self._planned_from, self._planned_for = now, localization, goal
         self._planned_to = request.goal

@@ -41,12 +41,12 @@ _LETHAL = 50.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlanRequest:
-    """Input of one planning. ``goal``: pose on the map, heading NaN for any; ``tolerance_m``: so near to it will do;
-    ``around``: the local costmap, None to
-    plan on the map alone; ``opened_up``: unknown cells cost nothing and transient obstacles are ignored; ``kept``: the
-    plan in force to this goal; ``why``: the reason to replace it in any case ("": only by a cheaper one);
-    ``footprint``: of the body with its arms as they are now, None for the usual one; ``persistent_obstacles`` (N, 2):
-    remembered obstacles that the map does not have, m on the map."""
+    """Input of one planning. ``goal``: pose on the map, heading NaN for any; ``tolerance_m``: so near to it will do
+    (infinite: no goal is ``taken``); ``around``: the local costmap, None to plan on the map alone; ``opened_up``:
+    unknown cells cost nothing and transient obstacles are ignored; ``kept``: the plan in force to this goal; ``why``:
+    the reason to replace it in any case ("": only by a cheaper one); ``footprint``: of the body with its arms as they
+    are now, None for the usual one; ``persistent_obstacles`` (N, 2): remembered obstacles that the map does not have, m
+    on the map."""
 
     grid: OccupancyGrid
     zones: tuple[Zone, ...]
