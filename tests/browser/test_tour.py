@@ -46,7 +46,7 @@ def opened(browser: Browser, robot: Robot) -> Iterator[Page]:
 
 
 def configure(page: Page) -> None:
-    """Two stops, by turning the robot to the left past the posters on the walls."""
+    """Three stops, by turning the robot to the left past the posters on the walls."""
     page.get_by_test_id("tour-toggle").click()
     page.get_by_test_id("tour-new-title").fill("The room")
     page.get_by_test_id("tour-drive").click()

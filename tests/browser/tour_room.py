@@ -1,4 +1,4 @@
-"""A small room with two posters and two visitors who follow the robot: for tours that are led for real."""
+"""A small room with three posters and two visitors who follow the robot: for tours that are led for real."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ START = {"x": SIDE_M / 2, "y": SIDE_M / 2, "heading_deg": 0}
 POSTERS: dict[str, dict[str, Any]] = {
     "tour:arm": {"at": [2.8, _OUT], "facing_deg": -90},
     "tour:desk": {"at": [_IN, 2.8], "facing_deg": 0},
+    "tour:door": {"at": [2.8, _IN], "facing_deg": 90},
 }
 VISITORS = {"pilot": ([4.6, 3.4], 1.3, 0.6), "lecturer": ([4.6, 2.2], 1.6, 1.2)}
 

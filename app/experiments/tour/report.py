@@ -15,7 +15,7 @@ from app.base.errors import ConfigError
 from app.experiments.tour.result import TourResult, TourSummary
 from app.messages import OccupancyGrid, Place
 
-_BLUE, _RED, _GREY, _GREENS = "#1b4965", "#ca6702", "#8d99ae", ("#2a9d8f", "#9b5de5")
+_BLUE, _RED, _STOP, _GREENS = "#1b4965", "#ca6702", "#9b2226", ("#2a9d8f", "#9b5de5")
 COLUMNS = (
     *("seed", "min", "m", "stops", "off m", "off rad", "texts to the end", "pointing °", "left behind s", "farthest m"),
     *("contacts", "person m", "CPU budget %", "questions", "waits", "waited s", "problems"),
@@ -103,6 +103,8 @@ def plot(result: TourResult, grid: OccupancyGrid, stops: Sequence[Place], path: 
     driven = [sample.robot[:2] for sample in result.trace]
     if driven:
         axes.plot(*zip(*driven, strict=True), "-", color=_BLUE, lw=1.5, label="robot")
+    if driven:
+        axes.plot(*driven[0], "s", color=_BLUE, ms=8, label="begin")
     label: str | None = "waited for visitors"
     for state, group in itertools.groupby(result.trace, key=lambda sample: sample.state):
         first = next(group)
@@ -110,8 +112,8 @@ def plot(result: TourResult, grid: OccupancyGrid, stops: Sequence[Place], path: 
             axes.plot(*first.robot[:2], "o", color=_RED, ms=7, label=label)
             label = None
     for number, place in enumerate(stops, 1):
-        axes.plot(place.x, place.y, "*", color=_RED, ms=13)
-        axes.annotate(f"{number} {place.name}", (place.x, place.y), (6, 6), textcoords="offset points", fontsize=9)
+        axes.plot(place.x, place.y, "o", color=_STOP, ms=15, mec="white", label=f"{number} {place.name}")
+        axes.text(place.x, place.y, str(number), color="white", fontsize=9, weight="bold", ha="center", va="center")
     everywhere = [*driven, *(at for sample in result.trace for at in sample.people)]
     if everywhere:
         xs, ys = zip(*everywhere, strict=True)
@@ -119,7 +121,8 @@ def plot(result: TourResult, grid: OccupancyGrid, stops: Sequence[Place], path: 
         axes.set_ylim(min(ys) - 1.5, max(ys) + 1.5)
     axes.set_aspect("equal")
     axes.set_title(f"Seed {result.seed}: {result.duration_s / 60:.1f} min, {result.driven_m:.0f} m", loc="left")
-    axes.legend(loc="best", fontsize=8)
+    axes.set(xlabel="x on the map (m)", ylabel="y on the map (m)")
+    figure.legend(loc="outside right upper", fontsize=9, labelspacing=1.0)
     try:
         figure.savefig(path, dpi=110)
     except (OSError, ValueError) as failure:

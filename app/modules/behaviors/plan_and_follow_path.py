@@ -442,6 +442,7 @@ class PlanAndFollowPath(Module):
             why=why,
             footprint=output.footprint,
             persistent_obstacles=output.persistent_obstacles,
+            tolerance_m=goal.tolerance_m if self.settings.taken_s else math.inf,
         )
         self._planned = Planned(now, goal, end, localization.X_MO)
         self._wanted_plan = ""

@@ -14,7 +14,7 @@ import pytest
 from app.attention.desires import DesireClasses, Source
 from app.attention.workspace import IntentionWorkspace
 from app.base import paths
-from app.base.geometry import CameraModel, Pose2, Pose3
+from app.base.geometry import CameraModel, Pose2, Pose3, wrap_angle
 from app.base.kinematic_model import load_model
 from app.maps.map_service import MapUnavailable
 from app.maps.route_service import RouteService
@@ -166,6 +166,48 @@ async def test_it_gets_round_what_the_map_does_not_know() -> None:
     async with Drive(world, x=6.0, y=2.4) as drive:
         assert await drive.until("arrived", 40)
     assert world.nearest_m > 0.0
+
+
+@in_virtual_time
+async def test_it_waits_for_room_where_something_stands_in_its_goal_and_watches_it() -> None:
+    world = DrivenWorld([*HOUSE, *box(2.75, 2.25, 2.85, 2.35)], Pose2(1.5, 2.2, 0.0))
+    async with Drive(world, x=2.8, y=2.3, heading=0.0) as drive:
+        assert await drive.until("waiting", 40)
+        away_m = math.hypot(world.pose.x - 2.8, world.pose.y - 2.3)
+        assert away_m > 0.4
+        assert "waits for room" in drive.status.reason
+        async with Living(world, drive.bench):
+            await until(drive.bench, lambda: False, 3.0)
+        assert drive.status.state == "waiting"
+        aside = math.atan2(2.3 - world.pose.y, 2.8 - world.pose.x) - world.pose.theta
+        assert abs(wrap_angle(aside)) < 0.3, "it watches the place: the laser sees only ahead"
+        assert drive.bench.clock.now() - (drive.status.progress_stamp or 0.0) < 1.0, "and is in no distress"
+        world.segments = list(HOUSE)
+        assert await drive.until("arrived", 20)
+        assert math.hypot(world.pose.x - 2.8, world.pose.y - 2.3) <= 0.25
+        assert abs(world.pose.theta) <= 0.2
+
+
+@in_virtual_time
+async def test_a_goal_that_stays_taken_is_reached_as_near_as_can_be() -> None:
+    world = DrivenWorld([*HOUSE, *box(2.75, 2.25, 2.85, 2.35)], Pose2(1.5, 2.2, 0.0))
+    async with Drive(world, settings={"taken_s": 4.0}, x=2.8, y=2.3, heading=math.pi) as drive:
+        assert await drive.until("waiting", 40)
+        began = drive.bench.clock.now()
+        assert await drive.until("arrived", 20)
+        assert drive.bench.clock.now() - began > 4.0
+        assert "too near to something that is not on the map" in drive.status.reason
+        assert abs(abs(world.pose.theta) - math.pi) <= 0.2
+
+
+@in_virtual_time
+async def test_beside_what_leaves_little_room_it_stops_within_the_tolerance_of_the_goal_itself() -> None:
+    world = DrivenWorld([*HOUSE, *box(2.85, 2.1, 2.95, 2.5)], Pose2(1.5, 2.3, 0.0))
+    async with Drive(world, x=2.8, y=2.3, tolerance_m=0.3) as drive:
+        assert await drive.until("arrived", 20)
+        assert drive.status.target is not None
+        assert 0.1 < 2.8 - drive.status.target.x < 0.3
+        assert math.hypot(world.pose.x - 2.8, world.pose.y - 2.3) <= 0.3
 
 
 @in_virtual_time

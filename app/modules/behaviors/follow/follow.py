@@ -74,6 +74,7 @@ class FollowSettings(PlanAndFollowPathSettings):
     corner_share: float = Field(
         1.0, gt=0, le=1, description="share of the speed beside blind corners: what the person hides looks like one"
     )
+    taken_s: float = Field(0.0, ge=0, description="as PlanAndFollowPath's; the person followed stands in the goal")
     hidden_s: float = Field(6.0, ge=2, le=60, description="so long it goes on to where an unseen person should be")
     search_s: float = Field(16.0, ge=1, le=600, description="so long it looks round for a person who is lost")
 

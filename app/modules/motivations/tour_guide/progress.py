@@ -130,12 +130,12 @@ class Progress:
     that ended; ``attempt`` counts tries of what failed. ``resume``: the state before a pause; ``to_press``: whether
     a press is needed to go on; ``pause_spoken``: whether a word will do. ``sentence``: of the step's text, the one
     that is said; ``said_from``: the one that its wish begins with. ``seen_m``: ``driven_m`` when all visitors were
-    last seen near; ``gone_since``, ``near_since``: since when none is seen, and enough are near (s). ``question``:
-    index of the one that is answered, ``listened``: the step to go back to from there. ``invites``: whether people
-    who are near begin a tour; those who came along, or declined, leave first. ``towards``: the heading (rad in
-    odom) that it turns to where it faces visitors; ``stuck_since`` as in View. ``excuse``: key of what it says of
-    its pause, or of the tour's end. ``homed``: it came home, and nobody has moved it since. ``reason``: in words,
-    why it is in this state.
+    last seen near; ``gone_since``, ``near_since``: since when none is seen, and enough are near (s); ``met``:
+    whether any was seen on this run. ``question``: index of the one that is answered, ``listened``: the step to go
+    back to from there. ``invites``: whether people who are near begin a tour; those who came along, or declined,
+    leave first. ``towards``: the heading (rad in odom) that it turns to where it faces visitors; ``stuck_since`` as
+    in View. ``excuse``: key of what it says of its pause, or of the tour's end. ``homed``: it came home, and nobody
+    has moved it since. ``reason``: in words, why it is in this state.
     """
 
     state: State = "idle"
@@ -154,6 +154,7 @@ class Progress:
     seen_m: float = 0.0
     gone_since: float | None = None
     near_since: float | None = None
+    met: bool = False
     invites: bool = True
     question: int = 0
     listened: int = 0

@@ -261,6 +261,7 @@ def _people(progress: Progress, view: View, tour: Tour) -> Progress:
         slow = view.farthest_m > tour.pace.slow_m * (_CLOSER if slow else 1.0)
     invites = progress.invites or not enough
     noted = replace(progress, near_since=near_since, gone_since=gone, invites=invites, seen_m=seen_m, slow=slow)
+    noted = replace(noted, met=progress.met or view.people > 0)
     return replace(noted, towards=towards, stuck_since=view.stuck_since)
 
 
@@ -343,7 +344,9 @@ def _timed(progress: Progress, view: View, scene: Scene) -> Progress:
             return _invited(progress, view, tour) if begins and progress.invites else progress
         case "confirming":
             confirm = tour.greeting.confirm
-            left = progress.gone_since is not None and view.now - max(progress.gone_since, progress.since) >= LEFT_S
+            # A press may come from where the robot does not look: who was never seen has not left.
+            gone_since = progress.gone_since if progress.met else None
+            left = gone_since is not None and view.now - max(gone_since, progress.since) >= LEFT_S
             if left or confirm is None or spent >= confirm.at_most_s:
                 return enter(progress, "idle", view, reason="visitors did not answer")
         case "leading" if view.people > 0 and view.farthest_m > tour.pace.wait_m:

@@ -18,6 +18,8 @@ TRACK_FACE: Final = "TrackFace"
 ROTATE: Final = "RotateToHeading"
 DOCK: Final = "Dock"
 
+#: Visitors are asked whether to show them round, and once more after so many seconds.
+ASKS_S: Final = (0.0, 10.0)
 #: Visitors who wait are called after so many seconds.
 CALLS_S: Final = (10.0, 30.0)
 #: People in its way are asked to let it pass after so many seconds without progress.
@@ -138,7 +140,8 @@ def _wishes(progress: Progress, scene: Scene, now: float) -> Iterator[Wish]:
             yield Wish(key(progress, "look"), TRACK_FACE)
             yield from _facing(progress)
             if tour.greeting.confirm is not None:
-                yield _said(progress, "ask", tour.greeting.confirm.ask, scene)
+                asked = sum(now - progress.since >= after for after in ASKS_S)
+                yield _said(progress, f"ask-{asked}", tour.greeting.confirm.ask, scene)
         case "blocked":
             yield _said(progress, "pass", PASS, scene)
         case "lost":

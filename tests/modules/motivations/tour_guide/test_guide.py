@@ -114,6 +114,22 @@ def test_visitors_who_leave_decline() -> None:
     assert run.see(after_s=0.3).progress.state == "idle"
 
 
+def test_visitors_who_were_never_seen_have_not_left() -> None:
+    run = Run().see(Pressed("start"), people=0, near=0).until("confirming")
+    assert run.see(after_s=19.0).progress.state == "confirming", "a phone may answer from behind the robot"
+    assert run.press("agree").progress.state == "leading"
+
+
+def test_it_asks_once_more_who_does_not_answer() -> None:
+    run = Run().started().until("confirming")
+    first = run.wish("Say")
+    assert run.done("Say").see(after_s=9.0).wish("Say") == first
+    again = run.see(after_s=1.5).wish("Say")
+    assert (again.key != first.key, again.params) == (True, first.params)
+    assert run.see(after_s=5.0).wish("Say") == again
+    assert run.see(Heard("yes")).progress.state == "leading"
+
+
 def test_without_a_question_it_leads_at_once() -> None:
     run = Run(changed(greeting={"do": [say("Come!")]})).started().until("leading")
     assert "confirming" not in run.states
@@ -315,7 +331,8 @@ def test_an_emergency_stop_that_withdraws_the_goal_first_is_named() -> None:
     run.see(Withdrawn(run.wish("GoTo").key))
     assert (run.progress.state, run.progress.reason) == ("paused", "its goal was withdrawn")
     run.see(e_stop=True)
-    assert (run.progress.reason, run.texts()) == ("the emergency stop was pressed", ["I was stopped. One moment, please."])
+    assert run.progress.reason == "the emergency stop was pressed"
+    assert run.texts() == ["I was stopped. One moment, please."]
 
 
 def test_a_low_battery_ends_the_tour_at_once() -> None:

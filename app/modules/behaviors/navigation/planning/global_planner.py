@@ -19,8 +19,10 @@ from app.modules.behaviors.navigation.costmap.local_costmap import CostmapWindow
 from app.modules.behaviors.navigation.costmap.transient_obstacle_layer import TransientObstacles, off_map, remember
 from app.modules.behaviors.navigation.costmap.zone_layer import rasterize
 from app.modules.behaviors.navigation.planning.goal_planning import (
+    SUBSTITUTES,
     GlobalPlan,
     PlanSettings,
+    body_fits,
     check_path,
     plan,
     why_replan,
@@ -29,17 +31,22 @@ from app.modules.behaviors.navigation.planning.reference_path import SpeedAt
 
 #: Least advantage of another plan over the one in force (cost, in metres of open floor).
 _WORTH_M = 0.3
+#: A substitute place that is so much (m) nearer to the goal is worth another plan.
+_NEARER_M = 0.1
+#: A substitute place within this share of the tolerance will do: the body stops beside it.
+_WITHIN = 0.8
 #: Cost per metre through lethal cells.
 _LETHAL = 50.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlanRequest:
-    """Input of one planning. ``goal``: pose on the map, heading NaN for any; ``around``: the local costmap, None to
-    plan on the map alone; ``opened_up``: unknown cells cost nothing and transient obstacles are ignored; ``kept``: the
-    plan in force to this goal; ``why``: the reason to replace it in any case ("": only by a cheaper one);
-    ``footprint``: of the body with its arms as they are now, None for the usual one; ``persistent_obstacles`` (N, 2):
-    remembered obstacles that the map does not have, m on the map."""
+    """Input of one planning. ``goal``: pose on the map, heading NaN for any; ``tolerance_m``: so near to it will do
+    (infinite: no goal is ``taken``); ``around``: the local costmap, None to plan on the map alone; ``opened_up``:
+    unknown cells cost nothing and transient obstacles are ignored; ``kept``: the plan in force to this goal; ``why``:
+    the reason to replace it in any case ("": only by a cheaper one); ``footprint``: of the body with its arms as they
+    are now, None for the usual one; ``persistent_obstacles`` (N, 2): remembered obstacles that the map does not have, m
+    on the map."""
 
     grid: OccupancyGrid
     zones: tuple[Zone, ...]
@@ -52,6 +59,7 @@ class PlanRequest:
     why: str = ""
     footprint: Footprint | None = None
     persistent_obstacles: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 2)))
+    tolerance_m: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -105,11 +113,13 @@ class GlobalPlanner:
             why = why or why_replan(check)
             rest_cost = _cost_along(live, kept.poses[check.nearest :])
         found = plan(live, request.X_MB, request.goal, self._plans)
+        if found.code == "near" and found.away_m(request.goal) > _WITHIN * request.tolerance_m:
+            found = self._beside(live, self._lasting(request, field), request, found)
         if stretched and len(found.poses) == 0:
             at_rest = self._live(request, self._usual.of(request, self._footprint, costs))
             found = _because_of_arms(found, plan(at_rest, request.X_MB, request.goal, self._plans))
-        if not why and kept is not None and kept.code == "near" and found.code == "way":
-            why = "the goal itself can be reached now"
+        if not why and kept is not None:
+            why = _why_nearer(kept, found, request.goal)
         worse = _cost_along(live, found.poses) > min((1.0 - self._better) * rest_cost, rest_cost - _WORTH_M)
         if kept is not None and len(kept.poses) and not why and (len(found.poses) == 0 or worse):
             return PlanResult(kept, False, "", cached.speed_share)
@@ -119,9 +129,21 @@ class GlobalPlanner:
 
     def _live(self, request: PlanRequest, field: CostField) -> CostField:
         """``field`` with the obstacles that the map does not have."""
-        points = self._temporary.points
-        if len(request.persistent_obstacles) and not request.opened_up:
-            points = np.concatenate((points, off_map(request.persistent_obstacles, field)))
+        points = np.concatenate((self._temporary.points, _kept_points(request, field)))
+        return with_obstacles(field, points) if len(points) else field
+
+    def _beside(self, live: CostField, lasting: CostField, request: PlanRequest, nearest: GlobalPlan) -> GlobalPlan:
+        """The plan to a place beside a goal that is taken, to turn and to watch it at; ``nearest`` where there is none,
+        and of a goal that is not free in ``lasting`` either."""
+        if not body_fits(lasting, request.goal):
+            return nearest
+        settings = replace(self._plans or PlanSettings(), room_to_turn=True)
+        found = plan(live, request.X_MB, request.goal, settings)
+        return replace(found if found.code == "near" else nearest, code="taken")
+
+    def _lasting(self, request: PlanRequest, field: CostField) -> CostField:
+        """``field`` with the obstacles that are kept with the map alone."""
+        points = _kept_points(request, field)
         return with_obstacles(field, points) if len(points) else field
 
 
@@ -156,6 +178,22 @@ class _Field:
             return found
 
         return at
+
+
+def _kept_points(request: PlanRequest, field: CostField) -> NDArray[np.float64]:
+    if request.opened_up or not len(request.persistent_obstacles):
+        return np.empty((0, 2))
+    return off_map(request.persistent_obstacles, field)
+
+
+def _why_nearer(kept: GlobalPlan, found: GlobalPlan, goal: Pose2) -> str:
+    """The reason to replace a plan to a substitute place by one that ends nearer to the goal; "" where none does."""
+    if kept.code not in SUBSTITUTES:
+        return ""
+    if found.code == "way":
+        return "the goal itself can be reached now"
+    nearer = found.away_m(goal) < kept.away_m(goal) - _NEARER_M
+    return "a place nearer to the goal can be reached now" if nearer else ""
 
 
 def _because_of_arms(found: GlobalPlan, at_rest: GlobalPlan) -> GlobalPlan:

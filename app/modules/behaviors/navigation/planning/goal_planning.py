@@ -23,14 +23,21 @@ from app.modules.behaviors.navigation.costmap.zone_layer import keep_out
 from app.modules.behaviors.navigation.planning.astar import ReachedCells, explore
 from app.modules.behaviors.navigation.planning.smoothing import length_of, smooth, with_headings
 
+#: Clearance beyond the body's radius of a place to turn at: the body stops up to so far (m) beside it.
+_TURNING_M = 0.15
+#: Codes of plans that end at a substitute place.
+SUBSTITUTES = frozenset({"near", "taken"})
+
 
 @dataclass(frozen=True, slots=True)
 class PlanSettings:
     """``near_m``: greatest distance of a substitute place from a goal that is occupied. ``free_start_m``: longest way
     out for a robot too near to an obstacle; ``leave_zone_m``: longest way out of a keep-out zone.
-    ``spacing_m``: distance between the path's poses."""
+    ``spacing_m``: distance between the path's poses. ``room_to_turn``: at a substitute place, the body can turn on the
+    spot."""
 
     near_m: float = 1.0
+    room_to_turn: bool = False
     free_start_m: float = 0.6
     leave_zone_m: float = 8.0
     spacing_m: float = 0.05
@@ -40,7 +47,8 @@ class PlanSettings:
 class GlobalPlan:
     """A path on the map, or the reason for none.
 
-    ``code``: ``way`` (to the goal itself), ``near`` (to ``target``, the nearest reachable place), or without a path:
+    ``code``: ``way`` (to the goal itself), ``near`` (to ``target``, the nearest reachable place), ``taken`` (the
+    same, where a transient obstacle at the goal may go; of the global planner), or without a path:
     ``outside`` (the goal is off the map), ``obstacle`` (the goal and all places near it are occupied), ``walled_off``,
     ``keep_out`` (zones block), ``unknown`` (only unknown space leads there, and it is blocked), ``in_the_way`` (a
     transient obstacle blocks the only path), ``arms`` (only with the arms at rest there is a path), ``start_stuck``
@@ -56,6 +64,10 @@ class GlobalPlan:
     poses: NDArray[np.float64]
     target: Pose2 | None
     length_m: float
+
+    def away_m(self, goal: Pose2) -> float:
+        """How far from ``goal`` it ends (m); infinite without a path."""
+        return math.inf if self.target is None else math.dist((self.target.x, self.target.y), (goal.x, goal.y))
 
 
 def plan(field: CostField, start: Pose2, goal: Pose2, settings: PlanSettings | None = None) -> GlobalPlan:
@@ -76,13 +88,13 @@ def plan(field: CostField, start: Pose2, goal: Pose2, settings: PlanSettings | N
             return _none("start_stuck", f"the robot cannot get free: {_what_is_at(field, start, start_cell)}")
         said = f"first gets free: {_what_is_at(field, start, start_cell)}"
         start_cell = (int(out[-1, 0]), int(out[-1, 1]))
-    fits = _fits(field, goal)
+    fits = body_fits(field, goal)
     reached = explore(field, start_cell, goal_cell if fits else None)
     if fits and reached.has(goal_cell):
         return _way(reached, "way", reason=said, out=out, start=start, target=goal, cell=goal_cell, settings=settings)
     if fits:
         return _why_not(field, start_cell, goal_cell)
-    target = _nearest(reached, goal, goal_cell, settings.near_m)
+    target = _nearest(reached, goal, goal_cell, settings)
     why = _what_is_at(field, goal, goal_cell, "the goal")
     if target is None:
         return _none("obstacle", f"{why}, and no place within {settings.near_m:g} m of it can be reached")
@@ -152,7 +164,7 @@ def _why_not(field: CostField, start: tuple[int, int], goal: tuple[int, int]) ->
     return _none("unknown", "only unknown space leads to the goal, and the robot may not go there")
 
 
-def _fits(field: CostField, pose: Pose2) -> bool:
+def body_fits(field: CostField, pose: Pose2) -> bool:
     """Whether the body fits there, at its heading if one is asked for."""
     cell = field.frame.cell(pose.x, pose.y)
     if cell is None or not np.isfinite(field.cost[cell]):
@@ -169,11 +181,11 @@ def _body_fits(field: CostField, poses: NDArray[np.float64]) -> NDArray[np.bool_
 
 
 def _nearest(
-    reached: ReachedCells, goal: Pose2, goal_cell: tuple[int, int], near_m: float
+    reached: ReachedCells, goal: Pose2, goal_cell: tuple[int, int], settings: PlanSettings
 ) -> tuple[tuple[int, int], Pose2] | None:
     """The reached cell nearest to the goal where the body fits; among cells equally near (to a cell), the one with more
     clearance."""
-    field, frame = reached.field, reached.field.frame
+    field, frame, near_m = reached.field, reached.field.frame, settings.near_m
     reach = math.ceil(near_m / frame.resolution_m)
     (row, column), cost = goal_cell, field.cost
     top, left = max(row - reach, 0), max(column - reach, 0)
@@ -186,7 +198,8 @@ def _nearest(
     for k in order.tolist():
         cell = (int(cells[k, 0]), int(cells[k, 1]))
         place = Pose2(float(places[k, 0]), float(places[k, 1]), goal.theta)
-        if reached.has(cell) and _fits(field, place):
+        turns = field.clearance[cell] > field.footprint.circumscribed_m + _TURNING_M
+        if reached.has(cell) and (turns if settings.room_to_turn else body_fits(field, place)):
             return cell, place
     return None
 

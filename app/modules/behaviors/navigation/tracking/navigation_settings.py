@@ -39,6 +39,9 @@ class PlanAndFollowPathSettings(Settings):
     people_m: float = Field(
         0.0, ge=0, le=0.3, description="radius kept clear around leg candidates that the map does not have; 0: none"
     )
+    taken_s: float = Field(
+        30.0, ge=0, description="time for a goal where something stands that the map does not have to go; 0: no wait"
+    )
     rounds: int = Field(2, ge=1, description="rounds of all recovery actions before people are asked")
 
     def of_control_cycle(self) -> ControlCycleSettings:
@@ -50,7 +53,7 @@ class PlanAndFollowPathSettings(Settings):
                 resolution_m=self.costmap_resolution_m,
                 keep_s=self.keep_s,
             ),
-            path_tracker=PathTrackerSettings(corner_share=self.corner_share),
+            path_tracker=PathTrackerSettings(corner_share=self.corner_share, taken_s=self.taken_s),
             recovery=RecoverySettings(stuck_s=self.stuck_s, wait_s=self.wait_s, rounds=self.rounds, ask_s=self.ask_s),
             fresh_s=self.fresh_s,
             people_m=self.people_m,

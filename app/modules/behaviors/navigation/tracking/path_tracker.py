@@ -5,6 +5,8 @@
       no progress  ▼  │ the measure is over
                 recovering ─▶ waiting for people's help         (lost on the map: turning to find itself)
 
+Beside a goal where something stands that the map does not have, it waits a while for room, and watches the goal.
+
 Poses: ``X_OB`` the body in ``odom``, ``X_MO`` as localization says. Controllers see ``odom`` alone.
 """
 
@@ -18,7 +20,7 @@ from dataclasses import dataclass
 from app.base.geometry import Pose2, wrap_angle
 from app.modules.behaviors.navigation.controller import BodyModel, Controller, DistanceField, MotionState
 from app.modules.behaviors.navigation.costmap.blind_corners import careful
-from app.modules.behaviors.navigation.planning.goal_planning import GlobalPlan
+from app.modules.behaviors.navigation.planning.goal_planning import SUBSTITUTES, GlobalPlan
 from app.modules.behaviors.navigation.planning.reference_path import ReferencePath, SpeedAt
 from app.modules.behaviors.navigation.recovery.driven_area import DrivenArea, back_toward
 from app.modules.behaviors.navigation.recovery.recovery_behaviors import (
@@ -36,6 +38,10 @@ _NEARER_M = 0.02
 _GETTING_ON_M = 0.1
 #: Decrease that ends the recovery, m.
 _OUT_OF_TROUBLE_M = 0.3
+#: The body need not stop nearer (m) to the end of a plan.
+_FINEST_M = 0.05
+#: Waiting for room at its goal, the body faces it within this, rad.
+_WATCH_RAD = 0.2
 #: Number of longer plans that do not count as a step back.
 _DETOURS = 12
 #: Codes of plans without a path that may succeed later without a change of the goal.
@@ -56,7 +62,8 @@ class NavigationGoal:
 class PathTrackerSettings:
     """``look_ahead_s``: the local path covers this time at full speed. ``aim``: share of a tolerance within which the
     body stops. ``spare_m``: clearance for turns and recovery actions. ``corner_share``: share of the speed beside blind
-    corners (1: no reduction), which ends at ``corner_m`` from them."""
+    corners (1: no reduction), which ends at ``corner_m`` from them. ``taken_s``: so long it waits for a goal that is
+    taken."""
 
     look_ahead_s: float = 3.0
     least_ahead_m: float = 2.5
@@ -64,6 +71,7 @@ class PathTrackerSettings:
     spare_m: float = 0.03
     corner_share: float = 1.0
     corner_m: float = 1.0
+    taken_s: float = 30.0
     back_mps: float = 0.15
     turn_radps: float = 0.8
 
@@ -111,6 +119,8 @@ class PathTracker:
         self._held_since: float | None = None
         self._held_at = math.inf
         self._at_place = False
+        #: Since when it waits for room at its goal.
+        self._taken_since: float | None = None
         self._arrived = False
         self._begin = MotionState(Pose2(), 0.0, 0.0)
         self._X_OM = Pose2()
@@ -135,7 +145,7 @@ class PathTracker:
         self.remaining_m, self.progress_stamp = None, None if goal is None else now
         self._least, self._troubled_at, self._detours = math.inf, math.inf, 0
         self._at_place = self._arrived = self.opened_up = False
-        self._held_since = None
+        self._held_since = self._taken_since = None
         self.recovery.reset()
         self._search.end()
         self._controller.reset()
@@ -143,6 +153,8 @@ class PathTracker:
     def take(self, plan: GlobalPlan, now: float, speed_at: SpeedAt | None = None) -> None:
         """Take a plan to the goal, from about the body's pose. ``speed_at``: the greatest speed (m/s) by place on the
         map."""
+        if self.plan is not None and self.plan.code in SUBSTITUTES and self.plan.code != plan.code:
+            self._at_place = False
         self.plan = plan
         if len(plan.poses) == 0:
             self._track, self.remaining_m = None, None
@@ -223,8 +235,10 @@ class PathTracker:
         if self._at_place and distance > 1.3 * self.goal.tolerance_m:
             self._at_place = False
         near = distance <= self.goal.tolerance_m and self.remaining_m <= 2 * self.goal.tolerance_m
-        if self._at_place or (near and distance <= self.settings.aim * self.goal.tolerance_m):
+        if self._at_place or (near and distance <= self._stop_within_m(self.goal)):
             self._at_place = True
+            if self._is_taken(now):
+                return self._wait_for_room(now, motion, X_MB, field, period_s)
             return self._turn_to_heading(now, motion, X_MB, field, period_s)
         body = self._driven_body()
         ahead = max(self.settings.least_ahead_m, self.settings.look_ahead_s * body.limits[1])
@@ -286,8 +300,34 @@ class PathTracker:
             return TrackingStep(0.0, 0.0, "following", "there is no room to turn to the heading asked for")
         return TrackingStep(0.0, turn, "following", "turning to the heading asked for")
 
+    def _stop_within_m(self, goal: NavigationGoal) -> float:
+        """How near to the end of the plan the body stops: within the tolerance of the goal itself, if the end is."""
+        plan = self.plan
+        away_m = plan.away_m(goal.pose) if plan is not None and plan.code in SUBSTITUTES else 0.0
+        left_m = goal.tolerance_m - away_m if away_m < goal.tolerance_m else goal.tolerance_m
+        return max(self.settings.aim * left_m, min(_FINEST_M, self.settings.aim * goal.tolerance_m))
+
+    def _is_taken(self, now: float) -> bool:
+        """Whether what stands in the goal may still go."""
+        if self.plan is None or self.plan.code != "taken":
+            return False
+        self._taken_since = now if self._taken_since is None else self._taken_since
+        return now - self._taken_since < self.settings.taken_s
+
+    def _wait_for_room(
+        self, now: float, motion: MotionState, X_MB: Pose2, field: DistanceField, period_s: float
+    ) -> TrackingStep:
+        """Face the goal: the sensors see only ahead."""
+        assert self.goal is not None
+        assert self.plan is not None
+        self._held_since, self.progress_stamp = None, now
+        goal = self.goal.pose
+        error = wrap_angle(math.atan2(goal.y - X_MB.y, goal.x - X_MB.x) - X_MB.theta)
+        turn = self._turn(error, motion, field, period_s) if abs(error) > _WATCH_RAD else None
+        return TrackingStep(0.0, turn or 0.0, "waiting", f"it waits for room: {self.plan.reason}")
+
     def _arrival(self) -> str:
-        return self.plan.reason if self.plan is not None and self.plan.code == "near" else ""
+        return self.plan.reason if self.plan is not None and self.plan.code in SUBSTITUTES else ""
 
     def _turn(self, error: float, motion: MotionState, field: DistanceField, period_s: float) -> float | None:
         """Rate (rad/s) of a turn on the spot that reduces ``error`` (rad); None if an obstacle bars it."""

@@ -90,6 +90,26 @@ def test_opened_up_it_forgets_what_was_in_the_way() -> None:
     assert abs(crosses_at(finder.find(request(X_MB=X_MB, why="another goal")).plan.poses) - NEAR_DOOR) < 0.4
 
 
+def test_a_goal_where_something_stands_that_the_map_does_not_have_is_taken_until_it_goes() -> None:
+    finder = global_planner()
+    X_MB = Pose2(5.2, 1.3, 0.0)
+    person = np.array([[6.5, 1.3], [6.5, 1.35], [6.55, 1.3]])
+    taken = finder.find(request(X_MB=X_MB, around=seen(person, X_MB), why="another goal")).plan
+    assert taken.code == "taken"
+    assert taken.target is not None
+    beside_m = np.hypot(*(person - np.array([taken.target.x, taken.target.y])).T).min()
+    assert math.hypot(*SQUARE[0]) < beside_m < 0.7, "there it can turn, and watch the goal"
+    aside = finder.find(request(X_MB=X_MB, kept=taken, around=seen(person + np.array([0.15, 0.0]), X_MB, 2.0)))
+    assert (aside.plan.code, aside.why) == ("taken", "a place nearer to the goal can be reached now")
+    free = finder.find(request(X_MB=X_MB, kept=taken, around=seen(np.empty((0, 2)), X_MB, 3.0)))
+    assert (free.plan.code, free.why) == ("way", "the goal itself can be reached now")
+    beside = seen(person + np.array([0.2, 0.0]), X_MB)
+    near = finder.find(request(X_MB=X_MB, around=beside, tolerance_m=0.25, why="another goal")).plan
+    assert near.code == "near", "so near will do"
+    kept_with_map = finder.find(request(persistent_obstacles=person, why="another goal")).plan
+    assert kept_with_map.code == "near", "what is kept with the map stays there"
+
+
 def test_zones_are_kept_out_of_and_say_how_fast() -> None:
     finder = global_planner()
     door = np.array([[3.5, 0.5], [4.5, 0.5], [4.5, 2.0], [3.5, 2.0]])
