@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import faulthandler
+import gc
 import logging
 import os
 from collections.abc import Iterator
@@ -16,6 +17,9 @@ from app.robots.simulated.gl import gl_environment
 
 for name, value in gl_environment().items():
     os.environ.setdefault(name, value)  # before anything imports mujoco, which reads it then
+
+#: So many new objects, of which none is garbage yet, are made before some are looked for.
+GARBAGE_AFTER = 20_000
 
 # No deadline: on a shared computer a slow example says nothing about the program.
 settings.register_profile("house", deadline=None)
@@ -34,6 +38,21 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Files with slow tests first: where processes share the files, none is left with a long one in the end."""
     long = {item.path for item in items if item.get_closest_marker("slow") is not None}
     items.sort(key=lambda item: item.path not in long)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Iterator[None]:
+    """Leave libraries, test files and tests, more than a million objects, out of all collections of garbage.
+
+    With these, and as often as Python's own threshold of 700 new objects starts one, they took a quarter of the time.
+    """
+    gc.disable()
+    collected = yield
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(GARBAGE_AFTER)
+    gc.enable()
+    return collected
 
 
 @pytest.hookimpl(tryfirst=True)

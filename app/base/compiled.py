@@ -57,10 +57,11 @@ def kernel(signature: str | list[str], *, fastmath: bool = False, **options: Any
     return decorate
 
 
-def kernel_modules() -> list[str]:
-    """The names of all modules of this program that have kernels."""
+@cache
+def kernel_modules() -> tuple[str, ...]:
+    """The names of all modules of this program that have kernels: it reads every file, once."""
     files = [file for file in sorted(_APP.rglob("*.py")) if file != Path(__file__).resolve() and _has_kernel(file)]
-    return [".".join(("app", *file.relative_to(_APP).with_suffix("").parts)) for file in files]
+    return tuple(".".join(("app", *file.relative_to(_APP).with_suffix("").parts)) for file in files)
 
 
 def is_ready() -> bool:

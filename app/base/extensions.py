@@ -63,7 +63,7 @@ def extensions(group: str) -> dict[str, Extension]:
     older than the checkout would hide them.
     """
     found = _own(group)
-    for point in _entry_points().select(group=group):
+    for point in _entry_points(group):
         distribution = point.dist.name if point.dist is not None else ""
         if distribution == DISTRIBUTION and paths.checkout_dir() is not None:
             continue
@@ -77,16 +77,16 @@ def extensions(group: str) -> dict[str, Extension]:
     return found
 
 
-def _entry_points() -> metadata.EntryPoints:
-    """Those of everything installed: read again when a folder of packages has changed."""
+def _entry_points(group: str) -> metadata.EntryPoints:
+    """Those of ``group`` of everything installed: read again when a folder of packages has changed."""
     folders = [path for path in map(Path, sys.path) if path.is_dir()]
-    return _entry_points_of(tuple((str(path), path.stat().st_mtime_ns) for path in folders))
+    return _entry_points_of(group, tuple((str(path), path.stat().st_mtime_ns) for path in folders))
 
 
-@lru_cache(maxsize=4)
-def _entry_points_of(_folders: tuple[tuple[str, int], ...]) -> metadata.EntryPoints:
+@lru_cache(maxsize=32)
+def _entry_points_of(group: str, _folders: tuple[tuple[str, int], ...]) -> metadata.EntryPoints:
     # Reads a file of each package: 20 ms and more, and a start asks a dozen times.
-    return metadata.entry_points()
+    return metadata.entry_points(group=group)
 
 
 def _own(group: str) -> dict[str, Extension]:
@@ -106,7 +106,7 @@ def _declared(project: Path, _changed_ns: int) -> dict[str, dict[str, str]]:
 
 def announced_packages() -> frozenset[str]:
     """The import packages, this program's own among them, that entry points of the groups ``hbba.*`` name."""
-    points = [point.value for group in GROUPS for point in _entry_points().select(group=group)]
+    points = [point.value for group in GROUPS for point in _entry_points(group)]
     return frozenset({"app", *(value.partition(":")[0].partition(".")[0] for value in points)})
 
 

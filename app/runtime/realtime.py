@@ -35,8 +35,8 @@ def tune_for_latency() -> None:
     """Shorten the interpreter's pauses; call it once, after start-up.
 
     It shortens the switch interval of threads, collects garbage, freezes every object alive (``gc.freeze``) and ends
-    :func:`garbage_held`: later full collections skip these objects. A collection of a whole program holds all threads for
-    about 0.1 s.
+    :func:`garbage_held`: later full collections skip these objects. A collection of a whole program holds all threads
+    for about 0.1 s.
     """
     sys.setswitchinterval(SWITCH_INTERVAL_S)
     gc.collect()

@@ -10,7 +10,8 @@ from typing import Any
 
 import httpx
 import pytest
-from fastapi import FastAPI, routing
+from fastapi import FastAPI
+from fastapi.dependencies import utils
 from fastapi.dependencies.models import Dependant
 
 from app.console.app import create_app
@@ -27,17 +28,16 @@ def _parameters_are_examined_once() -> Iterator[None]:
 
     Hundreds of tests make one application each, whose endpoints are of the same code: that took half of their time.
     """
-    examine = routing.get_dependant
     known: dict[tuple[str, object], Dependant] = {}
 
     def get_dependant(*, path: str, call: Callable[..., Any], **options: Any) -> Dependant:
         key = path, getattr(call, "__code__", call)
         if key not in known:
-            known[key] = examine(path=path, call=call, **options)
+            known[key] = utils.get_dependant(path=path, call=call, **options)
         return replace(known[key], call=call)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(routing, "get_dependant", get_dependant)
+        patch.setattr("fastapi.routing.get_dependant", get_dependant)
         yield
 
 

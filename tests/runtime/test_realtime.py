@@ -26,9 +26,27 @@ assert gc.get_freeze_count() >= 300_000
 assert sys.getswitchinterval() <= 0.001
 """
 
+HELD = """
+import gc
+from app.runtime.realtime import garbage_held, tune_for_latency
+with garbage_held():
+    assert not gc.isenabled()
+    tune_for_latency()
+    assert gc.isenabled()
+try:
+    with garbage_held():
+        raise ValueError
+except ValueError:
+    assert gc.isenabled(), "a start that fails leaves it as it was"
+"""
+
 
 def test_live_objects_are_frozen_and_threads_switch_sooner() -> None:
     subprocess.run([sys.executable, "-c", CHECK], check=True, timeout=PATIENCE_S)  # habits of a whole process
+
+
+def test_garbage_is_held_until_the_start_is_over() -> None:
+    subprocess.run([sys.executable, "-c", HELD], check=True, timeout=PATIENCE_S)
 
 
 def _niceness_after(action: Callable[[], None]) -> int:

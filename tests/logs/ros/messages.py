@@ -5,7 +5,6 @@ from __future__ import annotations
 import types
 import typing
 from collections.abc import Mapping
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -43,16 +42,14 @@ def message_classes() -> list[type[Any]]:
     return [found for found in vars(messages).values() if is_record(found) and "stamp" in field_names(found)]
 
 
-@cache
 def instances(cls: type[Any]) -> st.SearchStrategy[Any]:
     """Instances of ``cls``, as wild as its docstring allows."""
-    if cls in _SPECIAL:
-        return _SPECIAL[cls]
-    hints = typing.get_type_hints(cls)
-    return st.builds(cls, **{name: _values(name, hints[name]) for name in field_names(cls)})
+    if cls not in _STRATEGIES:
+        hints = typing.get_type_hints(cls)
+        _STRATEGIES[cls] = st.builds(cls, **{name: _values(name, hints[name]) for name in field_names(cls)})
+    return _STRATEGIES[cls]
 
 
-@cache
 def sequences(cls: type[Any], min_size: int = 1, max_size: int = 3) -> st.SearchStrategy[list[Any]]:
     """Some instances of ``cls`` as one channel may carry them: a camera keeps its lens."""
     kinds = [_images((lens,)) for lens in (CameraModel, FisheyeModel)] if cls is Image else [instances(cls)]
@@ -152,7 +149,8 @@ def _paths(draw: st.DrawFn) -> PlannedPath:
     return PlannedPath(draw(STAMPS), draw(_FRAMES), poses)
 
 
-_SPECIAL: dict[type[Any], st.SearchStrategy[Any]] = {
+#: By class; those that are not written here are added as they are made.
+_STRATEGIES: dict[type[Any], st.SearchStrategy[Any]] = {
     Pose3: _POSES,
     Image: _images(),
     LaserScan: _scans(),

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import resample_poly
 
 from app.modules.perception.voices.microphone_array import MicrophoneArray
-from app.modules.perception.voices.resampling import Resampler
+from app.modules.perception.voices.resampling import Resampler, resampled
 from app.modules.perception.words.endpointing import Endpointer, Utterance
 from app.modules.perception.words.utterance_beam import RATE, UtteranceBeam
 
@@ -94,4 +93,4 @@ class UtteranceListener:
         if not pieces:
             return np.zeros((0, len(self._channels)), np.float32)
         sound = np.concatenate(pieces)[:, self._channels].astype(np.float32) / _FULL_SCALE
-        return np.asarray(resample_poly(sound, RATE, self._rate, axis=0), np.float32)
+        return resampled(sound, self._rate, RATE)
