@@ -315,7 +315,10 @@ def test_an_emergency_stop_that_withdraws_the_goal_first_is_named() -> None:
     run.see(Withdrawn(run.wish("GoTo").key))
     assert (run.progress.state, run.progress.reason) == ("paused", "its goal was withdrawn")
     run.see(e_stop=True)
-    assert (run.progress.reason, run.texts()) == ("the emergency stop was pressed", ["I was stopped. One moment, please."])
+    assert (run.progress.reason, run.texts()) == (
+        "the emergency stop was pressed",
+        ["I was stopped. One moment, please."],
+    )
 
 
 def test_a_low_battery_ends_the_tour_at_once() -> None:
