@@ -249,7 +249,7 @@ def rehearsed(page: Page) -> None:
     page.get_by_test_id("rehearsal-result").wait_for(timeout=2 * GOING_S * 1000)
     page.get_by_test_id("rehearsal-play").click()
     moment = page.get_by_test_id("rehearsal-at")
-    moment.fill(f"{0.5 * float(moment.get_attribute('max') or 0):.1f}")
+    moment.fill(f"{0.6 * float(moment.get_attribute('max') or 0):.1f}")
     shoot(page, "guided-rehearsal")
     page.get_by_test_id("rehearsal-close").click()
     page.get_by_test_id("tour-close").click()
@@ -263,15 +263,15 @@ def led(browser: Browser, page: Page, robot: Robot) -> None:
     visitor.goto(f"{robot.url}/visitor")
     page.get_by_test_id("tour-run-start").click()
     page.get_by_test_id("tour-run-go").select_option(index=3)
-    page.locator("[data-testid=tour-run][data-state=presenting]").wait_for()
+    page.get_by_test_id("tour-run-said").filter(has_text="parts of my body").wait_for()
     saved("guided-led", taken(page))
     visitor.get_by_test_id("visitor-question").wait_for()
     visitor.wait_for_function("document.querySelector('[data-testid=visitor-media]').complete")
     page.locator("[data-testid=tour-run][data-state=listening]").wait_for()
     visitor.get_by_test_id("visitor-question").click()
     phone.locator("[data-testid=tour-run][data-state=answering]").wait_for()
-    for said in (visitor.get_by_text("About four"), phone.get_by_test_id("tour-run-said")):
-        said.wait_for()
+    for each in (visitor, phone.get_by_test_id("tour-run")):
+        each.get_by_text("About four").first.wait_for()
     phones = [taken(visitor), taken(phone)]
     saved("guided-phones", np.hstack([phones[0], np.full((phones[0].shape[0], 24, 3), 255, np.uint8), phones[1]]))
     robot.request("DELETE", "/tour-run")
