@@ -49,6 +49,8 @@ _GO_ON = """() => {
   window.requestAnimationFrame = window.draw;
   for (const callback of window.held) window.draw(callback);
 }"""
+#: The tour that is configured by driving.
+TOUR = "A walk through the lab"
 #: A way takes so long at most (s), or this computer is too slow for a robot that goes.
 GOING_S = 300
 
@@ -181,7 +183,7 @@ def guided(browser: Browser, robot: Robot) -> None:
     """A guided tour is configured by driving past three posters, edited, and led."""
     page = opened(browser, f"{robot.url}/?scene=off", DESKTOP)
     page.get_by_test_id("tour-toggle").click()
-    page.get_by_test_id("tour-new-title").fill("A walk through the lab")
+    page.get_by_test_id("tour-new-title").fill(TOUR)
     page.get_by_test_id("tour-drive").click()
     met = page.get_by_test_id("tour-driving")
     # On the map, whose origin is where the robot starts: each within sight of a poster.
@@ -225,6 +227,9 @@ def written(robot: Robot) -> None:
             "fr": "Les pièces de mon corps viennent de cet atelier. Quatre moteurs portent mes bras. Ils cèdent.",
         },
     )
+    tour["title"]["fr"] = "Une visite du laboratoire"
+    for stop, title in zip(tour["stops"], ("Le laboratoire", "Le bureau", "L'atelier"), strict=True):
+        stop["title"]["fr"] = title
     for stop, text in zip(tour["stops"], texts, strict=True):
         stop["do"] = [{"say": text, "look": "visitors"}]
     last = tour["stops"][-1]
@@ -238,13 +243,13 @@ def written(robot: Robot) -> None:
 
 def rehearsed(page: Page) -> None:
     """The tour played without the robot, and what would go wrong in French."""
-    page.get_by_test_id("tour-open").last.click()
+    page.locator("[data-testid=tour]", has_text=TOUR).get_by_test_id("tour-open").click()
     page.get_by_test_id("rehearsal-language").select_option("fr")
     page.get_by_test_id("rehearse").click()
     page.get_by_test_id("rehearsal-result").wait_for(timeout=2 * GOING_S * 1000)
     page.get_by_test_id("rehearsal-play").click()
     moment = page.get_by_test_id("rehearsal-at")
-    moment.fill(f"{0.5 * float(moment.get_attribute('max') or 0):.1f}")
+    moment.fill(f"{0.6 * float(moment.get_attribute('max') or 0):.1f}")
     shoot(page, "guided-rehearsal")
     page.get_by_test_id("rehearsal-close").click()
     page.get_by_test_id("tour-close").click()
@@ -258,12 +263,17 @@ def led(browser: Browser, page: Page, robot: Robot) -> None:
     visitor.goto(f"{robot.url}/visitor")
     page.get_by_test_id("tour-run-start").click()
     page.get_by_test_id("tour-run-go").select_option(index=3)
-    page.locator("[data-testid=tour-run][data-state=presenting]").wait_for()
-    visitor.get_by_test_id("visitor-said").wait_for()
-    phone.get_by_test_id("tour-run-said").wait_for()
+    page.get_by_test_id("tour-run-said").filter(has_text="parts of my body").wait_for()
+    saved("guided-led", taken(page))
+    visitor.get_by_test_id("visitor-question").wait_for()
+    visitor.wait_for_function("document.querySelector('[data-testid=visitor-media]').complete")
+    page.locator("[data-testid=tour-run][data-state=listening]").wait_for()
+    visitor.get_by_test_id("visitor-question").click()
+    phone.locator("[data-testid=tour-run][data-state=answering]").wait_for()
+    for each in (visitor, phone.get_by_test_id("tour-run")):
+        each.get_by_text("About four").first.wait_for()
     phones = [taken(visitor), taken(phone)]
     saved("guided-phones", np.hstack([phones[0], np.full((phones[0].shape[0], 24, 3), 255, np.uint8), phones[1]]))
-    saved("guided-led", taken(page))
     robot.request("DELETE", "/tour-run")
     for each in (phone, visitor):
         each.context.close()

@@ -11,7 +11,7 @@ from pathlib import Path
 from app.base import compiled
 from app.base.errors import ConfigError
 from app.base.geometry import Pose2
-from app.base.yaml_source import dotted
+from app.base.yaml_source import KeyPath
 from app.maps.grid_rays import GridRays
 from app.maps.library import MapLibrary
 from app.maps.map_service import MapUnavailable
@@ -161,8 +161,18 @@ def _unsaid(tour: Tour, language: str) -> Iterator[RehearsalProblem]:
         if step.say is not None and language not in step.say:
             stop = tour.stops[int(path[1])].id if path[0] == "stops" else ""
             said = tour.languages[0] if tour.languages[0] in step.say else next(iter(step.say))
-            text = f"{dotted((*path, 'say'))} has no text in {language}: {said} is said"
+            text = f"{_named(path)} has no text in {language}: that in {said} is said"
             yield RehearsalProblem("warning", stop, text)
+
+
+def _named(path: KeyPath) -> str:
+    """The step at ``path``, within its stop, as people count."""
+    match path:
+        case (*_, "questions", int(index), "answer"):
+            return f"the answer to question {index + 1}"
+        case ("greeting" | "farewell" as part, "do", int(index)):
+            return f"step {index + 1} of the {part}"
+    return f"step {int(path[-1]) + 1}"
 
 
 def _stood(tour: Tour, places: Mapping[str, Place], stood: Mapping[str, Pose2]) -> Iterator[RehearsalProblem]:

@@ -97,6 +97,6 @@ def test_the_robot_goes_to_the_stop_and_back_with_its_visitors(found: Rehearsal)
 def test_what_would_go_wrong_is_listed(found: Rehearsal) -> None:
     messages = {(problem.severity, problem.message) for problem in found.problems}
     assert ("error", "north: there is no place north") in messages
-    assert ("warning", "stops[0].do[0].say has no text in fr: en is said") in messages
+    assert ("warning", "step 1 has no text in fr: that in en is said") in messages
     assert len(messages) == 2
     assert not found.can_be_led

@@ -1,6 +1,6 @@
 /** Asks once more before something is lost. */
 
-export function Confirm(props: { words: string; yes: string; onYes: () => void; onNo: () => void }) {
+export function Confirm(props: { words: string; yes: string; no?: string; onYes: () => void; onNo: () => void }) {
   return (
     <div class="recording-confirm" role="group" aria-label={props.words}>
       <span>{props.words}</span>
@@ -8,7 +8,7 @@ export function Confirm(props: { words: string; yes: string; onYes: () => void; 
         {props.yes}
       </button>
       <button type="button" class="button small" data-testid="map-keep" ref={focused} onClick={props.onNo}>
-        Keep
+        {props.no ?? "Keep"}
       </button>
     </div>
   );

@@ -53,8 +53,6 @@ export function paintOn(canvas: HTMLCanvasElement, place: MapPlace, app: App): (
       cursor: tools.cursor,
       bar: place === "view" ? aboveTools(size.width) : null,
       percepts: (context, onScreen) => {
-        const tour = app.tourMarks.peek();
-        if (tour) drawTour(context, tour, onScreen);
         for (const layer of LAYERS) {
           const message = store.of(layer.type).peek();
           const place = (point: Point & { frame?: string }) => {
@@ -63,6 +61,9 @@ export function paintOn(canvas: HTMLCanvasElement, place: MapPlace, app: App): (
           };
           if (message) layer.draw(context, message, place);
         }
+        // Its numbers are on the dots of its places.
+        const tour = app.tourMarks.peek();
+        if (tour) drawTour(context, tour, onScreen);
       },
     });
   };

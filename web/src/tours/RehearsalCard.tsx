@@ -78,12 +78,13 @@ export function RehearsalCard() {
 }
 
 function Played() {
-  const { rehearsal } = useApp();
+  const { rehearsal, tours } = useApp();
   const result = rehearsal.result.value;
   if (!result) return null;
   const at = rehearsal.at.value;
   const state = stateAt(result, at);
   const said = saidAt(result, at);
+  const stop = tours.draft.value?.stops.find(({ id }) => id === state?.stop);
   const playing = rehearsal.playing.value;
   return (
     <>
@@ -125,7 +126,7 @@ function Played() {
       </div>
       {state && (
         <p class="small muted" data-testid="rehearsal-state">
-          {`${stateWord(state.state)}${state.stop ? ` (${state.stop})` : ""}${state.reason ? `: ${state.reason}` : ""}`}
+          {`${stateWord(state.state)}${stop ? ` (${textOf(stop.title, [result.language]) || stop.id})` : ""}${state.reason ? `: ${state.reason}` : ""}`}
         </p>
       )}
       {/* It keeps its room: nothing below may jump many times a second. */}

@@ -1,5 +1,6 @@
 /** Steps one after another: of a stop, the greeting, the farewell. */
 
+import { useRef } from "preact/hooks";
 import type { Step } from "../protocol/types";
 import { useApp } from "../state/context";
 import { PlusIcon } from "../ui/icons";
@@ -19,9 +20,15 @@ interface Props {
 export function StepList({ path, steps, poster, onChange }: Props) {
   const { tours } = useApp();
   const { languages } = tours.draft.value!;
+  const list = useRef<HTMLOListElement>(null);
+  const add = () => {
+    onChange((all) => [...all, firstStep(languages)]);
+    // People who add a step write its text next.
+    requestAnimationFrame(() => list.current?.querySelector<HTMLTextAreaElement>("li:last-child textarea")?.select());
+  };
   return (
     <div class="tour-steps">
-      <ol>
+      <ol ref={list}>
         {steps.map((step, at) => (
           <StepForm
             key={`${path}.${at}`}
@@ -36,12 +43,7 @@ export function StepList({ path, steps, poster, onChange }: Props) {
           />
         ))}
       </ol>
-      <button
-        type="button"
-        class="button small quiet"
-        data-testid="step-add"
-        onClick={() => onChange((all) => [...all, firstStep(languages)])}
-      >
+      <button type="button" class="button small quiet" data-testid="step-add" onClick={add}>
         <PlusIcon /> {steps.length === 0 ? "What it says there" : "Next step"}
       </button>
     </div>

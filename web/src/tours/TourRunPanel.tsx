@@ -312,6 +312,7 @@ function Steering({ progress }: { progress: TourProgress }) {
         <Confirm
           words="The robot says goodbye and goes home."
           yes="End the tour"
+          no="Do not end it"
           onYes={() => {
             ending.value = false;
             void tourRun.press({ button: "end" });

@@ -1,13 +1,16 @@
 /** The way of the tour that is edited, planned again whenever the tour, its places or the zones change. */
 
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
-import { inWords, type Rest } from "../protocol/rest";
+import { inWords, Problem, type Rest } from "../protocol/rest";
 import type { Place, RouteReport, Tour, Zone } from "../protocol/types";
 import { equal } from "./tourMerge";
 import { type Itinerary, itinerary, type Leg, legsOf } from "./tourRoute";
 
 /** An edit is often followed by the next. */
 const SETTLED_MS = 300;
+/** After so long a robot that is busy planning for others is asked again. */
+const AGAIN_MS = 2000;
+const BUSY = "Busy";
 
 interface Sources {
   draft: ReadonlySignal<Tour | null>;
@@ -27,6 +30,8 @@ export class RouteControl {
   readonly planning = signal(false);
   private asked: unknown = null;
   private turn = 0;
+  /** Until the last request is answered: a slow robot is asked for one route at a time. */
+  private answered: Promise<void> = Promise.resolve();
   private timer: ReturnType<typeof setTimeout> | undefined;
 
   constructor(
@@ -64,17 +69,26 @@ export class RouteControl {
       this.asked = key;
       const turn = ++this.turn;
       clearTimeout(this.timer);
-      this.timer = setTimeout(() => void this.plan(turn, now.tour, now.way), SETTLED_MS);
+      this.timer = setTimeout(() => this.queue(turn, now.tour, now.way), SETTLED_MS);
     });
   }
 
+  private queue(turn: number, tour: Tour, way: Itinerary): void {
+    this.answered = this.answered.then(() => this.plan(turn, tour, way));
+  }
+
   private async plan(turn: number, tour: Tour, way: Itinerary): Promise<void> {
+    if (turn !== this.turn) return;
     let route: RouteReport | null = null;
     let lack = "";
     this.planning.value = true;
     try {
       if (way.points.length > 1) route = await this.rest.planRoute({ points: way.points, speed: tour.pace.speed });
     } catch (error) {
+      if (error instanceof Problem && error.title === BUSY && turn === this.turn) {
+        this.timer = setTimeout(() => this.queue(turn, tour, way), AGAIN_MS);
+        return;
+      }
       lack = inWords(error);
     }
     if (turn !== this.turn) return;

@@ -118,7 +118,7 @@ function drawPointed(context: Context, from: Point, to: Point): void {
 }
 
 function drawNumber(context: Context, { x, y }: Point, number: number, { left_out }: Stop): void {
-  disc(context, { x, y: y - 16 }, 10);
+  disc(context, { x, y }, 9);
   context.fillStyle = left_out ? "#3a4554" : colors.PLACE;
   context.fill();
   context.lineWidth = 1.5;
@@ -127,5 +127,5 @@ function drawNumber(context: Context, { x, y }: Point, number: number, { left_ou
   context.font = `700 12px ${FONT}`;
   context.textAlign = "center";
   context.textBaseline = "middle";
-  outlined(context, String(number), x, y - 15.5, "#ffffff");
+  outlined(context, String(number), x, y + 0.5, "#ffffff");
 }
