@@ -56,7 +56,7 @@ class SetupFailed(Exception):
 def main() -> int:
     """Do what the Makefile's target asks for."""
     parser = argparse.ArgumentParser(prog="scripts/dev.py", description=__doc__)
-    tasks = ["setup", "run", "test", "patient-tests", "lint", "lint-page", "lock", "docs", "types"]
+    tasks = ["setup", "run", "test", "check-sources", "lint", "lint-page", "lock", "docs", "types"]
     parser.add_argument("task", choices=[*tasks, "soak", "bench", "references", "clean"])
     parser.add_argument("arguments", nargs=argparse.REMAINDER, help="handed on to hbba run, pytest or the benchmarks")
     args = parser.parse_args()
@@ -93,8 +93,8 @@ def main() -> int:
         if args.task == "bench":
             set_up({"test", "bench"}, debian=True)
             return run([PYTHON, "-m", "benchmarks", *args.arguments])
-        if args.task == "patient-tests":
-            return patient_tests()
+        if args.task == "check-sources":
+            return check_sources()
         return test(args.arguments)
     except SetupFailed as failure:
         sys.stderr.write(f"\n{failure}\n")
@@ -350,28 +350,31 @@ def test(arguments: list[str]) -> int:
     if arguments:
         return run([PYTHON, "-m", "pytest", *arguments])
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # so that nothing of ours goes on without us
-    with alongside.alongside([*GIVING_WAY, PYTHON, __file__, "patient-tests"]) as others:
-        say("running the tests that run against the clock; beside them lint, the page's tests and all others")
-        hurried = run([PYTHON, "-m", "pytest", *HURRIED])
-        say("the others, while they go on:" if others.running() else "the others:")
-        patient = others.show()
-    say(f"everything took {time.monotonic() - began:.0f} s")
-    return hurried or patient
-
-
-def patient_tests() -> int:
-    """All that takes the time it gets: lint, the page's tests, and those of pytest that several processes may share."""
-    linted = lint()
-    web = web_tests()
     workers = str(min(os.cpu_count() or 1, 4))
     # Files go to processes in the order that tests/conftest.py puts them in.
     by_file = ["-n", workers, "--dist", "loadfile", "--no-loadscope-reorder", "-p", "no:cacheprovider"]
-    others = [f"--ignore={room}" for room in HURRIED]
-    tested = run([PYTHON, "-m", "pytest", *by_file, *others, "tests"])
-    for what, status in (("lint", linted), ("the page's tests", web)):
+    patient = [PYTHON, "-m", "pytest", *by_file, *(f"--ignore={room}" for room in HURRIED), "tests"]
+    with (
+        alongside.alongside([*GIVING_WAY, PYTHON, __file__, "check-sources"]) as sources,
+        alongside.alongside([*GIVING_WAY, *patient]) as others,
+    ):
+        say("running the tests that run against the clock; beside them lint, the page's tests and all others")
+        hurried = run([PYTHON, "-m", "pytest", *HURRIED])
+        say("lint and the page's tests:")
+        checked = sources.show()
+        say("the others, while they go on:" if others.running() else "the others:")
+        tested = others.show()
+    for what, status in (("lint or the page's tests", checked), ("tests against the clock", hurried)):
         if status:
-            sys.stdout.write(f"{what}: failed, see above\n")
-    return tested or linted or web
+            say(f"{what}: failed, see above")
+    say(f"everything took {time.monotonic() - began:.0f} s")
+    return hurried or tested or checked
+
+
+def check_sources() -> int:
+    """Lint, and the page's own tests."""
+    status = lint()
+    return web_tests() or status
 
 
 def web_tests() -> int:
