@@ -92,7 +92,7 @@ class RehearsalObserver:
                 RehearsalProblem("error", failure.stop, f"{failure.stop}: {failure.what}", round(self.elapsed_s, 2))
             )
         if not self.states and progress.state == "idle":
-            return  # it has not begun yet
+            return  # it did not begin yet
         line = RehearsedState(round(self.elapsed_s, 2), progress.state, progress.stop, progress.reason)
         last = self.states[-1] if self.states else None
         if last is None or (last.state, last.stop, last.reason) != (line.state, line.stop, line.reason):

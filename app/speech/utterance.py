@@ -49,7 +49,7 @@ class Utterance:
     mouth: tuple[MouthMoment, ...]
 
     def word_at(self, time_s: float) -> int:
-        """Index of the newest word that has begun at ``time_s``; -1 before the first."""
+        """Index of the newest word that began by ``time_s``; -1 before the first."""
         return bisect_right(self.words, time_s, key=lambda word: word.start_s) - 1
 
     def viseme_at(self, time_s: float) -> Viseme:

@@ -118,9 +118,9 @@ async def test_over_rest(client: httpx.AsyncClient, app: FastAPI) -> None:
     is_problem(await client.post("/tours/new-tour/rehearsal", json={"people": 9}), 422, "invalid-request")
     rehearsals: Rehearsals = app.state.rehearsals
     rehearsals.command = says(then="sleep 600")
-    begun = await client.post("/tours/new-tour/rehearsal", json={"people": 0})
-    assert begun.status_code == 202
-    assert answered(begun, RehearsalReport).tour == "new-tour"
+    started = await client.post("/tours/new-tour/rehearsal", json={"people": 0})
+    assert started.status_code == 202
+    assert answered(started, RehearsalReport).tour == "new-tour"
     is_problem(await client.post("/tours/new-tour/rehearsal", json={}), 409, "rehearsal-under-way")
     assert (await client.delete("/tour-rehearsal")).status_code == 204
     assert (await client.delete("/tour-rehearsal")).status_code == 204

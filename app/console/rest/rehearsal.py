@@ -1,4 +1,4 @@
-"""Rehearsals of tours: begun, followed, cancelled; one at a time."""
+"""Rehearsals of tours: started, followed, cancelled; one at a time."""
 
 from __future__ import annotations
 

@@ -54,7 +54,7 @@ class TourObserver:
         self._begin = system.clock.now()
         self._stack = ExitStack()
         self._joints: dict[str, float] = {}
-        #: First sentence of each text under way, and the state in which it was begun, by its desire.
+        #: First sentence of each text under way, and the state in which it began, by its desire.
         self._saying: dict[str, tuple[str, str]] = {}
         self.samples: list[Sample] = []
         self.arrivals: list[Arrival] = []

@@ -1,4 +1,4 @@
-"""The tour under way over REST: begun, steered, reported; and every refusal."""
+"""The tour under way over REST: started, steered, reported; and every refusal."""
 
 from __future__ import annotations
 
@@ -57,12 +57,16 @@ async def press(client: httpx.AsyncClient, **what: Any) -> httpx.Response:
 
 
 async def test_a_tour_is_begun_and_steered(client: httpx.AsyncClient, there: None) -> None:
-    begun = answered(await client.post("/tours/new-tour/run", json={"language": "fr"}), TourRunReport)
-    assert (begun.progress.tour, begun.progress.state, begun.progress.language) == ("new-tour", "confirming", "fr")
-    assert begun.progress.text == CONFIRM["ask"]
-    assert begun.progress.buttons == ("agree", "decline", "pause", "end")
-    assert begun.report is not None
-    assert (begun.report.run, begun.report.ended) == (begun.progress.run, None)
+    started = answered(await client.post("/tours/new-tour/run", json={"language": "fr"}), TourRunReport)
+    assert (started.progress.tour, started.progress.state, started.progress.language) == (
+        "new-tour",
+        "confirming",
+        "fr",
+    )
+    assert started.progress.text == CONFIRM["ask"]
+    assert started.progress.buttons == ("agree", "decline", "pause", "end")
+    assert started.report is not None
+    assert (started.report.run, started.report.ended) == (started.progress.run, None)
     is_problem(await client.post("/tours/new-tour/run", json={}), 409, "tour-refused")
 
     paused = answered(await press(client, button="pause"), TourRunReport).progress

@@ -21,7 +21,7 @@ def test_one_lags_and_pauses_and_the_other_only_follows() -> None:
 def test_the_seed_decides() -> None:
     rays, start = GridRays(room()), Pose2(1.0, 0.0, 0.0)
     assert two_visitors(start, rays, 3) == two_visitors(start, rays, 3) != two_visitors(start, rays, 4)
-    begun = [start_of(start, seed) for seed in range(20)]
-    assert len({(at.x, at.theta) for at in begun}) == 20
-    assert all(math.dist((at.x, at.y), (1.0, 0.0)) <= START_M * math.sqrt(2) for at in begun)
-    assert all(abs(at.theta) <= START_RAD for at in begun)
+    started = [start_of(start, seed) for seed in range(20)]
+    assert len({(at.x, at.theta) for at in started}) == 20
+    assert all(math.dist((at.x, at.y), (1.0, 0.0)) <= START_M * math.sqrt(2) for at in started)
+    assert all(abs(at.theta) <= START_RAD for at in started)

@@ -1,6 +1,6 @@
 """Identities of persons over interruptions: by where a person can have gone meanwhile, and by the colours of the torso.
 
-A person lost for a short time may be whoever appears within reach, unless a wall is between. After that only colours
+A person lost for a short time may be the one who appears within reach, unless a wall is between. Later only colours
 identify, so an identity without colours is forgotten. Where two identities fit, neither is taken: the person is unsure.
 """
 

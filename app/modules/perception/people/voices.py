@@ -60,7 +60,7 @@ class Candidate:
 @dataclass(slots=True)
 class _Voice:
     #: When it was heard first and last, and whose it is.
-    begun: float
+    began: float
     heard: float
     of: int | None = None
     #: Mean log likelihood by candidate.
@@ -96,7 +96,7 @@ class Voices:
     def heard_s(self, voice: int) -> float:
         """For how long (s) ``voice`` has been heard."""
         held = self._voices[voice]
-        return held.heard - held.begun
+        return held.heard - held.began
 
 
 def _log_likelihood(voice: VoiceHeard, p_OA: Vector, candidate: Candidate) -> float:
