@@ -40,7 +40,7 @@ export function saidAt({ subtitles }: Rehearsal, at: number): string {
   return subtitles.findLast(({ at_s, until_s }) => at_s <= at && at < until_s)?.text ?? "";
 }
 
-/** The state at `at`, with its stop and why; null: it has not begun. */
+/** The state at `at`, with its stop and why; null: before it starts. */
 export function stateAt({ states }: Rehearsal, at: number): Rehearsal["states"][number] | null {
   return states.findLast(({ at_s }) => at_s <= at) ?? null;
 }

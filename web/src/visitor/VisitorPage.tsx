@@ -199,7 +199,7 @@ function Presses({ control, view, language, words }: Shown) {
   );
 }
 
-/** A language's name in itself: whoever looks for it reads that. */
+/** A language's name in itself, as its readers look for it. */
 function ownName(tag: string): string {
   try {
     return new Intl.DisplayNames([tag], { type: "language" }).of(tag) ?? tag;
