@@ -14,6 +14,7 @@ TourState = Literal[
     "confirming",
     "leading",
     "waiting",
+    "searching",
     "turning",
     "presenting",
     "listening",

@@ -17,7 +17,9 @@ _STEP_M, _STEP_RAD, _STEP_S = 0.1, 0.2, 5.0
 #: A visitor may be farther than the tour's ``wait_m`` for so long (s) before the robot has to wait.
 LEFT_BEHIND_S = 10.0
 #: States in which the robot does not drive away from visitors.
-STANDS = frozenset({"idle", "waiting", "turning", "presenting", "listening", "answering", "paused", "blocked", "lost"})
+STANDS = frozenset(
+    {"idle", "waiting", "searching", "turning", "presenting", "listening", "answering", "paused", "blocked", "lost"}
+)
 
 
 class RehearsalObserver:

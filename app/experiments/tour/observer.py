@@ -25,6 +25,7 @@ _CUT_SHORT = {
     "confirming": "visitors answered",
     "leading": "the way is free",
     "waiting": "visitors have come",
+    "searching": "visitors are found",
     "blocked": "it was answered",
 }
 

@@ -14,6 +14,8 @@ from app.rehearsal.observer import LEFT_BEHIND_S, STANDS
 STOP_M, STOP_RAD, POINTING_DEG = 0.3, 0.2, 10.0
 #: A tour that is over ends so.
 OVER = "the tour is over"
+#: States in which it waits for visitors, or drives back for them.
+WAITS = frozenset({"waiting", "searching"})
 #: States in which visitors are not led.
 _NOT_LED = STANDS | {"inviting", "confirming", "parting", "going_home"}
 
@@ -149,8 +151,8 @@ def waits(samples: Sequence[Sample]) -> tuple[int, float]:
     """How often and how long (s) in all it waited for visitors."""
     count, waited_s = 0, 0.0
     for before, after in itertools.pairwise(samples):
-        count += after.state == "waiting" and before.state != "waiting"
-        waited_s += after.at_s - before.at_s if before.state == "waiting" else 0.0
+        count += after.state in WAITS and before.state not in WAITS
+        waited_s += after.at_s - before.at_s if before.state in WAITS else 0.0
     return count, waited_s
 
 

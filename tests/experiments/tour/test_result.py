@@ -70,6 +70,13 @@ def test_distances_and_waits_are_those_of_the_way() -> None:
     assert waits(seen) == (2, 2.5)
 
 
+def test_driving_back_for_visitors_is_waiting_for_them() -> None:
+    states = ("leading", "waiting", "searching", "waiting", "leading")
+    seen = [sample(5.0 * number, state, 6.0) for number, state in enumerate(states)]
+    assert waits(seen) == (1, 15.0)
+    assert left_behind_s(seen, 4.0) == 0.0
+
+
 def test_a_summary_is_of_the_worst() -> None:
     bad = good(arrivals=(Arrival("one", 0.4, -0.3),), touched=1, people_m=None, texts=(SaidText("Hi.", ended=False),))
     found = TourSummary.of([good(), bad])

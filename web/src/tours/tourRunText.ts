@@ -13,6 +13,7 @@ const STATES: Record<TourState, string> = {
   confirming: "Asks whether to begin",
   leading: "On its way",
   waiting: "Waits for visitors to catch up",
+  searching: "Drives back for visitors",
   turning: "Turns to the visitors",
   presenting: "Presents",
   listening: "Waits for visitors to go on",

@@ -53,6 +53,7 @@ export function doing(view: VisitorView, words: Words): string {
     case "leading":
       return words.follow;
     case "waiting":
+    case "searching":
       return words.waits;
     case "turning":
     case "blocked":

@@ -5,11 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Final
 
+from app.modules.motivations.tour_guide.company import set_out
 from app.modules.motivations.tour_guide.progress import Failure, Progress, State, View
 from app.modules.motivations.tour_guide.wishes import Scene
 
 #: States in which it drives, or is about to.
-ON_THE_WAY: Final[frozenset[State]] = frozenset({"leading", "waiting", "turning", "blocked", "lost"})
+ON_THE_WAY: Final[frozenset[State]] = frozenset({"leading", "waiting", "searching", "turning", "blocked", "lost"})
 #: States in which a robot that is home stays there.
 AT_HOME: Final[frozenset[State]] = frozenset({"idle", "inviting", "confirming"})
 #: States in which it presents a stop.
@@ -23,7 +24,7 @@ def subject_of(progress: Progress) -> State:
 
 def enter(progress: Progress, state: State, view: View, *, step: int = 0, reason: str = "") -> Progress:
     """In ``state`` from now on. A wait for visitors is no new try to reach the stop."""
-    same_try = {progress.state, state} == {"leading", "waiting"}
+    same_try = {progress.state, state} <= {"leading", "waiting", "searching"} and progress.state != state
     return replace(
         progress,
         state=state,
@@ -50,7 +51,7 @@ def lead(progress: Progress, view: View, scene: Scene, stop: int = 0) -> Progres
     for index in range(stop, len(stops)):
         if stops[index].left_out:
             continue
-        ahead = replace(progress, stop=index, seen_m=view.driven_m)
+        ahead = replace(progress, stop=index, company=set_out(progress.company, view, scene.tour.pace))
         if stops[index].place in scene.places:
             return replace(enter(ahead, "leading", view), attempt=0)
         noted = Failure(stops[index].id, f"there is no place {stops[index].place}")

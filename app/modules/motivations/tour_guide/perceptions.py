@@ -23,10 +23,10 @@ SLAM: Final = "SLAM"
 _MOST_PHRASES, _MOST_CHARACTERS = 20, 500
 
 _SEES: Final[frozenset[State]] = frozenset(
-    {"inviting", "confirming", "waiting", "turning", "presenting", "listening", "answering", "parting"}
+    {"inviting", "confirming", "waiting", "searching", "turning", "presenting", "listening", "answering", "parting"}
 )
-_HEARS: Final[frozenset[State]] = frozenset({"confirming", "leading", "waiting", "turning", "listening"})
-_DRIVES: Final[frozenset[State]] = frozenset({"leading", "waiting", "blocked", "lost", "going_home"})
+_HEARS: Final[frozenset[State]] = frozenset({"confirming", "leading", "waiting", "searching", "turning", "listening"})
+_DRIVES: Final[frozenset[State]] = frozenset({"leading", "waiting", "searching", "blocked", "lost", "going_home"})
 
 
 def perceptions(progress: Progress, scene: Scene) -> tuple[Wish, ...]:

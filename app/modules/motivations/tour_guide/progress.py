@@ -1,6 +1,6 @@
 """What the guide knows: its inputs, and how far a run of a tour is. Frozen values.
 
-    idle → inviting → confirming → leading ⇄ waiting
+    idle → inviting → confirming → leading ⇄ waiting ⇄ searching
                                       ↓ ↘ blocked, lost
                                    turning → presenting ⇄ answering
                                                   ⇅ listening
@@ -14,6 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from app.messages import TourButton, TourState
+from app.modules.motivations.tour_guide.company import NOBODY, Company
 
 State = TourState
 Button = TourButton
@@ -89,10 +90,15 @@ Event = Ended | Withdrawn | Pressed | Chosen | Asked | Heard | Clapped | Spoken 
 class View:
     """What the guide sees at ``now`` (robot's clock, s).
 
-    ``people``: how many are seen; ``farthest_m``: the distance of the farthest of them; ``near``: how many are within
+    ``people``: how many are seen; ``farthest_m``, ``nearest_m``: the distance of the farthest of them, and of the
+    nearest; ``near``: how many are within
     ``begin.within_m`` of the tour; ``speaking``: whether a voice is heard there; ``driven_m``: what the base has
     driven since the program began; ``towards``: the heading (rad in odom) of visitors, or of where they are looked for,
     None while unknown; ``stuck_since``: since when (s) the way to the goal is no shorter, None while it is;
+    ``found``: how many were seen since it looks for them, who may be out of view now, the farthest ``found_m`` (m)
+    away; ``behind``: the heading (rad in odom) along the way that it came; ``looked_s``: how long (s) it has been
+    turned to where it looks for visitors; ``back``: x, y (m) on the map of where it saw all of them last, None where
+    that is here or unknown; ``X_MB``: x, y, heading (m, rad) on the tour's map, None while unknown;
     ``battery``: share of a full charge, None where the body does not say; ``docked``: whether it charges; ``by_hand``:
     it goes where others want it.
     """
@@ -100,17 +106,34 @@ class View:
     now: float
     people: int = 0
     farthest_m: float = 0.0
+    nearest_m: float = 0.0
     near: int = 0
     speaking: bool = False
     driven_m: float = 0.0
     towards: float | None = None
     stuck_since: float | None = None
+    found: int = 0
+    found_m: float = 0.0
+    behind: float | None = None
+    looked_s: float = 0.0
+    back: tuple[float, float] | None = None
+    X_MB: tuple[float, float, float] | None = None
     battery: float | None = None
     docked: bool = False
     e_stop: bool = False
     by_hand: bool = False
     localized: bool = True
     events: tuple[Event, ...] = ()
+
+    @property
+    def there(self) -> int:
+        """How many are seen, or were since it looks for them."""
+        return max(self.people, self.found)
+
+    @property
+    def there_m(self) -> float:
+        """The distance (m) of the farthest of them."""
+        return max(self.farthest_m, self.found_m)
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,15 +150,15 @@ class Progress:
 
     ``since``: when ``state`` began (s); ``entry`` numbers states and steps as they begin, so that no outcome of an
     older one is taken for one of this. ``stop`` and ``step`` are indices; ``ended`` the keys of wishes of this step
-    that ended; ``attempt`` counts tries of what failed. ``resume``: the state before a pause; ``to_press``: whether
-    a press is needed to go on; ``pause_spoken``: whether a word will do. ``sentence``: of the step's text, the one
-    that is said; ``said_from``: the one that its wish begins with. ``seen_m``: ``driven_m`` when all visitors were
-    last seen near; ``gone_since``, ``near_since``: since when none is seen, and enough are near (s); ``met``:
-    whether any was seen on this run. ``question``: index of the one that is answered, ``listened``: the step to go
-    back to from there. ``invites``: whether people who are near begin a tour; those who came along, or declined,
-    leave first. ``towards``: the heading (rad in odom) that it turns to where it faces visitors; ``stuck_since`` as
-    in View. ``excuse``: key of what it says of its pause, or of the tour's end. ``homed``: it came home, and nobody
-    has moved it since. ``reason``: in words, why it is in this state.
+    that ended; ``attempt`` counts tries of what failed. ``resume``: the state before a pause; ``to_press``: whether a
+    press is needed to go on; ``pause_spoken``: whether a word will do. ``sentence``: of the step's text, the one that
+    is said; ``said_from``: the one that its wish begins with. ``company``: who comes along; ``back``: where (m on the
+    map) it drives for those who are missing; ``gone_since``, ``near_since``: since when none is seen, and enough are
+    near (s). ``question``: index of the one that is answered, ``listened``: the step to go back to from there.
+    ``invites``: whether people who are near begin a tour; those who came along, or declined, leave first.
+    ``towards``: the heading (rad in odom) that it turns to where it faces visitors; ``stuck_since`` as in View.
+    ``excuse``: key of what it says of its pause, of going on without all, or of the tour's end. ``homed``: it came
+    home, and nobody has moved it since. ``reason``: in words, why it is in this state.
     """
 
     state: State = "idle"
@@ -151,10 +174,10 @@ class Progress:
     resume: State = "idle"
     to_press: bool = False
     pause_spoken: bool = False
-    seen_m: float = 0.0
+    company: Company = NOBODY
+    back: tuple[float, float] | None = None
     gone_since: float | None = None
     near_since: float | None = None
-    met: bool = False
     invites: bool = True
     question: int = 0
     listened: int = 0

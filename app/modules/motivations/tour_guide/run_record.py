@@ -34,11 +34,11 @@ def noted(
 
 def _entered(report: RunReport, before: Progress, view: View, after: Progress) -> RunReport:
     lasted_s = max(view.now - before.since, 0.0)
-    if before.state == "waiting":
+    if before.state in ("waiting", "searching"):
         report = replace(report, waited_s=report.waited_s + lasted_s)
     if before.state == "paused":
         report = replace(report, paused_s=report.paused_s + lasted_s)
-    if after.state == "waiting":
+    if after.state == "waiting" and before.state != "searching":
         report = replace(report, waits=report.waits + 1)
     if after.state == "paused":
         report = replace(report, pauses=report.pauses + 1)

@@ -30,6 +30,8 @@ _FRESH_S: Final = 0.5
 #: A way is free again once it is so much (m) shorter, or nothing was in it for so long (s): before people who do not
 #: move, navigation waits and tries by turns.
 _FREE_M: Final = 0.5
+#: A base turned this near (rad) to where it looks is turned there.
+_TURNED_RAD: Final = 0.4
 _FREE_S: Final = 6.0
 _STUCK: Final = frozenset({"recovering", "waiting", "unreachable"})
 _LOCALIZED: Final = frozenset({"mapping", "tracking"})
@@ -55,6 +57,8 @@ class Senses:
         #: The rest of the way (m), now and when it was stuck first.
         self._left_m: float | None = None
         self._stuck_m: float | None = None
+        #: Since when (s) it has been turned to where it looks for visitors.
+        self._looks_since: float | None = None
 
     def take_odometry(self, odometry: Odometry) -> None:
         """Where the base is."""
@@ -111,20 +115,36 @@ class Senses:
     def view(self, now: float, tour: Tour, progress: Progress, *, diverted: bool, events: Iterable[Event]) -> View:
         """All of it at ``now``; ``diverted``: others want the robot elsewhere."""
         self._place(now)
-        behind = progress.state == "leading"
+        state, company = progress.state, progress.company
         X_OB = self._X_OB or Pose2()
-        people = self.visitors.around(now, X_OB, within_m=tour.begin.within_m, behind=behind)
+        sought = company.sought_since if state in ("waiting", "searching") else None
+        people = self.visitors.around(
+            now, X_OB, within_m=tour.begin.within_m, behind=state == "leading", sought_since=sought
+        )
+        self.visitors.returns = state == "searching"
+        turned = progress.towards is None or abs(wrap_angle(X_OB.theta - progress.towards)) <= _TURNED_RAD
+        if state != "waiting" or not turned:
+            self._looks_since = None
+        elif self._looks_since is None:
+            self._looks_since = now
         exploited = self._exploitation
         driven = exploited is not None and now - exploited.stamp <= _FRESH_S and exploited.behavior == self._by_hand
         return View(
             now,
             people=people.people,
             farthest_m=people.farthest_m,
+            nearest_m=people.nearest_m,
             near=people.near,
             speaking=people.speaking,
             driven_m=self.visitors.driven_m,
             towards=people.towards,
             stuck_since=self._stuck_since,
+            found=people.found,
+            found_m=people.found_m,
+            behind=people.behind,
+            looked_s=0.0 if self._looks_since is None else now - self._looks_since,
+            back=self._on_map(self.visitors.back(company.seen_m), tour.map) if state == "waiting" else None,
+            X_MB=self.pose_on(tour.map),
             battery=self._battery,
             docked=self._docked,
             e_stop=self._e_stop,
@@ -132,6 +152,13 @@ class Senses:
             localized=self.localized(tour.map),
             events=tuple(events),
         )
+
+    def _on_map(self, place: tuple[float, float] | None, map_name: str) -> tuple[float, float] | None:
+        """``place`` (m in odom) on the map ``map_name``."""
+        if place is None or self._localization is None or not self.localized(map_name):
+            return None
+        at = self._localization.X_MO @ Pose2(*place)
+        return round(at.x, 3), round(at.y, 3)
 
     def _stuck(self, stamp: float) -> None:
         if self._stuck_since is None or stamp - self._stuck_at > _FREE_S:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import Final, assert_never
 
 from app.base.geometry import wrap_angle
 from app.modules.motivations.tour_guide.commands import among, commands_now
+from app.modules.motivations.tour_guide.company import Company, falls_behind_m, looks_back, noted
 from app.modules.motivations.tour_guide.entering import (
     AT_A_STOP,
     AT_HOME,
@@ -29,11 +31,13 @@ from app.modules.motivations.tour_guide.progress import (
     Progress,
     Scheduled,
     Spoken,
+    State,
     View,
     Withdrawn,
 )
+from app.modules.motivations.tour_guide.waiting import looks_towards, searched, wait, waited
 from app.modules.motivations.tour_guide.wishes import Scene, awaited, step_now, steps_now, stop_of
-from app.tours.model import Tour, rules_at
+from app.tours.model import Stop, Tour, rules_at
 
 #: A visitor who declines by leaving is gone so long (s).
 LEFT_S: Final = 5.0
@@ -51,10 +55,16 @@ AFTER_HAND_S: Final = 1.0
 #: The way home takes no longer, and is tried so often.
 HOME_S: Final = 600.0
 HOME_TRIES: Final = 3
-#: It speeds up again at this share of ``slow_m``.
+#: It speeds up again at this share of the distance at which it slows down.
 _CLOSER: Final = 0.8
 #: It turns after visitors who are beside it by more (rad).
 _BESIDE_RAD: Final = 0.35
+#: A pose that was good enough as it arrived may be corrected by so much (m) until it is noted.
+_POSE_M: Final = 0.05
+#: People who are seen then come along.
+_COUNTS: Final[frozenset[State]] = AT_A_STOP | frozenset[State](
+    {"inviting", "confirming", "waiting", "searching", "turning"}
+)
 
 
 def advance(progress: Progress, view: View, scene: Scene) -> Progress:
@@ -180,18 +190,17 @@ def _sent(progress: Progress, stop: int, view: View, scene: Scene) -> Progress:
 
 def resumed(progress: Progress, view: View, scene: Scene) -> Progress:
     """In the state before: a text from the sentence that was interrupted on, a way planned from here."""
-    seen = replace(progress, seen_m=view.driven_m)
     match progress.resume:
         case "presenting" | "inviting" | "parting":
-            again = enter(seen, progress.resume, view, step=progress.step)
+            again = enter(progress, progress.resume, view, step=progress.step)
             return replace(again, sentence=progress.sentence, said_from=progress.sentence)
         case "listening":
-            return enter(seen, "listening", view, step=progress.step)
+            return enter(progress, "listening", view, step=progress.step)
         case "answering":
-            return enter(seen, "listening", view, step=progress.listened)
-        case "leading" | "waiting" | "turning" | "blocked" | "lost":
-            return lead(seen, view, scene, progress.stop)
-    return enter(seen, progress.resume, view)
+            return enter(progress, "listening", view, step=progress.listened)
+        case "leading" | "waiting" | "searching" | "turning" | "blocked" | "lost":
+            return lead(progress, view, scene, progress.stop)
+    return enter(progress, progress.resume, view)
 
 
 # --- what people say and do -----------------------------------------------------------------------------------------
@@ -204,7 +213,7 @@ def _invited(progress: Progress, view: View, tour: Tour) -> Progress:
         return replace(progress, reason="no tour begins while the robot is held")
     if view.battery is not None and view.battery < tour.battery.begin_min:
         return replace(progress, reason="the battery is too low for a tour")
-    fresh = Progress(entry=progress.entry, seen_m=view.driven_m, homed=progress.homed)
+    fresh = Progress(entry=progress.entry, company=Company(seen_m=view.driven_m), homed=progress.homed)
     return enter(fresh, "inviting", view)
 
 
@@ -246,23 +255,21 @@ def _people(progress: Progress, view: View, tour: Tour) -> Progress:
     enough = view.near >= tour.begin.people_min
     near_since = (view.now if progress.near_since is None else progress.near_since) if enough else None
     gone = (view.now if progress.gone_since is None else progress.gone_since) if view.people == 0 else None
-    towards = progress.towards
-    if view.towards is not None and (towards is None or abs(wrap_angle(view.towards - towards)) > _BESIDE_RAD):
-        towards = view.towards
+    towards, wanted = progress.towards, looks_towards(progress, view) if progress.state == "waiting" else view.towards
+    if wanted is not None and (towards is None or abs(wrap_angle(wanted - towards)) > _BESIDE_RAD):
+        towards = wanted
     unseen = view.people == 0 and not view.speaking
     if progress.state in AT_HOME and unseen:
         towards = progress.towards  # visitors follow only while it leads
     if view.docked:
         towards = None  # nothing turns in a dock
-    all_near = view.people > 0 and view.farthest_m <= tour.pace.wait_m
-    seen_m = view.driven_m if all_near else progress.seen_m
     slow = progress.slow
     if view.people > 0:
-        slow = view.farthest_m > tour.pace.slow_m * (_CLOSER if slow else 1.0)
+        slow = view.farthest_m > falls_behind_m(progress.company, tour.pace) * (_CLOSER if slow else 1.0)
     invites = progress.invites or not enough
-    noted = replace(progress, near_since=near_since, gone_since=gone, invites=invites, seen_m=seen_m, slow=slow)
-    noted = replace(noted, met=progress.met or view.people > 0)
-    return replace(noted, towards=towards, stuck_since=view.stuck_since)
+    company = noted(progress.company, view, tour.pace, counts=progress.state in _COUNTS)
+    after = replace(progress, near_since=near_since, gone_since=gone, invites=invites, company=company, slow=slow)
+    return replace(after, towards=towards, stuck_since=view.stuck_since)
 
 
 # --- outcomes and times ----------------------------------------------------------------------------------------------
@@ -275,6 +282,8 @@ def _outcome(progress: Progress, event: Ended, view: View, scene: Scene) -> Prog
     match progress.state:
         case "leading" if name == "go":
             return _arrived(progress, view, scene) if event.done else _unreached(progress, view, scene)
+        case "searching" if name == "go":
+            return wait(progress, view, "it waits where it saw them last")
         case "going_home" if name == "go":
             if event.done:
                 return replace(enter(progress, "idle", view, reason="the tour is over"), homed=True)
@@ -293,9 +302,19 @@ def _outcome(progress: Progress, event: Ended, view: View, scene: Scene) -> Prog
 def _arrived(progress: Progress, view: View, scene: Scene) -> Progress:
     """At the stop; what is doubtful about its place is noted, and it is presented all the same."""
     stop = stop_of(progress, scene.tour)
-    if doubt := scene.doubts.get(stop.place):
-        progress = replace(progress, failures=(*progress.failures, Failure(stop.id, doubt)))
+    for what in (scene.doubts.get(stop.place), _beside_its_place(stop, view, scene)):
+        if what:
+            progress = replace(progress, failures=(*progress.failures, Failure(stop.id, what)))
     return enter(progress, "turning" if stop.stand.face == "visitors" else "presenting", view)
+
+
+def _beside_its_place(stop: Stop, view: View, scene: Scene) -> str:
+    """How far beside its place the robot stopped, where that is farther than the stop allows; "" else."""
+    if view.X_MB is None:
+        return ""
+    place = scene.places[stop.place]
+    off_m = math.hypot(view.X_MB[0] - place["x"], view.X_MB[1] - place["y"])
+    return f"presented {off_m:.2f} m from its place" if off_m > stop.stand.tolerance_m + _POSE_M else ""
 
 
 def _unreached(progress: Progress, view: View, scene: Scene) -> Progress:
@@ -345,16 +364,18 @@ def _timed(progress: Progress, view: View, scene: Scene) -> Progress:
         case "confirming":
             confirm = tour.greeting.confirm
             # A press may come from where the robot does not look: who was never seen has not left.
-            gone_since = progress.gone_since if progress.met else None
+            gone_since = progress.gone_since if progress.company.met else None
             left = gone_since is not None and view.now - max(gone_since, progress.since) >= LEFT_S
             if left or confirm is None or spent >= confirm.at_most_s:
                 return enter(progress, "idle", view, reason="visitors did not answer")
         case "leading" if view.people > 0 and view.farthest_m > tour.pace.wait_m:
-            return enter(progress, "waiting", view, reason="visitors fell behind")
-        case "leading" if view.driven_m - progress.seen_m >= tour.pace.look_back_m:
-            return enter(progress, "waiting", view, reason="it looks back for visitors")
+            return wait(progress, view, "visitors fell behind")
+        case "leading" if looks_back(progress.company, view, tour.pace):
+            return wait(progress, view, "it looks back for visitors")
         case "waiting":
-            return _waited(progress, view, scene)
+            return waited(progress, view, tour.pace)
+        case "searching":
+            return searched(progress, view, tour.pace)
         case "turning" if spent >= TURN_S or (view.people > 0 and spent > 0):
             return enter(progress, "presenting", view)
         case "inviting" | "presenting" | "answering" | "parting":
@@ -376,16 +397,6 @@ def _timed(progress: Progress, view: View, scene: Scene) -> Progress:
         case "going_home" if spent >= HOME_S:
             return enter(progress, "idle", view, reason="the way home took too long")
     return progress
-
-
-def _waited(progress: Progress, view: View, scene: Scene) -> Progress:
-    if view.people > 0 and view.farthest_m <= scene.tour.pace.slow_m:
-        return enter(replace(progress, seen_m=view.driven_m), "leading", view)
-    if view.now - progress.since < scene.tour.pace.give_up_s:
-        return progress
-    if view.people == 0:
-        return part(progress, view, "all visitors have left")
-    return enter(replace(progress, seen_m=view.driven_m), "leading", view)
 
 
 def _stepped(progress: Progress, view: View, scene: Scene) -> Progress:

@@ -20,23 +20,38 @@ SEEN_S: Final = 2.5
 #: A voice says where people are for so long (s), and somebody speaks for so long after it.
 HEARD_S: Final = 5.0
 SPEAKS_S: Final = 1.0
+#: Who was seen since the robot looks for visitors is remembered for so long (s).
+FOUND_S: Final = 20.0
+#: A face that appears is that of a person who was out of sight for this long (s), and at most so far away (m, and m/s
+#: since then).
+_HIDDEN_S, _SAME_M, _SAME_MPS, _SAME_MOST_M = 0.5, 0.5, 1.0, 1.5
 #: The last sighting says where people are until the robot has driven so far (m).
 _STILL_THERE_M: Final = 1.0
-#: The way that was driven is kept by points this far apart (m), so many of them; visitors follow at least so far (m)
-#: behind.
-_STEP_M, _POINTS, _BEHIND_M = 0.25, 20, 1.5
+#: The way that was driven is kept by points this far apart (m), so many of them.
+_STEP_M, _POINTS = 0.25, 60
+#: Along that way it looks at least and at most so far (m), and only as far as it was driven straight to within (m):
+#: farther, it would look past the corner of a door.
+_LOOKS_M, _STRAIGHT_M = (0.7, 4.5), 0.4
+#: It drives back no less and no farther than this (m).
+_BACK_M = (0.7, 8.0)
 
 
 @dataclass(frozen=True, slots=True)
 class People:
-    """Who is around: how many, the distance of the farthest (m), how many are near; whether one speaks; the heading
-    towards them, or where they are looked for (rad in odom; None while unknown)."""
+    """Who is around: how many, the distance of the farthest and the nearest (m), how many are near; whether one speaks;
+    the heading towards them, or where they are looked for (rad in odom; None while unknown). ``found``,
+    ``found_m``: the same of those who were seen since they are looked for; ``behind``: the heading along the way
+    that the robot came."""
 
     people: int = 0
     farthest_m: float = 0.0
+    nearest_m: float = 0.0
     near: int = 0
     speaking: bool = False
     towards: float | None = None
+    found: int = 0
+    found_m: float = 0.0
+    behind: float | None = None
 
 
 class Visitors:
@@ -44,7 +59,10 @@ class Visitors:
 
     def __init__(self) -> None:
         self._seen: dict[int, tuple[float, Point]] = {}
-        self._trail: deque[Point] = deque(maxlen=_POINTS)
+        #: Points of the way with what was driven until there.
+        self._trail: deque[tuple[float, Point]] = deque(maxlen=_POINTS)
+        #: Whether the robot drives back along its way, which ends where it is then.
+        self.returns = False
         self._last_seen: tuple[Point, float] | None = None
         self._voice: tuple[float, float] | None = None
         #: What the base has driven (m), and where it is.
@@ -57,23 +75,54 @@ class Visitors:
         if self._place is not None:
             self.driven_m += math.dist(self._place, place)
         self._place = place
-        if not self._trail or math.dist(self._trail[-1], place) >= _STEP_M:
-            self._trail.append(place)
+        if self.returns:
+            while len(self._trail) > 1 and math.dist(self._trail[-2][1], place) <= math.dist(self._trail[-1][1], place):
+                self._trail.pop()
+        elif not self._trail or math.dist(self._trail[-1][1], place) >= _STEP_M:
+            self._trail.append((self.driven_m, place))
 
     def see(self, stamp: float, places: Mapping[int, Point]) -> None:
         """Faces by track, seen at ``stamp``."""
         for track, place in places.items():
+            if track not in self._seen and (former := self._former(stamp, place, places)) is not None:
+                del self._seen[former]
             self._seen[track] = stamp, place
 
     def hear(self, stamp: float, heading: float) -> None:
         """A voice came from ``heading`` (rad) at ``stamp``."""
         self._voice = stamp, heading
 
-    def around(self, now: float, X_OB: Pose2, *, within_m: float, behind: bool) -> People:
-        """Who is there at ``now``. ``behind``: only those who are behind the robot follow it, none ahead does."""
-        self._seen = {track: seen for track, seen in self._seen.items() if now - seen[0] <= SEEN_S}
+    def _former(self, stamp: float, place: Point, others: Mapping[int, Point]) -> int | None:
+        """The track of the person who appears at ``place`` as another, having been out of sight."""
+        hidden = [
+            (math.dist(place, before), track)
+            for track, (seen, before) in self._seen.items()
+            if track not in others
+            and stamp - seen >= _HIDDEN_S
+            and math.dist(place, before) <= min(_SAME_M + _SAME_MPS * (stamp - seen), _SAME_MOST_M)
+        ]
+        return min(hidden)[1] if hidden else None
+
+    def back(self, seen_m: float) -> Point | None:
+        """Where the robot was when it had driven ``seen_m`` (m); None where that is here, or not known any more."""
+        if self._place is None:
+            return None
+        point = next((point for driven_m, point in self._trail if driven_m >= seen_m - _STEP_M), None)
+        if point is None or not _BACK_M[0] <= math.dist(point, self._place):
+            return None
+        near = (p for driven_m, p in self._trail if driven_m >= max(seen_m - _STEP_M, self.driven_m - _BACK_M[1]))
+        return next(near, None)
+
+    def around(
+        self, now: float, X_OB: Pose2, *, within_m: float, behind: bool, sought_since: float | None = None
+    ) -> People:
+        """Who is there at ``now``. ``behind``: only those who are behind the robot follow it, none ahead does;
+        ``sought_since``: since when (s) they are looked for, None while they are not."""
+        self._seen = {track: seen for track, seen in self._seen.items() if now - seen[0] <= FOUND_S}
         here = (X_OB.x, X_OB.y)
-        places = [place for _, place in self._seen.values()]
+        places = [place for stamp, place in self._seen.values() if now - stamp <= SEEN_S]
+        since = math.inf if sought_since is None else sought_since
+        found = [math.dist(here, place) for stamp, place in self._seen.values() if stamp >= since]
         if behind:
             places = [p for p in places if abs(wrap_angle(_heading(here, p) - X_OB.theta)) > math.pi / 2]
         speaking = self._voice is not None and now - self._voice[0] <= SPEAKS_S
@@ -82,11 +131,15 @@ class Visitors:
             middle = (sum(x for x, _ in places) / len(places), sum(y for _, y in places) / len(places))
             self._last_seen = middle, self.driven_m
         return People(
-            len(places),
-            max(distances, default=0.0),
-            sum(distance <= within_m for distance in distances),
-            speaking,
-            self._towards(now, here, bool(places)),
+            people=len(places),
+            farthest_m=max(distances, default=0.0),
+            nearest_m=min(distances, default=0.0),
+            near=sum(distance <= within_m for distance in distances),
+            speaking=speaking,
+            towards=self._towards(now, here, bool(places)),
+            found=len(found),
+            found_m=max(found, default=0.0),
+            behind=self._behind(here),
         )
 
     def _towards(self, now: float, here: Point, seen: bool) -> float | None:
@@ -97,11 +150,32 @@ class Visitors:
             return self._voice[1]
         if last is not None and self.driven_m - last[1] <= _STILL_THERE_M:
             return _heading(here, last[0])
-        back = next((point for point in reversed(self._trail) if math.dist(point, here) >= _BEHIND_M), None)
-        if back is not None:
-            return _heading(here, back)
-        return None if last is None else _heading(here, last[0])
+        behind = self._behind(here)
+        return _heading(here, last[0]) if behind is None and last is not None else behind
+
+    def _behind(self, here: Point) -> float | None:
+        """The heading along the way that was driven, to where it turns aside; None where it has just begun."""
+        seen: Point | None = None
+        passed: list[Point] = []
+        for _, point in reversed(self._trail):
+            away_m = math.dist(here, point)
+            if away_m > _LOOKS_M[1] or any(_beside(here, point, each) > _STRAIGHT_M for each in passed):
+                break
+            passed.append(point)
+            if away_m >= _LOOKS_M[0]:
+                seen = point
+        return None if seen is None else _heading(here, seen)
 
 
 def _heading(here: Point, there: Point) -> float:
     return math.atan2(there[1] - here[1], there[0] - here[0])
+
+
+def _beside(begin: Point, end: Point, point: Point) -> float:
+    """The distance (m) of ``point`` from the straight line between the others."""
+    x, y = end[0] - begin[0], end[1] - begin[1]
+    length = math.hypot(x, y)
+    if length == 0.0:
+        return math.dist(begin, point)
+    along = min(max(((point[0] - begin[0]) * x + (point[1] - begin[1]) * y) / length**2, 0.0), 1.0)
+    return math.dist((begin[0] + along * x, begin[1] + along * y), point)

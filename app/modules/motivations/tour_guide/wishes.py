@@ -24,14 +24,20 @@ ASKS_S: Final = (0.0, 10.0)
 CALLS_S: Final = (10.0, 30.0)
 #: People in its way are asked to let it pass after so many seconds without progress.
 PASSES_S: Final = (8.0, 20.0)
-#: Share of the tour's speed while visitors are farther behind than ``slow_m``.
+#: Looking for visitors, the head looks where the base is turned, at faces some metres away.
+AHEAD: Final[Mapping[str, Any]] = {"x": 3.0, "y": 0.0, "z": 1.5, "frame": "base_link"}
+#: Driving back for visitors, it is there this near (m).
+BACK_M: Final = 0.5
+#: Share of the tour's speed while visitors are farther behind than ``slow_m``, and while it drives back for them.
 SLOWLY: Final = 0.5
 
 CALL: Final = {"en": "I am waiting for you.", "fr": "Je vous attends."}
 PASS: Final = {"en": "Excuse me, may I pass?", "fr": "Excusez-moi, puis-je passer ?"}
-#: By key: what it says of a pause, and of an end that visitors do not expect.
+SEEK: Final = {"en": "I am coming back for you.", "fr": "Je reviens vous chercher."}
+#: By key: what it says of a pause, of going on without all, and of an end that visitors do not expect.
 EXCUSES: Final[Mapping[str, Mapping[str, str]]] = {
     "paused": {"en": "One moment, please.", "fr": "Un instant, s'il vous plaît."},
+    "without": {"en": "I go on with those who are here.", "fr": "Je continue avec ceux qui sont là."},
     "e_stop": {"en": "I was stopped. One moment, please.", "fr": "On m'a arrêté. Un instant, s'il vous plaît."},
     "battery": {
         "en": "My battery is low. I must end the tour here.",
@@ -94,7 +100,8 @@ def step_now(progress: Progress, tour: Tour) -> Step | None:
 
 
 def wishes(progress: Progress, scene: Scene, now: float) -> tuple[Wish, ...]:
-    """All desires of the guide at ``now``. One to go somewhere is among them only while it leads or goes home."""
+    """All desires of the guide at ``now``. One to go somewhere is among them only while it leads, drives back
+    for visitors, or goes home."""
     return tuple(_wishes(progress, scene, now))
 
 
@@ -119,16 +126,26 @@ def _wishes(progress: Progress, scene: Scene, now: float) -> Iterator[Wish]:
         case "leading":
             stop = stop_of(progress, tour)
             yield _going(progress, scene, stop.place, stop)
-            since = now if progress.stuck_since is None else max(progress.stuck_since, progress.since)
-            if asked := sum(now - since >= after for after in PASSES_S):
-                yield _said(progress, f"pass-{asked}", PASS, scene)
+            yield from _asking_to_pass(progress, scene, now)
+            if progress.excuse:
+                yield _said(progress, f"excuse-{progress.excuse}", EXCUSES[progress.excuse], scene)
+        case "searching" if progress.back is not None:
+            x, y = progress.back
+            speed = round(tour.pace.speed * SLOWLY, 3)
+            yield Wish(key(progress, "go"), GO_TO, {"x": x, "y": y, "tolerance_m": BACK_M, "speed": speed})
+            yield Wish(key(progress, "ahead"), LOOK_AT, AHEAD)
+            yield _said(progress, "seek", SEEK, scene)
+            yield from _asking_to_pass(progress, scene, now)
         case "paused" if progress.excuse:
             yield _said(progress, f"excuse-{progress.excuse}", EXCUSES[progress.excuse], scene)
         case "going_home":
             if tour.home is not None:
                 yield _going(progress, scene, tour.home)
+                yield from _asking_to_pass(progress, scene, now)
         case "waiting" | "turning":
-            yield Wish(key(progress, "look"), TRACK_FACE)
+            # The camera that sees farthest turns with the head, which a near face would keep.
+            looks_for = progress.state == "waiting" and progress.company.short
+            yield Wish(key(progress, "ahead"), LOOK_AT, AHEAD) if looks_for else Wish(key(progress, "look"), TRACK_FACE)
             yield from _facing(progress)
             if progress.state == "waiting":
                 calls = [after for after in CALLS_S if now - progress.since >= after]
@@ -156,6 +173,13 @@ def _wishes(progress: Progress, scene: Scene, now: float) -> Iterator[Wish]:
                 yield from _facing(progress)
             elif not _points(progress, step):
                 yield from _facing_at_stop(progress, tour)
+
+
+def _asking_to_pass(progress: Progress, scene: Scene, now: float) -> Iterator[Wish]:
+    """People in its way are asked to let it pass."""
+    since = now if progress.stuck_since is None else max(progress.stuck_since, progress.since)
+    if asked := sum(now - since >= after for after in PASSES_S):
+        yield _said(progress, f"pass-{asked}", PASS, scene)
 
 
 def _excused(progress: Progress) -> bool:

@@ -13,7 +13,7 @@ from tests.tours.tours import tour
 
 ACHIEVEMENTS = frozenset({"GoTo", "Say", "PointAt", "Wave"})
 #: States in which it may drive.
-DRIVES: frozenset[State] = frozenset({"leading", "going_home"})
+DRIVES: frozenset[State] = frozenset({"leading", "searching", "going_home"})
 
 
 def say(text: str) -> dict[str, Any]:
@@ -51,7 +51,7 @@ class Run:
         names = {each.place for each in tour.stops} | {"dock"} - {missing}
         places = {name: {"x": 1.0, "y": 2.0, "place": name} for name in names - {missing}}
         self.scene = Scene(tour, "en", places, ACHIEVEMENTS)
-        self.view = View(100.0, people=2, farthest_m=1.0, near=2)
+        self.view = View(100.0, people=2, farthest_m=1.0, near=2, looked_s=9.0)
         self.progress = Progress()
         self.states: list[State] = ["idle"]
 

@@ -142,7 +142,7 @@ def test_it_waits_for_those_who_fall_behind_and_goes_on_when_they_come() -> None
     assert run.see(farthest_m=1.9).wish("GoTo").params["speed"] == 0.8
     waiting = run.see(farthest_m=4.5)
     assert (waiting.progress.state, waiting.progress.reason) == ("waiting", "visitors fell behind")
-    assert [wish.cls for wish in run.wishes()] == ["TrackFace"]
+    assert [wish.cls for wish in run.moves()] == ["LookAt"]
     assert run.see(farthest_m=3.0).progress.state == "waiting"
     assert run.see(farthest_m=2.4).progress.state == "leading"
 
@@ -360,6 +360,20 @@ def test_a_place_that_is_gone_is_passed_over_and_noted() -> None:
     assert run.progress.failures == (Failure("one", "there is no place one"),)
     run = Run(missing="dock").started().until("idle")
     assert run.progress.reason == "there is no place dock"
+
+
+def test_a_stop_that_is_presented_from_beside_its_place_is_noted() -> None:
+    run = Run().started().until("leading").see(X_MB=(1.3, 2.2, 0.0)).until("presenting")
+    assert run.progress.failures == (Failure("one", "presented 0.36 m from its place"),)
+    run = Run().started().until("leading").see(X_MB=(1.3, 2.1, 0.0)).until("presenting")
+    assert run.progress.failures == (), "a pose is corrected by some centimetres"
+
+
+def test_on_its_way_home_it_asks_to_pass_too() -> None:
+    run = Run().started().until("going_home")
+    stuck = run.view.now
+    assert run.see(stuck_since=stuck, after_s=8.1).texts() == ["Excuse me, may I pass?"]
+    assert run.wish("GoTo").params["place"] == "dock", "it goes on meanwhile"
 
 
 def test_what_is_left_out_is_passed_over() -> None:

@@ -135,9 +135,10 @@ def test_the_buttons_that_are_offered_are_those_that_do_something(state: State, 
     for button in BUTTONS:
         seen = run.view.__class__(run.view.now, people=2, farthest_m=1.0, near=2, events=(Pressed(button),))
         after = advance(run.progress, seen, run.scene)
-        assert (after != advance(run.progress, run.view.__class__(run.view.now, 2, 1.0, 2), run.scene)) == (
-            button in offered
-        ), button
+        assert (
+            after
+            != advance(run.progress, run.view.__class__(run.view.now, people=2, farthest_m=1.0, near=2), run.scene)
+        ) == (button in offered), button
 
 
 def test_the_operator_is_asked_with_a_default_and_a_time() -> None:

@@ -116,7 +116,7 @@ async def test_it_waits_for_one_who_lags_and_looks_where_they_are(tmp_path: Path
         await led.until("waiting", limit_s=60)
         assert led.desired("GoTo") is None, "waiting is not distress"
         where = led.robot
-        await led.live(4)
+        await led.live(6)
         visitor = led.visitors[0]
         assert math.dist((led.robot.x, led.robot.y), (where.x, where.y)) == 0
         bearing = math.atan2(visitor.y - led.robot.y, visitor.x - led.robot.x)
@@ -139,9 +139,9 @@ async def test_it_goes_home_when_all_have_left(tmp_path: Path) -> None:
         await led.until("leading")
         led.visitors = []
         await led.until("waiting", limit_s=60)
-        await led.live(12)
-        assert led.said[-1] == "I am waiting for you."
+        await led.until("searching", limit_s=20)
         await led.until("parting", limit_s=90)
+        assert led.said[-3:-1] == ["I am coming back for you.", "I am waiting for you."]
         assert led.progress.reason == "all visitors have left"
         await led.until("idle")
         assert math.dist((led.robot.x, led.robot.y), (0, 0)) < 0.2

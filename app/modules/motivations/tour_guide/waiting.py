@@ -1,0 +1,96 @@
+"""Looking back for visitors, waiting for them, and driving back for those who are missing. Pure functions."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Final
+
+from app.base.geometry import wrap_angle
+from app.modules.motivations.tour_guide.company import set_out
+from app.modules.motivations.tour_guide.entering import enter, part
+from app.modules.motivations.tour_guide.progress import Progress, View
+from app.tours.model import Pace
+
+#: Turned to where they come from, it has looked after so long (s).
+LOOKED_S: Final = 1.5
+#: In one direction it looks for so long (s), turning among it; then into the opposite one, and so on.
+LOOKS_S: Final = 8.0
+#: After so long (s) it drives back for who is missing, and where it sees nobody.
+GOES_BACK_S: Final = 16.0
+GOES_BACK_FOR_ALL_S: Final = 8.0
+#: Visitors who come no nearer for so long (s) stand behind one another.
+STAND_S: Final = 2.0
+
+
+def wait(progress: Progress, view: View, reason: str) -> Progress:
+    """Waiting for visitors, for ``reason``."""
+    company = progress.company
+    since = view.now if company.sought_since is None else company.sought_since
+    company = replace(company, sought_since=since, moved_at=view.now)
+    return enter(replace(progress, company=company), "waiting", view, reason=reason)
+
+
+def waited(progress: Progress, view: View, pace: Pace) -> Progress:
+    """On once all who came along are near; back for those who are not seen; on without them in the end."""
+    company, spent = progress.company, view.now - progress.since
+    looked = company.looked or view.looked_s >= LOOKED_S or spent >= LOOKS_S
+    missing = view.there < max(company.size, 1)
+    stand = view.now - company.moved_at >= STAND_S
+    near = view.there_m <= pace.slow_m or (view.nearest_m <= pace.slow_m and view.there_m <= pace.wait_m and stand)
+    if looked and not missing and near:
+        return _on(progress, view, pace)
+    progress = replace(progress, company=replace(company, looked=looked))
+    if _is_over(progress, view, pace):
+        return _on_without(progress, view, pace)
+    patience_s = GOES_BACK_FOR_ALL_S if view.there == 0 else GOES_BACK_S
+    if missing and view.back is not None and not company.went_back and spent >= patience_s:
+        gone = replace(progress, company=replace(progress.company, went_back=True), back=view.back)
+        return enter(gone, "searching", view, reason=_missing(progress, view))
+    return replace(progress, reason=_missing(progress, view)) if missing and looked and spent >= LOOKS_S else progress
+
+
+def searched(progress: Progress, view: View, pace: Pace) -> Progress:
+    """Driving back until all are seen."""
+    if view.there >= max(progress.company.size, 1) and view.there_m <= pace.wait_m:
+        return wait(progress, view, "visitors are found")
+    return _on_without(progress, view, pace) if _is_over(progress, view, pace) else progress
+
+
+def looks_towards(progress: Progress, view: View) -> float | None:
+    """Where it turns to while it waits (rad in odom): to visitors; while one is missing, to where they come from, and
+    to the other side by turns; where nobody is seen in either, all around by quarters."""
+    company = progress.company
+    if not company.short:
+        return view.towards
+    turn = math.floor((view.now - progress.since) / LOOKS_S)
+    if view.people == 0 and turn >= (1 if view.behind is None else 2):
+        begin = next((heading for heading in (view.behind, view.towards) if heading is not None), 0.0)
+        return wrap_angle(begin + turn * math.pi / 2)
+    if turn % 2 and view.behind is not None:
+        return wrap_angle(view.behind + math.pi)
+    return view.towards if view.people == 0 or view.behind is None else view.behind
+
+
+def _is_over(progress: Progress, view: View, pace: Pace) -> bool:
+    since = progress.company.sought_since
+    return view.now - (progress.since if since is None else since) >= pace.give_up_s
+
+
+def _on(progress: Progress, view: View, pace: Pace) -> Progress:
+    apart_m = min(view.there_m, pace.wait_m)
+    company = replace(set_out(progress.company, view, pace), apart_m=apart_m, stood_m=apart_m)
+    return enter(replace(progress, company=company, slow=False), "leading", view)
+
+
+def _on_without(progress: Progress, view: View, pace: Pace) -> Progress:
+    if view.there == 0:
+        return part(progress, view, "all visitors have left")
+    reason, missing = _missing(progress, view), view.there < progress.company.size
+    ahead = _on(replace(progress, company=replace(progress.company, size=view.there)), view, pace)
+    return replace(ahead, excuse="without", reason=f"{reason}; it goes on") if missing else ahead
+
+
+def _missing(progress: Progress, view: View) -> str:
+    size = max(progress.company.size, 1)
+    return "no visitor is seen" if view.there == 0 else f"{view.there} of {size} visitors are seen"

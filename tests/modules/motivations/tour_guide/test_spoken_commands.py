@@ -1,0 +1,75 @@
+"""The packaged tour, steered by the sound of words: the microphones' sound, the recognizer, the guide."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.signal import resample_poly
+
+from app.base import paths
+from app.base.geometry import Pose2
+from app.messages import HeardWords
+from app.runtime.clock import run_virtual
+from app.speech.espeak import Espeak
+from app.tours.tour_file import read_tour
+from tests.modules.fakes import Bench
+from tests.modules.motivations.tour_guide.led_lab import LedLab, Visitor
+from tests.modules.perception.test_word_recognizer import listening, play
+from tests.modules.perception.voices.sounds import heard, toward
+from tests.modules.perception.words.test_utterance_listener import noisy, quiet
+
+PLACES = {
+    "charging-dock": Pose2(),
+    "workshop": Pose2(6.0, 0.0),
+    "robotics-lab": Pose2(6.0, 6.0),
+    "office": Pose2(0.0, 6.0),
+}
+
+
+def recognized(text: str, words: str) -> HeardWords:
+    """``text`` said 60 degrees to the left of the robot, which listens for ``words``."""
+    utterance = Espeak("m3").synthesize(text, "en-us")
+    said = resample_poly(utterance.samples / 32768.0, 320, 147).astype(np.float32)
+    sound = noisy(heard(np.concatenate([quiet(1.0), said, quiet(1.2)]), toward(60.0)))
+
+    async def script(bench: Bench) -> HeardWords:
+        bench.slot.configure({"words": words, "language": "en"})
+        found = bench.listen("words")
+        await play(bench, sound)
+        message: HeardWords = await found.receive()  # the recognizer takes real time
+        return message
+
+    return listening(script)
+
+
+@pytest.mark.slow
+def test_a_visitor_pauses_the_tour_by_saying_so_and_has_it_go_on(tmp_path: Path) -> None:
+    pytest.importorskip("pocketsphinx")
+    pytest.importorskip("espeakng_loader")
+    file = paths.config_dir() / "tours" / "lab-tour.yaml"
+    tour, _ = read_tour(file.read_text(), str(file))
+
+    def listened_for(led: LedLab) -> str:
+        desire = led.desired("ListenForWords")
+        assert desire is not None
+        return str(desire.params["words"])
+
+    async def main() -> None:
+        led = await asyncio.to_thread(LedLab, tmp_path, tour, PLACES)
+        led.visitors = [Visitor(1.5, 0.5)]
+        async with led:
+            led.start()
+            await led.until("confirming")
+            led.press("agree")
+            await led.until("leading")
+            led.bench.feed("words", await asyncio.to_thread(recognized, "please wait", listened_for(led)))
+            await led.until("paused", limit_s=2)
+            assert led.progress.reason == "a visitor asked for a pause"
+            assert led.moving() == []
+            led.bench.feed("words", await asyncio.to_thread(recognized, "go on", listened_for(led)))
+            await led.until("leading", limit_s=2)
+
+    run_virtual(main())
