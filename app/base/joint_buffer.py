@@ -37,6 +37,19 @@ class JointBuffer:
         """The positions added last; None before the first."""
         return self._positions[-1] if self._positions else None
 
+    @property
+    def newest_stamp(self) -> float | None:
+        """The stamp of the positions added last; None before the first."""
+        return self._stamps[-1] if self._stamps else None
+
+    def speed(self) -> float:
+        """The speed (rad/s, m/s) of the fastest joint between the two newest positions; 0 without two."""
+        if len(self._stamps) < 2:
+            return 0.0
+        old, new = self._positions[-2], self._positions[-1]
+        moves = (abs(math.remainder(new[name] - old[name], math.tau)) for name in old.keys() & new.keys())
+        return max(moves, default=0.0) / (self._stamps[-1] - self._stamps[-2])
+
     def at(self, stamp: float) -> Mapping[str, float] | None:
         """The positions at ``stamp``, of the joints known on both sides of it; None where the buffer does not reach."""
         if not self._stamps:

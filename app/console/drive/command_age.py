@@ -14,6 +14,8 @@ quickest counts, lowered by what the clocks may have drifted since. So a command
 NTP's own estimate would suppose that both ways take equally long: if the way here alone were late by 3 s, it would call
 the command 1.5 s old. The bound supposes nothing: it errs only to the safe side, by how long the robot's own words take
 to the page. How old what the operator sees is, T4 - T1, needs no clock but the robot's.
+
+A command that is a little late still drives, slower: so that the way driven until a release arrives stays the same.
 """
 
 from __future__ import annotations
@@ -33,6 +35,12 @@ FUTURE_TOLERANCE_S = 0.05
 VIEW_ALLOWANCE_S = 0.5
 #: Late for longer, a hold is over: a hitch gives no notice, and the key need not be pressed again after it.
 LASTING_S = 0.5
+#: The same for full speed.
+FULL_VIEW_ALLOWANCE_S = 0.2
+#: Once slowed, by as much (s) a second the age that counts falls: jitter does not make the speed waver.
+RECOVERY = 0.05
+#: A limit that takes less of the speed is none.
+LEAST_LIMIT = 0.02
 _MOST_SAMPLES = 1000
 
 UNTIMED = "A command without t, heard and heard_t does not say when it was given (How old a command is, live-stream.md)"
@@ -52,12 +60,15 @@ class Times:
 class Judgement:
     """``cause``: why the message may move nothing, a clause for people, "" where it may.
 
-    ``age_s``: how old it is at most, None where that is not known. ``lasting``: it has been so for a while.
+    ``age_s``: how old it is at most, None where that is not known. ``lasting``: it has been so for a while. ``share``:
+    of the body's speeds, 0 to 1, that it may command, and ``slowed`` why that is not all of them, a clause for people.
     """
 
     cause: str = ""
     age_s: float | None = None
     lasting: bool = False
+    share: float = 1.0
+    slowed: str = ""
 
 
 class OffsetBound:
@@ -96,10 +107,16 @@ def _worth(sample: tuple[float, float]) -> float:
 
 
 class CommandAge:
-    """Judges the messages of one page; a command is valid for ``validity_s``."""
+    """Judges the messages of one page: a command is valid for ``validity_s``, and up to ``full_speed_s`` it has the
+    body's full speed."""
 
-    def __init__(self, validity_s: float) -> None:
+    def __init__(self, validity_s: float, full_speed_s: float | None = None) -> None:
+        """``full_speed_s`` None: as long as it is valid."""
         self._validity_s = validity_s
+        self._full_speed_s = validity_s if full_speed_s is None else min(full_speed_s, validity_s)
+        #: The greatest delays lately (s): of commands, and of what the operator sees; and as of when.
+        self._slow_age_s = self._slow_view_s = 0.0
+        self._slow_at = 0.0
         self._offset = OffsetBound()
         self._late_since: float | None = None
         #: Of the last message that could be judged.
@@ -126,7 +143,24 @@ class CommandAge:
             cause = f"What you see is {_words(view_s)} old"
         else:
             self._late_since = None
-            return Judgement(age_s=age_s)
+            share, slowed = self._limit(now, age_s, view_s)
+            return Judgement(age_s=age_s, share=share, slowed=slowed)
         if self._late_since is None:
             self._late_since = now
         return Judgement(cause, age_s, now - self._late_since >= LASTING_S)
+
+    def _limit(self, now: float, age_s: float, view_s: float) -> tuple[float, str]:
+        """The share of the speed for the delays of late, and why it is not all."""
+        fallen = RECOVERY * max(0.0, now - self._slow_at)
+        self._slow_age_s = max(age_s, self._slow_age_s - fallen)
+        self._slow_view_s = max(view_s, self._slow_view_s - fallen)
+        self._slow_at = now
+        by_age = self._full_speed_s / max(self._slow_age_s, self._full_speed_s)
+        full_view_s = self._full_speed_s + FULL_VIEW_ALLOWANCE_S
+        by_view = full_view_s / max(self._slow_view_s, full_view_s)
+        share = min(by_age, by_view)
+        if share > 1.0 - LEAST_LIMIT:
+            return 1.0, ""
+        if by_age <= by_view:
+            return share, f"commands arrive up to {self._slow_age_s:.2f} s late"
+        return share, f"what you see is {self._slow_view_s:.2f} s old"

@@ -8,6 +8,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Literal
 
+from app.console.access.identity import LOCAL, Identity
+from app.console.access.roles import Role
 from app.console.drive import drive_lease
 from app.console.drive.command_age import Judgement
 from app.console.drive.look_here import LookHere
@@ -21,7 +23,10 @@ CHANNEL = "teleop_command"
 UNDRIVABLE = f"This program drives nothing: no module takes {CHANNEL}."
 LOST = "The body does not answer"
 PRESSED_AGAIN = "The emergency stop was pressed after what you saw: look again, then release it."
+NOT_YOURS = "Another pressed the emergency stop: they release it, or a supervisor does."
 RECORDING = "This is a recording: there is no robot to drive or to stop."
+
+_WANTS = drive_lease.TakeControl | drive_lease.AskControl
 
 Notify = Callable[[str, Literal["info", "warning", "error"], str], None]
 
@@ -68,13 +73,15 @@ class Driving:
         self._lost = False
         #: When the emergency stop was pressed last, or found latched (s, robot's clock).
         self._stopped_at = -math.inf
+        #: Logins that pressed the emergency stop since it was released last; "": it was found latched.
+        self._pressed_by: set[str] = set()
 
     @property
     def drivable(self) -> bool:
         return self._channel is not None
 
     def handle(self, event: drive_lease.Event) -> None:
-        if self._channel is None and isinstance(event, drive_lease.Drive | drive_lease.TakeControl):
+        if self._channel is None and isinstance(event, drive_lease.Drive | _WANTS):
             self._refuse(event.session)
             return
         if self._lost and isinstance(event, drive_lease.Drive) and event.holds:
@@ -106,10 +113,11 @@ class Driving:
                     self._notify(session, level, text)
         self._set_timer(now)
 
-    def e_stop(self, who: str, session: str | None = None) -> None:
+    def e_stop(self, who: str, session: str | None = None, by: Identity = LOCAL) -> None:
         """Latch the emergency stop, by the link's own path and before anything else."""
         if self._is_in_vain(session):
             return
+        self._pressed_by.add(by.key)
         self._stopped_at = self._clock.now()
         self._link.e_stop(f"pressed by {who}")
         self.handle(drive_lease.EmergencyStop(True))
@@ -125,23 +133,37 @@ class Driving:
             return False
         self._stopped()
         self._link.clear_e_stop()
+        self._pressed_by.clear()
         return True
 
-    def release_e_stop(self, session: str, judged: Judgement, seen: float | None) -> None:
+    def may_release(self, by: Identity) -> bool:
+        """Whether this login may release the emergency stop: a supervisor's, or the only one that pressed it."""
+        return by.role is Role.SUPERVISOR or (by.role is Role.OPERATOR and self._pressed_by <= {by.key})
+
+    def release_e_stop(self, session: str, judged: Judgement, seen: float | None, by: Identity = LOCAL) -> None:
         """A page asks for the release of the latch; if late, or if it knows of no stop so new, it gets the reason."""
         if self._is_in_vain(session):
             return
-        if judged.cause or seen is None:
+        if not self.may_release(by):
+            self._notify(session, "warning", NOT_YOURS)
+        elif judged.cause or seen is None:
             self._notify(session, "warning", f"{judged.cause}: the emergency stop stays latched.")
         elif not self.clear_e_stop(seen, session):
             self._notify(session, "warning", PRESSED_AGAIN)
 
     def take_control(self, session: str, judged: Judgement) -> None:
-        """A page asks for the wheel; one whose commands come late could only keep it from others."""
+        """A supervisor's page takes the wheel; one whose commands come late could only keep it from others."""
+        self._want_control(drive_lease.TakeControl(session), judged)
+
+    def ask_control(self, session: str, judged: Judgement) -> None:
+        """A page asks for the wheel, likewise."""
+        self._want_control(drive_lease.AskControl(session), judged)
+
+    def _want_control(self, event: drive_lease.TakeControl | drive_lease.AskControl, judged: Judgement) -> None:
         if self._channel is not None and judged.cause:
-            self._notify(session, "warning", f"{judged.cause}: the wheel stays where it is.")
+            self._notify(event.session, "warning", f"{judged.cause}: the wheel stays where it is.")
         else:
-            self.handle(drive_lease.TakeControl(session))
+            self.handle(event)
 
     def look(self, session: str, judged: Judgement, *, stamp: float, u: float, v: float) -> None:
         """A page asks to look at ``u``, ``v`` (shares of its width and height) of the picture taken at ``stamp``.
@@ -157,7 +179,7 @@ class Driving:
         elif judged.cause:
             problem = f"{judged.cause}: the head stays."
         elif driver not in (None, session):
-            problem = f"{self.lease.driver_name} drives; take control first to turn the head."
+            problem = f"{self.lease.driver_name} drives; ask for the wheel first to turn the head."
         elif self.lease.e_stopped:
             problem = "The emergency stop is latched: clear it, then click again to look there."
         elif not (0 <= u <= 1 and 0 <= v <= 1):
@@ -169,6 +191,10 @@ class Driving:
 
     def on_guard_status(self, status: LinkStatus) -> None:
         """Take over the state of the guard's latch."""
+        if not status.e_stopped:
+            self._pressed_by.discard("")
+        elif not self._pressed_by:
+            self._pressed_by.add("")
         if status.e_stopped != self.lease.e_stopped:
             if status.e_stopped:
                 self._stopped_at = self._clock.now()

@@ -1,7 +1,9 @@
 """The wheel: which page drives, and when it must stop. A pure state machine: (lease, now, event) -> (lease, actions).
 
 One driver, many spectators. The first held command while the wheel is free takes it; it is given up after 10 s of
-holding nothing, by word, by silence or by another's taking it, and the robot is always stopped first. A hold that was
+holding nothing, by word, by silence or by a supervisor's taking it, and the robot is always stopped first. Another may
+ask for it: the driver gives it or keeps it, and one who does not answer for 5 s keeps it only if anything was held
+meanwhile. A wheel that falls free while another asks for it is that other's. A hold that was
 refused or ended by the robot's side (another drives, emergency stop) counts for nothing until released once: nothing
 moves because a key happens to be down still.
 """
@@ -20,6 +22,8 @@ HOLD_GAP_S = 0.2
 LOST_AFTER_S = 1.0
 #: A driver who holds nothing for this long gives up the wheel.
 IDLE_AFTER_S = 10.0
+#: A driver who is asked for the wheel has this long to answer.
+ANSWER_WITHIN_S = 5.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,8 +85,23 @@ class Garbled:
 
 
 @dataclass(frozen=True, slots=True)
+class AskControl:
+    """A page asks for the wheel, which the driver may give or keep."""
+
+    session: str
+
+
+@dataclass(frozen=True, slots=True)
+class AnswerControl:
+    """The driver's answer to who asks for the wheel."""
+
+    session: str
+    give: bool
+
+
+@dataclass(frozen=True, slots=True)
 class TakeControl:
-    """A page asks for the wheel, even from another driver."""
+    """A supervisor's page takes the wheel, even from another driver."""
 
     session: str
 
@@ -107,7 +126,17 @@ class Tick:
 
 
 Event: TypeAlias = (
-    Connected | Disconnected | KeepAlive | Drive | Garbled | TakeControl | ReleaseControl | EmergencyStop | Tick
+    Connected
+    | Disconnected
+    | KeepAlive
+    | Drive
+    | Garbled
+    | AskControl
+    | AnswerControl
+    | TakeControl
+    | ReleaseControl
+    | EmergencyStop
+    | Tick
 )
 
 
@@ -144,7 +173,7 @@ class Lease:
 
     ``operators`` by session; the ``driver``'s session or None; ``moving``: its last command was held; its last
     ``sequence`` number; when it last commanded, was heard and held; ``blocked`` sessions must release before they
-    count.
+    count. ``asker``: the session that asks a driver for the wheel, since ``asked_at``; None: none does.
     """
 
     operators: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
@@ -156,6 +185,8 @@ class Lease:
     last_held: float = -math.inf
     blocked: frozenset[str] = frozenset()
     e_stopped: bool = False
+    asker: str | None = None
+    asked_at: float = -math.inf
 
     @property
     def driver_name(self) -> str | None:
@@ -172,7 +203,7 @@ def step(lease: Lease, now: float, event: Event) -> Step:
         case Connected(session, operator):
             return replace(lease, operators=MappingProxyType({**lease.operators, session: operator})), ()
         case Disconnected(session):
-            return _gone(lease, session)
+            return _gone(lease, now, session)
         case KeepAlive(session):
             return (replace(lease, last_heard=now) if session == lease.driver else lease), ()
         case Garbled(session):
@@ -180,10 +211,14 @@ def step(lease: Lease, now: float, event: Event) -> Step:
             return stopped, (*actions, PageNotice(session, "error", "The robot could not read the last message."))
         case Drive():
             return _drive(lease, now, event)
+        case AskControl(session):
+            return _ask(lease, now, session)
+        case AnswerControl(session, give):
+            return _answer(lease, now, session, give=give)
         case TakeControl(session):
             return _take(lease, now, session)
         case ReleaseControl(session):
-            return _free(lease) if session == lease.driver else (lease, ())
+            return _free(lease, now) if session == lease.driver else (lease, ())
         case EmergencyStop(latched):
             return _e_stop(lease, latched)
         case Tick():
@@ -195,13 +230,17 @@ def deadline(lease: Lease) -> float:
     if lease.driver is None:
         return math.inf
     due = min(lease.last_heard + LOST_AFTER_S, lease.last_held + IDLE_AFTER_S)
+    if lease.asker is not None:
+        due = min(due, lease.asked_at + ANSWER_WITHIN_S)
     return min(due, lease.last_drive + HOLD_GAP_S) if lease.moving else due
 
 
-def _gone(lease: Lease, session: str) -> Step:
+def _gone(lease: Lease, now: float, session: str) -> Step:
     actions: tuple[Action, ...] = ()
+    if session == lease.asker:
+        lease = replace(lease, asker=None)
     if session == lease.driver:
-        lease, actions = _free(lease)
+        lease, actions = _free(lease, now)
     operators = MappingProxyType({key: name for key, name in lease.operators.items() if key != session})
     return replace(lease, operators=operators, blocked=lease.blocked - {session}), actions
 
@@ -212,9 +251,48 @@ def _stopped(lease: Lease) -> Step:
     return replace(lease, moving=False), (Command(lease.operators[lease.driver], False, 0.0, 0.0),)
 
 
-def _free(lease: Lease) -> Step:
+def _free(lease: Lease, now: float) -> Step:
+    """The driver has the wheel no more: who asks for it has it, once the robot is stopped."""
     lease, actions = _stopped(lease)
-    return replace(lease, driver=None), actions
+    lease, asker = replace(lease, driver=None, asker=None), lease.asker
+    if asker is None:
+        return lease, actions
+    handed, notices = _handed(lease, now, asker)
+    return handed, (*actions, *notices)
+
+
+def _handed(lease: Lease, now: float, session: str) -> Step:
+    """The wheel, which is free and commands nothing, is ``session``'s."""
+    handed = replace(lease, driver=session, sequence=0, last_drive=now, last_heard=now, last_held=now)
+    return handed, (PageNotice(session, "info", "You have control."),)
+
+
+def _ask(lease: Lease, now: float, session: str) -> Step:
+    if lease.driver is None:
+        return _handed(lease, now, session)
+    if session in (lease.driver, lease.asker):
+        return lease, ()
+    if lease.asker is not None:
+        text = f"{lease.operators[lease.asker]} asks for the wheel already: wait for the answer."
+        return lease, (PageNotice(session, "warning", text),)
+    return replace(lease, asker=session, asked_at=now), ()
+
+
+def _answer(lease: Lease, now: float, session: str, *, give: bool) -> Step:
+    if session != lease.driver or lease.asker is None:
+        return lease, ()
+    if not give:
+        return _kept(lease, f"{lease.driver_name} keeps the wheel.")
+    asker = lease.operators[lease.asker]
+    lease, actions = _free(lease, now)
+    # Still holding, perhaps: that hold is over.
+    lease = replace(lease, blocked=lease.blocked | {session})
+    return lease, (*actions, PageNotice(session, "info", f"{asker} has control."))
+
+
+def _kept(lease: Lease, text: str) -> Step:
+    assert lease.asker is not None
+    return replace(lease, asker=None), (PageNotice(lease.asker, "warning", text),)
 
 
 def _refused(lease: Lease, session: str, level: Literal["info", "warning", "error"], text: str) -> Step:
@@ -246,7 +324,7 @@ def _drive(lease: Lease, now: float, drive: Drive) -> Step:
             lease, session, "warning", "The emergency stop is latched: clear it, then press again to drive."
         )
     if lease.driver not in (None, session):
-        text = f"{lease.driver_name} drives; take control first, then press again."
+        text = f"{lease.driver_name} drives; ask for the wheel first, then press again."
         return _refused(lease, session, "warning", text)
     if session in lease.blocked:
         return lease, ()
@@ -299,12 +377,15 @@ def _take(lease: Lease, now: float, session: str) -> Step:
     actions: tuple[Action, ...] = ()
     if lease.driver is not None:
         before = lease.driver
-        lease, actions = _free(lease)
+        lease, actions = _stopped(lease)
         # Still holding, perhaps: that hold is over.
-        lease = replace(lease, blocked=lease.blocked | {before})
-        actions = (*actions, PageNotice(before, "warning", f"{taker} has taken control."))
-    taken = replace(lease, driver=session, sequence=0, last_drive=now, last_heard=now, last_held=now)
-    return taken, (*actions, PageNotice(session, "info", "You have control."))
+        asker = lease.asker
+        lease = replace(lease, driver=None, asker=None, blocked=lease.blocked | {before})
+        notified = {before} if asker in (None, session) else {before, asker}
+        text = f"{taker} has taken control."
+        actions = (*actions, *(PageNotice(each, "warning", text) for each in sorted(filter(None, notified))))
+    taken, notices = _handed(lease, now, session)
+    return taken, (*actions, *notices)
 
 
 def _e_stop(lease: Lease, latched: bool) -> Step:
@@ -323,7 +404,15 @@ def _tick(lease: Lease, now: float) -> Step:
     if lease.driver is None:
         return lease, ()
     if now >= lease.last_heard + LOST_AFTER_S or now >= lease.last_held + IDLE_AFTER_S:
-        return _free(lease)
+        return _free(lease, now)
+    if lease.asker is not None and now >= lease.asked_at + ANSWER_WITHIN_S:
+        # No answer: the wheel is given only where nothing moves by it.
+        before = lease.driver
+        if not lease.moving and lease.last_held <= lease.asked_at:
+            lease, actions = _free(lease, now)
+            given = f"{lease.driver_name} has control: you held nothing and did not answer."
+            return lease, (*actions, PageNotice(before, "warning", given))
+        return _kept(lease, f"{lease.driver_name} drives and does not answer: ask again in a moment.")
     if lease.moving and now >= lease.last_drive + HOLD_GAP_S:
         return _stopped(lease)
     return lease, ()

@@ -22,7 +22,7 @@ REPORT = "navigation_report"
 #: Goals of these sources came over the console.
 _ASKED_HERE = frozenset({"operator", "rest"})
 #: States of a tour on its way.
-_ON_THE_WAY = frozenset({"leading", "waiting", "turning", "blocked", "lost", "going_home"})
+_ON_THE_WAY = frozenset({"leading", "waiting", "searching", "turning", "blocked", "lost", "going_home"})
 
 
 def asked_here(workspace: IntentionWorkspace) -> list[Desire]:

@@ -11,8 +11,10 @@ from hypothesis import strategies as st
 from app.console.drive import drive_lease
 from app.console.drive.command_age import (
     DRIFT,
+    FULL_VIEW_ALLOWANCE_S,
     FUTURE,
     LASTING_S,
+    LEAST_LIMIT,
     UNTIMED,
     VIEW_ALLOWANCE_S,
     WINDOW_S,
@@ -22,6 +24,7 @@ from app.console.drive.command_age import (
 )
 
 VALIDITY_S = 0.4
+FULL_SPEED_S = 0.2
 delays = st.floats(0.0, 30.0)
 
 
@@ -31,7 +34,7 @@ class Link:
     def __init__(self, offset: float = 1e6, drift: float = 0.0, validity_s: float = VALIDITY_S) -> None:
         self.offset = offset
         self.drift = drift
-        self.age = CommandAge(validity_s)
+        self.age = CommandAge(validity_s, FULL_SPEED_S)
         self.heard = 0.0
 
     def page_time(self, robot: float) -> float:
@@ -222,3 +225,41 @@ def test_samples_are_bounded_whatever_comes() -> None:
         age.judge(1000.0, Times(0.0, 999.0 - 1e-3 * number, 0.0))
     assert len(age._offset._samples) <= 1000
     assert all(a >= b for (a, _), (b, _) in pairwise(age._offset._samples))
+
+
+@given(delays, delays)
+def test_a_later_command_is_never_faster(down: float, up: float) -> None:
+    """What is driven until a release arrives is no further than at full speed with the delay that is allowed then."""
+    judged = Link().send(1e6, down=down, up=up)
+    if judged.cause:
+        return
+    assert judged.age_s is not None
+    assert judged.share * judged.age_s <= FULL_SPEED_S / (1 - LEAST_LIMIT) + 1e-9
+    assert (judged.share == 1.0) == (judged.slowed == "")
+    assert 0.0 < judged.share <= 1.0
+
+
+def test_speed_is_limited_first_and_driving_waits_later() -> None:
+    assert Link().send(1e6, down=0.02, up=0.1).share == 1.0
+    slowed = Link().send(1e6, down=0.02, up=0.26)
+    assert slowed.share == pytest.approx(FULL_SPEED_S / 0.3, rel=0.01)
+    assert slowed.slowed == "commands arrive up to 0.30 s late"
+    assert Link().send(1e6, down=0.02, up=0.5).cause == "Commands arrive up to 0.5 s late"
+
+
+def test_an_old_picture_of_the_robot_limits_the_speed_too() -> None:
+    slowed = Link().send(1e6, down=0.01, up=0.05, think=0.6)
+    assert slowed.slowed == "what you see is 0.66 s old"
+    assert slowed.share == pytest.approx((FULL_SPEED_S + FULL_VIEW_ALLOWANCE_S) / 0.66, rel=0.01)
+
+
+def test_jitter_does_not_make_the_speed_waver() -> None:
+    link = Link()
+    shares = [link.send(1e6 + 0.05 * k, down=0.02, up=0.25 if k % 4 else 0.1).share for k in range(1, 40)]
+    assert max(shares) - min(shares) < 0.03
+
+
+def test_full_speed_comes_back_with_the_link() -> None:
+    link = Link()
+    assert link.send(1e6, down=0.02, up=0.3).share < 1.0
+    assert link.send(1e6 + 10.0, down=0.02, up=0.05).share == 1.0

@@ -8,9 +8,11 @@ from typing import Literal
 
 import pytest
 
+from app.console.access.identity import Identity
+from app.console.access.roles import Role
 from app.console.drive import drive_lease
 from app.console.drive.command_age import Judgement
-from app.console.drive.drive_controller import LOST, PRESSED_AGAIN, Driving
+from app.console.drive.drive_controller import LOST, NOT_YOURS, PRESSED_AGAIN, Driving
 from app.messages import TeleopCommand
 from app.program.system import System
 from app.runtime.clock import VirtualClock, in_virtual_time
@@ -118,6 +120,67 @@ def test_who_comes_late_is_not_given_the_wheel(built: tuple[System, Body]) -> No
         wheel.driving.take_control("b", IN_TIME)
         assert wheel.driving.lease.driver == "b"
         wheel.driving.close()
+
+    story()
+
+
+def test_between_two_drivers_the_channel_has_a_zero_and_an_answer_that_does_not_come_is_awaited_5_s(
+    built: tuple[System, Body],
+) -> None:
+    @in_virtual_time
+    async def story() -> None:
+        wheel = Wheel(*built)
+        driving = wheel.driving
+        wheel.drive(1)
+        driving.ask_control("b", LATE)
+        assert driving.lease.asker is None
+        driving.ask_control("b", IN_TIME)
+        driving.handle(drive_lease.AnswerControl("a", True))
+        driving.handle(drive_lease.Drive("b", 1, True, -1.0, 0.0))
+        assert [(each.operator, each.held) for each in wheel.commands] == [("Ann", True), ("Ann", False), ("Bob", True)]
+        driving.handle(drive_lease.Drive("b", 2, False, 0.0, 0.0))
+        driving.ask_control("a", IN_TIME)
+        for _ in range(9):
+            await wheel.clock.sleep(0.5)
+            driving.handle(drive_lease.KeepAlive("b"))
+        assert driving.lease.driver == "b"
+        await wheel.clock.sleep(0.6)
+        assert driving.lease.driver == "a", "the timer came, and nothing was held"
+        driving.close()
+
+    story()
+
+
+def test_a_stop_is_released_by_the_only_login_that_pressed_it_or_a_supervisor(built: tuple[System, Body]) -> None:
+    @in_virtual_time
+    async def story() -> None:
+        wheel = Wheel(*built)
+        driving, clock = wheel.driving, wheel.clock
+        ann, bob, boss, onlooker = (
+            Identity(role, key)
+            for role, key in (
+                (Role.OPERATOR, "ann"),
+                (Role.OPERATOR, "bob"),
+                (Role.SUPERVISOR, "boss"),
+                (Role.SPECTATOR, "onlooker"),
+            )
+        )
+        driving.e_stop("Ann", "a", ann)
+        await clock.sleep(0.1)
+        driving.release_e_stop("b", IN_TIME, clock.now(), bob)
+        assert wheel.notices.pop() == ("b", NOT_YOURS)
+        assert wheel.link.e_stopped
+        driving.release_e_stop("a", IN_TIME, clock.now(), ann)
+        assert not wheel.link.e_stopped
+        driving.e_stop("a page", by=onlooker)
+        assert not driving.may_release(onlooker), "who only watches sets nothing in motion"
+        assert driving.may_release(boss)
+        driving.clear_e_stop(clock.now() + 0.1)
+        wheel.link.receivers["status"].append(driving.on_guard_status)
+        wheel.link.e_stopped = True
+        wheel.link.emit_status(clock.now())
+        assert not driving.may_release(ann), "it was pressed at the robot"
+        driving.close()
 
     story()
 

@@ -9,10 +9,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.console.drive.drive_lease import (
+    ANSWER_WITHIN_S,
     HOLD_GAP_S,
     IDLE_AFTER_S,
     LOST_AFTER_S,
     Action,
+    AnswerControl,
+    AskControl,
     Command,
     Connected,
     Disconnected,
@@ -214,10 +217,47 @@ events = st.one_of(
     st.builds(Drive, sessions, st.integers(0, 50), st.booleans(), axis, axis),
     st.builds(Garbled, sessions),
     st.builds(TakeControl, sessions),
+    st.builds(AskControl, sessions),
+    st.builds(AnswerControl, sessions, st.booleans()),
     st.builds(ReleaseControl, sessions),
     st.builds(EmergencyStop, st.booleans()),
     st.just(Tick()),
 )
+
+
+def assert_one_asks_another(lease: Lease) -> None:
+    """Who asks for the wheel is connected, and asks one who drives; and never for longer than an answer may take."""
+    if lease.asker is not None:
+        assert lease.asker in lease.operators
+        assert lease.driver is not None
+        assert lease.asker != lease.driver
+
+
+@given(st.lists(st.tuples(events, st.floats(0, 2)), max_size=60))
+def test_between_two_holders_there_is_always_a_zero(story: list[tuple[Event, float]]) -> None:
+    """Of all commands in their order: one person's never follows another's that moves."""
+    lease, now = Lease(), 0.0
+    #: The session whose command moves the robot, as the channel has it.
+    mover: str | None = None
+    for event, wait in story:
+        while (due := deadline(lease)) <= now + wait:
+            now = max(now, due)
+            lease, actions = step(lease, now, Tick())
+            assert not any(command.held or command.head_held for command in commands(actions))
+            mover = None if commands(actions) else mover
+        now += wait
+        if not isinstance(event, Connected | EmergencyStop | Tick) and event.session not in lease.operators:
+            continue
+        lease, actions = step(lease, now, event)
+        for command in commands(actions):
+            if command.held:
+                assert isinstance(event, Drive)
+                assert mover in (None, event.session)
+                assert lease.driver == event.session
+                mover = event.session
+            else:
+                mover = None
+        assert mover is None or mover == lease.driver
 
 
 @given(st.lists(st.tuples(events, st.floats(0, 2)), max_size=60))
@@ -232,6 +272,7 @@ def test_whatever_happens_nothing_moves_without_a_fresh_hold(story: list[tuple[E
             lease, actions = step(lease, now, Tick())
             moving = commands(actions)[-1].held if commands(actions) else moving
             assert deadline(lease) > now
+            assert_one_asks_another(lease)
         now += wait
         if not isinstance(event, Connected | EmergencyStop | Tick) and event.session not in lease.operators:
             continue
@@ -249,6 +290,7 @@ def test_whatever_happens_nothing_moves_without_a_fresh_hold(story: list[tuple[E
         assert moving == lease.moving
         assert not (lease.moving and lease.e_stopped)
         assert lease.driver is None or lease.driver in lease.operators
+        assert_one_asks_another(lease)
         if before.driver != lease.driver and before.moving:
             assert any(not command.held for command in commands(actions))
 
@@ -300,3 +342,140 @@ def test_what_is_not_held_moves_nothing_whatever_it_says_and_what_is_beyond_the_
     actions = story.do(Drive("a", 2, False, 0.0, 0.0, head_held=True, pan=math.nan))
     assert commands(actions) == [STOP_ANN]
     assert any(isinstance(each, PageNotice) and "from -1 to 1, not nan" in each.text for each in actions)
+
+
+def idle_driver(story: Story, for_s: float = 0.0) -> None:
+    """Ann has the wheel and holds nothing, but says that she is there."""
+    story.hold()
+    story.release()
+    story.do(KeepAlive("a"), for_s)
+
+
+def stay(story: Story, until: float) -> list[Action]:
+    """Ann's page stays connected; ticks come when they are due."""
+    done: list[Action] = []
+    while story.now < until:
+        story.do(KeepAlive("a"))
+        story.do(KeepAlive("b"))
+        done += story.do(Tick(), min(0.5, until - story.now))
+    return done
+
+
+def test_who_is_asked_gives_the_wheel_and_the_robot_stops_first() -> None:
+    story = Story()
+    story.hold()
+    assert story.do(AskControl("b")) == ()
+    assert (story.lease.driver, story.lease.asker) == ("a", "b")
+    assert commands(story.hold()) == [Command("Ann", True, 0.5, 0.0)], "she drives on until she answers"
+    actions = story.do(AnswerControl("a", True))
+    assert actions[0] == STOP_ANN
+    assert notified(actions) == ["b", "a"]
+    assert (story.lease.driver, story.lease.asker) == ("b", None)
+    assert commands(story.hold("a")) == [], "her key is still down, which counts for nothing"
+    assert story.hold("b") == [Command("Bob", True, 0.5, 0.0)]
+
+
+def test_who_is_asked_may_keep_it_and_is_asked_again() -> None:
+    story = Story()
+    story.hold()
+    story.do(AskControl("b"))
+    (notice,) = story.do(AnswerControl("a", False))
+    assert notice == PageNotice("b", "warning", "Ann keeps the wheel.")
+    assert (story.lease.driver, story.lease.asker) == ("a", None)
+    story.do(AskControl("b"))
+    assert story.lease.asker == "b"
+
+
+def test_without_an_answer_a_driver_who_holds_nothing_gives_the_wheel_after_5_s() -> None:
+    story = Story()
+    idle_driver(story)
+    story.do(AskControl("b"))
+    asked = story.now
+    stay(story, asked + ANSWER_WITHIN_S - 0.01)
+    assert story.lease.driver == "a"
+    actions = stay(story, asked + ANSWER_WITHIN_S)
+    assert story.lease.driver == "b"
+    assert commands(actions) == [], "zero was the last command already"
+    assert notified(actions) == ["b", "a"]
+
+
+def test_without_an_answer_a_driver_who_drives_keeps_the_wheel() -> None:
+    story = Story()
+    story.hold()
+    story.do(AskControl("b"))
+    asked = story.now
+    while story.now < asked + ANSWER_WITHIN_S:
+        story.hold(after=0.1)
+    (notice,) = story.do(Tick())
+    assert isinstance(notice, PageNotice)
+    assert (notice.session, notice.text) == ("b", "Ann drives and does not answer: ask again in a moment.")
+    assert (story.lease.driver, story.lease.asker) == ("a", None)
+
+
+def test_a_driver_who_drove_since_the_question_keeps_the_wheel_though_it_stands_just_now() -> None:
+    story = Story()
+    idle_driver(story)
+    story.do(AskControl("b"))
+    asked = story.now
+    story.hold()
+    story.release()
+    actions = stay(story, asked + ANSWER_WITHIN_S)
+    assert notified(actions) == ["b"]
+    assert story.lease.driver == "a"
+
+
+@pytest.mark.parametrize("end", [Disconnected("a"), ReleaseControl("a")])
+def test_a_wheel_that_falls_free_is_who_asked_s_once_the_robot_is_stopped(end: Event) -> None:
+    story = Story()
+    story.hold()
+    story.do(AskControl("b"))
+    actions = story.do(end)
+    assert actions == (STOP_ANN, PageNotice("b", "info", "You have control."))
+    assert story.lease.driver == "b"
+
+
+def test_the_wheel_of_a_driver_whose_link_is_dead_is_who_asked_s_before_the_5_s() -> None:
+    story = Story()
+    story.hold()
+    story.do(AskControl("b"), 0.1)
+    story.do(Tick(), HOLD_GAP_S)
+    assert story.lease.driver == "a"
+    story.do(Tick(), LOST_AFTER_S)
+    assert story.lease.driver == "b"
+
+
+def test_a_free_wheel_is_given_to_who_asks_and_one_asks_at_a_time() -> None:
+    story = Story()
+    story.do(Connected("c", "Cleo"))
+    story.do(AskControl("a"))
+    assert story.lease.driver == "a"
+    story.do(AskControl("b"))
+    asked = story.lease.asked_at
+    assert story.do(AskControl("b"), 1.0) == (), "asking again does not make the answer later"
+    assert story.lease.asked_at == asked
+    (notice,) = story.do(AskControl("c"))
+    assert notice == PageNotice("c", "warning", "Bob asks for the wheel already: wait for the answer.")
+    story.do(Disconnected("b"))
+    assert story.lease.asker is None
+    story.do(AskControl("c"))
+    assert story.lease.asker == "c"
+
+
+def test_an_answer_counts_of_the_driver_alone_and_to_a_question() -> None:
+    story = Story()
+    story.hold()
+    assert story.do(AnswerControl("a", True)) == ()
+    story.do(AskControl("b"))
+    assert story.do(AnswerControl("b", True)) == ()
+    assert story.lease.driver == "a"
+
+
+def test_a_supervisor_takes_over_at_once_also_before_who_asked() -> None:
+    story = Story()
+    story.do(Connected("c", "Cleo"))
+    story.hold()
+    story.do(AskControl("b"))
+    actions = story.do(TakeControl("c"))
+    assert actions[0] == STOP_ANN
+    assert notified(actions) == ["a", "b", "c"]
+    assert (story.lease.driver, story.lease.asker) == ("c", None)

@@ -129,7 +129,7 @@ def test_the_head_goes_with_the_wheel(tmp_path: Path) -> None:
         hold = drive_lease.Drive("b", 1, False, 0.0, 0.0, head_held=True, pan=1.0)
         pages.driving.handle(hold)
         assert pages.looks == 0, "by hand it is turned elsewhere"
-        assert pages.click("a", in_time).startswith("Bob drives; take control first")
+        assert pages.click("a", in_time).startswith("Bob drives; ask for the wheel first")
         assert pages.click("b", Judgement("Commands arrive up to 3.0 s late")) == (
             "Commands arrive up to 3.0 s late: the head stays."
         )

@@ -1,0 +1,27 @@
+/** How old the camera's picture is, glass to glass: from the robot's lens to this screen. Pure. */
+
+import { number } from "../ui/format";
+
+/** A picture older than this is said to be late, and than the other, is greyed (s of the robot, at its own pace). */
+export const LATE_S = 0.5;
+export const OLD_S = 1;
+
+export interface ShownAge {
+  text: string;
+  late: boolean;
+  title: string;
+}
+
+export function isOld(age: number, rate: number): boolean {
+  return age > OLD_S * Math.max(1, rate);
+}
+
+/** `age` in s, at `rate` of the robot's clock; null: nothing is to be said. In a recording only what is old is. */
+export function pictureAge(age: number, rate: number, recorded: boolean): ShownAge | null {
+  const old = isOld(age, rate);
+  if (!Number.isFinite(age) || (recorded && !old)) return null;
+  const late = age > LATE_S * Math.max(1, rate);
+  const text = old ? `${number(age, 1)} s old` : `${10 * Math.round(100 * Math.max(0, age))} ms`;
+  const meaning = "Age of the picture, glass to glass: since the robot's camera took it, until you see it.";
+  return { text, late, title: late ? `${meaning} What you do now comes later still: drive slowly.` : meaning };
+}
