@@ -2,9 +2,12 @@
 
 On loopback without a token anyone on this computer may, but a web page elsewhere may not: the ``Host`` must be a name
 of this computer (DNS rebinding), and where a browser states an ``Origin``, it must be ours. Beyond loopback a token is
-needed, as ``Authorization: Bearer`` or, for browsers, as the cookie of a session from ``/api/v1/session``;
-the ``Host`` must then be an address, this computer's name, or one that the console was started for. The second port,
-that of the 3D view, asks the same, and takes the session's cookie of the first.
+needed, or the password of a role, as ``Authorization: Bearer`` or, for browsers, as the cookie of a session from
+``/api/v1/session``; the ``Host`` must then be an address, this computer's name, or one that the console was started
+for. The second port, that of the 3D view, asks the same, and takes the session's cookie of the first.
+
+What a client may do once it is in, its role says (:mod:`app.console.access.roles`): that of the password, a
+supervisor's with the token, and where no login is asked for.
 
 Visitors of a tour have neither: the key of its run opens what is below VISITOR_PATHS to them, and nothing else.
 """
@@ -13,9 +16,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import hmac
 import ipaddress
-import math
 import socket
 import time
 from collections.abc import Callable, Collection
@@ -25,10 +26,13 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from app.console.access.credentials import Credentials
 from app.console.access.headers import add_headers
-from app.console.access.login_attempts import Attempts
+from app.console.access.identity import LOCAL, VISITOR, Identity, note_identity, require
+from app.console.access.login_check import LoginCheck
 from app.console.access.origins import Ports, host_name, scheme_of
 from app.console.access.request_limits import ClientLeft, objection_to_scope, with_body
+from app.console.access.roles import SOCKETS, Role
 from app.console.access.sessions import LoginSession, Sessions
 from app.console.access.visitor_keys import VisitorKeys
 from app.console.problems import MEDIA_TYPE, Problem, problem_body, problem_response
@@ -53,7 +57,7 @@ def is_loopback(host: str) -> bool:
 
 
 class Door:
-    """Decides which requests are let in. ``token`` None: those from this computer.
+    """Decides which requests are let in, and as whom. ``credentials`` without any: those from this computer.
 
     ``names`` are host names that this console answers to beyond addresses and this computer's own name; ``ports`` are
     where it listens, if the 3D view has one of its own; ``now`` gives seconds of any steady clock.
@@ -61,32 +65,33 @@ class Door:
 
     def __init__(
         self,
-        token: str | None,
+        credentials: Credentials,
         names: Collection[str] = (),
         *,
         ports: Ports | None = None,
         now: Callable[[], float] = time.monotonic,
     ) -> None:
         self.ports = ports
-        self._token = token
+        self.credentials = credentials
         self._names = frozenset(name.lower().rstrip(".") for name in (*names, *own_names()))
         self._sessions = Sessions(now)
-        self._attempts = Attempts(now)
+        self._check = LoginCheck(credentials, now)
         #: Of the tour that is led.
         self.visitors = VisitorKeys(now)
 
     @property
     def asks(self) -> bool:
-        """Whether a token is needed."""
-        return self._token is not None
+        """Whether a login is needed."""
+        return self.credentials.asked
 
-    def log_in(self, token: str, scope: Scope) -> str | None:
-        """Begin a session; returns its cookie, None where none is needed. Raises Problem for a wrong token."""
-        if self._token is None:
-            return None
-        if (refusal := self._checked(token, scope)) is not None:
-            raise refusal
-        return self._sessions.begin()
+    async def log_in(self, secret: str, scope: Scope) -> tuple[str | None, Role]:
+        """Begin a session by the token or a password; returns its cookie, None where none is needed, and its role.
+
+        Raises Problem for a wrong one."""
+        if not self.asks:
+            return None, Role.SUPERVISOR
+        role = await self._check.role_of(secret, _address(scope))
+        return self._sessions.begin(role), role
 
     def log_out(self, scope: Scope) -> None:
         """End the session that a request belongs to, and its connections."""
@@ -102,35 +107,38 @@ class Door:
             return None
         return self.visitors.find(HTTPConnection(scope).cookies.get(cookie_name(scope, VISITOR_COOKIE)))
 
-    def refusal(self, scope: Scope) -> Problem | None:
-        """Why a request may not enter for what it brings (a session's cookie, or the token), or None."""
-        if self._token is None or self.session(scope) is not None:
-            return None
+    async def admit(self, scope: Scope) -> Identity:
+        """Who makes a request, by what it brings: a session's cookie, or the token or a password. Raises Problem."""
+        if not self.asks:
+            return LOCAL
+        if (session := self.session(scope)) is not None:
+            assert session.role is not None
+            return Identity(session.role, session.key)
         scheme, _, bearer = Headers(scope=scope).get("authorization", "").partition(" ")
         if scheme.lower() != "bearer":
-            return unauthorized()
-        refusal = self._checked(bearer.strip(), scope)
-        return unauthorized() if refusal is not None and refusal.status == 401 else refusal
+            raise unauthorized()
+        try:
+            role = await self._check.role_of(bearer.strip(), _address(scope))
+        except Problem as refusal:
+            raise (unauthorized() if refusal.status == 401 else refusal) from None
+        return Identity(role, f"bearer {role}")
 
-    def _checked(self, token: str, scope: Scope) -> Problem | None:
-        """Why ``token`` does not open, or None (compared in constant time)."""
-        assert self._token is not None
-        address = scope["client"][0] if scope.get("client") else ""
-        if (wait_s := self._attempts.wait_s(address)) > 0:
-            seconds = math.ceil(wait_s)
-            return Problem(
-                429,
-                "too-many-attempts",
-                f"Too many wrong tokens came from {address}: try again in {seconds} s.",
-                headers={"Retry-After": str(seconds)},
-            )
-        if hmac.compare_digest(self._token.encode(), token.encode(errors="surrogatepass")):
-            return None
-        self._attempts.failed(address)
-        return Problem(401, "wrong-token", "This is not the token; it was printed when the console was started.")
+    async def enter(self, scope: Scope) -> None:
+        """Let a request or a WebSocket in, and note in ``scope`` as whom. Raises Problem for one that is refused."""
+        if (problem := self.objection(scope)) is not None:
+            raise problem
+        path = scope["path"]
+        guarded = any(path == prefix or path.startswith(f"{prefix}/") for prefix in GUARDED)
+        # The session's own GET answers 401 by itself, so that a page can ask whether it must log in.
+        if not guarded or path in OPEN_PATHS:
+            return
+        identity = VISITOR if self.visitor(scope) is not None else await self.admit(scope)
+        note_identity(scope, identity)
+        if scope["type"] == "websocket":
+            require(identity, SOCKETS.get(path, Role.SUPERVISOR), path)
 
     def objection(self, scope: Scope) -> Problem | None:
-        """Why a request or a WebSocket is refused, or None."""
+        """Why a request or a WebSocket is refused, whoever makes it, for where it comes from; None: it is not."""
         headers = Headers(scope=scope)
         host = headers.get("host", "")
         if (problem := self._objection_to_host(host)) is not None:
@@ -139,12 +147,7 @@ class Door:
         changes = scope["type"] == "websocket" or scope["method"] not in ("GET", "HEAD", "OPTIONS")
         if changes and origin is not None and origin.lower() != f"{scheme_of(scope)}://{host}".lower():
             return Problem(403, "foreign-origin", f"Pages of {origin} may not use this console.")
-        path = scope["path"]
-        guarded = any(path == prefix or path.startswith(f"{prefix}/") for prefix in GUARDED)
-        # The session's own GET answers 401 by itself, so that a page can ask whether it must log in.
-        if not guarded or path in OPEN_PATHS or self.visitor(scope) is not None:
-            return None
-        return self.refusal(scope)
+        return None
 
     def _cookie(self, scope: Scope) -> str | None:
         at_scene = self.ports is not None and self.ports.at_scene(scope)
@@ -174,9 +177,14 @@ def unauthorized() -> Problem:
     return Problem(
         401,
         "login-needed",
-        "This console needs its token: as `Authorization: Bearer ...`, or log in at POST /api/v1/session.",
+        "This console needs its token, or the password of a role: as `Authorization: Bearer ...`, or log in at "
+        "POST /api/v1/session.",
         headers={"WWW-Authenticate": 'Bearer realm="hbba"'},
     )
+
+
+def _address(scope: Scope) -> str:
+    return scope["client"][0] if scope.get("client") else ""
 
 
 def own_names() -> tuple[str, ...]:
@@ -236,8 +244,7 @@ class Guarded:
             if (problem := objection_to_scope(scope)) is not None:
                 raise problem
             receive = await with_body(Headers(scope=scope), receive)
-            if (problem := self._door.objection(scope)) is not None:
-                raise problem
+            await self._door.enter(scope)
         except ClientLeft:
             return
         except Problem as refusal:
@@ -246,10 +253,14 @@ class Guarded:
         await self._app(scope, receive, send_with_headers)
 
     async def _websocket(self, scope: Scope, receive: Receive, send: Send) -> None:
-        problem = objection_to_scope(scope) or self._door.objection(scope)
-        if problem is not None:
-            await _refuse_websocket(problem, scope, receive, send)
-        elif (session := self._door.visitor(scope) or self._door.session(scope)) is not None:
+        try:
+            if (problem := objection_to_scope(scope)) is not None:
+                raise problem
+            await self._door.enter(scope)
+        except Problem as refusal:
+            await _refuse_websocket(refusal, scope, receive, send)
+            return
+        if (session := self._door.visitor(scope) or self._door.session(scope)) is not None:
             await _within(session, self._app, scope, receive, send)
         else:
             await self._app(scope, receive, send)

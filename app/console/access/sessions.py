@@ -7,6 +7,8 @@ import secrets
 from collections import OrderedDict
 from collections.abc import Callable
 
+from app.console.access.roles import Role
+
 #: A session without a request for so long (s) ends; an open WebSocket counts as a request.
 LASTS_S = 12 * 3600.0
 #: Of more, the least recently used is ended.
@@ -14,10 +16,15 @@ MOST_SESSIONS = 200
 
 
 class LoginSession:
-    """One login. ``used`` is when it was last shown (``now``: the clock of :class:`Sessions`)."""
+    """One login. ``used`` is when it was last shown (``now``: the clock of :class:`Sessions`).
 
-    def __init__(self, now: Callable[[], float]) -> None:
+    ``role`` is None for one that is no operator's, as a visitor's; ``key`` differs from that of any other.
+    """
+
+    def __init__(self, now: Callable[[], float], role: Role | None = None) -> None:
         self.used = now()
+        self.role = role
+        self.key = secrets.token_hex(8)
         self._now = now
         self._held: dict[object, Callable[[], None]] = {}
 
@@ -57,10 +64,10 @@ class Sessions:
     def __len__(self) -> int:
         return len(self._sessions)
 
-    def begin(self) -> str:
-        """A new session; returns its name, which only the browser that logged in is given."""
+    def begin(self, role: Role | None = None) -> str:
+        """A new session of ``role``; returns its name, which only the browser that logged in is given."""
         name = secrets.token_urlsafe(32)
-        self._sessions[_key(name)] = LoginSession(self._now)
+        self._sessions[_key(name)] = LoginSession(self._now, role)
         while len(self._sessions) > MOST_SESSIONS:
             self._sessions.popitem(last=False)[1].close()
         return name

@@ -86,8 +86,8 @@ async def test_pages_of_others_change_nothing_and_hear_nothing(url: str, origin:
     origin = origin.format(host=url.removeprefix("http://"))
     headers = {"Origin": origin}
     async with httpx.AsyncClient(base_url=f"{url}/api/v1", headers=headers) as client:
-        assert (await client.post("/robot/e-stop")).status_code == 403
-        assert (await client.delete("/robot/e-stop")).status_code == 403
+        assert (await client.post("/stop")).status_code == 403
+        assert (await client.delete("/stop")).status_code == 403
         assert (await client.patch("/resources/cpu", json={"capacity": 1})).status_code == 403
         assert (await client.get("/desires")).status_code == 200
     assert await status_of_live(url, origin=origin) == 403
@@ -95,7 +95,7 @@ async def test_pages_of_others_change_nothing_and_hear_nothing(url: str, origin:
 
 async def test_our_own_page_may(url: str) -> None:
     async with httpx.AsyncClient(base_url=f"{url}/api/v1", headers={"Origin": url}) as client:
-        assert (await client.post("/robot/e-stop")).status_code == 200
+        assert (await client.post("/stop")).status_code == 200
     assert await status_of_live(url, origin=url) == 101
     assert await status_of_live(url) == 101
 

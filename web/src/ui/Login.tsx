@@ -1,4 +1,4 @@
-/** Asks for the token where the console wants one. */
+/** Asks for a password or the token where the console wants one. */
 
 import { useSignal } from "@preact/signals";
 import { Problem } from "../protocol/rest";
@@ -12,7 +12,7 @@ export function Login() {
   const submit = async (event: Event) => {
     event.preventDefault();
     if (token.value.trim() === "") {
-      problem.value = "The token is needed.";
+      problem.value = "A password or the token is needed.";
       return;
     }
     busy.value = true;
@@ -29,9 +29,9 @@ export function Login() {
     <main class="login">
       <form class="panel" noValidate onSubmit={(event) => void submit(event)} data-testid="login">
         <h1>HBBA console</h1>
-        <p class="muted">Enter the robot's token. The program printed it when it started.</p>
+        <p class="muted">Enter your password, or the robot's token, which the program printed when it started.</p>
         <div class={`field ${problem.value ? "wrong" : ""}`}>
-          <label for="token">Token</label>
+          <label for="token">Password or token</label>
           <input
             id="token"
             type="password"

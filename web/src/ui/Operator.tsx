@@ -3,25 +3,43 @@
 import { useSignal } from "@preact/signals";
 import { useApp } from "../state/context";
 
+const ROLES = {
+  spectator: "You see everything and can stop the robot. You change nothing else.",
+  operator: "You drive and edit.",
+  supervisor: "You may do everything.",
+};
+
 export function Operator() {
-  const { store } = useApp();
+  const { store, session } = useApp();
   const editing = useSignal(false);
   if (!editing.value) {
     return (
-      <button
-        type="button"
-        class="operator"
-        data-testid="operator"
-        title="Your name, as others see it. Click to change."
-        onClick={() => (editing.value = true)}
-      >
-        {store.operator.value}
-      </button>
+      <span class="operator-group">
+        {store.hello.value && store.role.value !== "supervisor" && (
+          <span class="chip role" data-testid="role" title={ROLES[store.role.value]}>
+            {store.role.value === "spectator" ? "Spectator" : "Operator"}
+          </span>
+        )}
+        <button
+          type="button"
+          class="operator"
+          data-testid="operator"
+          title="Your name, as others see it. Click to change."
+          onClick={() => (editing.value = true)}
+        >
+          {store.operator.value}
+        </button>
+        {store.loggedIn.value && (
+          <button type="button" class="button small quiet" data-testid="log-out" onClick={() => void session.logOut()}>
+            Log out
+          </button>
+        )}
+      </span>
     );
   }
   const done = (value: string) => {
     editing.value = false;
-    if (value.trim() !== store.operator.peek()) store.rename(value);
+    if (value.trim() !== store.operator.peek()) session.rename(value);
   };
   return (
     <input
