@@ -79,7 +79,7 @@ def test_the_view_has_its_own_process_and_its_keys_drive_until_they_are_let_go_o
     frame.evaluate(STRIKE, ["keydown", "Escape"])
     page.locator("[data-testid=guard-state][data-state=e_stopped]").wait_for()
     stamp = robot.get("/robot")["stamp"]
-    assert robot.request("DELETE", f"/robot/e-stop?seen={stamp}")[0] == 200
+    assert robot.request("DELETE", f"/stop?seen={stamp}")[0] == 200
 
 
 def test_a_port_out_of_reach_leaves_the_view_on_the_page_s_own_and_its_keys_drive_too(

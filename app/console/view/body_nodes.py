@@ -12,6 +12,7 @@ from pathlib import Path
 import trimesh
 import viser
 
+from app.base.geometry import Pose3
 from app.base.kinematic_model import KinematicModel, load_model
 from app.console.view.shapes import Color, merged, visual_shapes
 
@@ -23,8 +24,10 @@ LEAST_MOVE = 2e-3
 class Body:
     """The body's model, read once; not for several threads. Raises ConfigError, ValueError or OSError."""
 
-    def __init__(self, model: Path) -> None:
+    def __init__(self, model: Path, eye: str = "") -> None:
+        """``eye``: the link of the camera whose pictures people see."""
         self._model = load_model(model)
+        self._eye = eye if eye in self._model.links else None
         self._joints = self._model.joints
         self._parents = {joint.child: joint.parent for joint in self._joints.values()}
         self._meshes = _merged(model)
@@ -46,6 +49,10 @@ class Body:
                 receive_shadow=False,
             )
         return BodyNodes(self._model, frames)
+
+    def eye(self, positions: Mapping[str, float]) -> Pose3 | None:
+        """``X_BC`` of the camera with the joints at ``positions`` (rad, m) by name; None where there is none."""
+        return None if self._eye is None else self._model.pose(self._eye, positions)
 
     def _node(self, root: str, link: str) -> str:
         """The scene node of a link: nested as the body is, so that moving one joint is one message."""

@@ -23,6 +23,8 @@ from app.console.view.mark_nodes import arrow_mesh
 from app.console.view.scene_state import World
 from app.console.view.shapes import merged
 from app.console.view.viewer_rate import Pace
+from app.console.view.viewpoints import MapExtent
+from app.console.view.walls import wall_boxes
 from app.messages import OccupancyGrid, PlannedPath, Zones
 
 #: Least time (s) between two pictures of the map, and of the costmap; longer where drawing takes long.
@@ -31,6 +33,7 @@ COSTMAP_PERIOD_S = 0.4
 _PERIODS = 10.0
 
 _WAY_COLOR = (90, 230, 160)
+_WALL_COLOR = (132, 148, 172)
 #: Over the floor (m), so that none flickers through another.
 _FLOOR_Z, _COSTMAP_Z, _PATH_Z = 0.01, 0.03, 0.04
 #: Turns a picture, whose rows viser draws downwards and away from who looks from above.
@@ -78,12 +81,21 @@ class Ground:
         self._picture: viser.ImageHandle | None = None
         self._floor: Floor = (None, None)
         self._floor_due = 0.0
+        self._layer: Layer | None = None
         self._points: viser.PointCloudHandle | None = None
         self._costmap: OccupancyGrid | None = None
         self._costmap_due = 0.0
         self._meshes: dict[str, viser.MeshHandle] = {}
         self._path: tuple[PlannedPath | None, Pose2 | None] = (None, None)
         self._goal: tuple[float, float, float | None] | None = None
+
+    @property
+    def extent(self) -> MapExtent | None:
+        """The known part of the map, once it is shown and known where it lies."""
+        layer = self._layer
+        if layer is None or self._pose is None or self._floor[0] is None:
+            return None
+        return MapExtent(self._pose @ Pose2(*layer.center), layer.size)
 
     def draw(self, world: World, now: float, pace: Pace) -> int:
         """Bring it up to ``world`` as ``pace`` allows. Returns how many parts were new."""
@@ -102,8 +114,10 @@ class Ground:
         if floor[1] is not self._floor[1]:
             for kind, color in (("keep_out", KEEP_OUT), ("slow", SLOW)):
                 self._mesh(f"map/{kind}", *rails(() if floor[1] is None else floor[1].zones, kind), color)
+        if floor[0] is not self._floor[0]:
+            self._mesh("map/walls", *wall_boxes(floor[0]), _WALL_COLOR)
         self._floor = floor
-        layer = self._layers.of(floor)
+        self._layer = layer = self._layers.of(floor)
         if layer is None:
             if self._picture is not None:
                 self._picture.visible = False

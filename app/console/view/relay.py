@@ -14,6 +14,7 @@ import socket
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import TypeAlias
 
 import msgspec
 import websockets
@@ -25,8 +26,10 @@ from websockets.asyncio.client import ClientConnection
 
 from app.console.view.budget import SILENT_AFTER_S
 from app.console.view.view import View, ViewerSession
+from app.console.view.viewpoints import Viewpoint
 
 PULSE_PERIOD_S = 0.25
+CAMERA_PERIOD_S = 0.2
 #: Messages that a viewer may send to viser.
 FORWARDED = frozenset({"ViewerCameraMessage"})
 _PROTOCOL = "viser-v"
@@ -44,13 +47,25 @@ class Layers(msgspec.Struct, tag_field="type", tag="layers"):
     costmap: bool | None = None
 
 
-_layers = msgspec.json.Decoder(Layers)
+class Look(msgspec.Struct, tag_field="type", tag="viewpoint"):
+    """The viewer shall look from ``viewpoint``; the ``number`` is another for each choice."""
+
+    viewpoint: Viewpoint
+    number: int
 
 
-def wished_layers(frame: str | bytes) -> Layers | None:
-    """The layers that a frame of the pulse asks for; None if it is none such."""
+class Grab(msgspec.Struct, tag_field="type", tag="grab"):
+    """The viewer's user takes the camera in hand."""
+
+
+Wish: TypeAlias = Layers | Look | Grab
+_wish: msgspec.json.Decoder[Wish] = msgspec.json.Decoder(Wish)
+
+
+def wish_of(frame: str | bytes) -> Wish | None:
+    """What a frame of the pulse asks for; None if it asks for nothing."""
     try:
-        return _layers.decode(frame)
+        return _wish.decode(frame)
     except msgspec.DecodeError:
         return None
 
@@ -81,10 +96,8 @@ def viewer_page() -> tuple[str, str]:
 
 
 def view_router(view: View, page_origin: Callable[[Scope], str | None] = lambda _: None) -> APIRouter:
-    """Routes of ``/viser``.
-
-    ``page_origin`` gives the origin of the page that may speak with the view that a request asks for; None: its own.
-    """
+    """Routes of ``/viser``. ``page_origin`` gives the origin of the page that may speak with the view that a request
+    asks for; None: its own."""
     router = APIRouter(include_in_schema=False)
     pages: list[tuple[str, str]] = []
 
@@ -113,15 +126,28 @@ def view_router(view: View, page_origin: Callable[[Scope], str | None] = lambda 
     async def pulse(websocket: WebSocket) -> None:
         await websocket.accept()
         session = view.enter(_viewer(websocket))
+
+        def wished(wish: Wish) -> None:
+            match wish:
+                case Layers(costmap):
+                    view.set_layers(session, costmap)
+                case Look(viewpoint, number):
+                    view.choose(session, viewpoint, number)
+                case Grab():
+                    view.grab(session)
+
+        cameras = asyncio.create_task(_report_camera(websocket, session), name="console view camera")
         try:
             await _pulse(
                 websocket,
                 lambda round_trip_s, frames_s: view.answered(session, round_trip_s, frames_s),
-                lambda layers: view.set_layers(session, layers.costmap),
+                wished,
             )
         except WebSocketDisconnect:
             return
         finally:
+            cameras.cancel()
+            await asyncio.wait({cameras})
             view.leave(session)
 
     return router
@@ -211,12 +237,29 @@ async def _received(websocket: WebSocket) -> str | bytes | None:
     return frame
 
 
+async def _report_camera(websocket: WebSocket, session: ViewerSession) -> None:
+    """Say from where the viewer looks, whenever that changes and again and again: what follows it counts on that.
+
+    Ends with the connection, or when it is cancelled.
+    """
+    while True:
+        if session.camera is not None:
+            try:
+                await websocket.send_text(msgspec.json.encode(session.camera).decode())
+            except (WebSocketDisconnect, RuntimeError):
+                return  # closed in the meantime
+        session.changed.clear()
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(CAMERA_PERIOD_S):
+                await session.changed.wait()
+
+
 async def _pulse(
-    websocket: WebSocket, answered: Callable[[float | None, float], None], wished: Callable[[Layers], None]
+    websocket: WebSocket, answered: Callable[[float | None, float], None], wished: Callable[[Wish], None]
 ) -> None:
     """Ask the page again and again for an answer two frames on, and time it; ends with the connection.
 
-    In between the page may say which layers it wants to see.
+    In between the page may say what it wants to see, and from where.
     """
     number = 0
     while True:
@@ -228,13 +271,26 @@ async def _pulse(
                 while (frames_s := _answer(frame := await _received(websocket), number)) is None:
                     if frame is None:
                         return
-                    if (layers := wished_layers(frame)) is not None:
-                        wished(layers)
+                    if (wish := wish_of(frame)) is not None:
+                        wished(wish)
         except TimeoutError:
             answered(None, 0.0)
             continue
         answered(time.monotonic() - began, frames_s)
-        await asyncio.sleep(max(0.0, PULSE_PERIOD_S - (time.monotonic() - began)))
+        if not await _listen(websocket, wished, PULSE_PERIOD_S - (time.monotonic() - began)):
+            return
+
+
+async def _listen(websocket: WebSocket, wished: Callable[[Wish], None], lasting_s: float) -> bool:
+    """Take what the page wishes for ``lasting_s``; returns whether it is still there."""
+    try:
+        async with asyncio.timeout(lasting_s):
+            while (frame := await _received(websocket)) is not None:
+                if (wish := wish_of(frame)) is not None:
+                    wished(wish)
+            return False
+    except TimeoutError:
+        return True
 
 
 def _answer(frame: str | bytes | None, number: int) -> float | None:

@@ -12,10 +12,12 @@ from typing import TYPE_CHECKING, Any
 
 from app.console.view.scene_state import World
 from app.console.view.viewer_rate import Pace
+from app.link import BaseLimits
 from app.runtime.worker import ModuleWorker
 
 if TYPE_CHECKING:
     from app.console.view.host import ViewHost
+    from app.console.view.viewer_camera import CameraState
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,6 +26,17 @@ class PainterStatistics:
 
     drawn: int
     longest_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class BodyModel:
+    """The body's ``model`` (URDF), the link of the camera whose pictures people see ("": none), and its ``footprint``:
+    corners (m) in ``base_link``; ``limits`` of its base, None where nothing is predicted."""
+
+    model: Path
+    eye: str
+    footprint: tuple[tuple[float, float], ...]
+    limits: BaseLimits | None = None
 
 
 class Painter:
@@ -35,12 +48,13 @@ class Painter:
 
     def __init__(
         self,
-        model: Path,
+        body: BodyModel,
         admitted: Callable[[int], str | None],
         pace: Callable[[], Mapping[str, Pace]],
+        *,
         ready: Callable[[int], None],
     ) -> None:
-        self._model = model
+        self._body = body
         self._admitted = admitted
         self._pace = pace
         self._ready = ready
@@ -52,6 +66,7 @@ class Painter:
         self._rung = False
         self._drawn = 0
         self._longest_s = 0.0
+        self._cameras: Mapping[str, CameraState] = {}
         #: viser's server; set before ``ready`` is called.
         self.host: ViewHost | None = None
         self._worker = ModuleWorker("3D view")
@@ -73,6 +88,10 @@ class Painter:
     def statistics(self) -> PainterStatistics:
         return PainterStatistics(self._drawn, self._longest_s)
 
+    def cameras(self) -> Mapping[str, CameraState]:
+        """What each viewer sees from."""
+        return self._cameras
+
     def _ring(self) -> None:
         if not self._rung:
             self._rung = True
@@ -88,10 +107,10 @@ class Painter:
         from app.console.view.host import ViewHost
         from app.console.view.scene import Scene
 
-        body = Body(self._model)
+        body = Body(self._body.model, self._body.eye)
         self.host = host = ViewHost(self._admitted, self._visit, lambda viewer: self._visit(viewer, None))
         try:
-            scene = Scene(host.server, body)
+            scene = Scene(host.server, body, self._body.footprint, self._body.limits)
             self._ready(host.port)
             while self._bell.get():
                 # Before anything is read: what comes from here on rings again.
@@ -105,6 +124,7 @@ class Painter:
                 began = time.monotonic()
                 if self._world is not None:
                     self._drawn += scene.draw(self._world, began, self._pace())
+                self._cameras = scene.states()
                 self._longest_s = max(self._longest_s, time.monotonic() - began)
         finally:
             host.stop()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -13,28 +13,37 @@ from typing import TYPE_CHECKING, Any
 
 from app.base.geometry import Pose2
 from app.base.joint_buffer import JointBuffer
+from app.base.motion_prediction import Velocity
 from app.base.pose_buffer import PoseBuffer
 from app.console import reports
 from app.console.playback import rate
 from app.console.taps import Tap
 from app.console.view.budget import PointBudget, measured, silent
+from app.console.view.foreseen import Motions, motions
+from app.console.view.instant import drawn_instant
+from app.console.view.picture_watch import PictureWatch
 from app.console.view.scene_state import World
-from app.console.view.scene_thread import Painter
+from app.console.view.scene_thread import BodyModel, Painter
 from app.console.view.viewer_rate import Pace
+from app.console.view.viewpoints import Choice, Viewpoint
 from app.messages import (
     ExternalForces,
     JointState,
     Landmarks,
     LaserScan,
+    LinkStatus,
     NavigationReport,
     OccupancyGrid,
     Odometry,
     PlacedPercepts,
     PointCloud,
+    TeleopCommand,
+    Twist,
 )
 from app.runtime.half_imports import forget_half_imports
 
 if TYPE_CHECKING:
+    from app.console.view.viewer_camera import CameraState
     from app.logs.replay.playback import Playback
     from app.program.system import System
 
@@ -52,7 +61,16 @@ COSTMAP_FRESH_S = 2.0
 #: Forces that are older (s) are felt no longer: what estimates them has stopped.
 FORCES_FRESH_S = 0.5
 #: Of these the newest message is drawn; they are subscribed to while there are viewers.
-STANDING = ("placed_percepts", "external_forces", "navigation_report", "path", "localization", "zones", "map")
+STANDING = (
+    "placed_percepts",
+    "external_forces",
+    "navigation_report",
+    "path",
+    "localization",
+    "zones",
+    "map",
+    "link_status",
+)
 #: The goal is drawn in these states of navigation.
 GOAL_STATES = ("planning", "following", "recovering", "waiting", "unreachable")
 
@@ -60,7 +78,7 @@ GOAL_STATES = ("planning", "following", "recovering", "waiting", "unreachable")
 @dataclass(slots=True, eq=False)
 class ViewerSession:
     """One open view. ``drain_s`` is how long its last frame waited for room towards it. ``costmap``: whether it shows
-    the local costmap; None: if any page does."""
+    the local costmap; None: if any page does. ``camera``: from where it looks; ``changed`` is set when that is new."""
 
     viewer: str
     budget: PointBudget = field(default_factory=PointBudget)
@@ -68,6 +86,9 @@ class ViewerSession:
     sent_bytes: int = 0
     connections: int = 0
     costmap: bool | None = None
+    choice: Choice = field(default_factory=Choice)
+    camera: CameraState | None = None
+    changed: asyncio.Event = field(default_factory=asyncio.Event)
 
 
 class View:
@@ -103,8 +124,10 @@ class View:
         self._placed: tuple[LaserScan, Pose2] | None = None
         self._cloud: PointCloud | None = None
         self._landmarks: Landmarks | None = None
+        self._world: World | None = None
         self._costmap: Tap[OccupancyGrid] | None = None
         self._pages_show_costmap = False
+        self._pictures = PictureWatch(system.graph)
 
     # --- Life --------------------------------------------------------------------------------------------------------
 
@@ -142,7 +165,13 @@ class View:
                 loop.call_soon_threadsafe(port.set_result, number)
 
             model = self._system.link.description.model_path
-            self._painter = Painter(model, self._ports.get, self.pace, ready)
+            footprint = self._system.link.description.footprint
+            self._painter = Painter(
+                BodyModel(model, self._pictures.eye, footprint, self._system.link.description.limits),
+                self._ports.get,
+                self.pace,
+                ready=ready,
+            )
             self._ended = self._painter.start()
             self._ended.add_done_callback(self._painter_ended)
         return self._port
@@ -168,6 +197,8 @@ class View:
                 int(session.budget.points),
                 session.budget.period_s,
                 self._pages_show_costmap if session.costmap is None else session.costmap,
+                session.choice,
+                lag_s=session.budget.lag_s,
             )
             for session in self.sessions
         }
@@ -197,6 +228,20 @@ class View:
     def set_layers(self, session: ViewerSession, costmap: bool | None) -> None:
         """Show the viewer the local costmap, or not; None: as the pages do."""
         session.costmap = costmap
+
+    def choose(self, session: ViewerSession, viewpoint: Viewpoint, number: int) -> None:
+        """Let the viewer look from ``viewpoint``; ``number`` tells choices apart, so that one said again is none."""
+        if number != session.choice.number:
+            session.choice = replace(session.choice, viewpoint=viewpoint, number=number)
+            self._draw_soon()
+
+    def grab(self, session: ViewerSession) -> None:
+        """The viewer's user takes the camera in hand: it glides no further."""
+        session.choice = replace(session.choice, grabs=session.choice.grabs + 1)
+
+    def _draw_soon(self) -> None:
+        if self._painter is not None and self._world is not None:
+            self._painter.show(self._world)
 
     def answered(self, session: ViewerSession, round_trip_s: float | None, frames_s: float = 0.0) -> None:
         """The viewer answered a pulse two frames on, which took it ``frames_s``, or not in time (None)."""
@@ -229,6 +274,7 @@ class View:
 
     def _stop_feeding(self) -> None:
         self._watching.close()
+        self._pictures.close()
         if self._costmap is not None:
             self._costmap.close()
             self._costmap = None
@@ -241,6 +287,7 @@ class View:
         self._poses, self._joints = PoseBuffer(span_s=2.0), JointBuffer(tolerance_s=JOINTS_LATE_S)
         self._odometry = self._scan = self._placed = self._cloud = None
         self._landmarks = reports.latest(self._system.graph, "landmarks")
+        self._pictures.forget()
 
     def _on_odometry(self, message: Odometry) -> None:
         self._poses.add(message.stamp, message.X_OB)
@@ -268,6 +315,13 @@ class View:
             self._costmap.close()
             self._costmap = None
 
+    def _look_at_cameras(self, cameras: Mapping[str, CameraState]) -> None:
+        for session in self.sessions:
+            camera = cameras.get(session.viewer)
+            if camera != session.camera:
+                session.camera = camera
+                session.changed.set()
+
     def _perceived(self) -> PlacedPercepts | None:
         """What is perceived, as of now: what it was then fades."""
         percepts: PlacedPercepts | None = reports.latest(self._system.graph, "placed_percepts")
@@ -278,10 +332,32 @@ class View:
         clock = self._system.clock
         return forces if forces is not None and clock.now() - forces.stamp <= FORCES_FRESH_S * rate(clock) else None
 
+    def _applied(self) -> Twist | None:
+        """What the wheels are given now; None where the guard says nothing."""
+        status: LinkStatus | None = reports.latest(self._system.graph, "link_status")
+        clock = self._system.clock
+        return None if status is None or clock.now() - status.stamp > FORCES_FRESH_S * rate(clock) else status.applied
+
+    def _motions(self, applied: Twist | None) -> Motions | None:
+        """How the base goes on; None where that is not known, and in a recording, where nothing can be commanded."""
+        if self._odometry is None or applied is None or self._playback is not None:
+            return None
+        driver: TeleopCommand | None = reports.latest(self._system.graph, "teleop_command")
+        given = Velocity(applied.linear_mps, applied.angular_radps, applied.lateral_mps)
+        limits = self._system.link.description.limits
+        return motions(self._odometry, given, driver, limits, now=self._system.clock.now())
+
     def _fresh_costmap(self) -> OccupancyGrid | None:
         grid: OccupancyGrid | None = reports.latest(self._system.graph, COSTMAP)
         clock = self._system.clock
         return grid if grid is not None and clock.now() - grid.stamp <= COSTMAP_FRESH_S * rate(clock) else None
+
+    def _body_now(self) -> tuple[Pose2 | None, Mapping[str, float] | None]:
+        """The robot's pose and its joints, of one instant."""
+        if self._odometry is None:
+            return None, None
+        instant = drawn_instant(self._odometry.stamp, self._joints)
+        return self._poses.at(instant), self._joints.at(instant)
 
     async def _feed(self) -> None:
         beat = 0
@@ -294,15 +370,16 @@ class View:
                 # A moment after it came, when odometry has reached its stamp.
                 if self._scan is not None and (pose := self._poses.at(self._scan.stamp)) is not None:
                     self._placed = (self._scan, pose)
-            robot = None if self._odometry is None else self._odometry.X_OB
+            robot, joints = self._body_now()
             self._look_for_costmap()
+            self._pictures.watch(any(session.choice.viewpoint == "first_person" for session in self.sessions))
             if self._painter is not None:
                 latest = partial(reports.latest, self._system.graph)
                 report: NavigationReport | None = latest("navigation_report")
-                world = World(
+                applied = self._applied()
+                self._world = world = World(
                     robot,
-                    # Of the same instant as the base
-                    None if self._odometry is None else self._joints.at(self._odometry.stamp),
+                    joints,
                     scan=self._placed,
                     cloud=self._cloud,
                     landmarks=self._landmarks,
@@ -314,8 +391,13 @@ class View:
                     path=latest("path") if report is not None and len(report.path) else None,
                     goal=_goal(report),
                     costmap=self._fresh_costmap(),
+                    picture=self._pictures.placed(self._poses),
+                    applied=applied,
+                    motions=self._motions(applied),
+                    now=self._system.clock.now(),
                 )
                 self._painter.show(world)
+                self._look_at_cameras(self._painter.cameras())
             await self._system.pace.sleep(PERIOD_S)
 
 

@@ -12,7 +12,7 @@ import pytest
 import websockets
 
 from app.base.geometry import Pose2
-from app.console.view.relay import wished_layers
+from app.console.view.relay import wish_of
 from app.console.view.view import View
 from app.messages import NavigationStatus
 from app.program.system import System
@@ -102,4 +102,4 @@ async def test_a_costmap_is_taken_while_a_viewer_wants_to_see_it(
 
 @pytest.mark.parametrize("frame", ["", "{", "3 33.4", '{"type": "other"}', '{"type": "layers", "costmap": 1}', b"\xff"])
 def test_what_is_no_wish_for_layers_is_none(frame: str | bytes) -> None:
-    assert wished_layers(frame) is None
+    assert wish_of(frame) is None

@@ -108,7 +108,7 @@ async def test_the_second_port_has_the_view_and_its_sign_of_life_and_nothing_els
         assert alive.headers["access-control-allow-origin"] == page
         for path in ("/", "/api/v1/health", "/api/v1/desires", "/api/v1/robot", "/assets/index-1a2b.js", "/panels/x"):
             assert (await client.get(path)).status_code == 404, path
-        assert (await client.post("/api/v1/robot/e-stop", headers={"Origin": scene})).status_code == 404
+        assert (await client.post("/api/v1/stop", headers={"Origin": scene})).status_code == 404
     async with looking(scene) as viewer:
         await viewer.until(("MeshMessage", None))
 

@@ -1,26 +1,27 @@
-/** What the robot sees: the camera picture over the 3D view, its age when it is old, and why there is none. */
+/** What the robot sees: the camera picture over the 3D view, its age, and why there is none. */
 
+import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
+import { inWords } from "../protocol/rest";
 import { useApp } from "../state/context";
-import { number, reasonText } from "../ui/format";
-import { CameraIcon, CloseIcon, EnlargeIcon, ShrinkIcon } from "../ui/icons";
+import { reasonText } from "../ui/format";
+import { CameraIcon, CloseIcon, EnlargeIcon, FlagIcon, ShrinkIcon } from "../ui/icons";
+import { goalFor } from "./clickToGo";
+import { isOld, pictureAge } from "./pictureAge";
 import { pictureShare } from "./pictureShare";
 import { OVERLAYS } from "./registry";
 
-const OLD_S = 1;
 /** The desire class whose filters let the camera through to people. */
 const CLASS = "Telepresence";
 
 export function Camera() {
-  const { store, camera, drive, tourPointing } = useApp();
+  const { store, session, camera, drive, map, tourPointing } = useApp();
+  /** The next click is a goal. */
+  const asksGoal = useSignal(false);
   const canvas = useRef<HTMLCanvasElement>(null);
   const mode = store.camera.value;
-  useEffect(() => {
-    camera.canvas = canvas.current;
-    return () => {
-      camera.canvas = null;
-    };
-  }, [mode]);
+  const there = mode !== "hidden" && store.hello.value?.channels.camera !== false;
+  useEffect(() => (there ? camera.show(canvas.current!) : undefined), [there]);
 
   if (store.hello.value?.channels.camera === false) return null; // nothing to show, nothing to cover
   if (mode === "hidden") {
@@ -40,6 +41,19 @@ export function Camera() {
   const live = !empty && !store.replay.value && camera.stamp.value !== null;
   const points = live && tourPointing.target.value !== null;
   const looks = live && store.body.value.turnsHead;
+  const goes = live && store.body.value.goes && store.body.value.maps;
+  const goTo = async (stamp: number, u: number, v: number) => {
+    asksGoal.value = false;
+    try {
+      const robot = store.of("localization").peek();
+      const point = await session.rest.cameraPoint({ stamp, u, v });
+      const goal = robot && goalFor(point, robot);
+      if (goal) await map.goTo(goal.x, goal.y, goal.heading);
+      else store.notify("info", "The robot is there already.");
+    } catch (error) {
+      store.notify("error", inWords(error));
+    }
+  };
   return (
     <figure
       class={`camera ${mode} ${old ? "old" : ""} ${empty ? "empty" : ""}`}
@@ -49,26 +63,52 @@ export function Camera() {
     >
       <canvas
         ref={canvas}
-        class={looks || points ? "looks" : ""}
+        class={asksGoal.value ? "goes" : looks || points ? "looks" : ""}
         width={640}
         height={480}
         role="img"
         aria-label={empty ? text : "What the robot's camera sees"}
-        title={points ? "Click: the point of the step" : looks ? "Click: the head turns there" : undefined}
+        title={
+          points
+            ? "Click: the point of the step"
+            : asksGoal.value
+              ? "Click: the robot goes there"
+              : looks
+                ? `Click: the head turns there${goes ? "; with Shift, the robot goes there" : ""}`
+                : undefined
+        }
         onClick={(event) => {
-          const at = (looks || points) && placeOn(event.currentTarget, event);
-          if (at && points) void tourPointing.picture(camera.stamp.peek()!, at.u, at.v);
+          const at = placeOn(event.currentTarget, camera.size, event);
+          const wantsGoal = goes && !points && (asksGoal.peek() || event.shiftKey);
+          if (at && wantsGoal) void goTo(camera.stamp.peek()!, at.u, at.v);
+          else if (!(looks || points)) return;
+          else if (at && points) void tourPointing.picture(camera.stamp.peek()!, at.u, at.v);
           else if (at) drive.lookHere(camera.stamp.peek()!, at.u, at.v);
         }}
       />
       {!empty && OVERLAYS.map(({ type, Frames }) => <Frames key={type} message={store.of(type).value} />)}
-      {text && (
-        <figcaption class={empty ? "camera-empty" : "camera-age"} data-testid="camera-text">
-          {empty && <CameraIcon />}
+      {empty ? (
+        <figcaption class="camera-empty" data-testid="camera-text">
+          <CameraIcon />
           <span>{text}</span>
         </figcaption>
+      ) : (
+        <Age />
       )}
       <div class="camera-tools">
+        {goes && (
+          <button
+            type="button"
+            class={`icon-button ${asksGoal.value ? "on" : ""}`}
+            data-testid="camera-go"
+            aria-label="Go to a point of the picture"
+            aria-pressed={asksGoal.value}
+            title="Then click in the picture: the robot goes there (or Shift and a click)"
+            onClick={() => (asksGoal.value = !asksGoal.value)}
+          >
+            <FlagIcon />
+          </button>
+        )}
         <button
           type="button"
           class="icon-button"
@@ -93,10 +133,29 @@ export function Camera() {
   );
 }
 
+/** Refreshed as the robot's clock is, four times a second: digits that change with every picture could not be read. */
+function Age() {
+  const { store, camera } = useApp();
+  const now = store.now.value;
+  const stamp = camera.stamp.peek();
+  if (now === null || stamp === null) return null;
+  const shown = pictureAge(now - stamp, store.clock.rate, store.replay.value);
+  if (shown === null) return null;
+  return (
+    <figcaption class={`camera-age ${shown.late ? "late" : ""}`} data-testid="camera-age" title={shown.title}>
+      {shown.text}
+    </figcaption>
+  );
+}
+
 /** Where a click is in the picture, which is drawn as large as the canvas allows, in its middle; null: beside it. */
-function placeOn(canvas: HTMLCanvasElement, event: MouseEvent): { u: number; v: number } | null {
+function placeOn(
+  canvas: HTMLCanvasElement,
+  picture: { width: number; height: number },
+  event: MouseEvent,
+): { u: number; v: number } | null {
   const box = canvas.getBoundingClientRect();
-  const at = pictureShare(box, canvas, event.clientX - box.left, event.clientY - box.top);
+  const at = pictureShare(box, picture, event.clientX - box.left, event.clientY - box.top);
   return at.u >= 0 && at.u <= 1 && at.v >= 0 && at.v <= 1 ? at : null;
 }
 
@@ -106,12 +165,12 @@ function useCameraState(): { text: string; old: boolean; empty: boolean } {
   const now = store.now.value;
   const lane = store.rows.value.find((row) => row.class === CLASS);
   const age = stamp !== null && now !== null ? now - stamp : null;
-  const old = age !== null && age > OLD_S * Math.max(1, store.clock.rate);
+  const old = age !== null && isOld(age, store.clock.rate);
   if (lane && lane.divisor === null && (age === null || old))
     return { text: `No picture. ${reasonText(lane.state, lane.text)}`, old, empty: true };
   if (age === null && store.replay.value)
     return { text: "No picture yet at this time of the recording.", old: false, empty: true };
   if (age === null)
     return { text: store.live.value ? "Waiting for the first picture…" : "No picture yet.", old: false, empty: true };
-  return { text: old ? `${number(age, 1)} s old` : "", old, empty: false };
+  return { text: "", old, empty: false };
 }

@@ -2,6 +2,7 @@
 
 import { useSignalEffect } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
+import { FollowControl } from "../drive/followControl";
 import { DRIVE_KEYS, HEAD_KEYS, STRAFE_KEYS } from "../drive/keys";
 import { PLAYBACK_KEYS } from "../playback/transport";
 import { useApp } from "../state/context";
@@ -10,9 +11,12 @@ import { FULL, hopeless, paced, SHARES } from "./pace";
 import { sceneAddress } from "./sceneAddress";
 import { SceneFrame } from "./sceneFrame";
 import type { Stroke } from "./sceneMessages";
+import { ViewpointStrip } from "./ViewpointStrip";
+import { VIEW_KEYS } from "./viewpoints";
 
 export function SceneView() {
-  const { store, session } = useApp();
+  const { store, session, drive } = useApp();
+  const [follow] = useState(() => new FollowControl(drive));
   const frame = useRef<HTMLIFrameElement>(null);
   const [pace, setPace] = useState(FULL);
   const [scene] = useState(() => {
@@ -42,7 +46,12 @@ export function SceneView() {
       window.removeEventListener("message", receive);
       window.removeEventListener("blur", takeBack);
       scene.close();
+      follow.stop();
     };
+  }, []);
+  useEffect(() => {
+    scene.onHand = (down) => follow.hand(down);
+    scene.onCamera = (camera) => follow.look(camera);
   }, []);
   useSignalEffect(() => scene.takeKeys(keysOfPage(store)));
   useEffect(() => {
@@ -66,6 +75,7 @@ export function SceneView() {
           style={shrunk(share)}
         />
       )}
+      {state === "shown" && <ViewpointStrip scene={scene} follow={follow} />}
       {state === "shown" && <SceneLegend />}
       {state === "loading" && <p class="scene-note">Loading the 3D view…</p>}
       {state === "missing" && (
@@ -131,10 +141,10 @@ function shrunk(share: number): Record<string, string> {
 
 /** The keys that viser, which moves its camera by some of them, is kept from. */
 function keysOfPage(store: Store): string[] {
-  if (store.replay.value) return [...PLAYBACK_KEYS];
+  if (store.replay.value) return [...PLAYBACK_KEYS, ...VIEW_KEYS];
   const { drives, strafes, turnsHead } = store.body.value;
-  if (!drives) return ["Space"];
-  return ["Space", ...DRIVE_KEYS, ...(strafes ? STRAFE_KEYS : []), ...(turnsHead ? HEAD_KEYS : [])];
+  if (!drives) return ["Space", ...VIEW_KEYS];
+  return ["Space", ...VIEW_KEYS, ...DRIVE_KEYS, ...(strafes ? STRAFE_KEYS : []), ...(turnsHead ? HEAD_KEYS : [])];
 }
 
 /** A key of the frame, as one of the page pressed on the frame. */

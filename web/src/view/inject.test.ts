@@ -77,7 +77,7 @@ test("the page's keys are kept from viser, but not shortcuts of the browser; all
 test("while a key is held it says so again and again, and once more when none is", () => {
   const { parent, press, everyPeriod } = injected();
   press("keydown", "KeyW");
-  const again = (everyPeriod.mock.calls as unknown as [[() => void]])[0][0];
+  const again = () => (everyPeriod.mock.calls as unknown as [() => void][]).forEach(([run]) => run());
   again();
   expect(parent.postMessage).toHaveBeenLastCalledWith({ type: "held", codes: ["KeyW"] }, PAGE);
   press("keyup", "KeyW");

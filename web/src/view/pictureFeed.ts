@@ -3,13 +3,22 @@
 import { effect, type ReadonlySignal, signal } from "@preact/signals";
 import { CAMERA, type PANORAMA, type Picture, parsePicture } from "../protocol/picture";
 import type { Session } from "../state/session";
+import { paced } from "../state/turns";
+import { CanvasPainter } from "./canvasPainter";
 
 const KEPT_MS = 1500;
+/** As the robot takes it. */
+const WIDEST_PX = 16_384;
 
 export class PictureFeed {
   /** Stamp of the picture shown; null: none yet on this connection. */
   readonly stamp = signal<number | null>(null);
+  /** A canvas that is read again: drawn to here. */
   canvas: HTMLCanvasElement | null = null;
+  /** Size of the picture shown (px). */
+  size = { width: 640, height: 480 };
+  private painter: CanvasPainter | null = null;
+  private shownOn: HTMLCanvasElement | null = null;
 
   constructor(
     private readonly session: Session,
@@ -19,6 +28,10 @@ export class PictureFeed {
   ) {}
 
   private jumped = 0;
+  /** The canvas is drawn to for each picture; what depends on its stamp, once a turn. */
+  private readonly drawn = paced((stamp: number) => (this.stamp.value = stamp));
+  /** The width last asked for, px. */
+  private asked = 0;
 
   start(): void {
     this.session.onBinary.set(this.kind, (frame) => void this.take(frame));
@@ -39,28 +52,63 @@ export class PictureFeed {
     document.addEventListener("visibilitychange", () => this.request());
   }
 
+  /** Shows the pictures on `canvas`, by a worker that alone draws to it; returns what ends that. */
+  show(canvas: HTMLCanvasElement): () => void {
+    const painter = new CanvasPainter(canvas);
+    this.painter = painter;
+    this.shownOn = canvas;
+    return () => {
+      if (this.painter === painter) this.painter = this.shownOn = null;
+      painter.end();
+    };
+  }
+
   private wanted(): boolean {
     return this.shown.peek() && !document.hidden;
   }
 
   private request(): void {
     const wanted = this.wanted();
-    this.session.send({ type: "view", ...(this.kind === CAMERA ? { camera: wanted } : { panorama: wanted }) });
+    if (this.kind === CAMERA) this.session.send({ type: "view", camera: wanted, ...this.width() });
+    else this.session.send({ type: "view", panorama: wanted });
+  }
+
+  /** How wide it is shown, in pixels of the screen: the robot sends no larger picture. */
+  private width(): { camera_px?: number } {
+    const width = Math.round((this.shownOn?.clientWidth ?? 0) * (window.devicePixelRatio || 1));
+    this.asked = width;
+    return width > 0 ? { camera_px: Math.min(width, WIDEST_PX) } : {};
+  }
+
+  /** The page shows it in another size than it asked for. */
+  private resized(): boolean {
+    const width = (this.shownOn?.clientWidth ?? 0) * (window.devicePixelRatio || 1);
+    return width > 0 && Math.abs(width - this.asked) > 0.1 * this.asked + 8;
   }
 
   private async take(frame: ArrayBuffer): Promise<void> {
     const picture = parsePicture(frame);
     if (!picture) return;
-    if (this.wanted() && this.canvas) await this.draw(picture, this.canvas);
+    if (this.wanted() && (await this.paint(picture, frame))) {
+      this.size = { width: picture.width, height: picture.height };
+      this.drawn(picture.stamp);
+    }
     this.session.send({ type: "ack", kind: this.kind, seq: picture.seq });
+    if (this.kind === CAMERA && this.resized() && this.wanted()) this.session.send({ type: "view", ...this.width() });
   }
 
-  private async draw(picture: Picture, canvas: HTMLCanvasElement): Promise<void> {
+  /** Whether it was drawn. After a damaged picture the next one comes all the same, as it was acknowledged. */
+  private async paint(picture: Picture, frame: ArrayBuffer): Promise<boolean> {
+    if (this.painter) return this.painter.draw(frame, picture.data.byteOffset);
+    return this.canvas !== null && this.draw(picture, this.canvas);
+  }
+
+  private async draw(picture: Picture, canvas: HTMLCanvasElement): Promise<boolean> {
     let bitmap: ImageBitmap;
     try {
       bitmap = await createImageBitmap(new Blob([picture.data], { type: "image/jpeg" }));
     } catch {
-      return; // a damaged picture: the next one comes after the acknowledgement all the same
+      return false;
     }
     if (canvas.width !== bitmap.width || canvas.height !== bitmap.height) {
       canvas.width = bitmap.width;
@@ -68,6 +116,6 @@ export class PictureFeed {
     }
     canvas.getContext("2d")!.drawImage(bitmap, 0, 0);
     bitmap.close();
-    this.stamp.value = picture.stamp;
+    return true;
   }
 }

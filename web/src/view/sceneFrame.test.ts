@@ -110,3 +110,21 @@ test("an address that is found after the view was closed loads nothing", async (
   await opening;
   expect(scene.address.value).toBe(null);
 });
+
+test("a viewpoint is asked for with a number of its own, again of a page that was loaded again, and reported", async () => {
+  const { scene, say, inner } = framed(APART, APART);
+  const asked = () =>
+    inner.postMessage.mock.calls.map(([message]) => message).filter(({ type }) => type === "viewpoint");
+  const camera = { type: "camera", arrived: true, bearing: 0, gaze: 0 } as const;
+  await scene.open();
+  say({ type: "ready" });
+  scene.look("top");
+  scene.look("top");
+  expect(asked().map(({ number }) => number)).toEqual([1, 2]);
+  say({ ...camera, viewpoint: "top", number: 1 });
+  expect(scene.camera.value).toEqual({ viewpoint: "top", arrived: false });
+  say({ ...camera, viewpoint: "top", number: 2 });
+  expect(scene.camera.value).toEqual({ viewpoint: "top", arrived: true });
+  say({ type: "ready" });
+  expect(asked().at(-1)).toEqual({ type: "viewpoint", viewpoint: "top", number: 2 });
+});

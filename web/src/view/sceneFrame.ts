@@ -6,7 +6,8 @@
 
 import { signal } from "@preact/signals";
 import { SceneKeys } from "./sceneKeys";
-import { type FromScene, fromScene, type Stroke, type ToScene } from "./sceneMessages";
+import { type FromScene, fromScene, type SceneCamera, type Stroke, type ToScene } from "./sceneMessages";
+import type { Viewpoint } from "./viewpoints";
 
 /** Its page has loaded, and says so within this time; an error page of the browser never does. */
 export const READY_WITHIN_MS = 2000;
@@ -32,7 +33,14 @@ export class SceneFrame {
   readonly address = signal<string | null>(null);
   /** Counts loads: another number is another frame. */
   readonly load = signal(0);
+  /** What it looks from, as it says, and whether it is there; null: not known yet. */
+  readonly camera = signal<Pick<SceneCamera, "viewpoint" | "arrived"> | null>(null);
+  /** Called several times a second with where it looks. */
+  onCamera: (camera: SceneCamera) => void = () => {};
+  /** Called while a hand has its camera, again and again, and when it has let go of it. */
+  onHand: (down: boolean) => void = () => {};
   private readonly keys: SceneKeys;
+  private choice: { viewpoint: Viewpoint; number: number } | null = null;
   private taken: string[] = [];
   private turn = 0;
   /** Something has loaded that has not said yet that it is our page. */
@@ -80,14 +88,34 @@ export class SceneFrame {
     this.say({ type: "keys", codes });
   }
 
+  /** Looks from there; chosen again, it goes back there. */
+  look(viewpoint: Viewpoint): void {
+    this.choice = { viewpoint, number: (this.choice?.number ?? 0) + 1 };
+    this.camera.value = { viewpoint, arrived: false };
+    this.say({ type: "viewpoint", ...this.choice });
+  }
+
   private take(message: FromScene): void {
     if (message.type === "ready") {
       this.stopWaiting();
       this.keys.release(); // of the page that was there before
       this.state.value = "shown";
       this.say({ type: "keys", codes: this.taken });
+      this.camera.value = null;
+      if (this.choice) this.say({ type: "viewpoint", ...this.choice });
     } else if (message.type === "frames") this.parts.frames(message.ms);
+    else if (message.type === "camera") this.takeCamera(message);
+    else if (message.type === "hand") this.onHand(message.down);
     else this.keys.take(message);
+  }
+
+  private takeCamera(camera: SceneCamera): void {
+    this.onCamera(camera);
+    // What was chosen in the meantime it does not know yet.
+    if (camera.number !== (this.choice?.number ?? 0)) return;
+    const { viewpoint, arrived } = camera;
+    const before = this.camera.peek();
+    if (before?.viewpoint !== viewpoint || before.arrived !== arrived) this.camera.value = { viewpoint, arrived };
   }
 
   private async sought(): Promise<string | null> {

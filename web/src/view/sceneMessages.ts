@@ -3,6 +3,8 @@
  * process of its own. The frame's half is `app/console/view/inject.html`. Pure.
  */
 
+import type { Viewpoint } from "./viewpoints";
+
 /** A key pressed or let go of in the frame; the names are those of KeyboardEvent. */
 export interface Stroke {
   type: "key";
@@ -16,6 +18,19 @@ export interface Stroke {
   shiftKey: boolean;
 }
 
+/**
+ * From where it looks: `arrived` once its camera is there; `bearing`, `gaze` (rad, left positive): azimuths of the view
+ * and of the head by the robot's front.
+ */
+export interface SceneCamera {
+  type: "camera";
+  viewpoint: string;
+  number: number;
+  arrived: boolean;
+  bearing: number;
+  gaze: number;
+}
+
 export type FromScene =
   /** It is our page, and there. */
   | { type: "ready" }
@@ -25,11 +40,16 @@ export type FromScene =
   /** It has lost the keyboard, or is not seen any more. */
   | { type: "blur" }
   /** The mean time between frames lately. */
-  | { type: "frames"; ms: number };
+  | { type: "frames"; ms: number }
+  | SceneCamera
+  /** A hand has the camera; again and again while it does. */
+  | { type: "hand"; down: boolean };
 
 export type ToScene =
   /** The codes of keys that viser is to be kept from. */
   | { type: "keys"; codes: string[] }
+  /** Another number is another choice. */
+  | { type: "viewpoint"; viewpoint: Viewpoint; number: number }
   /** The robot answers again: viser shall try at once. */
   | { type: "reconnect" };
 
@@ -51,6 +71,16 @@ const SHAPES: ReadonlyMap<unknown, (said: Record<string, unknown>) => boolean> =
   ["ready", () => true],
   ["blur", () => true],
   ["frames", ({ ms }) => typeof ms === "number" && ms > 0],
+  ["hand", ({ down }) => typeof down === "boolean"],
+  [
+    "camera",
+    ({ viewpoint, number, arrived, bearing, gaze }) =>
+      typeof viewpoint === "string" &&
+      typeof number === "number" &&
+      typeof arrived === "boolean" &&
+      Number.isFinite(bearing) &&
+      Number.isFinite(gaze),
+  ],
   ["held", ({ codes }) => Array.isArray(codes) && codes.every((code) => typeof code === "string")],
   [
     "key",
