@@ -1,21 +1,10 @@
-/** The lanes' present values as a table: for screen readers and tests always, for eyes on demand. Four times a second. */
+/** The lanes' present values as a table: for screen readers and tests always, for eyes on demand. */
 
-import { useSignal } from "@preact/signals";
-import { useEffect } from "preact/hooks";
 import type { LaneRow } from "../protocol/types";
-import { useApp } from "../state/context";
 import { divisor, divisorLines, number, percent, reasonText, spaced, stateWord } from "../ui/format";
 import { StateMark } from "../ui/icons";
 
-const EVERY_MS = 250;
-
-export function LaneTable({ visible }: { visible: boolean }) {
-  const { store } = useApp();
-  const rows = useSignal<LaneRow[]>(store.rows.peek());
-  useEffect(() => {
-    const timer = window.setInterval(() => (rows.value = store.rows.peek()), EVERY_MS);
-    return () => clearInterval(timer);
-  }, []);
+export function LaneTable({ rows, visible }: { rows: readonly LaneRow[]; visible: boolean }) {
   return (
     <div class={visible ? "lane-table" : "visually-hidden"}>
       <table>
@@ -31,7 +20,7 @@ export function LaneTable({ visible }: { visible: boolean }) {
           </tr>
         </thead>
         <tbody>
-          {rows.value.map((row) => (
+          {rows.map((row) => (
             <tr
               key={row.class}
               data-testid={`lane-${row.class}`}

@@ -2,202 +2,197 @@
 
 import { useSignal } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
+import { typesText } from "../drive/driveController";
+import { shownTheme } from "../layout/theme";
 import { panel } from "../panels/panel";
 import { useApp } from "../state/context";
-import { divisor, divisorLines, number, spaced } from "../ui/format";
-import { MinusIcon, PauseIcon, PlayIcon, PlusIcon, StateMark, TableIcon } from "../ui/icons";
-import { narrow } from "../ui/media";
-import { type Hit, LaneChart } from "./chart";
-import { AXIS_PX } from "./drawLanes";
-import { gestures } from "./gestures";
+import { low, narrow } from "../ui/media";
+import { EVENTS_PX } from "./drawEvents";
+import { GAUGE_PX } from "./drawLanes";
+import { gaugesOf } from "./gauges";
+import { Fold, LaneNames } from "./LaneNames";
+import { LaneSpan, showSpan, useSpan } from "./LaneSpan";
 import { LaneTable } from "./LaneTable";
-import { laneRows } from "./rows";
+import { LaneTools, Legend, SpanTools } from "./LaneTools";
+import { type Pin, Pinned } from "./Pinned";
+import { LIGHT, SCREEN, variables } from "./palette";
+import { laneRows, parted } from "./rows";
 import { Tooltip } from "./Tooltip";
-import { span, stepZoom, togglePause, type Viewport } from "./viewport";
+import { useRows } from "./useRows";
 
-const ROW_MIN = 20;
-/** On a phone the figures stand below the name. */
-const ROW_MIN_NARROW = 34;
-const ROW_MAX = 72;
+const ROW_MIN = 24;
+/** In a tab the figures stand below the name. */
+const ROW_MIN_TAB = 36;
+const ROW_MAX = 96;
+const AXIS_PX = 20;
+const FOLD_PX = 22;
+/** Over each of two ranges of time. */
+const TOOLS_PX = 32;
+/** Lanes of this width (CSS pixels) have room for two ranges of time. */
+const COMPARE_PX = 860;
 
 /** Beside the view, where there is no room for them below it. */
-export const lanesPanel = panel({ type: "lanes", tab: "Lanes", Card: Lanes, offered: (_, phone) => phone });
+export const lanesPanel = panel({
+  type: "lanes",
+  tab: "Lanes",
+  Card: Lanes,
+  offered: (_, phone) => phone || low.value,
+});
 
 export function Lanes() {
   const { store } = useApp();
-  const rows = laneRows(store.rows.value, store.hello.value?.classes ?? []);
-  const canvas = useRef<HTMLCanvasElement>(null);
+  const rows = useRows();
+  const main = useRef<HTMLDivElement>(null);
   const body = useRef<HTMLDivElement>(null);
-  const area = useRef<HTMLDivElement>(null);
-  const view = useSignal<Viewport>({ windowS: 30, heldAt: null });
-  const hit = useSignal<Hit | null>(null);
+  const [first, second] = [useSpan(), useSpan("-2")];
+  const pin = useSignal<Pin | null>(null);
   const asTable = useSignal(false);
+  const undesiredShown = useSignal(false);
+  const gaugesShown = useSignal(false);
   const rowHeight = useSignal(32);
-  const chart = useRef<LaneChart | null>(null);
-  const classes = useMemo(() => rows.map((row) => row.class), [rows.map((row) => row.class).join()]);
-  const classesNow = useRef(classes);
-  classesNow.current = classes;
-  const empty = rows.length === 0;
+  const roomy = useSignal(false);
+  const compare = useSignal(false);
+  const pasts = useSignal(0);
+  const best = useRef(1);
+  const large = store.lanesLarge.value;
+  const spans = compare.value && roomy.value ? [first, second] : [first];
 
-  useEffect(() => {
-    if (empty || asTable.value) return;
-    const made = new LaneChart(canvas.current!, store, () => classesNow.current);
-    made.view = view.peek();
-    chart.current = made;
-    const measure = () => {
-      if (!body.current || !area.current) return;
-      const head =
-        area.current.getBoundingClientRect().top - body.current.getBoundingClientRect().top + body.current.scrollTop;
-      const room = (body.current.clientHeight - head - AXIS_PX) / Math.max(1, classesNow.current.length);
-      rowHeight.value = Math.max(narrow.peek() ? ROW_MIN_NARROW : ROW_MIN, Math.min(ROW_MAX, Math.floor(room)));
-      made.resize(area.current.clientWidth, rowHeight.value);
-    };
-    const observer = new ResizeObserver(measure);
-    observer.observe(body.current!);
-    observer.observe(area.current!);
-    const stop = gestures(area.current!, made, {
-      view: (next) => (view.value = made.view = next),
-      cursor: () => (hit.value = made.hit()),
+  const offered = laneRows(rows, store.hello.value?.classes ?? []);
+  const intention = store.of("intention").value;
+  best.current = Math.max(best.current, intention?.omega ?? 0);
+  // Which classes were desired is known better once a past has come.
+  void pasts.value;
+  const wasDesired = (name: string) =>
+    spans.some(({ view, chart }) => {
+      const from = (view.value.heldAt ?? store.lanes.newest ?? 0) - view.value.windowS;
+      return (chart.current ?? store.lanes).desiredSince(name, from);
     });
-    let frame = requestAnimationFrame(function next() {
-      made.frame();
-      frame = requestAnimationFrame(next);
-    });
-    const refresh = window.setInterval(() => made.cursor && (hit.value = made.hit()), 100);
-    return () => {
-      cancelAnimationFrame(frame);
-      clearInterval(refresh);
-      observer.disconnect();
-      stop();
-      chart.current = null;
-      hit.value = null;
-    };
-  }, [empty, asTable.value, classes.length]);
+  const { shown, folded } = parted(offered, wasDesired, undesiredShown.value);
+  const key = shown.map((row) => row.class).join();
+  const classes = useMemo(() => shown.map((row) => row.class), [key]);
+  const gauges = gaugesShown.value && intention ? gaugesOf(intention, best.current) : [];
+  const above = spans.length > 1 ? TOOLS_PX : 0;
+  const now = useRef({ classes, gauges, above });
+  now.current = { classes, gauges, above };
+  const empty = offered.length === 0;
+  const drawn = !empty && !asTable.value;
 
-  const show = (next: Viewport) => {
-    view.value = next;
-    if (chart.current) chart.current.view = next;
+  const fit = () => {
+    if (!body.current) return;
+    roomy.value = main.current!.clientWidth >= COMPARE_PX;
+    const beside = now.current.above + EVENTS_PX + FOLD_PX + AXIS_PX + now.current.gauges.length * GAUGE_PX;
+    const room = (body.current.clientHeight - beside) / Math.max(1, now.current.classes.length);
+    const least = narrow.peek() || low.peek() ? ROW_MIN_TAB : ROW_MIN;
+    rowHeight.value = Math.max(least, Math.min(ROW_MAX, Math.floor(room)));
   };
-  const paused = view.value.heldAt !== null;
-  const replay = store.replay.value;
+  useEffect(fit, [key, gauges.length, above]);
+  useEffect(() => {
+    const press = (event: KeyboardEvent) => {
+      if (event.code !== "KeyT" || event.repeat || event.ctrlKey || event.altKey || event.metaKey) return;
+      if (typesText(event.target)) return;
+      event.preventDefault();
+      store.lanesLarge.value = !store.lanesLarge.peek();
+    };
+    window.addEventListener("keydown", press);
+    return () => {
+      window.removeEventListener("keydown", press);
+      store.lanesLarge.value = false;
+    };
+  }, []);
+  useEffect(() => {
+    if (!drawn) return;
+    const observer = new ResizeObserver(fit);
+    observer.observe(body.current!);
+    return () => observer.disconnect();
+  }, [drawn]);
 
+  const toggleCompare = () => {
+    compare.value = !compare.peek();
+    if (!compare.peek() || !first.chart.current) return;
+    // The second goes on from now; the first shows what was before it.
+    const { windowS } = first.view.peek();
+    showSpan(second, { windowS, heldAt: null });
+    if (first.view.peek().heldAt === null) showSpan(first, { windowS, heldAt: first.chart.current.edges().from });
+  };
+  const palette = shownTheme.value === "light" ? LIGHT : SCREEN;
+  const tools = (span: typeof first) => <SpanTools key={span.suffix} span={span} classes={classes} />;
   return (
-    <section class="lanes panel" aria-label="Lanes of desires" data-testid="lanes">
+    <section
+      class={`lanes panel ${large ? "large" : ""}`}
+      aria-label="Lanes of desires"
+      data-testid="lanes"
+      style={variables(palette)}
+    >
       <header class="lanes-head">
         <h2>Desires and attention</h2>
         <Legend />
         <div class="lanes-tools">
-          <button
-            type="button"
-            class="icon-button"
-            aria-label="Show a longer time"
-            onClick={() => show(stepZoom(view.value, 1))}
-          >
-            <MinusIcon />
-          </button>
-          <output class="lanes-window" data-testid="lanes-window">
-            {span(view.value.windowS)}
-          </output>
-          <button
-            type="button"
-            class="icon-button"
-            aria-label="Show a shorter time"
-            onClick={() => show(stepZoom(view.value, -1))}
-          >
-            <PlusIcon />
-          </button>
-          {(paused || !replay) && (
-            <button
-              type="button"
-              class={`button small ${paused ? "accent" : ""}`}
-              data-testid="lanes-pause"
-              aria-pressed={paused}
-              onClick={() => show(togglePause(view.value, chart.current?.now() ?? 0))}
-            >
-              {paused ? <PlayIcon /> : <PauseIcon />}
-              {!paused ? "Pause" : replay ? "Follow" : "Live"}
-            </button>
-          )}
-          <button
-            type="button"
-            class={`icon-button ${asTable.value ? "on" : ""}`}
-            aria-label="Show as a table"
-            aria-pressed={asTable.value}
-            data-testid="lanes-table-toggle"
-            onClick={() => (asTable.value = !asTable.value)}
-          >
-            <TableIcon />
-          </button>
+          {spans.length === 1 && tools(first)}
+          <LaneTools asTable={asTable} compare={drawn && roomy.value ? compare : null} toggleCompare={toggleCompare} />
         </div>
       </header>
       {empty && <p class="empty">Waiting for the robot's desire classes…</p>}
-      {!empty && !asTable.value && (
-        <div class="lanes-body" ref={body} style={{ "--row": `${rowHeight.value}px` }}>
-          <ol class="lane-names" aria-hidden="true">
-            <li class="lane-heads">
-              <b>intensity</b>
-              <em>utility</em>
-              <i>let through</i>
-            </li>
-            {rows.map((row) => (
-              <li key={row.class} class={`lane-name ${row.state} ${hit.value?.name === row.class ? "at" : ""}`}>
-                <StateMark state={row.state} />
-                <span class="lane-title">{spaced(row.class)}</span>
-                <span class="lane-figures">
-                  <b title="Intensity">{number(row.intensity)}</b>
-                  <em title="Desired utility">{number(row.utility)}</em>
-                  <i title={["Messages let through", ...divisorLines(row.divisors)].join("\n")}>
-                    {divisor(row.divisor)}
-                  </i>
-                </span>
-              </li>
-            ))}
-          </ol>
+      <div class="lanes-main" ref={main}>
+        {drawn && (
           <div
-            class="lane-area"
-            ref={area}
-            // biome-ignore lint/a11y/noNoninteractiveTabindex: its keys move a cursor over the lanes
-            tabIndex={0}
-            data-own-arrows
-            role="group"
-            aria-label="Lanes over time. Arrow keys move a cursor that shows values and reasons, plus and minus zoom, P pauses."
+            class={`lanes-body ${spans.length > 1 ? "compare" : ""}`}
+            ref={body}
+            style={{ "--row": `${rowHeight.value}px` }}
           >
-            <canvas ref={canvas} data-testid="lane-canvas" />
+            {spans.length > 1 && spans.map((span) => <div class="lanes-span-tools">{tools(span)}</div>)}
+            <div class={`lane-names ${rowHeight.value >= 30 ? "scaled" : ""}`}>
+              <LaneNames
+                rows={shown}
+                at={spans.map(({ hit }) => hit.value?.name).find((name) => name)}
+                scale={store.hello.value?.scale.intensity ?? 8}
+                gauges={gauges}
+              />
+              <div class="lane-folds">
+                {(folded > 0 || undesiredShown.value) && (
+                  <Fold
+                    id="lanes-undesired"
+                    open={undesiredShown.value}
+                    words={undesiredShown.value ? "Not desired" : `${folded} not desired`}
+                    toggle={() => (undesiredShown.value = !undesiredShown.value)}
+                  />
+                )}
+                <Fold
+                  id="lanes-budgets"
+                  open={gaugesShown.value}
+                  words="Ω and budgets"
+                  toggle={() => (gaugesShown.value = !gaugesShown.value)}
+                />
+              </div>
+            </div>
+            {spans.map((span) => (
+              <LaneSpan
+                key={span.suffix}
+                span={span}
+                shown={now}
+                rowHeight={rowHeight.value}
+                pin={pin}
+                came={() => (pasts.value += 1)}
+              />
+            ))}
           </div>
-        </div>
-      )}
-      {hit.value && !asTable.value && (
-        <Tooltip
-          hit={hit.value}
-          area={area.current!.getBoundingClientRect()}
-          top={body.current!.getBoundingClientRect().top}
-          now={chart.current?.now() ?? 0}
-        />
-      )}
-      <LaneTable visible={asTable.value} />
+        )}
+        {pin.value && !asTable.value && <Pinned pin={pin.value} close={() => (pin.value = null)} />}
+        <LaneTable rows={rows} visible={asTable.value} />
+      </div>
+      {drawn &&
+        spans.map(
+          ({ hit, area, chart, suffix }) =>
+            hit.value &&
+            area.current && (
+              <Tooltip
+                key={suffix}
+                hit={hit.value}
+                area={area.current.getBoundingClientRect()}
+                top={body.current!.getBoundingClientRect().top}
+                now={chart.current?.now() ?? 0}
+              />
+            ),
+        )}
     </section>
-  );
-}
-
-function Legend() {
-  return (
-    <ul class="legend">
-      <li>
-        <i class="key-intensity" />
-        intensity
-      </li>
-      <li>
-        <i class="key-utility" />
-        desired utility
-      </li>
-      <li>
-        <i class="key-rate" />
-        relative message rate
-      </li>
-      <li class="only-wide">
-        <i class="key-mark" />
-        event
-      </li>
-    </ul>
   );
 }

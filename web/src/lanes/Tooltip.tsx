@@ -4,6 +4,7 @@ import { useLayoutEffect, useRef, useState } from "preact/hooks";
 import { clockTime, divisor, divisorLines, number, percent, reasonText, spaced, stateWord } from "../ui/format";
 import { StateMark } from "../ui/icons";
 import type { Hit } from "./chart";
+import { EVENTS_PX } from "./drawEvents";
 import { placeBeside } from "./viewport";
 
 const WIDTH = 300;
@@ -19,7 +20,8 @@ export function Tooltip({ hit, area, top, now }: { hit: Hit; area: DOMRect; top:
   const at = area.left + hit.x;
   const x = Math.max(8, Math.min(window.innerWidth - wide - 8, at + (at > area.right - wide ? -wide - 14 : 14)));
   const bottom = document.querySelector(".dock")?.getBoundingClientRect().top ?? window.innerHeight;
-  const beside = placeBeside(area.top + hit.y, area.top + hit.y + hit.height, high + GAP, top, bottom - GAP);
+  const rowTop = area.top + EVENTS_PX + hit.y;
+  const beside = placeBeside(rowTop, rowTop + hit.height, high + GAP, top, bottom - GAP);
   // What is too long for the lanes may cover what is above them.
   const y = Math.max(GAP, Math.min(beside, bottom - GAP - high));
   return (
@@ -31,7 +33,7 @@ export function Tooltip({ hit, area, top, now }: { hit: Hit; area: DOMRect; top:
       style={{ left: `${x}px`, top: `${y}px`, width: `${wide}px` }}
     >
       <p class="tooltip-head">
-        <b>{spaced(hit.name)}</b>
+        <b>{hit.name ? spaced(hit.name) : "Events"}</b>
         <span>
           {clockTime(hit.stamp)} · {number(hit.stamp - now, 1)} s
         </span>
@@ -55,13 +57,15 @@ export function Tooltip({ hit, area, top, now }: { hit: Hit; area: DOMRect; top:
             </div>
             <div>
               <dt>
-                <i class="key-rate" />
-                Rate
+                <i class="key-measured" />
+                Measured
               </dt>
               <dd>{percent(sample.rate)}</dd>
             </div>
             <div>
-              <dt>φ</dt>
+              <dt>
+                <i class="key-phi" />φ
+              </dt>
               <dd>{divisor(sample.divisor)}</dd>
             </div>
           </dl>
@@ -75,13 +79,21 @@ export function Tooltip({ hit, area, top, now }: { hit: Hit; area: DOMRect; top:
           <p class="tooltip-why">
             <StateMark state={sample.state} />
             <span>
-              <b class="state-word">{stateWord(sample.state)}</b>. {reasonText(sample.state, sample.text)}
+              <b class="state-word">{stateWord(sample.state)}</b>
+              {hit.exploited ? ", exploited" : ""}. {reasonText(sample.state, sample.text)}
             </span>
           </p>
         </>
       ) : (
-        <p class="muted">No data here.</p>
+        hit.name && <p class="muted">No data here.</p>
       )}
+      {!hit.name && hit.folded.length === 0 && <p class="muted">Nothing here.</p>}
+      {hit.folded.slice(-4).map((mark) => (
+        <p key={`${mark.kind} ${mark.subject}`} class="tooltip-event">
+          <i class="key-mark" />
+          {mark.count > 1 ? `${mark.count}×, the last: ${mark.text}` : mark.text}
+        </p>
+      ))}
       {events.slice(-3).map((event) => (
         <p key={event.id} class="tooltip-event">
           <i class="key-mark" />

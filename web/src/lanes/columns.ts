@@ -1,6 +1,6 @@
 /** Samples of one lane brought down to pixel columns: what is drawn is bounded by the width, not by the history. */
 
-import { CAPACITY, type LaneHistory } from "./history";
+import type { LaneHistory } from "./history";
 
 /** Per column its place and the least, greatest, last and mean value; `end` is where the last value stops holding. */
 export class Columns {
@@ -33,9 +33,16 @@ export interface Span {
 
 /**
  * Fills `out` with the columns of `values` that are visible in `span`, left to right. A sample holds until the next;
- * NaN and silences longer than a sample holds leave a hole (the column before ends early).
+ * NaN and silences longer than a sample holds leave a hole (the column before ends early). `bounds`: the least and the
+ * greatest of what a value stands for.
  */
-export function toColumns(history: LaneHistory, values: Float32Array, span: Span, out: Columns): void {
+export function toColumns(
+  history: LaneHistory,
+  values: Float32Array,
+  span: Span,
+  out: Columns,
+  bounds: { low: Float32Array; high: Float32Array } = { low: values, high: values },
+): void {
   out.length = 0;
   const perSecond = span.width / (span.to - span.from);
   const start = Math.max(history.first, history.at(span.from));
@@ -43,11 +50,11 @@ export function toColumns(history: LaneHistory, values: Float32Array, span: Span
   let column = -1;
   let weight = 0;
   for (let number = start; number <= stop && number >= 0; number++) {
-    const slot = number % CAPACITY;
+    const slot = number % history.capacity;
     const value = values[slot]!;
     if (Number.isNaN(value)) continue;
     const stamp = history.stamps[slot]!;
-    const next = number + 1 < history.count ? history.stamps[(number + 1) % CAPACITY]! : Infinity;
+    const next = number + 1 < history.count ? history.stamps[(number + 1) % history.capacity]! : Infinity;
     const held = Math.min(next, stamp + history.holds[slot]!);
     if (held <= span.from) continue;
     const x = Math.max(0, (stamp - span.from) * perSecond);
@@ -56,8 +63,8 @@ export function toColumns(history: LaneHistory, values: Float32Array, span: Span
     const at = out.length - 1;
     if (here === column && at >= 0) {
       weight += 1;
-      out.low[at] = Math.min(out.low[at]!, value);
-      out.high[at] = Math.max(out.high[at]!, value);
+      out.low[at] = Math.min(out.low[at]!, bounds.low[slot]!);
+      out.high[at] = Math.max(out.high[at]!, bounds.high[slot]!);
       out.mean[at] = out.mean[at]! + (value - out.mean[at]!) / weight;
       out.last[at] = value;
       out.end[at] = end;
@@ -66,7 +73,9 @@ export function toColumns(history: LaneHistory, values: Float32Array, span: Span
       weight = 1;
       out.x[out.length] = x;
       out.end[out.length] = end;
-      out.low[out.length] = out.high[out.length] = out.last[out.length] = out.mean[out.length] = value;
+      out.low[out.length] = bounds.low[slot]!;
+      out.high[out.length] = bounds.high[slot]!;
+      out.last[out.length] = out.mean[out.length] = value;
       out.length += 1;
     }
   }

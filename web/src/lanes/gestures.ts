@@ -1,6 +1,7 @@
 /** Hands on the lanes: hover, drag to pan, wheel and pinch to zoom, arrow keys for the cursor. Returns the undoing. */
 
-import type { LaneChart } from "./chart";
+import { EVENTS_ROW, type LaneChart } from "./chart";
+import { EVENTS_PX } from "./drawEvents";
 import { pan, stepZoom, togglePause, type Viewport, zoom } from "./viewport";
 
 const DRAG_PX = 4;
@@ -8,6 +9,8 @@ const DRAG_PX = 4;
 interface Report {
   view(next: Viewport): void;
   cursor(): void;
+  /** An instant was clicked. */
+  pick(share: number, row: number): void;
 }
 
 export function gestures(area: HTMLElement, chart: LaneChart, report: Report): () => void {
@@ -16,20 +19,22 @@ export function gestures(area: HTMLElement, chart: LaneChart, report: Report): (
 
   const place = (event: { clientX: number; clientY: number }) => {
     const box = area.getBoundingClientRect();
-    return { x: event.clientX - box.left, y: event.clientY - box.top, width: Math.max(1, box.width) };
+    return { x: event.clientX - box.left, y: event.clientY - box.top - EVENTS_PX, width: Math.max(1, box.width) };
   };
   const point = (event: PointerEvent) => {
     const { x, y, width } = place(event);
-    chart.cursor = { share: Math.max(0, Math.min(1, x / width)), row: Math.floor(y / chart.rowHeight) };
+    chart.cursor = {
+      share: Math.max(0, Math.min(1, x / width)),
+      row: onEvents(event) ? EVENTS_ROW : Math.floor(y / chart.rowHeight),
+    };
     report.cursor();
   };
+  // Its row stays in view, over those that are scrolled under it.
+  const onEvents = (event: Event) => (event.target as Element).closest(".lane-events") !== null;
+  const pick = () => chart.cursor && report.pick(chart.cursor.share, chart.cursor.row);
   const clear = () => {
     chart.cursor = null;
     report.cursor();
-  };
-  const oldest = () => {
-    const history = chart.history;
-    return history.count > 0 ? history.oldest : chart.now();
   };
 
   const down = (event: PointerEvent) => {
@@ -50,7 +55,7 @@ export function gestures(area: HTMLElement, chart: LaneChart, report: Report): (
         if (dragged > DRAG_PX) {
           if (!area.hasPointerCapture(event.pointerId)) area.setPointerCapture(event.pointerId);
           const seconds = ((event.clientX - before.x) / width) * chart.view.windowS;
-          report.view(pan(chart.view, seconds, chart.now(), oldest()));
+          report.view(pan(chart.view, seconds, chart.now(), chart.oldest()));
         }
       }
       pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
@@ -59,7 +64,9 @@ export function gestures(area: HTMLElement, chart: LaneChart, report: Report): (
   };
   const up = (event: PointerEvent) => {
     pointers.delete(event.pointerId);
-    if (event.pointerType === "touch" && event.type === "pointerup" && dragged <= DRAG_PX) point(event);
+    if (event.type !== "pointerup" || dragged > DRAG_PX) return;
+    point(event);
+    pick();
   };
   const leave = (event: PointerEvent) => {
     pointers.delete(event.pointerId);
@@ -77,10 +84,11 @@ export function gestures(area: HTMLElement, chart: LaneChart, report: Report): (
     const rows = chart.rows;
     if (event.key === "ArrowLeft") chart.cursor = { ...cursor, share: Math.max(0, cursor.share - stepShare) };
     else if (event.key === "ArrowRight") chart.cursor = { ...cursor, share: Math.min(1, cursor.share + stepShare) };
-    else if (event.key === "ArrowUp") chart.cursor = { ...cursor, row: Math.max(0, cursor.row - 1) };
+    else if (event.key === "ArrowUp") chart.cursor = { ...cursor, row: Math.max(EVENTS_ROW, cursor.row - 1) };
     else if (event.key === "ArrowDown") chart.cursor = { ...cursor, row: Math.min(rows - 1, cursor.row + 1) };
     else if (event.key === "+" || event.key === "=") report.view(stepZoom(chart.view, -1));
     else if (event.key === "-") report.view(stepZoom(chart.view, 1));
+    else if (event.key === "Enter") pick();
     else if (event.code === "KeyP") report.view(togglePause(chart.view, chart.now()));
     else return;
     event.preventDefault();

@@ -297,7 +297,8 @@ describe("viewport", () => {
   test("the buttons walk the usual windows", () => {
     expect(stepZoom(INITIAL, 1).windowS).toBe(60);
     expect(stepZoom(INITIAL, -1).windowS).toBe(20);
-    expect(stepZoom({ windowS: 600, heldAt: null }, 1).windowS).toBe(600);
+    expect(stepZoom({ windowS: 600, heldAt: null }, 1).windowS).toBe(1200);
+    expect(stepZoom({ windowS: 3600, heldAt: null }, 1).windowS).toBe(3600);
     expect(stepZoom({ windowS: 10, heldAt: null }, -1).windowS).toBe(10);
   });
 });

@@ -2,7 +2,7 @@
 
 import type { LaneState } from "../protocol/types";
 import type { Span } from "./columns";
-import { CAPACITY, type Lane, type LaneHistory } from "./history";
+import type { Lane, LaneHistory } from "./history";
 
 /** Calls `visit` for each stretch of one state that touches `span`, in order; silences belong to none. */
 export function spells(
@@ -19,7 +19,7 @@ export function spells(
     if (state !== undefined && until > span.from) visit(state, began, Math.min(until, span.to));
   };
   for (let number = Math.max(history.first, history.at(span.from)); number <= stop; number++) {
-    const slot = number % CAPACITY;
+    const slot = number % history.capacity;
     const stamp = history.stamps[slot]!;
     const here = lane.state[slot];
     if (here !== state || stamp > until) {
@@ -28,7 +28,7 @@ export function spells(
       state = here;
       began = stamp;
     }
-    const next = number + 1 < history.count ? history.stamps[(number + 1) % CAPACITY]! : Infinity;
+    const next = number + 1 < history.count ? history.stamps[(number + 1) % history.capacity]! : Infinity;
     until = Math.min(next, stamp + history.holds[slot]!);
   }
   close();

@@ -1,12 +1,10 @@
 /** Which stretch of time the lanes show: pure functions for zoom, pan and pause. */
 
-import { CAPACITY } from "./history";
-
 export const SHORTEST_S = 10;
-export const LONGEST_S = 600;
+export const LONGEST_S = 3600;
 export const DEFAULT_S = 30;
-/** The right edge trails the robot's clock a little, so that what belongs there has arrived. */
-export const TRAIL_S = 0.15;
+/** The right edge trails the robot's clock, so that what belongs there has arrived and is drawn, four times a second. */
+export const TRAIL_S = 0.5;
 
 export interface Viewport {
   windowS: number;
@@ -15,7 +13,7 @@ export interface Viewport {
 }
 
 export const INITIAL: Viewport = { windowS: DEFAULT_S, heldAt: null };
-const STEPS = [10, 20, 30, 60, 120, 300, 600];
+const STEPS = [10, 20, 30, 60, 120, 300, 600, 1200, 1800, 3600];
 
 export function edges(view: Viewport, now: number, trail = TRAIL_S): { from: number; to: number } {
   const to = view.heldAt ?? now - trail;
@@ -51,7 +49,7 @@ export function togglePause(view: Viewport, now: number): Viewport {
 
 /** Distance between ticks of the time axis, so that at most `most` fit. */
 export function tickStep(windowS: number, most: number): number {
-  return [1, 2, 5, 10, 15, 30, 60, 120].find((s) => windowS / s <= most) ?? 300;
+  return [1, 2, 5, 10, 15, 30, 60, 120, 300, 600].find((s) => windowS / s <= most) ?? 900;
 }
 
 export function span(seconds: number): string {
@@ -62,8 +60,6 @@ function clamp(value: number, low: number, high: number): number {
   return Math.max(low, Math.min(high, value));
 }
 
-if (CAPACITY < LONGEST_S * 20) throw new Error("the history must cover the longest window");
-
 /**
  * Where something `high` begins that is about the row from `from` to `to`: over it or under it, within `top` and
  * `bottom`; where neither has the room, as near as the foot allows, but never over `top`.
@@ -71,4 +67,22 @@ if (CAPACITY < LONGEST_S * 20) throw new Error("the history must cover the longe
 export function placeBeside(from: number, to: number, high: number, top: number, bottom: number): number {
   if (from - high >= top) return from - high;
   return Math.max(top, Math.min(to, bottom - high));
+}
+
+export interface Tick {
+  /** Of the width: 0 left, 1 right. */
+  share: number;
+  label: string;
+}
+
+/** The ticks of an axis over `windowS` and `width` (CSS pixels), from its right edge on, which is called `edge`. */
+export function ticks(windowS: number, width: number, edge: string): Tick[] {
+  const every = tickStep(windowS, Math.max(2, Math.floor(width / 70)));
+  const found: Tick[] = [{ share: 1, label: edge }];
+  for (let s = every; s <= windowS; s += every) {
+    const share = 1 - s / windowS;
+    // The label is centred on its line, and has to have room on its left.
+    if (share * width >= 20) found.push({ share, label: every >= 60 ? `−${s / 60} min` : `−${s} s` });
+  }
+  return found;
 }
