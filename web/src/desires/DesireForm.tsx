@@ -8,6 +8,7 @@ import { useApp } from "../state/context";
 import { nameAndTitle, spaced } from "../ui/format";
 import { LockIcon, PlusIcon } from "../ui/icons";
 import { FieldInput, Labelled } from "./FieldInput";
+import { curl, type Quick, quick } from "./quick";
 import { type Errors, fieldsOf, initialValues, offered, paramsOf, placeErrors, type Values } from "./schema";
 
 const OWN = { intensity: "4", utility: "4", ttl: "" };
@@ -17,20 +18,60 @@ export function DesireForm() {
   const { store } = useApp();
   // What nothing here serves is no choice: a recording is not recorded.
   const classes = offered(store.hello.value?.classes ?? []);
-  if (!open.value) {
-    return (
+  const add = useRef<HTMLButtonElement>(null);
+  if (open.value) {
+    const close = () => {
+      open.value = false;
+      requestAnimationFrame(() => add.current?.focus());
+    };
+    return <Form classes={classes} onClose={close} />;
+  }
+  const scale = store.hello.value?.scale ?? { intensity: 8, utility: 8 };
+  return (
+    <div class="desire-quick">
       <button
         type="button"
-        class="button wide"
+        ref={add}
+        class="button"
         data-testid="desire-add"
         disabled={classes.length === 0}
         onClick={() => (open.value = true)}
       >
         <PlusIcon /> Add a desire
       </button>
-    );
-  }
-  return <Form classes={classes} onClose={() => (open.value = false)} />;
+      {quick(classes, scale).map((one) => (
+        <QuickButton key={one.title} one={one} />
+      ))}
+    </div>
+  );
+}
+
+function QuickButton({ one }: { one: Quick }) {
+  const { session, store } = useApp();
+  const busy = useSignal(false);
+  const add = async () => {
+    busy.value = true;
+    try {
+      await session.rest.addDesire(one.desire, idempotencyKey());
+      store.notify("info", `Added a desire: ${one.title}.`);
+    } catch (error) {
+      store.notify("error", `${one.title}: ${error instanceof Problem ? error.detail || error.title : String(error)}`);
+    } finally {
+      busy.value = false;
+    }
+  };
+  return (
+    <button
+      type="button"
+      class="kind"
+      data-testid={`quick-${one.desire.class}`}
+      disabled={busy.value}
+      title={`Adds a desire for ${spaced(one.desire.class)} that lasts ${one.desire.ttl} s`}
+      onClick={() => void add()}
+    >
+      {one.title}
+    </button>
+  );
 }
 
 function Form({ classes, onClose }: { classes: DesireClass[]; onClose: () => void }) {
@@ -42,6 +83,8 @@ function Form({ classes, onClose }: { classes: DesireClass[]; onClose: () => voi
   const errors = useSignal<Errors>({});
   const problem = useSignal<{ title: string; lines: string[] } | null>(null);
   const busy = useSignal(false);
+  /** The command, where it cannot be copied. */
+  const copied = useSignal("");
   const key = useRef({ body: "", key: "" });
   const form = useRef<HTMLFormElement>(null);
   const kind = classes.find((candidate) => candidate.name === chosen.value);
@@ -59,8 +102,10 @@ function Form({ classes, onClose }: { classes: DesireClass[]; onClose: () => voi
     requestAnimationFrame(() => form.current?.querySelector<HTMLElement>("[aria-invalid=true]")?.focus());
   };
 
-  const submit = async (event: Event) => {
-    event.preventDefault();
+  useEffect(() => form.current?.querySelector<HTMLElement>("select")?.focus(), []);
+
+  /** The desire as typed; null: something is wrong, and said so. */
+  const read = () => {
     problem.value = null;
     const { params, errors: wrong } = paramsOf(fields, typed.value);
     const found: Errors = Object.fromEntries(
@@ -80,16 +125,32 @@ function Form({ classes, onClose }: { classes: DesireClass[]; onClose: () => voi
     const intensity = number("intensity", scale.intensity, true);
     const utility = number("utility", scale.utility, true);
     const ttl = number("ttl", Infinity, false);
-    if (Object.keys(found).length > 0) return fail(found);
+    if (Object.keys(found).length > 0) {
+      fail(found);
+      return null;
+    }
+    errors.value = {};
+    const common = { class: chosen.value, intensity, utility, security: security.value, params };
+    return ttl === null ? common : { ...common, ttl };
+  };
 
-    const desire = {
-      class: chosen.value,
-      intensity,
-      utility,
-      security: security.value,
-      params,
-      ...(ttl === null ? {} : { ttl }),
-    };
+  const copy = async () => {
+    const desire = read();
+    if (!desire) return;
+    const command = curl(location.href, desire, !["localhost", "127.0.0.1", "[::1]"].includes(location.hostname));
+    try {
+      await navigator.clipboard.writeText(command);
+      copied.value = "";
+      store.notify("info", "The command is copied.");
+    } catch {
+      copied.value = command; // without a secure context there is no clipboard
+    }
+  };
+
+  const submit = async (event: Event) => {
+    event.preventDefault();
+    const desire = read();
+    if (!desire) return;
     // The same desire sent again after a lost answer keeps its key, so that it is not added twice.
     const body = JSON.stringify(desire);
     if (key.current.body !== body) key.current = { body, key: idempotencyKey() };
@@ -111,7 +172,7 @@ function Form({ classes, onClose }: { classes: DesireClass[]; onClose: () => voi
 
   return (
     <form class="desire-form" ref={form} noValidate onSubmit={(event) => void submit(event)} data-testid="desire-form">
-      <h3>Add a desire</h3>
+      <h2>Add a desire</h2>
       <Labelled name="class" title="What" hint={kind?.description ?? ""} error={errors.value["class"]}>
         {(props) => (
           <select
@@ -184,7 +245,17 @@ function Form({ classes, onClose }: { classes: DesireClass[]; onClose: () => voi
         <button type="button" class="button quiet" onClick={onClose}>
           Cancel
         </button>
+        <button
+          type="button"
+          class="button quiet"
+          data-testid="desire-curl"
+          title="The same from a shell"
+          onClick={() => void copy()}
+        >
+          Copy as curl
+        </button>
       </div>
+      {copied.value && <textarea class="curl" readOnly rows={4} aria-label="Command" value={copied.value} />}
     </form>
   );
 }

@@ -1,10 +1,13 @@
-/** The desires there are, those that ended last, and the form for one more. */
+/** One more desire, above all else; the desires there are, and those that ended last. */
 
 import { panel } from "../panels/panel";
+import { useApp } from "../state/context";
 import type { Message } from "../state/latest";
 import { DesireForm } from "./DesireForm";
 import { DesireList, EndedList } from "./DesireList";
 
+/** At the top of the tab: what people come for. */
+export const addDesirePanel = panel({ type: "desires", tab: "Attention", Card: AddDesire, offered: () => true });
 export const desiresPanel = panel({ type: "desires", tab: "Attention", Card: Desires, offered: () => true });
 
 function Desires({ message }: { message: Message<"desires"> | null }) {
@@ -15,6 +18,15 @@ function Desires({ message }: { message: Message<"desires"> | null }) {
       </h2>
       <DesireList desires={message?.desires ?? null} accomplishments={message?.accomplishments ?? []} />
       <EndedList ended={message?.ended ?? []} />
+    </section>
+  );
+}
+
+function AddDesire() {
+  const { store } = useApp();
+  if (store.replay.value) return null;
+  return (
+    <section class="card" aria-label="Add a desire">
       <DesireForm />
     </section>
   );

@@ -4,12 +4,14 @@ import { goalOf } from "../map/mapText";
 import type { Velocity } from "../protocol/generated";
 import { useApp } from "../state/context";
 import { number } from "../ui/format";
-import { KeyboardIcon, WheelIcon } from "../ui/icons";
+import { KeyboardIcon } from "../ui/icons";
+import { DriveSettings } from "./DriveSettings";
 import { PRESETS } from "./driveController";
 import { heldWords } from "./driveText";
 import { Head, HeadHint } from "./Head";
 import { Limited } from "./Limited";
 import { Stick } from "./Stick";
+import { WheelOfAnother } from "./Wheel";
 
 export function DrivePad() {
   const { drive, session, store } = useApp();
@@ -38,19 +40,22 @@ export function DrivePad() {
             <b>{number(live && applied ? (applied.angular_radps * 180) / Math.PI : null, 0)}</b> °/s
           </span>
         </p>
-        <div class="segmented" role="radiogroup" aria-label="Speed">
-          {PRESETS.map((preset) => (
-            <button
-              key={preset.name}
-              type="button"
-              role="radio"
-              aria-checked={factor === preset.factor}
-              data-testid={`speed-${preset.name.toLowerCase()}`}
-              onClick={() => drive.preset(preset.factor)}
-            >
-              {preset.name}
-            </button>
-          ))}
+        <div class="drive-speeds">
+          <div class="segmented" role="radiogroup" aria-label="Speed">
+            {PRESETS.map((preset) => (
+              <button
+                key={preset.name}
+                type="button"
+                role="radio"
+                aria-checked={factor === preset.factor}
+                data-testid={`speed-${preset.name.toLowerCase()}`}
+                onClick={() => drive.preset(preset.factor)}
+              >
+                {preset.name}
+              </button>
+            ))}
+          </div>
+          <DriveSettings />
         </div>
         {strafes && (
           <button
@@ -66,14 +71,7 @@ export function DrivePad() {
           </button>
         )}
         {driver && !driver.mine && live ? (
-          <button
-            type="button"
-            class="button accent"
-            data-testid="take-control"
-            onClick={() => session.send({ type: "take_control" })}
-          >
-            <WheelIcon /> {`Take control from ${driver.operator}`}
-          </button>
+          <WheelOfAnother name={driver.operator} />
         ) : driver?.mine &&
           !source &&
           !command.head_held &&

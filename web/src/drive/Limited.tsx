@@ -4,14 +4,23 @@ import { useApp } from "../state/context";
 import { overrides } from "./machine";
 
 export function Limited() {
-  const { drive, store } = useApp();
-  const limited = (store.live.value && store.of("status").value?.limited) || "";
+  const { ahead, drive, store } = useApp();
+  const status = store.live.value ? store.of("status").value : null;
+  const limited = status?.limited ?? "";
   const { source, screenOverride } = drive.state.value;
   const held = overrides(drive.state.value);
   const mine = store.of("status").value?.driver?.mine ?? false;
   // The hold stays under the finger that holds it, whatever the robot says meanwhile.
   const offered = drive.refusal.value === null && (held || (limited !== "" && (mine || source !== null)));
   const hold = (on: boolean) => drive.input({ type: "override", held: on });
+  const late = mine || source !== null ? status?.slowed || ahead.wrong.value : "";
+  if (!limited && !offered && late) {
+    return (
+      <div class="drive-limited" data-testid="slowed">
+        <p role="status">{late}</p>
+      </div>
+    );
+  }
   if (!limited && !offered) return null;
   return (
     <div class="drive-limited" data-testid="limited" data-override={held}>

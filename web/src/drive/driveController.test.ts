@@ -116,6 +116,18 @@ describe("Escape with the help open", () => {
     expect(eStop).toHaveBeenCalledTimes(1);
   });
 
+  test("closes what else is open over the page first, too", () => {
+    const { eStop, press, store } = open();
+    store.help.value = false;
+    const close = vi.fn(() => (store.popup.value = null));
+    store.popup.value = close;
+    press("keydown", "Escape");
+    expect(close).toHaveBeenCalledTimes(1);
+    expect(eStop).not.toHaveBeenCalled();
+    press("keydown", "Escape");
+    expect(eStop).toHaveBeenCalledTimes(1);
+  });
+
   test.each([
     ["moves", { state: "driving" }],
     ["has a place to go to", { going: true }],

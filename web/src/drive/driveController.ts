@@ -5,9 +5,12 @@ import type { PlaybackController } from "../playback/playbackController";
 import type { Session } from "../state/session";
 import type { Store } from "../state/store";
 import type { Axes, HeadAxes } from "./axes";
+import { DoublePress } from "./doublePress";
+import { handsOf, pass, restyled, STYLES, type Style } from "./driveStyle";
 import { type PadReading, readPads } from "./gamepad";
 import { DRIVE_KEYS, HEAD_KEYS, OVERRIDE_KEYS, SLOW_KEYS, STRAFE_KEYS } from "./keys";
-import { type DriveState, flush, holds, type Input, initialDrive, step, TICK_MS } from "./machine";
+import { type Command, type DriveState, flush, holds, type Input, initialDrive, step, TICK_MS } from "./machine";
+import { keepMapping, mappingOf, type PadMapping } from "./padMapping";
 
 export const PRESETS = [
   { name: "Slow", factor: 0.35 },
@@ -17,6 +20,7 @@ export const PRESETS = [
 /** A tick may come this much early, or the next chance would make it late. */
 const EARLY_MS = 5;
 const PRESET_KEY = "hbba.preset";
+const STYLE_KEY = "hbba.driveStyle";
 
 /** Where the keyboard is when it cannot drive. */
 export type KeyboardPlace = "page" | "field" | "away";
@@ -24,6 +28,9 @@ export type KeyboardPlace = "page" | "field" | "away";
 export class DriveController {
   readonly state = signal<DriveState>(initialDrive(readPreset()));
   readonly keyboard = signal<KeyboardPlace>("page");
+  /** How keys and stick on screen drive: held, by steps, or by presses. */
+  readonly style = signal<Style>(readStyle());
+  private hands = handsOf(this.style.peek());
   /** The stick on screen, pushed sideways, moves a body sideways that can; else it turns. */
   readonly stickStrafes = signal(false);
   /** Why driving is refused now, in words; null: it is not. */
@@ -35,9 +42,14 @@ export class DriveController {
   onHome: () => void = () => {};
   /** Ends every trip that the robot makes by itself; whether there was any. */
   onStop: () => boolean = () => false;
+  /** Called with each command that went to the socket. */
+  onSent: (command: Command) => void = () => {};
   /** Space is down and has stopped something: it is no press of a button. */
   private stopping = false;
+  private readonly twice = new DoublePress();
   private polling = false;
+  /** Read once: pads are polled at each frame. */
+  private readonly mappings = new Map<string, PadMapping>();
   private beatAt = 0;
 
   constructor(
@@ -66,9 +78,40 @@ export class DriveController {
   }
 
   input(input: Input): void {
+    const { hands, inputs } = pass(this.hands, input);
+    this.hands = hands;
+    for (const each of inputs) this.feed(each);
+  }
+
+  /** Drives in another style from now on. */
+  choose(style: Style): void {
+    localStorage.setItem(STYLE_KEY, style);
+    const { hands, inputs } = restyled(this.hands, style);
+    this.hands = hands;
+    this.style.value = style;
+    for (const each of inputs) this.feed(each);
+  }
+
+  /** The pads plugged in and used since the page was opened. */
+  pads(): Gamepad[] {
+    return navigator.getGamepads().filter((pad) => pad !== null);
+  }
+
+  mapping(id: string): PadMapping {
+    return mappingOf(id, localStorage);
+  }
+
+  /** Keeps what the pad `id` does; whatever it holds is let go of. */
+  map(id: string, mapping: PadMapping): void {
+    this.release();
+    keepMapping(id, mapping, localStorage);
+    this.mappings.delete(id);
+  }
+
+  private feed(input: Input): void {
     const { state, send } = step(this.state.peek(), input);
     if (state !== this.state.peek()) this.state.value = state;
-    for (const command of send) this.session.send({ type: "drive", ...command });
+    for (const command of send) this.send(command);
   }
 
   /** Lets go of everything; `now`: without waiting for the next ticks to repeat it. */
@@ -77,7 +120,11 @@ export class DriveController {
     if (!now) return;
     const { state, send } = flush(this.state.peek());
     this.state.value = state;
-    for (const command of send) this.session.send({ type: "drive", ...command });
+    for (const command of send) this.send(command);
+  }
+
+  private send(command: Command): void {
+    if (this.session.send({ type: "drive", ...command })) this.onSent(command);
   }
 
   /** The tick of the held command: not more often than it is wanted, however many chances there are. */
@@ -123,10 +170,12 @@ export class DriveController {
     if (event.code === "Escape" && !event.repeat) {
       // What opens over a page closes with Escape everywhere: that must not leave a standing robot latched.
       const stands = this.store.stands.peek() && !this.state.peek().command.held;
-      const onlyTheSheet = this.store.help.peek() && stands && !this.onStop();
+      const popup = this.store.popup.peek();
+      const onlyClose = (this.store.help.peek() || popup !== null) && stands && !this.onStop();
       this.release();
       this.store.help.value = false;
-      if (!onlyTheSheet) this.session.eStop();
+      popup?.();
+      if (!onlyClose) this.session.eStop();
       return;
     }
     if (event.ctrlKey || event.altKey || event.metaKey) {
@@ -153,9 +202,13 @@ export class DriveController {
     return DRIVE_KEYS.has(code) && !(code.startsWith("Arrow") && ownsArrows(target));
   }
 
-  /** Stops all driving: teleoperation and goal. While anything does, it presses no button, or "To start" might go on. */
+  /** Twice: the emergency stop. Once: stops all driving, teleoperation and goal. While anything does, it presses no button, or "To start" might go on. */
   private space(event: KeyboardEvent): void {
-    if (!event.repeat) {
+    if (!event.repeat && this.twice.press(event.timeStamp)) {
+      this.release(true);
+      this.session.eStop();
+      this.stopping = true;
+    } else if (!event.repeat) {
       const held = holds(this.state.peek().command);
       this.release();
       this.stopping = this.onStop() || held;
@@ -166,8 +219,10 @@ export class DriveController {
 
   /** Keys of a recording: nothing in it can be driven or stopped. */
   private replayKeyDown(event: KeyboardEvent): void {
-    if (event.code === "Escape") this.store.help.value = false;
-    else if (event.ctrlKey || event.altKey || event.metaKey) return;
+    if (event.code === "Escape") {
+      this.store.help.value = false;
+      this.store.popup.peek()?.();
+    } else if (event.ctrlKey || event.altKey || event.metaKey) return;
     else if (event.key === "?" && !typesText(event.target)) this.store.help.value = !this.store.help.value;
     else {
       const onTimeline = !!closest(event.target, "[data-playback-keys]");
@@ -207,12 +262,26 @@ export class DriveController {
     });
   }
 
+  private known(id: string): PadMapping {
+    let found = this.mappings.get(id);
+    if (!found) {
+      found = mappingOf(id, localStorage);
+      this.mappings.set(id, found);
+    }
+    return found;
+  }
+
   private poll(): void {
     if (this.polling) return;
     this.polling = true;
     const frame = () => {
       const pads = navigator.getGamepads();
-      const { chosen, axes, override, stop, home } = readPads(pads, this.chosenPad, this.store.body.peek().strafes);
+      const { chosen, axes, override, stop, home } = readPads(
+        pads,
+        this.chosenPad,
+        this.store.body.peek().strafes,
+        (id) => this.known(id),
+      );
       if (this.chosenPad && !chosen) this.release();
       this.chosenPad = chosen;
       this.input({ type: "pad", axes: document.hasFocus() ? axes : null, override });
@@ -234,12 +303,18 @@ function whyNot(store: Store): string | null {
   if (phase === "stale") return "The page's data is old. You can drive when the robot answers again.";
   if (phase !== "live") return "Not connected to the robot.";
   const status = store.of("status").value;
+  if (store.role.value === "spectator")
+    return "You are logged in as a spectator: you see everything, and can stop the robot, but not drive it.";
   if (status?.guard.e_stopped) return "The emergency stop is latched. Release it to drive.";
   if (status?.guard.state === "silent") return status.guard.reason;
   if (status?.waits) return status.waits;
   if (status?.driver && !status.driver.mine)
-    return `${status.driver.operator} is driving. Take control to drive yourself.`;
+    return `${status.driver.operator} is driving. Ask for the wheel to drive yourself.`;
   return null;
+}
+
+function readStyle(): Style {
+  return STYLES.find((each) => each === localStorage.getItem(STYLE_KEY)) ?? "hold";
 }
 
 function readPreset(): number {

@@ -1,5 +1,6 @@
 import { expect, test } from "vitest";
-import { type PadSnapshot, readPads, shape } from "./gamepad";
+import { type PadSnapshot, readPads } from "./gamepad";
+import { STANDARD, shape } from "./padMapping";
 
 function pad(over: Partial<PadSnapshot> & { held?: number; pressed?: number[] } = {}): PadSnapshot {
   const pressed = new Set(over.pressed ?? []);
@@ -66,4 +67,15 @@ test("the curve is still in the deadband, odd, rising and full at the edge", () 
     expect(shape(v + 0.01)).toBeGreaterThan(shape(v));
     expect(shape(-v)).toBeCloseTo(-shape(v));
   }
+});
+
+test("another mapping moves sticks and buttons, inverts them, and is its pad's alone", () => {
+  const mapping = { ...STANDARD, forward: 3, turn: [0], inverted: [3], deadMan: [2], stop: 9, deadband: 0, expo: 0 };
+  const mappingOf = (id: string) => (id === "Pad A" ? mapping : STANDARD);
+  const read = (over: Parameters<typeof pad>[0]) => readPads([pad(over)], null, false, mappingOf);
+  expect(read({ axes: [0.5, -1, 1, 0.25], pressed: [2] }).axes).toEqual({ linear: 0.25, angular: -0.5, lateral: 0 });
+  expect(read({ axes: [0, -1, 0, 0], pressed: [4] }).axes).toBeNull();
+  expect(read({ pressed: [9] }).stop).toBe(true);
+  expect(read({ pressed: [1] }).stop).toBe(false);
+  expect(readPads([pad({ id: "Pad B", pressed: [1] })], null, false, mappingOf).stop).toBe(true);
 });

@@ -1,6 +1,7 @@
 /** Reads a gamepad: which of the pads there are, whether its dead-man is held, and where its sticks are. Pure. */
 
 import type { Axes } from "./axes";
+import { type PadMapping, STANDARD, shape } from "./padMapping";
 
 /** What is used of the browser's Gamepad. */
 export interface PadSnapshot {
@@ -18,52 +19,35 @@ export interface PadReading {
   axes: Axes | null;
   /** A trigger is held: what stands in the way stops nothing. */
   override: boolean;
-  /** The stop button (B or circle) is down, on any pad. */
+  /** The stop button (B or circle, unless mapped) is down, on any pad. */
   stop: boolean;
-  /** The button that sends the robot back to the start (Y or triangle) is down, on any pad. */
+  /** The button that sends the robot back to the start (Y or triangle, unless mapped) is down, on any pad. */
   home: boolean;
 }
 
-const DEADBAND = 0.12;
-const EXPO = 0.6;
-const DEAD_MAN_BUTTONS = [4, 5]; // the shoulders
-const OVERRIDE_BUTTONS = [6, 7]; // the triggers
-const STOP_BUTTON = 1;
-const HOME_BUTTON = 3;
-
-/** `strafes`: the body moves sideways. */
+/** `strafes`: the body moves sideways. `mappingOf`: what a pad's sticks and buttons do, by its id. */
 export function readPads(
   pads: readonly (PadSnapshot | null)[],
   chosen: PadReading["chosen"],
   strafes = false,
+  mappingOf: (id: string) => PadMapping = () => STANDARD,
 ): PadReading {
   const usable = pads.filter(
     (pad): pad is PadSnapshot => !!pad && pad.connected && pad.axes.length >= 2 && pad.buttons.length > 5,
   );
-  const anywhere = (button: number) => usable.some((pad) => pad.buttons[button]?.pressed);
-  const buttons = { stop: anywhere(STOP_BUTTON), home: anywhere(HOME_BUTTON) };
+  const anywhere = (which: "stop" | "home") => usable.some((pad) => pad.buttons[mappingOf(pad.id)[which]]?.pressed);
+  const buttons = { stop: anywhere("stop"), home: anywhere("home") };
   const pad = chosen
     ? usable.find((candidate) => candidate.id === chosen.id && candidate.index === chosen.index)
-    : usable.find(deadManHeld);
+    : usable.find((candidate) => held(candidate, mappingOf(candidate.id).deadMan));
   if (!pad) return { chosen: null, axes: null, override: false, ...buttons };
+  const mapping = mappingOf(pad.id);
   return {
     chosen: { id: pad.id, index: pad.index },
-    axes: deadManHeld(pad) ? axesOfPad(pad, strafes) : null,
-    override: held(pad, OVERRIDE_BUTTONS),
+    axes: held(pad, mapping.deadMan) ? axesOfPad(pad, mapping, strafes) : null,
+    override: held(pad, mapping.override),
     ...buttons,
   };
-}
-
-/** Deadband, then a curve that is gentle near the centre and reaches 1 at the edge. */
-export function shape(value: number): number {
-  const size = Math.abs(value);
-  if (!Number.isFinite(value) || size <= DEADBAND) return 0;
-  const reach = Math.min(1, (size - DEADBAND) / (1 - DEADBAND));
-  return Math.sign(value) * ((1 - EXPO) * reach + EXPO * reach ** 3);
-}
-
-function deadManHeld(pad: PadSnapshot): boolean {
-  return held(pad, DEAD_MAN_BUTTONS);
 }
 
 function held(pad: PadSnapshot, buttons: readonly number[]): boolean {
@@ -71,13 +55,17 @@ function held(pad: PadSnapshot, buttons: readonly number[]): boolean {
 }
 
 /**
- * Left stick forward and back. Sideways, the left stick strafes and the right one turns; a body that cannot strafe is
- * turned with whichever is pushed further. Sticks point down and right.
+ * Of several axes that turn, the one pushed further does; on a body that moves sideways, the first alone, for another
+ * may be the one that strafes. Sticks point down and right.
  */
-function axesOfPad(pad: PadSnapshot, strafes: boolean): Axes {
-  const left = pad.axes[0] ?? 0;
-  const right = pad.axes[2] ?? 0;
-  const turn = strafes || Math.abs(right) > Math.abs(left) ? right : left;
-  const lateral = strafes ? -shape(left) + 0 : 0;
-  return { linear: -shape(pad.axes[1] ?? 0) + 0, angular: -shape(turn) + 0, lateral };
+function axesOfPad(pad: PadSnapshot, mapping: PadMapping, strafes: boolean): Axes {
+  const at = (axis: number) => (mapping.inverted.includes(axis) ? -1 : 1) * (pad.axes[axis] ?? 0);
+  const turns = (strafes ? mapping.turn.slice(0, 1) : mapping.turn).map(at);
+  const turn = turns.reduce((most, each) => (Math.abs(each) > Math.abs(most) ? each : most), 0);
+  const drives = (value: number) => -shape(value, mapping) + 0;
+  return {
+    linear: drives(at(mapping.forward)),
+    angular: drives(turn),
+    lateral: strafes ? drives(at(mapping.lateral)) : 0,
+  };
 }

@@ -9,7 +9,8 @@
  * The override is a hold of its own beside the dead-man (a key, a trigger, a button on screen): by itself it does
  * nothing, and a release ends it likewise.
  *
- * The head is a hold of its own, too, by its keys or its stick, with the base or alone.
+ * The head is a hold of its own, too, by its keys or its stick, with the base or alone. Where the head follows the view,
+ * that is a hold of the view: it turns the head where no hand does, and the base where no hand turns it.
  */
 
 import { type Axes, CENTRE, type HeadAxes } from "./axes";
@@ -33,11 +34,18 @@ export type Input =
   | { type: "head-move"; axes: HeadAxes }
   | { type: "head-end" }
   | { type: "pad"; axes: Axes | null; override?: boolean }
+  | { type: "follow"; axes: FollowAxes | null }
   | { type: "override"; held: boolean }
   | { type: "preset"; factor: number }
   | { type: "allow"; allowed: boolean }
   | { type: "release" }
   | { type: "tick" };
+
+/** What the view asks of head and base, −1…1, left positive. */
+export interface FollowAxes {
+  pan: number;
+  angular: number;
+}
 
 export interface DriveState {
   readonly allowed: boolean;
@@ -45,6 +53,7 @@ export interface DriveState {
   readonly stick: Axes | null;
   readonly headStick: HeadAxes | null;
   readonly pad: Axes | null;
+  readonly follow: FollowAxes | null;
   /** The pad's dead-man was held through a release: it counts again once it has been let go. */
   readonly padSpent: boolean;
   /** The override is held on the pad, on screen. */
@@ -75,6 +84,7 @@ export function initialDrive(factor: number): DriveState {
     stick: null,
     headStick: null,
     pad: null,
+    follow: null,
     padSpent: false,
     padOverride: false,
     screenOverride: false,
@@ -119,6 +129,8 @@ function take(state: DriveState, input: Exclude<Input, { type: "tick" }>): Drive
       return state.headStick ? { ...state, headStick: null } : state;
     case "pad":
       return takePad(state, input.axes, input.override ?? false);
+    case "follow":
+      return takeFollow(state, input.axes);
     case "override":
       return input.held === state.screenOverride || (input.held && !state.allowed)
         ? state
@@ -131,6 +143,11 @@ function take(state: DriveState, input: Exclude<Input, { type: "tick" }>): Drive
     case "release":
       return letGo(state);
   }
+}
+
+function takeFollow(state: DriveState, axes: FollowAxes | null): DriveState {
+  if (axes === null || !state.allowed) return state.follow ? { ...state, follow: null } : state;
+  return { ...state, follow: { pan: clamp(axes.pan, -1, 1), angular: clamp(axes.angular, -1, 1) } };
 }
 
 function takeKey(state: DriveState, input: { code: string; down: boolean; repeat?: boolean }): DriveState {
@@ -162,6 +179,7 @@ function letGo(state: DriveState): DriveState {
     stick: null,
     headStick: null,
     pad: null,
+    follow: null,
     padSpent: state.padSpent || state.pad !== null,
     padOverride: false,
     screenOverride: false,
@@ -170,9 +188,11 @@ function letGo(state: DriveState): DriveState {
 
 function settle(before: DriveState, taken: DriveState): Step {
   const source = chooseSource(taken);
-  const axes = source ? scale(axesOf(taken, source), factorOf(taken)) : CENTRE;
-  const held = source !== null;
-  const override = held && overrides(taken);
+  const byHand = source ? axesOf(taken, source) : CENTRE;
+  const turn = byHand.angular === 0 ? (taken.follow?.angular ?? 0) : byHand.angular;
+  const axes = scale({ ...byHand, angular: turn }, factorOf(taken));
+  const held = source !== null || turn !== 0;
+  const override = source !== null && overrides(taken);
   const head = headAxes(taken);
   const { command: last } = before;
   const headSame = (head !== null) === last.head_held && sameHead(head ?? STILL, last);
@@ -222,7 +242,7 @@ export function holds(command: Command): boolean {
 
 /** Left and up of the hand that holds the head, by the speed preset; null: none does. */
 function headAxes(state: DriveState): HeadAxes | null {
-  const axes = state.headStick ?? headAxesOfKeys(state.keys);
+  const axes = state.headStick ?? headAxesOfKeys(state.keys) ?? (state.follow && { pan: state.follow.pan, tilt: 0 });
   const factor = factorOf(state);
   return axes && { pan: round(axes.pan * factor), tilt: round(axes.tilt * factor) };
 }

@@ -9,6 +9,8 @@ export const UNKNOWN = "#0b0f15";
 export const PATH = "#56b4e9";
 export const GOAL = "#f0e442";
 export const ROBOT = "#ffffff";
+/** Where the robot will be when a command given now arrives. */
+export const AHEAD = "#ffd34d";
 export const ROBOT_EDGE = "#1f4f9e";
 export const UNSURE = "rgb(150 200 255 / 0.28)";
 export const KEEP_OUT = "#ff8a4c";

@@ -3,7 +3,17 @@
 import type { Zone } from "../protocol/types";
 import { type Context, FONT, outlined, stroke, trace } from "./canvas";
 import * as colors from "./colors";
-import { type Body, drawAim, drawCursor, drawGoal, drawRobot, drawStart, drawTarget, headingOf } from "./drawMarks";
+import {
+  type Body,
+  drawAhead,
+  drawAim,
+  drawCursor,
+  drawGoal,
+  drawRobot,
+  drawStart,
+  drawTarget,
+  headingOf,
+} from "./drawMarks";
 import { drawSketch, drawZone, moving } from "./drawZones";
 import type { GridPicture } from "./gridFeed";
 import {
@@ -26,6 +36,8 @@ export interface Shown {
   costmap: GridPicture | null;
   X_MO: Pose | null;
   robot: Pose | null;
+  /** Where it will be when a command given now arrives; null: there. */
+  ahead: Pose | null;
   body: Body;
   path: readonly (readonly [number, number])[];
   goal: (Point & { theta: number | null }) | null;
@@ -71,6 +83,7 @@ export function draw(context: Context, size: Size, view: MapView, shown: Shown):
     shown.path.map(([x, y]) => at({ x, y })),
   );
   shown.percepts(context, at);
+  if (shown.ahead) drawAhead(context, view, at(shown.ahead), shown.ahead, shown.body);
   if (shown.robot) drawRobot(context, view, at(shown.robot), shown.robot, shown.body);
   if (shown.target && shown.goal && Math.hypot(shown.target.x - shown.goal.x, shown.target.y - shown.goal.y) > 0.1)
     drawTarget(context, at(shown.target), at(shown.goal));

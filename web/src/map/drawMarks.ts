@@ -53,6 +53,26 @@ export function drawRobot(context: Context, view: MapView, place: Point, robot: 
   context.restore();
 }
 
+/** The outline alone, dashed: of the body that will be, not of the one measured. */
+export function drawAhead(context: Context, view: MapView, place: Point, pose: Pose, body: Body): void {
+  const outline = body.footprint.length > 2 ? body.footprint : null;
+  context.save();
+  context.translate(place.x, place.y);
+  context.rotate(screenAngle(view, pose.theta));
+  if (outline)
+    trace(
+      context,
+      outline.map(([x, y]) => ({ x: x * view.scale, y: -y * view.scale })),
+      true,
+    );
+  else disc(context, { x: 0, y: 0 }, 0.3 * view.scale);
+  context.lineWidth = 2;
+  context.strokeStyle = colors.AHEAD;
+  context.setLineDash([4, 3]);
+  context.stroke();
+  context.restore();
+}
+
 /** Twice the standard deviation: an ellipse of places, a fan of headings. */
 function drawUnsure(context: Context, view: MapView, robot: Pose, sx: number, sy: number, st: number): void {
   const [rx, ry] = [2 * sx * view.scale, 2 * sy * view.scale];

@@ -17,7 +17,7 @@ const COLUMN_PX = 860;
 
 /** Paints at the next frame after any change; returns what ends it. */
 export function paintOn(canvas: HTMLCanvasElement, place: MapPlace, app: App): () => void {
-  const { store, map, grid } = app;
+  const { store, map, grid, ahead } = app;
   let frame = 0;
   const size = { width: 0, height: 0 };
   const paint = () => {
@@ -36,6 +36,7 @@ export function paintOn(canvas: HTMLCanvasElement, place: MapPlace, app: App): (
       costmap: around && showsNow(around.info.stamp, store.now.peek(), store.clock.rate) ? around : null,
       X_MO,
       robot: map.robot.peek(),
+      ahead: X_MO && ahead.pose.peek() ? composed(X_MO, ahead.pose.peek()!) : null,
       body: {
         footprint: store.hello.peek()?.robot.footprint ?? [],
         sigma: localization?.sigma ?? [0, 0, 0],
@@ -88,6 +89,7 @@ export function paintOn(canvas: HTMLCanvasElement, place: MapPlace, app: App): (
     void [map.view.value, map.tools.value, map.robot.value, map.zones.value, map.selected.value, map.costmap.value];
     // Seconds, as what stands around is only shown while it does.
     void [grid.costmap.picture.value, store.seconds.value, store.hello.value, app.tourMarks.value];
+    void ahead.pose.value;
     map.met(grid.map.picture.value);
     later();
   });

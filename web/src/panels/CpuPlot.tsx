@@ -3,12 +3,15 @@
 import { useEffect, useRef } from "preact/hooks";
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
+import { shownTheme } from "../layout/theme";
 import { useApp } from "../state/context";
 
 const HEIGHT = 110;
+/** A colour of the page's theme. */
+const tone = (name: string) => () => getComputedStyle(document.documentElement).getPropertyValue(name);
 const AXIS = {
-  stroke: "#a3b1c2",
-  grid: { stroke: "#222b37", width: 1 },
+  stroke: tone("--muted"),
+  grid: { stroke: tone("--hover"), width: 1 },
   ticks: { show: false },
   font: "11px system-ui, sans-serif",
 };
@@ -39,9 +42,9 @@ export function CpuPlot() {
         ],
         series: [
           {},
-          { stroke: "#a3b1c2", width: 1, points: { show: false } },
-          { stroke: "#6aa5ff", fill: "rgba(61,127,230,.28)", width: 1.5, points: { show: false } },
-          { stroke: "#f0b44c", width: 1.5, dash: [5, 4], points: { show: false } },
+          { stroke: tone("--muted"), width: 1, points: { show: false } },
+          { stroke: tone("--accent"), fill: "rgba(61,127,230,.28)", width: 1.5, points: { show: false } },
+          { stroke: tone("--warn"), width: 1.5, dash: [5, 4], points: { show: false } },
         ],
       },
       [[], [], [], []],
@@ -63,7 +66,7 @@ export function CpuPlot() {
       history.map((p) => p.attended),
       history.map((p) => p.budget),
     ]);
-  }, [history]);
+  }, [history, shownTheme.value]);
 
   return (
     <figure class="cpu-plot">

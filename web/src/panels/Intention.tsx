@@ -1,74 +1,54 @@
-/** What the robot attends to and why: the intention, class by class, its filters and what it costs. */
+/** What the robot gave up and why, first; then what it attends to in full. Names, filters and costs on demand. */
 
+import { signal } from "@preact/signals";
 import type { Intention as IntentionMessage, SelectedStrategy } from "../protocol/types";
 import type { Message } from "../state/latest";
 import { divisor, number, reasonText, small, spaced, stateWord } from "../ui/format";
 import { StateMark, WarnIcon } from "../ui/icons";
-import { Meter } from "../ui/Meter";
+import { headline, intake, plainReason, type Reason, shortfall, sorted } from "./attentionText";
+import { Budget } from "./Budget";
 import { panel } from "./panel";
 
 export const intentionPanel = panel({ type: "intention", tab: "Attention", Card: Intention, offered: () => true });
 
+/** Whether strategies, filters and costs are shown by their names. */
+const named = signal(false);
+
 function Intention({ message }: { message: Message<"intention"> | null }) {
   return (
     <section class="card" aria-label="Intention" data-testid="intention">
-      <h2>What the robot attends to, and why</h2>
+      <div class="card-head">
+        <h2>What the robot attends to, and why</h2>
+        {message && (
+          <button
+            type="button"
+            class="link-button"
+            aria-pressed={named.value}
+            data-testid="intention-names"
+            title="Strategies, filters and costs by their names in the program"
+            onClick={() => (named.value = !named.value)}
+          >
+            {named.value ? "Plain words" : "Names"}
+          </button>
+        )}
+      </div>
       {message ? <Body intention={message} /> : <p class="empty">No intention yet.</p>}
     </section>
   );
 }
 
 function Body({ intention }: { intention: IntentionMessage }) {
-  const reasons = Object.entries(intention.reasons);
+  const { given, best } = sorted(intention.reasons);
   const serving = (name: string) => intention.strategies.filter((strategy) => strategy.class === name);
-  const reasoned = new Set(reasons.map(([name]) => name));
-  const others = intention.strategies.filter((strategy) => !reasoned.has(strategy.class));
+  const others = intention.strategies.filter((strategy) => !(strategy.class in intention.reasons));
   return (
     <>
-      <div class="resources">
-        {Object.entries(intention.use).map(([name, use]) => (
-          <Meter
-            key={name}
-            label={RESOURCES[name]?.label ?? capital(spaced(name))}
-            value={use.used}
-            limit={use.capacity}
-            text={`${number(use.used)} of ${number(use.capacity)} ${use.unit}`}
-          />
-        ))}
-      </div>
-      {reasons.length === 0 && <p class="empty">No desires: all filters of attention are closed.</p>}
+      <p class="attention-headline" data-testid="attention-headline">
+        {headline(intention.reasons)}
+      </p>
       <ul class="reasons">
-        {reasons.map(([name, reason]) => (
-          <li key={name} class={`reason ${reason.state}`} data-testid={`reason-${name}`} data-state={reason.state}>
-            <StateMark state={reason.state} />
-            <div>
-              <p class="reason-head">
-                <b>{spaced(name)}</b>
-                <span class="state-word">{stateWord(reason.state)}</span>
-                {reason.utility !== null && reason.wanted !== null && (
-                  <span class="muted">
-                    utility {number(reason.utility)}, {number(reason.wanted)} wanted
-                  </span>
-                )}
-              </p>
-              <p class="reason-text">{reasonText(reason.state, reason.text)}</p>
-              {serving(name).map((strategy) => (
-                <Strategy key={strategy.name} strategy={strategy} />
-              ))}
-            </div>
-          </li>
-        ))}
-        {others.map((strategy) => (
-          <li key={strategy.name} class="reason needed">
-            <StateMark state="needed" />
-            <div>
-              <p class="reason-head">
-                <b>{spaced(strategy.class)}</b>
-                <span class="state-word">needed</span>
-              </p>
-              <Strategy strategy={strategy} />
-            </div>
-          </li>
+        {given.map(([name, reason]) => (
+          <Row key={name} name={name} reason={reason} strategies={serving(name)} />
         ))}
       </ul>
       {intention.relaxed.length > 0 && (
@@ -77,12 +57,76 @@ function Body({ intention }: { intention: IntentionMessage }) {
           <span>Security desires that could not all be met: {intention.relaxed.map(spaced).join(", ")}.</span>
         </p>
       )}
-      <p class="muted small" data-testid="omega" data-omega={intention.omega}>
-        Ω = {number(intention.omega, 2)} · {intention.proven ? "proven optimal" : "best found, not proven"} in{" "}
-        {number(intention.solve_ms, 1)} ms
+      {best.length + others.length > 0 && (
+        <details class="attention-best" open={named.value} data-testid="attention-best">
+          <summary>
+            {given.length > 0 ? "In full: " : ""}
+            {[...best.map(([name]) => name), ...others.map((strategy) => strategy.class)].map(spaced).join(", ")}
+          </summary>
+          <ul class="reasons">
+            {best.map(([name, reason]) => (
+              <Row key={name} name={name} reason={reason} strategies={serving(name)} />
+            ))}
+            {others.map((strategy) => (
+              <li key={strategy.name} class="reason needed">
+                <StateMark state="needed" />
+                <div>
+                  <p class="reason-head">
+                    <b>{spaced(strategy.class)}</b>
+                    <span class="state-word">needed by another</span>
+                  </p>
+                  <Taken strategies={[strategy]} />
+                </div>
+              </li>
+            ))}
+          </ul>
+        </details>
+      )}
+      <div class="resources">
+        {Object.entries(intention.use).map(([name, use]) => (
+          <Budget key={name} name={name} label={RESOURCES[name]?.label ?? capital(spaced(name))} use={use} />
+        ))}
+      </div>
+      <p
+        class="muted small"
+        data-testid="omega"
+        data-omega={intention.omega}
+        title="Ω, the worth of what was chosen (the higher, the more of what is desired is served)"
+      >
+        {intention.proven ? "No better choice exists" : "The best choice found; a better one may exist"}
+        {named.value && ` · Ω = ${number(intention.omega, 2)} in ${number(intention.solve_ms, 1)} ms`}
       </p>
     </>
   );
+}
+
+function Row({ name, reason, strategies }: { name: string; reason: Reason; strategies: SelectedStrategy[] }) {
+  const why = named.value ? reason.text : reason.state === "fulfilled" ? "" : plainReason(reason);
+  return (
+    <li class={`reason ${reason.state}`} data-testid={`reason-${name}`} data-state={reason.state}>
+      <StateMark state={reason.state} />
+      <div>
+        <p class="reason-head">
+          <b>{spaced(name)}</b>
+          <span class="state-word">{shortfall(reason) || stateWord(reason.state)}</span>
+          {named.value && (
+            <span class="muted">
+              utility {number(reason.utility)}, {number(reason.wanted)} wanted
+            </span>
+          )}
+        </p>
+        {why && <p class="reason-text">{reasonText(reason.state, why)}</p>}
+        <Taken strategies={strategies} />
+      </div>
+    </li>
+  );
+}
+
+/** What strategies take in and cost: in plain words, or by their names. */
+function Taken({ strategies }: { strategies: SelectedStrategy[] }) {
+  if (named.value) return strategies.map((strategy) => <Strategy key={strategy.name} strategy={strategy} />);
+  const words = intake(strategies);
+  return words.length > 0 ? <p class="intake">{words.join(" · ")}</p> : null;
 }
 
 /** The lab's resources in words: the meter's label, and the unit of a strategy's cost. Others go by their names. */

@@ -1,7 +1,8 @@
 /** The side column's panels: one line each, in the order of their tabs. */
 
 import { aroundPanel } from "../around/AroundPanel";
-import { desiresPanel } from "../desires/DesiresPanel";
+import { addDesirePanel, desiresPanel } from "../desires/DesiresPanel";
+import { graphPanel } from "../graph/GraphPanel";
 import { lanesPanel } from "../lanes/Lanes";
 import { mapPanel } from "../map/MapPanel";
 import { mapsPanel } from "../map/Maps";
@@ -14,11 +15,13 @@ import { tourReportsPanel, tourRunPanel } from "../tours/TourRunPanel";
 import { eventsPanel } from "./Events";
 import { foundPanel } from "./Found";
 import { intentionPanel } from "./Intention";
+import { linkPanel } from "./LinkShape";
 import { loadPanel } from "./Load";
 import { peoplePanel } from "./People";
 import type { Panel } from "./panel";
 
 export const PANELS: readonly Panel[] = [
+  addDesirePanel,
   intentionPanel,
   desiresPanel,
   mapPanel,
@@ -34,6 +37,8 @@ export const PANELS: readonly Panel[] = [
   wordsPanel,
   foundPanel,
   loadPanel,
+  graphPanel,
+  linkPanel,
   eventsPanel,
   recordingsPanel,
 ];

@@ -3,7 +3,9 @@
 import type { ReadonlySignal } from "@preact/signals";
 import { createContext } from "preact";
 import { useContext } from "preact/hooks";
+import type { Ahead } from "../drive/ahead";
 import type { DriveController } from "../drive/driveController";
+import type { LayoutControl } from "../layout/layoutControl";
 import type { GridFeed } from "../map/gridFeed";
 import type { MapLibrary } from "../map/library";
 import type { MapControl } from "../map/mapControl";
@@ -29,6 +31,8 @@ export interface App {
   store: Store;
   session: Session;
   drive: DriveController;
+  /** Where the robot will be when a command given now arrives. */
+  ahead: Ahead;
   camera: PictureFeed;
   panorama: PictureFeed;
   listening: Listening;
@@ -56,6 +60,8 @@ export interface App {
   tourDrive: TourDrive;
   /** What of the edited one is drawn on the map; null: nothing. */
   tourMarks: ReadonlySignal<TourMarks | null>;
+  /** How the page is divided. */
+  layout: LayoutControl;
   /** The pictures of map and local costmap. */
   grid: { map: GridFeed; costmap: GridFeed };
 }

@@ -1,6 +1,7 @@
-/** Joins the connection to the store: newest message of each kind once per frame, staleness, login, clocks. */
+/** Joins the connection to the store: newest message of each kind once per turn, staleness, login, clocks. */
 
 import { batch } from "@preact/signals";
+import type { StopOrder } from "../drive/stopWorker";
 import { LiveConnection } from "../protocol/live";
 import { Problem, Rest } from "../protocol/rest";
 import { tokenIn } from "../protocol/token";
@@ -8,6 +9,8 @@ import type { FromRobot, Hello, Playback, ToRobot } from "../protocol/types";
 import { isFresh } from "./freshness";
 import type { Message, MessageType } from "./latest";
 import type { Store } from "./store";
+import { nextTurn } from "./turns";
+import { urgent } from "./urgency";
 
 const WATCH_MS = 100;
 const READ_MS = 40;
@@ -19,7 +22,7 @@ export class Session {
   readonly rest: Rest;
   /** Called with each binary frame of a kind, at arrival. */
   readonly onBinary = new Map<number, (frame: ArrayBuffer) => void>();
-  /** Called at every chance the page gets: each frame, each message. Timers starve first when it is busy drawing. */
+  /** Called at every chance the page gets: each turn, each message. Timers starve first when it is busy drawing. */
   onChance: () => void = () => undefined;
   /** Called when the robot has greeted a new connection. */
   readonly onHello = new Set<() => void>();
@@ -35,8 +38,14 @@ export class Session {
   private watchedAt = 0;
   private outdatedUntil = 0;
   private stopOwed = false;
+  /** A turn is due. */
+  private turning = false;
 
-  constructor(private readonly store: Store) {
+  /** `orderStop` sends the emergency stop by its own path, beside the live stream. */
+  constructor(
+    private readonly store: Store,
+    private readonly orderStop: (order: StopOrder) => void = () => undefined,
+  ) {
     this.rest = new Rest(() => store.operator.value);
     this.live = new LiveConnection(() => liveAddress(store.operator.value), {
       opened: () => this.opened(),
@@ -47,7 +56,7 @@ export class Session {
     });
   }
 
-  /** Calls `handler` with each message of a type, at arrival; the newest is in the store at the next frame all the same. */
+  /** Calls `handler` with each message of a type, at arrival; the newest is in the store at the next turn all the same. */
   on<T extends MessageType>(type: T, handler: (message: Message<T>) => void): void {
     this.handlers.set(type, handler as (message: FromRobot) => void);
   }
@@ -55,12 +64,6 @@ export class Session {
   async start(): Promise<void> {
     window.setInterval(() => this.watch(), WATCH_MS);
     window.setInterval(() => this.refresh(), 250);
-    const frame = () => {
-      this.onChance();
-      this.apply();
-      requestAnimationFrame(frame);
-    };
-    requestAnimationFrame(frame);
     await this.enter();
   }
 
@@ -73,8 +76,28 @@ export class Session {
 
   async logIn(token: string): Promise<void> {
     await this.rest.logIn(token);
+    this.store.loggedIn.value = true;
     this.store.link.value = { phase: "connecting", retryAt: 0 };
     this.live.open();
+  }
+
+  async logOut(): Promise<void> {
+    this.live.close();
+    await this.rest.logOut();
+    batch(() => {
+      this.store.loggedIn.value = false;
+      this.store.link.value = { phase: "login", retryAt: 0 };
+    });
+  }
+
+  /** Greets the robot under the operator's new name: a driver's robot stops for it. */
+  rename(name: string): void {
+    if (name.trim() === this.store.operator.peek()) {
+      this.store.rename(name);
+      return;
+    }
+    this.store.rename(name);
+    if (this.store.link.peek().phase === "live") this.live.open();
   }
 
   send(message: ToRobot): boolean {
@@ -88,6 +111,7 @@ export class Session {
 
   /** Sends the emergency stop; without a connection, it is sent first thing on the next. */
   eStop(): void {
+    this.orderStop({ url: new URL("./api/v1/stop", location.href).href, operator: this.store.operator.peek() });
     if (this.send({ type: "e_stop" })) return;
     this.stopOwed = true;
     this.store.notify(
@@ -116,7 +140,7 @@ export class Session {
 
   private async refused(): Promise<boolean> {
     try {
-      await this.rest.session();
+      this.store.loggedIn.value = (await this.rest.session()).token_needed;
       return false;
     } catch (problem) {
       return problem instanceof Problem && problem.status === 401;
@@ -152,7 +176,21 @@ export class Session {
     if (message.type === "status") this.lastStatusAt = at;
     this.handlers.get(message.type)?.(message);
     if (message.type === "hello") this.greet(message);
-    else if (message.type !== "jump") this.waiting.set(message.type, message);
+    else if (message.type !== "jump") this.keep(message);
+  }
+
+  private keep(message: FromRobot): void {
+    const { store } = this;
+    this.waiting.set(message.type, message);
+    if (urgent(message, store.of("status").peek(), store.live.peek())) this.apply();
+    else if (!this.turning) {
+      this.turning = true;
+      nextTurn(() => {
+        this.turning = false;
+        this.onChance();
+        this.apply();
+      });
+    }
   }
 
   private greet(hello: Hello): void {
@@ -171,7 +209,7 @@ export class Session {
     this.outdatedUntil = performance.now() + AGAIN_MS;
   }
 
-  /** What came since the last frame, newest of each kind, in one batch. */
+  /** What came since the last turn, newest of each kind, in one batch. */
   private apply(): void {
     if (this.waiting.size === 0) return;
     const { store } = this;

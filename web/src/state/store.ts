@@ -36,6 +36,8 @@ export interface LoadPoint {
   budget: number | null;
 }
 
+type RoleName = Hello["role"];
+
 const EVENTS_KEPT = 1000;
 const LOAD_KEPT = 600;
 const NOTICES_SHOWN = 4;
@@ -53,7 +55,8 @@ export function createStore() {
   const notices = signal<Notice[]>([]);
   const playback = signal<Playback | null>(null);
   const lanes = new LaneHistory();
-  const operator = signal(readOperator());
+  const operator = signal(readOperator() ?? "operator");
+  const named = signal(readOperator() !== null);
   const live = computed(() => link.value.phase === "live") as ReadonlySignal<boolean>;
   let noticeId = 0;
 
@@ -83,6 +86,12 @@ export function createStore() {
     eventsKnown: signal(false),
     notices,
     operator,
+    /** Whether this browser has been given a name, or was asked for one. */
+    named,
+    /** What this page may do, by its login. */
+    role: computed(() => hello.value?.role ?? "operator") as ReadonlySignal<RoleName>,
+    /** Whether there is a login to end. */
+    loggedIn: signal(false),
     rttMs: signal<number | null>(null),
     viewAgeMs: signal<number | null>(null),
     /** The robot's clock, refreshed four times a second: for "12 s ago". */
@@ -99,6 +108,10 @@ export function createStore() {
     /** Whether the 3D view is drawn at all. */
     scene: signal(sceneWanted()),
     help: signal(false),
+    /** Closes what is open over the page, as Escape does; null: nothing is. */
+    popup: signal<(() => void) | null>(null),
+    /** Whether the lanes have the whole window. */
+    lanesLarge: signal(false),
     live,
     /** Whether nothing drives the robot, by what is heard of it now. */
     stands: computed(() => live.value && status.value?.guard.state === "idle") as ReadonlySignal<boolean>,
@@ -169,6 +182,7 @@ export function createStore() {
     },
     rename(name: string): void {
       operator.value = name.trim().slice(0, 40) || "operator";
+      named.value = true;
       localStorage.setItem(OPERATOR_KEY, operator.value);
     },
   };
@@ -179,8 +193,9 @@ function sceneWanted(): boolean {
   return typeof location === "undefined" || new URLSearchParams(location.search).get("scene") !== "off";
 }
 
-function readOperator(): string {
-  return (typeof localStorage === "undefined" ? null : localStorage.getItem(OPERATOR_KEY)) ?? "operator";
+/** Null: this browser has been given no name. */
+function readOperator(): string | null {
+  return typeof localStorage === "undefined" ? null : localStorage.getItem(OPERATOR_KEY);
 }
 
 export type Store = ReturnType<typeof createStore>;

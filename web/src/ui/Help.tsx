@@ -17,7 +17,7 @@ const HEAD: Rows = [[["I", "J", "K", "L"], "Hold to turn the head; a click on th
 const STOP: Rows = [
   [
     ["Esc"],
-    "Emergency stop, from anywhere on the page. It cancels the goal and stays latched until released. If the robot is idle and has no goal, Esc first closes this sheet or cancels the map tool",
+    "Emergency stop, from anywhere on the page; Space twice does the same. It cancels the goal and stays latched until released. If the robot is idle and has no goal, Esc first closes this sheet or cancels the map tool",
   ],
 ];
 const STOP_ALONE: Rows = [
@@ -27,6 +27,9 @@ const STOP_ALONE: Rows = [
   ],
 ];
 const SPEAK: Rows = [[["V"], "Hold to speak through the robot"]];
+const VIEW: Rows = [
+  [["1", "7"], "1 to 7: from where the 3D view looks; its buttons say which. Drag to orbit, wheel to zoom"],
+];
 const SHEET: Rows = [[["?"], "This sheet"]];
 const PAD: Rows = [
   [["L1", "R1"], "Hold one of them to drive (the dead-man)"],
@@ -55,6 +58,8 @@ const MAP: Rows = [
 const LANES: Rows = [
   [["← →", "↑ ↓"], "With the lanes in focus: move the cursor that shows values and reasons"],
   [["+", "−", "P"], "Zoom, pause; also by wheel, pinch and drag"],
+  [["Enter"], "Pin the instant: its whole intention and the reasons; also by a click"],
+  [["T"], "Lanes over the whole window, and back"],
 ];
 
 export function Help() {
@@ -65,7 +70,7 @@ export function Help() {
   const { drives, turnsHead, maps, goes } = store.body.value;
   const stop = drives || goes || maps ? STOP : STOP_ALONE;
   const speak = store.hello.value?.audio.speak === false ? [] : SPEAK;
-  const keys = [...(drives ? DRIVE : []), ...(turnsHead ? HEAD : []), ...stop, ...speak, ...SHEET];
+  const keys = [...(drives ? DRIVE : []), ...(turnsHead ? HEAD : []), ...stop, ...speak, ...VIEW, ...SHEET];
   const faced = store.hello.value?.classes.some((each) => each.name === "Express");
   useEffect(() => {
     if (open) close.current?.focus();

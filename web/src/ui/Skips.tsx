@@ -1,10 +1,15 @@
 /** Ways past what stands first, for the keyboard: seen while they have the focus. */
 
 import { useApp } from "../state/context";
+import { low, narrow } from "./media";
 
 export function Skips() {
   const { map, store } = useApp();
   const to = (selector: string) => () => document.querySelector<HTMLElement>(selector)?.focus();
+  const toLanes = () => {
+    if (narrow.peek() || low.peek()) store.tab.value = "lanes";
+    requestAnimationFrame(to(".lane-area")); // in their tab, they are there with the next frame
+  };
   return (
     <nav class="skips" aria-label="Skip to">
       {store.body.value.maps && (
@@ -15,7 +20,7 @@ export function Skips() {
       <button type="button" class="button" data-testid="skip-panels" onClick={to("[role=tab][aria-selected=true]")}>
         To the panels
       </button>
-      <button type="button" class="button" data-testid="skip-lanes" onClick={to(".lane-area")}>
+      <button type="button" class="button" data-testid="skip-lanes" onClick={toLanes}>
         To the lanes
       </button>
     </nav>

@@ -1,6 +1,9 @@
 /** Always visible: who, what, how fresh, and the stop. */
 
 import type { ComponentChildren } from "preact";
+import { WheelAsked } from "../drive/Wheel";
+import { LayoutMenu } from "../layout/LayoutMenu";
+import { ShapedLink } from "../panels/LinkShape";
 import { Marker } from "../playback/Marker";
 import { RecordButton } from "../recordings/RecordButton";
 import { useApp } from "../state/context";
@@ -10,6 +13,8 @@ import { driverName, driverWords } from "./driver";
 import { EStop } from "./EStop";
 import { millis } from "./format";
 import { LinkIcon, WarnIcon } from "./icons";
+import { motionWords } from "./motion";
+import { NameAsk } from "./NameAsk";
 import { Operator } from "./Operator";
 
 const PHASES = {
@@ -19,15 +24,6 @@ const PHASES = {
   lost: "Lost",
   login: "Log in",
 } as const;
-const GUARDS: Record<string, string> = {
-  waiting: "Waiting",
-  idle: "Standing",
-  driving: "Driving",
-  stale_command: "No fresh command",
-  e_stopped: "E-stopped",
-  sensor_failure: "Sensor failure",
-  silent: "No report",
-};
 
 export function TopBar({ narrow }: { narrow: boolean }) {
   const { store } = useApp();
@@ -36,6 +32,9 @@ export function TopBar({ narrow }: { narrow: boolean }) {
   const live = phase === "live";
   const guard = status?.guard;
   const known = live ? guard : undefined;
+  const odometry = status?.sources.some((each) => each.channel === "odometry" && each.state === "stale")
+    ? null
+    : (status?.odometry ?? null);
   const replay = store.replay.value;
   const stopped = store.stopped.value && !replay;
   const hello = store.hello.value;
@@ -65,7 +64,7 @@ export function TopBar({ narrow }: { narrow: boolean }) {
             data-state={known?.state ?? ""}
             title={known?.reason}
           >
-            {known ? (GUARDS[known.state] ?? known.state) : "State unknown"}
+            {known ? motionWords(known, odometry) : "State unknown"}
           </p>
         )}
         {caution && (
@@ -74,6 +73,7 @@ export function TopBar({ narrow }: { narrow: boolean }) {
             {caution.title}
           </p>
         )}
+        <ShapedLink />
         {slow && (
           <p
             class="chip warn world-rate"
@@ -107,6 +107,7 @@ export function TopBar({ narrow }: { narrow: boolean }) {
       </div>
       <div class="bar-end">
         <RecordButton />
+        {!narrow && <LayoutMenu />}
         <Operator />
         <button
           type="button"
@@ -120,6 +121,8 @@ export function TopBar({ narrow }: { narrow: boolean }) {
         </button>
         {!narrow && !replay && <EStop />}
       </div>
+      <WheelAsked />
+      <NameAsk />
     </header>
   );
 }

@@ -339,3 +339,28 @@ export const PencilIcon = () => (
     <path d="M4 20l1-4L16.5 4.5l3 3L8 19zM14 7l3 3" />
   </Icon>
 );
+export const LayoutIcon = () => (
+  <Icon>
+    <rect x="3" y="4" width="18" height="16" rx="2" />
+    <path d="M15 4v16M3 14h12" />
+  </Icon>
+);
+export const SlidersIcon = () => (
+  <Icon>
+    <path d="M4 7h10M18 7h2M4 17h2M10 17h10" />
+    <circle cx="16" cy="7" r="2" />
+    <circle cx="8" cy="17" r="2" />
+  </Icon>
+);
+export const SpeechIcon = () => (
+  <Icon>
+    <path d="M4 5h16v11H10l-4 4v-4H4z" />
+  </Icon>
+);
+
+export const CompareIcon = () => (
+  <Icon>
+    <rect x="3" y="5" width="7.5" height="14" rx="1.5" />
+    <rect x="13.5" y="5" width="7.5" height="14" rx="1.5" />
+  </Icon>
+);

@@ -1,0 +1,149 @@
+"""The page at twelve sizes: nothing lies under anything, presets and separators work, and axe finds no violation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from app.base.paths import checkout_dir
+from tests.browser.running import Robot, running_robot
+
+#: Phones, tablets, laptops and desks; both ways up.
+SIZES = (
+    (3840, 2160), (1920, 1080), (1440, 900), (1366, 768), (1280, 720), (1024, 768),
+    (1024, 600), (912, 1368), (768, 1024), (844, 390), (390, 844), (360, 640),
+)  # fmt: skip
+#: What each control's middle is covered by, if not by itself. Controls out of sight in a list are scrolled to first.
+_COVERED = """
+() => {
+  const found = [];
+  const controls = "button, a[href], input, select, textarea, [role=button], [role=tab], [role=separator]";
+  for (const control of document.querySelectorAll(controls)) {
+    const style = getComputedStyle(control);
+    if (control.disabled || style.visibility === "hidden" || style.pointerEvents === "none") continue;
+    if (control.closest(".skips, details:not([open]) > :not(summary)")) continue; // seen with the focus, or opened
+    control.scrollIntoView({ block: "nearest", inline: "nearest" });
+    const box = control.getBoundingClientRect();
+    if (box.width < 2 || box.height < 2) continue;
+    const [x, y] = [box.left + box.width / 2, box.top + box.height / 2];
+    const name = control.dataset.testid || control.getAttribute("aria-label") || control.textContent.trim();
+    const top = document.elementFromPoint(x, y);
+    const own = top && (control.contains(top) || [...(control.labels ?? [])].some((label) => label.contains(top)));
+    if (!own) found.push(`${name}: ${top ? top.dataset.testid || top.className || top.tagName : "outside the window"}`);
+  }
+  if (document.documentElement.scrollWidth > innerWidth) found.push("the page is wider than the window");
+  return found;
+}
+"""
+_AXE = """
+async () => (await axe.run({
+  runOnly: ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"],
+  rules: { region: { enabled: false } }, // separators lie between the page's landmarks
+})).violations.map(({ id, nodes }) => `${id}: ${nodes.map((node) => node.target.join(" ")).join(", ")}`)
+"""
+
+
+@pytest.fixture(scope="module")
+def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
+    """One robot for all tests: none changes anything but its page."""
+    with running_robot(tmp_path_factory.mktemp("robot"), calm=True) as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def axe() -> str:
+    """The script of axe-core."""
+    root = checkout_dir()
+    assert root is not None
+    file = root / "web" / "node_modules" / "axe-core" / "axe.min.js"
+    if not file.is_file():
+        pytest.skip("axe-core is not installed: npm ci in web/")
+    return file.read_text(encoding="utf-8")
+
+
+def violations(page: Page, axe: str) -> list[str]:
+    page.evaluate(axe)
+    found: list[str] = page.evaluate(_AXE)
+    return found
+
+
+@pytest.mark.parametrize("scene", [False, True], ids=["camera", "3D"])
+def test_at_every_size_each_control_can_be_pressed(open_page: Callable[..., Page], scene: bool) -> None:
+    page = open_page(scene=scene)
+    if scene:
+        page.get_by_test_id("viewpoints").wait_for()
+    covered: dict[tuple[int, int], Any] = {}
+    for width, height in SIZES:
+        page.set_viewport_size({"width": width, "height": height})
+        # Which layout it is follows the window in the next frame.
+        page.locator(f"[data-testid=page].{'narrow' if width < 760 else 'wide'}").wait_for()
+        page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+        covered[width, height] = page.evaluate(_COVERED)
+    assert {size: found for size, found in covered.items() if found} == {}
+
+
+def test_presets_show_what_they_are_for(page: Page) -> None:
+    page.set_viewport_size({"width": 1440, "height": 900})
+    lanes, tab = page.get_by_test_id("lanes"), "[role=tab][aria-selected=true]"
+
+    def choose(preset: str) -> None:
+        page.get_by_test_id("layout").click()
+        page.get_by_test_id(f"layout-{preset}").click()
+        expect(page.get_by_test_id("layout-box")).to_have_count(0)
+
+    choose("drive")
+    expect(lanes).to_have_count(0)
+    expect(page.locator(tab)).to_have_text("Map")
+    choose("tour")
+    expect(page.locator("[data-testid=page].mapped")).to_have_count(1)
+    choose("debug")
+    expect(page.locator(tab)).to_have_text("Load")
+    expect(lanes).to_be_visible()
+    choose("attention")
+    expect(page.locator("[data-testid=page].mapped")).to_have_count(0)
+
+
+def test_a_separator_is_dragged_and_moved_by_keys_and_kept_over_a_reload(page: Page) -> None:
+    page.set_viewport_size({"width": 1440, "height": 900})
+    separator, side = page.get_by_test_id("side-splitter"), page.locator("aside.tabs")
+    before = side.bounding_box()
+    assert before is not None
+    box = separator.bounding_box()
+    assert box is not None
+    page.mouse.move(box["x"] + box["width"] / 2, 400)
+    page.mouse.down()
+    page.mouse.move(720, 400, steps=4)
+    page.mouse.up()
+    expect(separator).to_have_attribute("aria-valuenow", "50")
+    separator.press("ArrowLeft")
+    expect(separator).to_have_attribute("aria-valuenow", "52")
+    after = side.bounding_box()
+    assert after is not None
+    assert after["width"] > before["width"] + 200
+    page.reload()
+    expect(separator).to_have_attribute("aria-valuenow", "52")
+    separator.dblclick()
+    expect(separator).to_have_attribute("aria-valuenow", "28")
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_axe_finds_nothing(page: Page, axe: str, theme: str) -> None:
+    page.set_viewport_size({"width": 1440, "height": 900})
+    page.emulate_media(color_scheme="light" if theme == "light" else "dark")
+    expect(page.locator(f"html[data-theme={theme}]")).to_have_count(1)
+    found = {"page": violations(page, axe)}
+    for tab in ("map", "tour", "found", "load", "events", "recordings"):
+        page.get_by_test_id(f"tab-{tab}").click()
+        found[tab] = violations(page, axe)
+    page.get_by_test_id("tab-attention").click()
+    page.get_by_test_id("desire-add").click()
+    found["form"] = violations(page, axe)
+    page.get_by_test_id("layout").click()
+    found["layout"] = violations(page, axe)
+    page.set_viewport_size({"width": 390, "height": 844})
+    page.locator("[data-testid=page].narrow").wait_for()
+    found["phone"] = violations(page, axe)
+    assert {state: problems for state, problems in found.items() if problems} == {}

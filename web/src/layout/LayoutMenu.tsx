@@ -1,0 +1,127 @@
+/** The page's layout: presets, what is shown, where, its colours, and the link to it. */
+
+import { useApp } from "../state/context";
+import { LayoutIcon } from "../ui/icons";
+import { usePopup } from "../ui/usePopup";
+import { PRESETS, type Preset } from "./layout";
+import { THEMES, theme } from "./theme";
+
+const NAMES: Record<Preset, string> = { drive: "Drive", tour: "Tour", attention: "Attention", debug: "Debug" };
+const WORDS: Record<Preset, string> = {
+  drive: "The view, with the map beside it",
+  tour: "The map, with the stops beside it",
+  attention: "The view, the lanes and why",
+  debug: "Load, events and large lanes",
+};
+const THEME_NAMES = { system: "As the system", light: "Light", dark: "Dark" } as const;
+
+export function LayoutMenu() {
+  const { layout, store } = useApp();
+  const { open, button, box, close } = usePopup("[aria-checked=true]");
+  const { sideShown, lanesShown, edge } = layout.layout.value;
+  const presets = PRESETS.filter((preset) => preset !== "tour" || store.body.value.maps);
+  return (
+    <div class="layout-menu">
+      <button
+        type="button"
+        ref={button}
+        class="button small"
+        data-testid="layout"
+        aria-haspopup="dialog"
+        aria-expanded={open.value}
+        aria-label={`Layout: ${NAMES[layout.preset.value]}`}
+        title="What the page shows, and where"
+        onClick={() => (open.value = !open.value)}
+      >
+        <LayoutIcon /> <span class="layout-name">{NAMES[layout.preset.value]}</span>
+      </button>
+      {open.value && (
+        <div class="layout-box" ref={box} role="dialog" aria-label="Layout" data-testid="layout-box" data-own-arrows>
+          <div role="radiogroup" aria-label="Preset" class="layout-presets">
+            {presets.map((preset) => (
+              <button
+                key={preset}
+                type="button"
+                role="radio"
+                aria-checked={preset === layout.preset.value}
+                data-testid={`layout-${preset}`}
+                onClick={() => {
+                  layout.choose(preset);
+                  close();
+                }}
+              >
+                <b>{NAMES[preset]}</b>
+                <span>{WORDS[preset]}</span>
+              </button>
+            ))}
+          </div>
+          <fieldset>
+            <legend>Shown</legend>
+            <Check name="Panels" on={sideShown} id="side" put={(on) => layout.change({ sideShown: on })} />
+            <Check name="Lanes" on={lanesShown} id="lanes" put={(on) => layout.change({ lanesShown: on })} />
+            <Check
+              name="Panels on the left"
+              on={edge === "left"}
+              id="left"
+              put={(on) => layout.change({ edge: on ? "left" : "right" })}
+            />
+          </fieldset>
+          <label class="layout-theme">
+            Colours
+            <select
+              value={theme.value}
+              data-testid="theme"
+              onChange={(event) => (theme.value = event.currentTarget.value as typeof theme.value)}
+            >
+              {THEMES.map((each) => (
+                <option key={each} value={each}>
+                  {THEME_NAMES[each]}
+                </option>
+              ))}
+            </select>
+          </label>
+          <div class="layout-actions">
+            <button type="button" class="button small" data-testid="layout-link" onClick={() => void copy()}>
+              Copy link
+            </button>
+            <button
+              type="button"
+              class="button small"
+              data-testid="layout-reset"
+              disabled={!layout.changed.value}
+              onClick={() => layout.reset()}
+            >
+              Reset
+            </button>
+          </div>
+        </div>
+      )}
+    </div>
+  );
+
+  async function copy(): Promise<void> {
+    const link = layout.link(location.href);
+    try {
+      await navigator.clipboard.writeText(link);
+      store.notify("info", "The link to this layout is copied.");
+    } catch {
+      // Without a secure context there is no clipboard: the address bar has it.
+      history.replaceState(null, "", link);
+      store.notify("info", "The browser's address is the link to this layout now.");
+    }
+  }
+}
+
+function Check({ name, id, on, put }: { name: string; id: string; on: boolean; put: (on: boolean) => void }) {
+  return (
+    <label>
+      <input
+        type="checkbox"
+        checked={on}
+        data-testid={`layout-shows-${id}`}
+        onChange={(event) => put(event.currentTarget.checked)}
+      />
+      {name}
+    </label>
+  );
+}

@@ -1,0 +1,40 @@
+import { afterEach, beforeEach, expect, test, vi } from "vitest";
+import { CALM_MS, hasCard, paced } from "./turns";
+
+beforeEach(() => void vi.useFakeTimers());
+afterEach(() => void vi.useRealTimers());
+
+test("of many values, the first is shown at once and the newest of a turn at its end", () => {
+  const shown: number[] = [];
+  const show = paced((value: number) => shown.push(value));
+  for (const value of [1, 2, 3]) show(value);
+  expect(shown).toEqual([1]);
+  vi.advanceTimersByTime(CALM_MS);
+  expect(shown).toEqual([1, 3]);
+  show(4);
+  expect(shown).toEqual([1, 3]); // a turn has begun with 3
+  vi.advanceTimersByTime(CALM_MS);
+  expect(shown).toEqual([1, 3, 4]);
+});
+
+test("nothing is due while nothing comes", () => {
+  const shown: number[] = [];
+  const show = paced((value: number) => shown.push(value));
+  show(1);
+  vi.advanceTimersByTime(CALM_MS);
+  expect(vi.getTimerCount()).toBe(0);
+  show(2);
+  expect(shown).toEqual([1, 2]);
+});
+
+test.each([
+  ["ANGLE (Google, Vulkan 1.3.0 (SwiftShader Device (Subzero) (0x0000C0DE)), SwiftShader driver)", false],
+  ["llvmpipe (LLVM 15.0.6, 256 bits)", false],
+  ["ANGLE (Microsoft, Microsoft Basic Render Driver Direct3D11 vs_5_0 ps_5_0)", false],
+  ["ANGLE (Intel, Mesa Intel(R) UHD Graphics 620 (KBL GT2), OpenGL 4.6)", true],
+  ["Apple M1", true],
+  ["Adreno (TM) 640", true],
+  [null, false],
+])("the renderer %s draws on a card: %s", (name, card) => {
+  expect(hasCard(name)).toBe(card);
+});
