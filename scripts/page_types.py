@@ -19,7 +19,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from app.console import schema
 from app.console.live.messages import FROM_ROBOT, FaceReport, VisitorLink, VisitorView
 from app.console.live.protocol import FromPage, TimedMessage
+from app.console.records.attention import ResourceList, StrategyList
 from app.console.records.camera import CameraPoint
+from app.console.records.lanes import LanesPast
 from app.console.records.maps import MapList
 from app.console.records.places import PlaceReport
 from app.console.records.program import SceneAddress
@@ -27,6 +29,7 @@ from app.console.records.recordings import RecordingList, ReplayReport, Saved
 from app.console.records.route import RouteReport
 from app.console.records.tours import RehearsalReport, RunReportList, TourList, TourReport, TourRunReport
 from app.console.rest.camera import CameraClick
+from app.console.rest.link_models import LinkChange
 from app.console.rest.map_models import GoalRequest, LoadRequest, RenameRequest, ZonesRequest
 from app.console.rest.models import DesireChange, NewDesire
 from app.console.rest.place_models import NewPlace, PlaceChange
@@ -45,15 +48,18 @@ FILE = ROOT / "web" / "src" / "protocol" / "generated.ts"
 ANSWERS = (
     CameraPoint,
     FaceReport,
+    LanesPast,
     MapList,
     PlaceReport,
     RecordingList,
     ReplayReport,
+    ResourceList,
     RehearsalReport,
     RouteReport,
     RunReportList,
     Saved,
     SceneAddress,
+    StrategyList,
     Tour,
     TourList,
     TourReport,
@@ -75,6 +81,7 @@ REQUESTS = (
     NewTourRun,
     PlaceChange,
     PlaybackChange,
+    LinkChange,
     RenameRequest,
     RouteRequest,
     SaveRequest,

@@ -51,6 +51,11 @@ _GO_ON = """() => {
 }"""
 #: The tour that is configured by driving.
 TOUR = "A walk through the lab"
+#: A picture waits for a page in good health, looked at so many times, a second apart.
+HEALTH_TRIES = 90
+#: A world slower than this, and a view older (ms), are not published.
+SLOWEST_WORLD = 0.95
+OLDEST_VIEW_MS = 300
 #: A way takes so long at most (s), or this computer is too slow for a robot that goes.
 GOING_S = 300
 
@@ -337,7 +342,9 @@ def spoken_to(page: Page) -> None:
 
 def opened(browser: Browser, url: str, size: ViewportSize) -> Page:
     """A window of its own on the console, live."""
-    page = browser.new_context(viewport=size).new_page()
+    context = browser.new_context(viewport=size, color_scheme="dark")
+    context.add_init_script("localStorage.setItem('hbba.operator', 'operator')")
+    page = context.new_page()
     page.set_default_timeout(300_000)
     page.goto(url)
     page.locator("[data-testid=connection][data-phase=live]").wait_for()
@@ -346,28 +353,54 @@ def opened(browser: Browser, url: str, size: ViewportSize) -> Page:
 
 def why(page: Page) -> None:
     """Hover over the lane that gave way, and show the reason."""
-    box = page.get_by_test_id("lane-canvas").bounding_box()
+    box = page.get_by_test_id("lane-area").bounding_box()
     assert box is not None
-    page.mouse.move(box["x"] + 0.9 * box["width"], box["y"] + 0.17 * box["height"])
+    lane = page.get_by_test_id("lane-LocateFaces").bounding_box() or page.locator(".lane-name").nth(1).bounding_box()
+    assert lane is not None
+    page.mouse.move(box["x"] + 0.9 * box["width"], lane["y"] + lane["height"] / 2)
     page.get_by_test_id("lane-tooltip").wait_for()
     shoot(page, "tour-why")
     page.mouse.move(5, 5)
 
 
 def shoot(page: Page, name: str, there: Locator | None = None) -> None:
-    """Save the page as ``docs/images/<name>.jpg``, if it may be with what is to be ``there`` and pictures not old."""
+    """Save the page as ``docs/images/<name>.jpg`` in good health, with what is to be ``there``.
+
+    Raises SystemExit, in words: a picture of a page that is late, or of a world that is slow, is not written.
+    """
     views = page.frames[1:]
     for view in views:
         view.evaluate(_STAND_STILL)
-    with contextlib.suppress(TimeoutError):
-        page.wait_for_timeout(2_000)
-        page.locator("[data-testid=camera]:not(.old)").wait_for(timeout=20_000)
-        if there is not None:
-            there.wait_for(state="attached", timeout=300_000)
+    if there is not None:
+        there.wait_for(state="attached", timeout=300_000)
+    ill = "not looked at"
+    for _ in range(HEALTH_TRIES):
+        page.wait_for_timeout(1_000)
+        if not (ill := illness(page)):
+            break
+    else:
+        raise SystemExit(f"{name}: not written, since {ill}. Take it on a computer that has nothing else to do.")
     picture = taken(page)
     for view in views:
         view.evaluate(_GO_ON)
     saved(name, picture)
+
+
+def illness(page: Page) -> str:
+    """What of the page should not be seen on a picture, in words; empty: nothing."""
+    if page.locator("[data-testid=connection][data-phase=live]").count() == 0:
+        return "the page does not hear the robot"
+    if page.locator("[data-testid=camera].old").count():
+        return f"the camera's picture is old ({page.get_by_test_id('camera-text').first.inner_text()})"
+    slow = page.get_by_test_id("world-rate")
+    if slow.count() and float(slow.inner_text().split("\u00d7")[0].split()[-1]) < SLOWEST_WORLD:
+        return slow.inner_text()
+    age = page.locator("[data-testid=view-age]")
+    if age.count() and (found := age.first.inner_text().split()[0]).isdigit() and int(found) > OLDEST_VIEW_MS:
+        return f"what it shows is {found} ms old"
+    if page.get_by_test_id("notice").count():
+        return f"it says: {page.get_by_test_id('notice').first.inner_text()}"
+    return ""
 
 
 def taken(page: Page) -> Image:

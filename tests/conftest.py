@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import asyncio.constants
 import faulthandler
 import gc
 import logging
 import os
+import sys
+import traceback
 from collections.abc import Iterator
+from itertools import islice
+from types import FrameType
 
 import pytest
 from _pytest.faulthandler import fault_handler_stderr_fd_key
@@ -20,6 +25,24 @@ for name, value in gl_environment().items():
 
 #: So many new objects, of which none is garbage yet, are made before some are looked for.
 GARBAGE_AFTER = 20_000
+
+#: So many frames, the innermost, are kept of where a callback, task or future was made, which debug mode notes.
+NOTED_FRAMES = 5
+asyncio.constants.DEBUG_STACK_DEPTH = NOTED_FRAMES  # type: ignore[misc]  # a constant of asyncio alone
+_walk_stack = traceback.walk_stack
+
+
+def _walk_noted(f: FrameType | None) -> Iterator[tuple[FrameType, int]]:
+    """The stack from ``f`` on; little of it for a future, which notes that of the function that makes it.
+
+    Futures note the whole stack with its lines of source, and pytest's own frames are some fifty: most of the time of
+    debug mode.
+    """
+    walked = _walk_stack(f)
+    return islice(walked, NOTED_FRAMES) if f is sys._getframe(2) else walked
+
+
+traceback.walk_stack = _walk_noted
 
 # No deadline: on a shared computer a slow example says nothing about the program.
 settings.register_profile("house", deadline=None)

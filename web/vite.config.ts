@@ -1,11 +1,13 @@
 /// <reference types="vitest/config" />
 import { defineConfig } from "vite";
+import { compress } from "./compress";
 
 // `npm run dev` serves the page with hot reload in front of a console that runs elsewhere.
 const consoleAddress = process.env["HBBA_CONSOLE"] ?? "http://127.0.0.1:8080";
 
 export default defineConfig({
   base: "./",
+  plugins: [compress()],
   oxc: { jsx: { runtime: "automatic", importSource: "preact" } },
   build: {
     outDir: "../app/console/static",
@@ -24,5 +26,12 @@ export default defineConfig({
       "^/panels/": { target: consoleAddress },
     },
   },
-  test: { include: ["src/**/*.test.ts"], environment: "node" },
+  test: {
+    include: ["src/**/*.test.ts"],
+    environment: "node",
+    // Files share a process and what they import: loading it again for each took most of the time.
+    isolate: false,
+    unstubGlobals: true,
+    testTimeout: 60_000, // a busy computer is no fault of the page
+  },
 });

@@ -19,6 +19,7 @@ from app.commands import (
     experiment,
     log,
     new,
+    password,
     replay,
     run,
     slam,
@@ -39,6 +40,7 @@ COMMANDS: Mapping[str, ModuleType] = {
     "slam": slam,
     "tour": tour,
     "new": new,
+    "password": password,
     "bench": bench,
     "completion": completion,
 }

@@ -16,10 +16,11 @@ from typing import TYPE_CHECKING, Any
 from app.base import logging_setup
 from app.base.errors import ConfigError
 from app.commands.arguments import TIMES, find_log, moment, names, real, recording_name, whole
+from app.commands.console_access import ConsoleAccess, console_access, warn_of_plain_connections
 from app.commands.kernels import kernels_ready
 from app.commands.output import add_json, check_writable, json_text, print_json, write_text
 from app.commands.packaged import program_named
-from app.commands.run import Stopping, add_console_options, announcer, token_for, until_stopped
+from app.commands.run import Stopping, add_console_options, announcer, until_stopped
 
 if TYPE_CHECKING:
     from fastapi import FastAPI
@@ -173,8 +174,9 @@ def _with_console(
     stack.callback(replay.close)
     console = replay.program.configuration.program.console
     host = args.host or console.host
-    token = token_for(args, host)
+    access = console_access(args, host)
     logging_setup.configure(args.log_level, as_json=args.log_json)
+    warn_of_plain_connections(access, host)
     for note in replay.notes():
         print(note)
     listener = stack.enter_context(listen(host, console.port if args.port is None else args.port))
@@ -182,7 +184,7 @@ def _with_console(
     scene_port = console.scene_port if args.scene_port is None else args.scene_port
     scene = stack.enter_context(listen_for_scene(host, address_of(listener)[1], scene_port))
     listeners = (listener, scene)
-    live = _live(args, replay, clock=clock, past=past, listeners=listeners, token=token, host_names=host_names)
+    live = _live(args, replay, clock=clock, past=past, listeners=listeners, access=access, host_names=host_names)
     return asyncio.run(until_stopped(live, Stopping()))
 
 
@@ -192,7 +194,7 @@ async def _live(
     clock: Any,
     past: Log,
     listeners: tuple[socket.socket, socket.socket],
-    token: str | None,
+    access: ConsoleAccess,
     host_names: Sequence[str],
 ) -> None:
     """Replay with a console until it is stopped. Raises LinkFailed.
@@ -212,13 +214,14 @@ async def _live(
     listener, scene = listeners
     host, port = address_of(listener)
     ports = Ports(port, address_of(scene)[1])
-    announce = announcer(f"HBBA replays {past.info.path.name}", host, port, token, open_browser=args.open)
+    announce = announcer(f"HBBA replays {past.info.path.name}", host, port, access, open_browser=args.open)
     speed = 1.0 if args.speed is None else _finite(args.speed)
     playback = Playback(replay.system, replay.body, clock, past, speed=speed)
     panels = await asyncio.to_thread(load_panels)
     app = create_app(  # takes long: before anything plays
         replay.system,
-        token=token,
+        token=access.token,
+        passwords=access.passwords,
         host=host,
         host_names=host_names,
         ports=ports,
@@ -232,7 +235,7 @@ async def _live(
             announce(url)
             up.set()
 
-        serving = serve(app, host, port, listener=listener, scene=scene, started=started)
+        serving = serve(app, host, port, listener=listener, scene=scene, tls=access.tls, started=started)
         tasks = [asyncio.create_task(serving, name="console")]
         tasks.append(asyncio.create_task(_failed(replay), name="replay's failure"))
         if args.exit_when_unwatched is not None:

@@ -20,12 +20,19 @@ from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
 from app.base import logging_setup
-from app.commands.arguments import add_config, file_named
+from app.commands.arguments import add_config
 from app.commands.body_options import add_body_options, chosen
+from app.commands.console_access import (
+    ConsoleAccess,
+    add_access_options,
+    console_access,
+    warn_of_plain_connections,
+)
 from app.commands.kernels import kernels_ready
 from app.runtime.realtime import garbage_held, tune_for_latency
 
 if TYPE_CHECKING:
+    from app.base.network_link import LinkSettings
     from app.program.config import Configuration
     from app.program.system import System
     from app.robots.factory import Body
@@ -45,6 +52,13 @@ def add_parser(subparsers: Any) -> None:
     add_config(parser)
     add_body_options(parser)
     add_console_options(parser)
+    parser.add_argument(
+        "--link",
+        type=_link,
+        metavar="SETTINGS",
+        help="delay and bound every stream to the pages, for tests: delay=300ms,jitter=50ms,loss=2%%,rate=4Mbit (each "
+        "may be left out; delay is that of a round trip)",
+    )
 
 
 def add_console_options(parser: argparse.ArgumentParser) -> None:
@@ -57,12 +71,7 @@ def add_console_options(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help="port of the 3D view alone (default: the next one, or any that is free; 0: any free one)",
     )
-    parser.add_argument(
-        "--token-file",
-        type=file_named,
-        metavar="FILE",
-        help="file with the token that a browser must present (else: the variable HBBA_TOKEN; made up beyond loopback)",
-    )
+    add_access_options(parser)
     parser.add_argument(
         "--host-name",
         type=_host_name,
@@ -91,27 +100,20 @@ def _run(args: argparse.Namespace) -> int:
     configuration, body = chosen(args)
     console = configuration.program.console
     host = args.host or console.host
-    token = token_for(args, host)
+    access = console_access(args, host)
     try:
         with ExitStack() as stack:
             listener = stack.enter_context(listen(host, console.port if args.port is None else args.port))
             scene_port = console.scene_port if args.scene_port is None else args.scene_port
             scene = stack.enter_context(listen_for_scene(host, address_of(listener)[1], scene_port))
             logging_setup.configure(args.log_level, as_json=args.log_json)
+            warn_of_plain_connections(access, host)
             names = (*console.host_names, *args.host_name)
-            live = _live(configuration, body, (listener, scene), token, names, open_browser=args.open)
+            live = _live(configuration, body, (listener, scene), access, names, open_browser=args.open, link=args.link)
             return asyncio.run(until_stopped(live, Stopping()))
     except LinkFailed as failure:
         print(f"hbba run: {failure}", file=sys.stderr)
         return 1
-
-
-def token_for(args: argparse.Namespace, host: str) -> str | None:
-    """The token that a console on ``host`` asks for; None: none. Raises ConfigError."""
-    from app.console.access.auth import is_loopback
-    from app.console.access.token import given_token, new_token
-
-    return given_token(args.token_file) or (None if is_loopback(host) else new_token())
 
 
 async def until_stopped(live: Coroutine[Any, Any, None], stopping: Stopping) -> int:
@@ -134,10 +136,11 @@ async def _live(
     configuration: Configuration,
     body: Body,
     listeners: tuple[socket.socket, socket.socket],
-    token: str | None,
+    access: ConsoleAccess,
     names: Sequence[str],
     *,
     open_browser: bool,
+    link: LinkSettings | None,
 ) -> None:
     """Bring everything up, say where, wait for the end, take everything down. Raises LinkFailed, ConfigError.
 
@@ -147,6 +150,7 @@ async def _live(
 
     from app.console.access.origins import Ports
     from app.console.app import create_app
+    from app.console.link_shaper import Link
     from app.console.panels import load_panels
     from app.console.server import address_of, serve
     from app.program.system import System
@@ -160,7 +164,7 @@ async def _live(
     listener, scene = listeners
     host, port = address_of(listener)
     ports = Ports(port, address_of(scene)[1])
-    announce = announcer("HBBA is up", host, port, token, open_browser=open_browser)
+    announce = announcer("HBBA is up", host, port, access, open_browser=open_browser)
     log.info("starting", extra={"configuration": configuration.program_document.file})
     clock = RealClock()
     system = System(
@@ -168,10 +172,22 @@ async def _live(
     )
     panels = await asyncio.to_thread(load_panels)
     # Building takes long enough to disturb driving.
-    app = create_app(system, token=token, host=host, host_names=names, ports=ports, panels=panels)
+    app = create_app(
+        system,
+        token=access.token,
+        passwords=access.passwords,
+        host=host,
+        host_names=names,
+        ports=ports,
+        panels=panels,
+        replay_options=access.replay_options,
+        link=Link(link, seed=0),
+    )
+    if link is not None and link.shapes:
+        log.warning("the link to the pages is shaped: %s", link.words)
     async with system:
         await serve_once_started(
-            system, lambda: serve(app, host, port, listener=listener, scene=scene, started=announce)
+            system, lambda: serve(app, host, port, listener=listener, scene=scene, tls=access.tls, started=announce)
         )
 
 
@@ -199,13 +215,18 @@ async def serve_once_started(system: System, serve: Callable[[], Coroutine[Any, 
         await asyncio.gather(*tasks, return_exceptions=True)
 
 
-def announcer(what: str, host: str, port: int, token: str | None, *, open_browser: bool) -> Callable[[str], None]:
+def announcer(what: str, host: str, port: int, access: ConsoleAccess, *, open_browser: bool) -> Callable[[str], None]:
     """A function that prints the console's address, and opens it if requested, once the console listens."""
+
+    token = access.token
 
     def announce(url: str) -> None:
         print(f"{what}: {login_url(url, token)}  (Ctrl-C stops it)", flush=True)
         if host in ("0.0.0.0", "::"):
-            print(f"From other computers: {login_url(f'http://{socket.gethostname()}:{port}', token)}", flush=True)
+            print(
+                f"From other computers: {login_url(f'{access.scheme}://{socket.gethostname()}:{port}', token)}",
+                flush=True,
+            )
         if open_browser:
             asyncio.get_running_loop().run_in_executor(None, webbrowser.open, login_url(url, token))
 
@@ -270,6 +291,15 @@ def _port(text: str) -> int:
     if not text.isdecimal() or int(text) > 65535:
         raise argparse.ArgumentTypeError(f"a port is a number from 0 to 65535, not {text!r}")
     return int(text)
+
+
+def _link(text: str) -> LinkSettings:
+    from app.base.network_link import parse_link
+
+    try:
+        return parse_link(text)
+    except ValueError as failure:
+        raise argparse.ArgumentTypeError(str(failure)) from None
 
 
 def _host_name(text: str) -> str:

@@ -13,8 +13,10 @@ from starlette.types import ASGIApp
 
 from app.base import paths
 from app.console.access.auth import Door, Guarded
+from app.console.access.credentials import Credentials, Passwords
 from app.console.access.origins import Ports
 from app.console.description import describe
+from app.console.link_shaper import Link, Shaped
 from app.console.live.endpoint import live
 from app.console.live.face import face
 from app.console.live.hub import Hub
@@ -31,6 +33,8 @@ from app.console.rest.attention import attention_router
 from app.console.rest.camera import camera_router
 from app.console.rest.desires import desires_router
 from app.console.rest.goal import goal_router
+from app.console.rest.lanes import lanes_router
+from app.console.rest.link import link_router
 from app.console.rest.map_route import route_router
 from app.console.rest.maps import maps_router
 from app.console.rest.percepts import percepts_router
@@ -65,6 +69,9 @@ def create_app(
     ports: Ports | None = None,
     early_view: bool = True,
     panels: Mapping[str, Panel] | None = None,
+    passwords: Passwords = (),
+    replay_options: Sequence[str] = (),
+    link: Link | None = None,
 ) -> FastAPI:
     """The console of ``system``: REST and live stream under ``/api/v1``, the 3D view under ``/viser``, the page at /.
 
@@ -74,13 +81,17 @@ def create_app(
     beside this computer's own, where a token is needed. ``host`` is where replays that are started from here
     listen. ``ports`` are those it is served at, if the 3D view has one of its own; None: it has none. ``early_view``:
     start the 3D view with the program rather than with its first viewer. ``panels`` are those of packages, by name
-    (:func:`app.console.panels.load_panels`).
+    (:func:`app.console.panels.load_panels`). ``passwords`` are those of roles, asked for beside the token;
+    ``replay_options`` are options of ``hbba replay`` for replays that are started from here. ``link`` shapes every
+    stream, for tests; None: not until it is asked to.
     """
+    link = link or Link()
     panels = panels or {}
-    hub = Hub(system, playback, sorted({channel for panel in panels.values() for channel in panel.channels}))
+    wanted = sorted({channel for panel in panels.values() for channel in panel.channels})
+    hub = Hub(system, playback, wanted, link)
     view = View(system, lambda: hub.is_shown(COSTMAP), early=early_view, playback=playback)
-    door = Door(token, host_names, ports=ports)
-    replays = Replays(host, token, host_names)
+    door = Door(Credentials(token, passwords), host_names, ports=ports)
+    replays = Replays(host, token, host_names, options=replay_options)
     rehearsals = Rehearsals()
     visitors = TourVisitors(system, door)
 
@@ -99,7 +110,8 @@ def create_app(
     # FastAPI's own documentation pages load scripts from elsewhere; ours need nothing but this server.
     app = _Console(
         door,
-        view,
+        None if ports is None else scene_app(view, ports),
+        link,
         lifespan=lifespan,
         openapi_url=None,
         docs_url=None,
@@ -129,6 +141,8 @@ def create_app(
         viewers_router(hub, view, ports),
         session_router(door),
         playback_router(playback),
+        link_router(link),
+        lanes_router(hub, system.clock),
     )
     add_routes(app, routers)
 
@@ -138,33 +152,34 @@ def create_app(
 
     @app.websocket(f"{API}/face")
     async def face_stream(websocket: WebSocket) -> None:
-        await face(websocket, system, link)
+        await face(websocket, system, link_of_visitors)
 
     @app.websocket(f"{API}/visitor/live")
     async def visitor_stream(websocket: WebSocket) -> None:
         await visitors.serve(websocket)
 
-    def link(base: str) -> VisitorLink:
+    def link_of_visitors(base: str) -> VisitorLink:
         return visitor_link(door.visitors.key, base=base, listens=host, names=host_names, asks=door.asks)
 
     app.include_router(view_router(view))
     app.include_router(panels_router(panels))
-    describe(app, API, answers=records(routers), token_needed=token is not None)
+    describe(app, API, answers=records(routers), token_needed=door.asks)
 
     install_page(app, static_dir or paths.static_dir())
     return app
 
 
 class _Console(FastAPI):
-    """FastAPI with the door as its outermost layer, outside even of the one that answers 500."""
+    """FastAPI behind the door, outside even of the layer that answers 500; outermost the link, which may be shaped."""
 
-    def __init__(self, door: Door, view: View, **options: Any) -> None:
+    def __init__(self, door: Door, scene: ASGIApp | None, link: Link, **options: Any) -> None:
         super().__init__(**options)
         self._door = door
-        self._scene = None if door.ports is None else scene_app(view, door.ports)
+        self._scene = scene
+        self._link = link
 
     def build_middleware_stack(self) -> ASGIApp:
         stack = super().build_middleware_stack()
         if self._scene is not None and self._door.ports is not None:
             stack = AtPorts(stack, self._scene, self._door.ports)
-        return Guarded(stack, self._door)
+        return Shaped(Guarded(stack, self._door), self._link)

@@ -12,6 +12,7 @@ from fastapi.responses import RedirectResponse, Response
 
 from app.console import schema
 from app.console.access.auth import COOKIE, OPEN_PATHS, VISITOR_COOKIE, VISITOR_PATHS, cookie_name
+from app.console.access.roles import Role, needed_role
 from app.console.problems import ProblemDocument
 from app.console.rest.answers import Json, problem_content
 
@@ -19,9 +20,10 @@ _ABOUT = """Desires in, intentions out: create a desire and see which strategies
 filters move, and why. Every refusal is a problem document (RFC 9457). Stamps are the robot's clock in seconds; angles
 are radians.
 
-Beyond loopback every request needs the console's token as `Authorization: Bearer`, or the cookie that `POST
-/api/v1/session` gives for it. What changes faster than is worth polling goes over the WebSocket `/api/v1/live`, which
-`/api/v1/live.json` describes (AsyncAPI).
+Beyond loopback every request needs the console's token, or the password of a role, as `Authorization: Bearer`, or the
+cookie that `POST /api/v1/session` gives for it. The role that an operation needs is its `x-role`: a spectator may do
+what says `spectator`, an operator also what says `operator`, a supervisor everything. What changes faster than is worth
+polling goes over the WebSocket `/api/v1/live`, which `/api/v1/live.json` describes (AsyncAPI).
 """
 
 _TAGS = [
@@ -43,12 +45,16 @@ REST_PAGE = "../../rest.html"
 
 #: How a client authenticates.
 _SCHEMES = {
-    "token": {"type": "http", "scheme": "bearer", "description": "The token printed when the console was started."},
+    "token": {
+        "type": "http",
+        "scheme": "bearer",
+        "description": "The token printed when the console was started, or the password of a role.",
+    },
     "session": {
         "type": "apiKey",
         "in": "cookie",
         "name": COOKIE,
-        "description": "What `POST /api/v1/session` gives a browser for the token.",
+        "description": "What `POST /api/v1/session` gives a browser for the token or a password.",
     },
 }
 #: How a visitor's phone does, in the few operations that are for visitors.
@@ -60,8 +66,8 @@ _VISITOR = {
 }
 
 #: Refusals by the authentication or the router, possible before any operation: name, status, when.
-_LOGIN_NEEDED = ("LoginNeeded", "401", "The console's token is needed.")
-_FOREIGN_ORIGIN = ("ForeignOrigin", "403", "A web page of another origin asks for a change.")
+_LOGIN_NEEDED = ("LoginNeeded", "401", "The console's token, or the password of a role, is needed.")
+_FORBIDDEN = ("Forbidden", "403", "Another role is needed, or a web page of another origin asks for a change.")
 _METHOD_NOT_ALLOWED = ("MethodNotAllowed", "405", "Another method, or with an empty name another path; see `Allow`.")
 _AMBIGUOUS = ("AmbiguousBody", "400", "A body states its size in one way: `Content-Length` or chunks.")
 _TOO_SLOW = ("TooSlow", "408", "A body comes within 20 s.")
@@ -72,7 +78,7 @@ _HEADER_TOO_LARGE = ("HeaderTooLarge", "431", "A header has at most 32 KiB and 1
 _TOO_MANY_CONNECTIONS = ("TooManyConnections", "503", "All connections are taken; see `Retry-After`.")
 _COMMON = (
     _LOGIN_NEEDED,
-    _FOREIGN_ORIGIN,
+    _FORBIDDEN,
     _METHOD_NOT_ALLOWED,
     _AMBIGUOUS,
     _TOO_SLOW,
@@ -169,10 +175,15 @@ def _complete(path: str, method: str, operation: dict[str, Any]) -> None:
         operation["security"] = []
     else:
         common += [_LOGIN_NEEDED, _TOO_MANY_LOGINS]
+    role = needed_role(operation["operationId"])
+    if role is not None:
+        operation["x-role"] = role.value
+        if role is not Role.SPECTATOR:
+            common.append(_FORBIDDEN)
     if "{" in path:
         common.append(_METHOD_NOT_ALLOWED)
     if method != "get":
-        common += [_FOREIGN_ORIGIN, _AMBIGUOUS, _TOO_SLOW, _BODY_TOO_LARGE]
+        common += [_FORBIDDEN, _AMBIGUOUS, _TOO_SLOW, _BODY_TOO_LARGE]
     if operation["operationId"] == "log_in":
         common.append(_TOO_MANY_LOGINS)
     for name, status, _ in common:

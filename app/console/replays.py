@@ -42,13 +42,23 @@ class Replays:
     """At most one replay at a time; :meth:`close` ends it with the console.
 
     ``host`` is where its console listens; ``token`` what it asks for, as this one does, and ``names`` the host names it
-    answers to besides. ``command`` is what to run, followed by the options and the recording's path.
+    answers to besides. ``command`` is what to run, followed by the options, ``options`` among them, and the recording's
+    path.
     """
 
-    def __init__(self, host: str, token: str | None, names: Sequence[str] = (), *, command: Sequence[str] = ()) -> None:
+    def __init__(
+        self,
+        host: str,
+        token: str | None,
+        names: Sequence[str] = (),
+        *,
+        command: Sequence[str] = (),
+        options: Sequence[str] = (),
+    ) -> None:
         self._host = host
         self._token = token
         self._names = names
+        self._options = options
         self.command = command or python("-m", "app.console.replay_process", str(os.getpid()))
         self._child: _Child | None = None
         self._turn = asyncio.Lock()
@@ -73,6 +83,7 @@ class Replays:
             options = ["--port", "0", "--scene-port", "0", "--host", self._host]
             options += ["--exit-when-unwatched", f"{UNWATCHED_S:g}"]
             options += [option for name in self._names for option in ("--host-name", name)]
+            options += self._options
             environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
             if self._token is not None:
                 # No other user can read the environment of a process; every user can read its arguments.

@@ -7,6 +7,7 @@ import contextlib
 import errno
 import logging
 import socket
+import ssl
 from collections.abc import Callable, Iterator
 from functools import partial
 
@@ -17,6 +18,7 @@ from app.base.errors import ConfigError
 from app.console.access.connection_limits import Visitors, most_connections
 from app.console.access.protocols import BoundedHttp, BoundedWebSocket
 from app.console.access.request_limits import LARGEST_HEADER_BYTES
+from app.console.tls import Handshakes
 
 #: Connections still open this long after the end was asked for are cut.
 GRACE_S = 0.3
@@ -99,21 +101,23 @@ def address_of(listener: socket.socket) -> tuple[str, int]:
     return str(host), int(port)
 
 
-def url_of(listener: socket.socket) -> str:
-    """The address to type into a browser on this computer."""
+def url_of(listener: socket.socket, *, secure: bool = False) -> str:
+    """The address to type into a browser on this computer; ``secure``: over TLS."""
     host, port = address_of(listener)
     if host in ("0.0.0.0", "::"):
         host = "127.0.0.1"
-    return f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"
+    scheme = "https" if secure else "http"
+    return f"{scheme}://[{host}]:{port}" if ":" in host else f"{scheme}://{host}:{port}"
 
 
 class _Server(uvicorn.Server):
     """uvicorn without its signal handlers (the program has its own), with an end that never hangs. It accepts
     connections itself: asyncio logs a traceback thousands of times a second while there are no file descriptors."""
 
-    def __init__(self, config: uvicorn.Config, visitors: Visitors) -> None:
+    def __init__(self, config: uvicorn.Config, visitors: Visitors, tls: ssl.SSLContext | None) -> None:
         super().__init__(config)
         self._visitors = visitors
+        self._handshakes = None if tls is None else Handshakes(tls, self._protocol)
         self._accepting: list[asyncio.Task[None]] = []
 
     @contextlib.contextmanager
@@ -137,7 +141,10 @@ class _Server(uvicorn.Server):
         while True:
             try:
                 connection, _ = await loop.sock_accept(listener)
-                await loop.connect_accepted_socket(self._protocol, connection)
+                if self._handshakes is None:
+                    await loop.connect_accepted_socket(self._protocol, connection)
+                else:
+                    self._handshakes.begin(connection)
             except OSError as failure:
                 if isinstance(failure, ConnectionError) or failure.errno in _OF_ONE:
                     continue  # it left before it was let in
@@ -168,6 +175,8 @@ class _Server(uvicorn.Server):
             task.cancel()
         if self._accepting:
             await asyncio.wait(self._accepting)
+        if self._handshakes is not None:
+            await self._handshakes.end()
         loop = asyncio.get_running_loop()
         cut = loop.call_later(GRACE_S, self._cut)
         try:
@@ -188,13 +197,14 @@ async def serve(
     *,
     listener: socket.socket | None = None,
     scene: socket.socket | None = None,
+    tls: ssl.SSLContext | None = None,
     started: Callable[[str], None] | None = None,
 ) -> None:
     """Serve ``app`` until cancelled, then end within a second.
 
     ``listener`` is a socket from :func:`listen`, if one was bound beforehand; ``scene`` one from
-    :func:`listen_for_scene`, if the 3D view has a port of its own. ``started(url)`` is called once requests
-    are answered. Raises ConfigError when the address cannot be had.
+    :func:`listen_for_scene`, if the 3D view has a port of its own. ``tls`` encrypts the connections to both; None: they
+    are plain. ``started(url)`` is called once requests are answered. Raises ConfigError when the address cannot be had.
     """
     sock = listener or listen(host, port)
     visitors = Visitors(most_connections())
@@ -214,8 +224,8 @@ async def serve(
         server_header=False,
         timeout_graceful_shutdown=2 * GRACE_S,  # type: ignore[arg-type]  # seconds, any number will do
     )
-    server = _Server(config, visitors)
-    url = url_of(sock)
+    server = _Server(config, visitors, tls)
+    url = url_of(sock, secure=tls is not None)
     sockets = [sock] if scene is None else [sock, scene]
     task = asyncio.create_task(server.serve(sockets), name="console")
     try:

@@ -10,6 +10,8 @@ from app.messages.attention import Divisor
 from app.messages.base import Stamp, doc
 
 ModuleStatus = Literal["starting", "running", "failed", "hung", "stopped"]
+#: The layers of the architecture (thesis, figure 4.2).
+ModuleRole = Literal["sensors", "perception", "motivations", "behaviors", "actuation", "other"]
 RecorderState = Literal["idle", "recording", "ring", "stopped"]
 
 
@@ -66,6 +68,7 @@ class ModuleReport:
     problem: str | None
     inputs: tuple[ModuleInput, ...]
     outputs: tuple[ModuleOutput, ...]
+    role: Annotated[ModuleRole, doc("Its layer in the architecture, by the package that it comes from.")] = "other"
 
 
 @dataclass(frozen=True, slots=True)

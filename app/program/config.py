@@ -66,6 +66,9 @@ class ConsoleConfig(_Model):
     command_validity_s: float = Field(
         0.4, ge=0.1, le=2, description="a drive command that is older when it comes moves nothing"
     )
+    full_speed_within_s: float = Field(
+        0.3, ge=0.05, le=2, description="... that is older than this drives slower; command_validity_s: never"
+    )
 
 
 def _one_or_more(value: Any) -> Any:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TypeVar
+from typing import TypeVar, get_args
 
-from app.messages import ModuleInput, ModuleOutput, ModuleReport, SubscriptionCounters
+from app.messages import ModuleInput, ModuleOutput, ModuleReport, ModuleRole, SubscriptionCounters
 from app.runtime.graph import ModuleSlot
 from app.runtime.load import LoadMeter
 from app.runtime.subscription import SubscriptionStatistics
@@ -49,6 +49,7 @@ class ModuleMeter:
                 for port in slot.context.inputs.values()
                 if port.connected and port.channel is not None
             ),
+            role=role_of(slot.module_class.__module__),
             outputs=tuple(
                 ModuleOutput(
                     port.name,
@@ -59,6 +60,12 @@ class ModuleMeter:
                 for port in slot.context.outputs.values()
             ),
         )
+
+
+def role_of(python_module: str) -> ModuleRole:
+    """The layer of a module whose class is in ``python_module``: the first of its packages that is named as one."""
+    roles: tuple[ModuleRole, ...] = get_args(ModuleRole)
+    return next((role for package in python_module.split(".") for role in roles if package == role), "other")
 
 
 def subscription_counters(statistics: SubscriptionStatistics) -> SubscriptionCounters:

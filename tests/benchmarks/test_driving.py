@@ -42,7 +42,7 @@ def test_wheels_that_never_move_end_it_in_words(monkeypatch: pytest.MonkeyPatch)
     robot, page = MagicMock(), MagicMock()
     robot.wheels.return_value = log(0, 0, 0)
     robot.get.return_value = {"guard": {"state": "e_stopped", "reason": "emergency stop: a test"}}
-    page.evaluate.return_value = [0.0, 20.0]
+    page.evaluate.return_value = [[0.0, 1.0], [20.0, 1.0]]
     page.locator.return_value.all_inner_texts.return_value = ["The emergency stop is latched."]
     with pytest.raises(SystemExit) as end:
         driving._sample(robot, page, 0, 0.0)

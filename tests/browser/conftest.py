@@ -6,6 +6,7 @@ with the guard's log turned on: what the wheels were really given, on the clock 
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -64,10 +65,12 @@ def open_page(browser: Browser, robot: Robot) -> Iterator[Callable[..., Page]]:
     contexts = []
     errors: list[str] = []
 
-    def open_one(*, scene: bool = False) -> Page:
+    def open_one(*, scene: bool = False, operator: str = "operator") -> Page:
         context = browser.new_context(viewport={"width": 1000, "height": 640})
         context.set_default_timeout(PATIENCE_MS)
         contexts.append(context)
+        # Asked for its name, a page would lay that question over what a test clicks.
+        context.add_init_script(f"localStorage.setItem('hbba.operator', {json.dumps(operator)})")
         page = context.new_page()
         page.on("pageerror", lambda error: errors.append(str(error)))
         # Drawn by the processor, as here, the 3D view starves all else: only tests that look at it open it.

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import pytest
-from playwright.sync_api import Page
+from playwright.sync_api import Page, expect
 
 from tests.browser.running import Robot, running_robot
 
@@ -78,3 +79,68 @@ def test_a_desire_from_the_page(robot: Robot, page: Page) -> None:
     assert posted["class"] == "FindQRCodes"
     assert posted["source"]["kind"] == "operator"
     assert robot.request("DELETE", f"/desires/{posted['id']}")[0] == 204
+
+
+def test_one_press_adds_a_desire_and_the_panel_says_what_gives_way(robot: Robot, page: Page) -> None:
+    """A voice more, a face less: the panel's first sentence names what has less now."""
+    page.get_by_test_id("quick-LocateVoices").click()
+    page.locator("[data-testid=lane-LocateVoices][data-divisor='1']").wait_for(state="attached")
+    expect(page.get_by_test_id("attention-headline")).to_contain_text("Locate faces")
+    posted = next(desire for desire in robot.get("/desires")["desires"] if desire["class"] == "LocateVoices")
+    assert posted["source"]["kind"] == "operator"
+    assert posted["expires"] is not None
+    assert robot.request("DELETE", f"/desires/{posted['id']}")[0] == 204
+
+
+def test_a_budget_is_set_on_the_page_and_set_back(robot: Robot, page: Page) -> None:
+    """With more to give everything is at its best, and the page knows what the budget was."""
+    declared = robot.get("/resources")["resources"][0]
+    assert declared["name"] == "cpu"
+    page.get_by_test_id("budget-edit-cpu").click()
+    page.get_by_test_id("budget-field-cpu").fill("many")
+    page.get_by_test_id("budget-set-cpu").click()
+    expect(page.get_by_test_id("budget-cpu").get_by_role("alert")).to_contain_text("A number from 0 on")
+    page.get_by_test_id("budget-field-cpu").fill("150")
+    page.get_by_test_id("budget-set-cpu").click()
+    expect(page.get_by_test_id("budget-cpu")).to_have_attribute("data-capacity", "150")
+    expect(page.get_by_test_id("attention-headline")).to_contain_text("all it can use")
+    page.get_by_test_id("budget-edit-cpu").click()
+    page.get_by_test_id("budget-cpu").get_by_text("Back to").click()
+    expect(page.get_by_test_id("budget-cpu")).to_have_attribute("data-capacity", f"{declared['declared']:g}")
+
+
+def test_a_click_in_the_picture_is_a_goal(robot: Robot, page: Page) -> None:
+    """A desire GoTo, to before what the camera sees ahead."""
+    page.set_viewport_size({"width": 1440, "height": 900})  # in a low view, the driving controls are over its middle
+    picture = page.locator("[data-testid=camera] canvas")
+    page.get_by_test_id("camera-go").click()
+    box = picture.bounding_box()
+    assert box is not None
+    picture.click(position={"x": box["width"] / 2, "y": box["height"] / 2})
+    goal = page.locator("[data-testid=desire-row][data-class=GoTo]")
+    goal.wait_for(state="attached")
+    params = next(desire for desire in robot.get("/desires")["desires"] if desire["class"] == "GoTo")["params"]
+    pose = robot.get("/robot")["odometry"]
+    assert 0.3 < math.dist((params["x"], params["y"]), (pose["x"], pose["y"])) < 12
+    assert robot.request("DELETE", "/goal")[0] in (200, 204)
+    expect(goal).to_have_count(0)
+
+
+def test_two_ranges_of_time_and_a_past_that_the_page_has_not_heard(robot: Robot, page: Page) -> None:
+    page.goto(f"{robot.url}/?scene=off")
+    page.get_by_test_id("lanes-large").click()
+    page.get_by_test_id("lanes-compare").click()
+    expect(page.get_by_test_id("lane-area-2")).to_be_visible()
+    longer = page.get_by_label("Show a longer time").first
+    with page.expect_response("**/api/v1/lanes?*") as answer:
+        for window in ("1 min", "2 min", "5 min", "10 min", "20 min"):
+            longer.click()
+            expect(page.get_by_test_id("lanes-window")).to_have_text(window)
+    assert answer.value.ok
+    assert answer.value.json()["stamps"]
+    # Each has its own window, and the lower edge of time in view.
+    expect(page.get_by_test_id("lanes-window-2")).to_have_text("30 s")
+    expect(page.get_by_test_id("lane-axis-2")).to_contain_text("now")
+    expect(page.get_by_test_id("lane-axis")).not_to_contain_text("now")
+    page.get_by_test_id("lanes-compare").click()
+    expect(page.get_by_test_id("lane-area-2")).to_have_count(0)

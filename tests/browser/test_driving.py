@@ -35,7 +35,7 @@ def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
 def _free_to_drive(robot: Robot) -> None:
     """Whatever the test before left."""
     seen = robot.get("/robot")["stamp"]
-    assert robot.request("DELETE", f"/robot/e-stop?seen={seen}")[0] == 200
+    assert robot.request("DELETE", f"/stop?seen={seen}")[0] == 200
 
 
 def moving(row: GuardRow) -> bool:
@@ -243,7 +243,7 @@ def test_escape_closes_the_help_of_a_standing_robot_and_stops_a_moving_one(robot
         state = robot.get("/robot")
         if not state["guard"]["e_stopped"]:
             break
-        robot.request("DELETE", f"/robot/e-stop?seen={state['stamp']}")
+        robot.request("DELETE", f"/stop?seen={state['stamp']}")
         page.locator("[data-testid=guard-state][data-state=idle]").wait_for()
     else:
         pytest.fail("the robot was still, and Escape latched its emergency stop each time")

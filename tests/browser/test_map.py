@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import re
+import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -29,6 +30,7 @@ from app.robots.config import load_robot_config
 from tests.browser.held_keys import hold, hold_until
 from tests.browser.running import LOOPS_DEBUG, Robot, running_program
 from tests.browser.witness import true_pose
+from tests.patience import PATIENCE_S
 
 MAP = "two-rooms"
 #: Where the robot begins to map: the map's origin; from there into the living room.
@@ -190,8 +192,11 @@ def test_a_kept_map_is_loaded_the_robot_finds_itself_and_goes_to_another_room(
     drag_on_map(page, X_MW @ SENT_TO)
     expect(way).to_have_attribute("data-state", "following")
     expect(way).to_have_attribute("data-state", "arrived")
-    reached = SENT_TO.inverse() @ true_pose(truth)
-    assert math.hypot(reached.x, reached.y) < REACHED_M
+    # On a busy computer both states may still be those of the trip before: the robot itself is waited for.
+    end = time.monotonic() + PATIENCE_S
+    while math.hypot((reached := SENT_TO.inverse() @ true_pose(truth)).x, reached.y) >= REACHED_M:
+        assert time.monotonic() < end, reached
+        page.wait_for_timeout(100)
     assert abs(reached.theta) < FACED_RAD
     # Reached, it is desired no more.
     page.get_by_test_id("map-cancel").wait_for(state="detached")

@@ -98,10 +98,8 @@ def test_a_replay_can_be_recorded_and_replayed_by_its_name(
     assert main(["replay", str(recording), "--headless", "--record", "again"]) == 0
     assert (tmp_path / "again.mcap").is_file()
     assert capsys.readouterr().out.splitlines()[-1] == "recorded as again"
-    assert main(["replay", str(recording), "--headless", "--record", "again"]) == 0
-    assert capsys.readouterr().out.splitlines()[-1] == "recorded as again-2"
-    assert main(["replay", str(recording), "--headless", "--record", "again", "--to", "1", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["recorded"] == "again-3"
+    assert main(["replay", str(recording), "--headless", "--record", "again", "--to", "0.5", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["recorded"] == "again-2"
     assert main(["replay", "again", "--headless", "--json"]) == 0
     result = json.loads(capsys.readouterr().out)  # and nothing else is printed
     assert result["channels"]["odometry"]["messages"] == 150

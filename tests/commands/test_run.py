@@ -246,3 +246,9 @@ def test_being_asked_to_stop_while_starting_leaves_no_child() -> None:
         run.process.wait(PATIENCE_S)
         assert gone(family)
         assert "Traceback" not in run.rest()
+
+
+def test_a_link_that_cannot_be_is_refused_before_anything_starts(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        cli.main(["run", "--link", "delay=300"])
+    assert "argument --link: delay is a number with its unit (ms or s), not '300'" in capsys.readouterr().err

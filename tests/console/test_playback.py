@@ -186,7 +186,7 @@ async def test_a_recording_is_never_driven_or_stopped(replay_url: str, rest: htt
         while (frame := await ann.receive()) and not (isinstance(frame, dict) and frame["type"] == "pong"):
             assert not isinstance(frame, dict) or frame["type"] != "notice", "said once"
         assert (await ann.until("status"))["driver"] is None
-    for answer in (await rest.post("/robot/e-stop"), await rest.delete("/robot/e-stop")):
+    for answer in (await rest.post("/stop"), await rest.delete("/stop")):
         assert answer.status_code == 409
         assert answer.json()["type"] == "urn:hbba:problem:a-recording"
     assert commands.published == before

@@ -208,4 +208,10 @@ def test_whatever_the_guide_wishes_can_be_desired_in_the_lab() -> None:
             CLASSES[wish.cls].validated(wish.params)
             wished.add(wish.cls)
         run.see(people=2)
+    searching = Run(tour).started().until("leading").see(people=0, driven_m=6.0, behind=1.0, back=(1.0, 2.0))
+    for state in ("waiting", "searching"):
+        assert searching.progress.state == state
+        for wish in (*searching.wishes(), *perceptions(searching.progress, searching.scene)):
+            CLASSES[wish.cls].validated(wish.params)
+        searching.see(after_s=10.0)
     assert wished >= {"GoTo", "RotateToHeading", "Say", "ListenForWords", "LocateFaces", "SLAM", "DetectNoises"}

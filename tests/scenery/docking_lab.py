@@ -28,11 +28,12 @@ def in_the_lab(
     *,
     charge: float = 0.5,
     plate_m: float | None = None,
+    attempts: int = 3,
     dock: Pose2 = X_WD,
     world: WorldConfig | None = None,
 ) -> T:
     """Run ``script`` with the robot at ``start`` in the world, its battery at ``charge``; ``plate_m``: how far ahead of
-    base_link its charging plate is; ``dock``: where the dock is, by the settings."""
+    base_link its charging plate is; ``attempts`` to dock, and ``dock``, where the dock is: by the settings."""
     configuration = load_configuration(paths.config_dir() / "lab.yaml")
     body = load_body(configuration.path(configuration.program.robot))
     assert isinstance(body, RobotConfig)
@@ -41,7 +42,7 @@ def in_the_lab(
     battery = body.battery.model_copy(update={"charge": charge, "plate_m": plate_m or body.battery.plate_m})
     body = body.model_copy(update={"start": place, "scenario": None, "battery": battery})
     X_MD = start.inverse() @ dock
-    docking = {"dock": {"x": X_MD.x, "y": X_MD.y, "heading": X_MD.theta}}
+    docking = {"dock": {"x": X_MD.x, "y": X_MD.y, "heading": X_MD.theta}, "attempts": attempts}
     configuration = _by_laser_alone(with_settings(configuration, {"Docking": docking}))
     return run_in_world(configuration, body, script, world=world)
 

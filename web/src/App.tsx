@@ -3,11 +3,13 @@
 import { Around } from "./around/Around";
 import { DrivePad } from "./drive/DrivePad";
 import { Lanes } from "./lanes/Lanes";
+import { LanesSplitter, SideSplitter } from "./layout/Splitter";
 import { MapPanel } from "./map/MapPanel";
 import { Side } from "./panels/Side";
 import { Transport } from "./playback/Transport";
 import { ListenButton } from "./sound/ListenButton";
 import { TalkButton } from "./sound/TalkButton";
+import { SayButton } from "./speech/SayBox";
 import { Subtitles } from "./speech/Subtitles";
 import { useApp } from "./state/context";
 import { PosterPicked } from "./tours/PosterPicked";
@@ -17,7 +19,7 @@ import { EStop } from "./ui/EStop";
 import { Help } from "./ui/Help";
 import { CubeIcon, MapIcon, TourIcon } from "./ui/icons";
 import { Login } from "./ui/Login";
-import { narrow } from "./ui/media";
+import { low, narrow } from "./ui/media";
 import { Notices } from "./ui/Notices";
 import { Skips } from "./ui/Skips";
 import { TopBar } from "./ui/TopBar";
@@ -25,7 +27,7 @@ import { Camera } from "./view/Camera";
 import { SceneView } from "./view/SceneView";
 
 export function App() {
-  const { store } = useApp();
+  const { layout, store } = useApp();
   const phase = store.link.value.phase;
   if (phase === "login") return <Login />;
   const phone = narrow.value;
@@ -33,11 +35,15 @@ export function App() {
   const stopped = store.stopped.value && !replay;
   const body = store.body.value;
   const mapped = body.maps && store.mapPlace.value === "view";
+  const { side, lanes, sideShown, lanesShown, edge } = layout.layout.value;
+  const below = !phone && lanesShown && !low.value; // so low, the lanes have their tab
+  const divided = `${sideShown ? "" : "no-side"} ${below ? "" : "no-lanes"} side-${edge}`;
   // What a body cannot do is not offered; on a recording the button says why it is off.
   const audio = store.hello.value?.audio;
   return (
     <div
-      class={`page ${phone ? "narrow" : "wide"} ${phase === "live" ? "" : "not-live"} ${stopped ? "stopped" : ""} ${replay ? "replay" : ""} ${mapped ? "mapped" : ""}`}
+      class={`page ${phone ? "narrow" : "wide"} ${phase === "live" ? "" : "not-live"} ${stopped ? "stopped" : ""} ${replay ? "replay" : ""} ${mapped ? "mapped" : ""} ${phone ? "" : divided}`}
+      style={{ "--side": side, "--lanes": lanes }}
       data-testid="page"
       data-phase={phase}
     >
@@ -55,6 +61,7 @@ export function App() {
         <div class="view-tools">
           {audio && (audio.listen || replay) && <ListenButton />}
           {audio && (audio.speak || replay) && <TalkButton />}
+          {!phone && <SayButton />}
           {body.maps && <MapToggle />}
           {body.maps && !replay && !phone && <TourToggle />}
           <SceneToggle />
@@ -66,8 +73,10 @@ export function App() {
         {!phone && !replay && body.drives && <DrivePad />}
       </main>
       {!phone && <Transport />}
-      {!(phone && mapped) && <Side phone={phone} />}
-      {!phone && <Lanes />}
+      {(phone ? !mapped : sideShown) && <Side phone={phone} />}
+      {!phone && sideShown && <SideSplitter />}
+      {below && <Lanes />}
+      {below && <LanesSplitter />}
       {phone && (
         <footer class={`dock ${body.drives || replay ? "" : "still"}`}>
           {replay ? (

@@ -3,7 +3,10 @@
 import { computed, effect } from "@preact/signals";
 import { render } from "preact";
 import { App } from "./App";
+import { lookAhead } from "./drive/ahead";
 import { DriveController } from "./drive/driveController";
+import { LayoutControl } from "./layout/layoutControl";
+import { startTheme } from "./layout/theme";
 import { GridFeed } from "./map/gridFeed";
 import { MapLibrary } from "./map/library";
 import { MapControl } from "./map/mapControl";
@@ -39,6 +42,7 @@ import "./styles/lanes.css";
 import "./styles/tooltip.css";
 import "./styles/panels.css";
 import "./styles/load.css";
+import "./styles/graph.css";
 import "./styles/forms.css";
 import "./styles/transport.css";
 import "./styles/recordings.css";
@@ -47,13 +51,16 @@ import "./styles/tours.css";
 import "./styles/narrow.css";
 import "./styles/dock.css";
 import "./styles/touch.css";
+import "./styles/access.css";
 
 const store = createStore();
-const session = new Session(store);
+const stopWorker = new Worker(new URL("./drive/stopWorker.ts", import.meta.url), { type: "module" });
+const session = new Session(store, (order) => stopWorker.postMessage(order));
 keepHistory(session, store);
 const playback = new PlaybackController(store, session.rest);
 const recordings = new RecordingControl(store, session.rest);
 const drive = new DriveController(store, session, playback);
+const ahead = lookAhead(store, session, drive);
 const camera = new PictureFeed(
   session,
   CAMERA,
@@ -108,6 +115,9 @@ const grid = {
   ),
 };
 const talking = new Talking(store, session, listening);
+const layout = new LayoutControl(store, localStorage);
+layout.start(location.search);
+startTheme(document.documentElement, localStorage);
 
 render(
   <AppContext.Provider
@@ -115,6 +125,7 @@ render(
       store,
       session,
       drive,
+      ahead,
       camera,
       panorama,
       listening,
@@ -133,6 +144,7 @@ render(
       rehearsal,
       tourDrive,
       tourMarks,
+      layout,
       grid,
     }}
   >

@@ -8,10 +8,12 @@ import msgspec
 from fastapi import WebSocket
 from starlette.websockets import WebSocketDisconnect
 
+from app.console.access.identity import identity_of
 from app.console.access.operators import operator_name
 from app.console.drive import drive_lease
 from app.console.live import protocol
 from app.console.live.hub import Hub
+from app.console.live.may import permits
 from app.console.live.messages import Pong
 from app.console.live.outbox import Outbox
 from app.console.live.viewer import Viewer
@@ -25,7 +27,9 @@ VOICE = bytes([protocol.VOICE])
 async def live(websocket: WebSocket, hub: Hub, clock: Clock) -> None:
     """Serve one page until its connection ends, however it ends."""
     await websocket.accept()
-    viewer = hub.join(operator_name(websocket.query_params.get("operator")))
+    identity = identity_of(websocket.scope)
+    assert identity is not None
+    viewer = hub.join(operator_name(websocket.query_params.get("operator")), identity)
     sending = asyncio.create_task(send_from(viewer.outbox, websocket), name=f"live {viewer.session}")
     try:
         while True:
@@ -34,6 +38,8 @@ async def live(websocket: WebSocket, hub: Hub, clock: Clock) -> None:
                 return
             binary = message.get("bytes")
             if binary is not None and binary[:1] == VOICE:
+                if not permits(viewer, "voice", hub.notify):
+                    continue
                 hub.speech.hear(viewer.session, viewer.operator, binary)
             else:
                 _take(message.get("text") or binary or b"", viewer, hub, clock)
@@ -58,6 +64,11 @@ async def send_from(outbox: Outbox, websocket: WebSocket) -> None:
         return
 
 
+def _limited(axis: float, share: float) -> float:
+    """An axis of the stick, slowed to ``share``; one out of range stays so, and is refused."""
+    return share * axis if -1.0 <= axis <= 1.0 else axis
+
+
 def _take(text: str | bytes, viewer: Viewer, hub: Hub, clock: Clock) -> None:
     """Act on one message of the page."""
     driving, session, now = hub.driving, viewer.session, clock.now()
@@ -65,6 +76,9 @@ def _take(text: str | bytes, viewer: Viewer, hub: Hub, clock: Clock) -> None:
         message = protocol.decode(text)
     except msgspec.DecodeError:
         driving.handle(drive_lease.Garbled(session))
+        return
+    lasting = isinstance(message, protocol.DriveMessage) and (message.held or message.head_held)
+    if not permits(viewer, str(message.__struct_config__.tag), hub.notify, lasting=lasting):
         return
     match message:
         case protocol.DriveMessage():
@@ -74,10 +88,10 @@ def _take(text: str | bytes, viewer: Viewer, hub: Hub, clock: Clock) -> None:
                     session,
                     message.seq,
                     held=message.held,
-                    linear=message.linear,
-                    angular=message.angular,
+                    linear=_limited(message.linear, judged.share),
+                    angular=_limited(message.angular, judged.share),
                     override=message.override,
-                    lateral=message.lateral,
+                    lateral=_limited(message.lateral, judged.share),
                     head_held=message.head_held,
                     pan=message.pan,
                     tilt=message.tilt,
@@ -90,12 +104,15 @@ def _take(text: str | bytes, viewer: Viewer, hub: Hub, clock: Clock) -> None:
             driving.look(session, judged, stamp=message.stamp, u=message.u, v=message.v)
         case protocol.PingMessage():
             viewer.rtt_ms = message.rtt_ms
+            viewer.round_trip(asyncio.get_running_loop().time())
             viewer.age.judge(now, protocol.times(message))
             driving.handle(drive_lease.KeepAlive(session))
             viewer.outbox.put("pong", frame("pong", Pong(message.t, now)))
         case protocol.AckMessage():
-            viewer.outbox.picture_drawn(message.kind)
+            viewer.drawn(message.kind, asyncio.get_running_loop().time())
         case protocol.ViewMessage():
+            if message.camera_px is not None:
+                viewer.widths[protocol.CAMERA] = message.camera_px
             hub.show(viewer, protocol.CAMERA, message.camera)
             hub.show(viewer, protocol.PANORAMA, message.panorama)
             hub.show(viewer, protocol.MAP, message.map)
@@ -103,10 +120,15 @@ def _take(text: str | bytes, viewer: Viewer, hub: Hub, clock: Clock) -> None:
         case protocol.ListenMessage():
             hub.listen(viewer, message.on)
         case protocol.EStopMessage():
-            driving.e_stop(viewer.operator, session)
+            driving.e_stop(viewer.operator, session, by=viewer.identity)
         case protocol.ClearEStopMessage():
-            driving.release_e_stop(session, viewer.age.judge(now, protocol.times(message)), message.heard)
+            judged = viewer.age.judge(now, protocol.times(message))
+            driving.release_e_stop(session, judged, message.heard, by=viewer.identity)
         case protocol.TakeControlMessage():
             driving.take_control(session, viewer.age.judge(now, protocol.times(message)))
+        case protocol.AskControlMessage():
+            driving.ask_control(session, viewer.age.judge(now, protocol.times(message)))
+        case protocol.AnswerControlMessage():
+            driving.handle(drive_lease.AnswerControl(session, message.give))
         case protocol.ReleaseControlMessage():
             driving.handle(drive_lease.ReleaseControl(session))

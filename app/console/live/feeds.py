@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 from app.console import reports
 from app.console.drive.telepresence_desire import Presence, Spectators
 from app.console.live.grid_feed import GridFeed
+from app.console.live.picture_budget import Form
+from app.console.live.picture_coder import PictureCoder
 from app.console.live.protocol import CAMERA, COSTMAP, MAP, PANORAMA, picture_frame, sound_frame
 from app.console.live.viewer import Viewer
 from app.console.taps import Tap
@@ -80,6 +82,9 @@ class Feeds:
         }
         #: Of each kind of picture, and of sound, how many came so far.
         self._counts = dict.fromkeys((*PICTURES, SOUND_CHANNEL), 0)
+        #: Of each kind of picture, how wide it comes (px).
+        self._widths: dict[int, int] = {}
+        self._coder = PictureCoder(self._give)
 
     def update(self) -> None:
         """The viewers, or what they ask for, have changed."""
@@ -94,6 +99,7 @@ class Feeds:
 
     def close(self) -> None:
         """Take nothing any more, and desire nothing."""
+        self._coder.close()
         for tap in self._taps.values():
             tap.close()
         self._taps.clear()
@@ -127,7 +133,21 @@ class Feeds:
 
     def _on_picture(self, kind: int, image: EncodedImage) -> None:
         self._counts[kind] += 1
-        self._deliver(kind, picture_frame(kind, image, self._counts[kind]))
+        seq, self._widths[kind] = self._counts[kind], image.width
+        for form in {viewer.form(kind, image.width) for viewer in self._viewers() if kind in viewer.shows}:
+            if form == Form():
+                self._give(kind, form, image, seq)
+            else:
+                self._coder.make(kind, form, image, seq)
+
+    def _give(self, kind: int, form: Form, image: EncodedImage, seq: int) -> None:
+        """Give a picture to the viewers who bear this form, unless they have a newer one."""
+        frame, source = picture_frame(kind, image, seq), self._widths[kind]
+        for viewer in self._viewers():
+            bears = kind in viewer.shows and viewer.form(kind, source) == form
+            if bears and viewer.given.get(kind, 0) < seq:
+                viewer.given[kind] = seq
+                viewer.outbox.put_picture(kind, frame)
 
     def _deliver(self, kind: int, frame: bytes, info: str = "") -> None:
         for viewer in self._viewers():

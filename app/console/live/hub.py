@@ -17,12 +17,14 @@ from typing import TYPE_CHECKING
 from app.attention.desires import SCALE
 from app.attention.reports import desire_class_report
 from app.console import reports
+from app.console.access.identity import LOCAL, Identity, role_name
 from app.console.drive import drive_lease
 from app.console.drive.command_age import CommandAge
 from app.console.drive.drive_controller import Driving, teleop_channel
 from app.console.drive.goals import withdraw_all
 from app.console.drive.look_here import LookHere
 from app.console.drive.telepresence_desire import LISTEN, WATCH, Presence, Spectators
+from app.console.link_shaper import Link
 from app.console.live import messages
 from app.console.live.feeds import GRIDS, PICTURES, SOUND_CHANNEL, Feeds, comes
 from app.console.live.lane_history import LaneHistory
@@ -49,15 +51,23 @@ SILENT = "There is nothing to listen to: no module here makes sound for people."
 class Hub:
     """``open`` once the program runs, ``close`` at its end; in between viewers :meth:`join` and :meth:`leave`."""
 
-    def __init__(self, system: System, playback: Playback | None = None, panel_channels: Collection[str] = ()) -> None:
-        """``panel_channels``: channels whose messages panels of packages want; those that there are are sent."""
+    def __init__(
+        self,
+        system: System,
+        playback: Playback | None = None,
+        panel_channels: Collection[str] = (),
+        link: Link | None = None,
+    ) -> None:
+        """``panel_channels``: channels whose messages panels of packages want; those that there are are sent. ``link``
+        is shaped for tests, which the pages are to know."""
         self._system = system
         self._playback = playback
+        self._link = link or Link()
         self._viewers: dict[str, Viewer] = {}
         self._presence = self._attention(WATCH)
         self._feeds = Feeds(system.graph, system.pace, self._viewers.values, self._attention(LISTEN))
         self._channels = PageChannels(system.graph, system.pace, self)
-        self._lanes = LaneHistory(system.classes)
+        self.lanes = LaneHistory(system.classes)
         self._sampler = Sampler(system, self)
         self._recorder = RecorderWatch(system)
         channels = [system.graph.channels[name] for name in panel_channels if name in system.graph.channels]
@@ -98,6 +108,7 @@ class Hub:
         """Subscribe to the guard's reports and sample the lanes."""
         self._stack.callback(self._system.link.attach("status", self._on_status))
         self._stack.callback(self._system.body_restarter.observe(self._on_body))
+        self._stack.callback(self._link.observe(lambda _: self._mark_stale("link")))
         self._remember_lanes()
         if self._playback is not None:
             self._stack.callback(self._playback.observe(lambda _: self._mark_stale("playback")))
@@ -116,7 +127,7 @@ class Hub:
 
     def _on_lanes(self, lanes: Lanes) -> None:
         if not self.moving:
-            self._lanes.add(lanes)
+            self.lanes.add(lanes)
 
     def close(self) -> None:
         """Stop the driver, and drop all viewers."""
@@ -139,9 +150,9 @@ class Hub:
         self._sampler.clear()
         self._panels.clear()
         assert self._playback is not None
-        self._lanes.clear()
+        self.lanes.clear()
         for lanes in self._playback.lanes:
-            self._lanes.add(lanes)
+            self.lanes.add(lanes)
         jump = frame("jump", messages.Jump(position))
         frames = {**self._past_and_present(), **self._channels.states(), **self._panels.frames()}
         for viewer in self._viewers.values():
@@ -168,10 +179,11 @@ class Hub:
         """Everybody connected."""
         return tuple(self._viewers.values())
 
-    def join(self, operator: str) -> Viewer:
-        """A page connected: send it `hello` and the current state."""
-        validity_s = self._system.config.program.console.command_validity_s
-        viewer = Viewer(secrets.token_hex(6), operator, CommandAge(validity_s))
+    def join(self, operator: str, identity: Identity = LOCAL) -> Viewer:
+        """A page of this login connected: send it `hello` and the current state."""
+        console = self._system.config.program.console
+        age = CommandAge(console.command_validity_s, console.full_speed_within_s)
+        viewer = Viewer(secrets.token_hex(6), operator, age, identity)
         first = not self._viewers
         self._viewers[viewer.session] = viewer
         self.driving.handle(drive_lease.Connected(viewer.session, operator))
@@ -199,7 +211,7 @@ class Hub:
             return
         if shown:
             viewer.shows.add(kind)
-            viewer.outbox.picture_drawn(kind)
+            viewer.outbox.pictures_again(kind)
             self._show_standing_picture(viewer, kind)
         else:
             viewer.shows.discard(kind)
@@ -241,28 +253,46 @@ class Hub:
             viewer.outbox.put_each(kind, (item,))
 
     def broadcast_status(self, status: messages.Status) -> None:
-        """Send ``status`` to every viewer, completed by driver, speaker and ``waits``. It differs by viewer only in
-        ``mine`` of the first two and in the last: it is encoded once for all viewers with the same three."""
+        """Send ``status`` to every viewer, completed by driver, asker, speaker, ``waits`` and ``slowed``. It differs by
+        viewer only in ``mine`` of the first three and in the last two: it is encoded once for all viewers with the same
+        five."""
         lease, speaker = self.driving.lease, self.speech.speaker
-        frames: dict[tuple[bool, bool, str], str] = {}
+        frames: dict[tuple[bool, bool, bool, str, str], str] = {}
         for session, viewer in self._viewers.items():
-            waits = self.waits(viewer)
-            mine = (session == lease.driver, speaker is not None and session == speaker[0], waits)
+            waits, slowed = self.waits(viewer), self.slowed(viewer)
+            speaks = speaker is not None and session == speaker[0]
+            mine = (session == lease.driver, session == lease.asker, speaks, waits, slowed)
             if mine not in frames:
                 name = lease.driver_name
                 own = replace(
                     status,
                     driver=None if name is None else messages.Driver(name, mine[0], lease.moving),
-                    speaker=None if speaker is None else messages.Speaker(speaker[1], mine[1]),
+                    speaker=None if speaker is None else messages.Speaker(speaker[1], speaks),
+                    asker=self._asker(mine[1]),
                     waits=waits,
+                    slowed=slowed,
                 )
                 frames[mine] = frame("status", own)
             viewer.outbox.put("status", frames[mine])
+
+    def _asker(self, mine: bool) -> messages.Asker | None:
+        lease = self.driving.lease
+        if lease.asker is None:
+            return None
+        left_s = lease.asked_at + drive_lease.ANSWER_WITHIN_S - self._system.clock.now()
+        return messages.Asker(lease.operators[lease.asker], mine, round(max(0.0, left_s), 1))
 
     def waits(self, viewer: Viewer) -> str:
         """Why the driving of ``viewer`` waits, in words; "": it does not."""
         judged = viewer.age.last
         return f"{judged.cause}: driving waits." if judged.lasting and self.driving.drivable else ""
+
+    def slowed(self, viewer: Viewer) -> str:
+        """Why the driving of ``viewer`` is slower than its stick says, in words; "": it is not."""
+        judged = viewer.age.last
+        if not judged.slowed or not self.driving.drivable:
+            return ""
+        return f"{judged.slowed[0].upper()}{judged.slowed[1:]}: {100 * judged.share:.0f} % of the speed."
 
     # --- What is subscribed to only while there are viewers ----------------------------------------------------------
 
@@ -330,7 +360,7 @@ class Hub:
     # --- Frames ------------------------------------------------------------------------------------------------------
 
     def _builders(self) -> dict[str, Callable[[], str]]:
-        builders: dict[str, Callable[[], str]] = {}
+        builders: dict[str, Callable[[], str]] = {"link": lambda: frame("link", self._link.report())}
         if self._playback is not None:
             builders["playback"] = self._transport
         return builders if self._recorder.channel is None else builders | {"recorder": self._recording}
@@ -345,7 +375,7 @@ class Hub:
 
     def _past_and_present(self) -> dict[str, str]:
         # The history first, so that the page has the past before the present.
-        return {"lanes_history": self._lanes.frame(), **{kind: build() for kind, build in self._builders().items()}}
+        return {"lanes_history": self.lanes.frame(), **{kind: build() for kind, build in self._builders().items()}}
 
     def _hello(self, viewer: Viewer) -> str:
         system = self._system
@@ -366,6 +396,7 @@ class Hub:
                     scan=self._comes("scan"),
                     point_cloud=self._comes("point_cloud"),
                 ),
+                role=role_name(viewer.identity),
                 drive=self.driving.drivable,
                 head=self.driving.drivable and reports.turns_head(system),
                 audio=messages.AudioFacts(listen=self._comes(SOUND_CHANNEL), speak=not self.speech.in_vain),

@@ -12,10 +12,11 @@ from typing import Annotated, Any, Literal, NamedTuple
 from msgspec import Meta, Struct
 
 from app.console.records.attention import EventList
+from app.console.records.link import LinkReport
 from app.console.records.maps import LocalizationState, ZoneList
 from app.console.records.navigation import NavigationModel
 from app.console.records.places import PlaceList
-from app.console.records.program import SourceState
+from app.console.records.program import RoleName, SourceState
 from app.console.records.recordings import PlaybackReport, RecorderReport
 from app.console.records.robot import GroupReport, Guard, LandmarkReport, OdometryReport, RobotFacts
 from app.messages import (
@@ -76,6 +77,7 @@ class Hello:
     scale: Scale
     classes: tuple[DesireClassReport, ...]
     channels: Channels
+    role: Annotated[RoleName, doc("What this connection may do.")]
     drive: Annotated[bool, doc("Whether an operator can drive here.")]
     head: Annotated[bool, doc("Whether an operator can turn a head here.")]
     audio: AudioFacts
@@ -100,6 +102,15 @@ class Driver:
 
 
 @dataclass(frozen=True, slots=True)
+class Asker:
+    """Who asks the driver for the wheel."""
+
+    operator: str
+    mine: Annotated[bool, doc("Whether it is this page's operator.")]
+    remaining_s: Annotated[float, doc("Until the driver has not answered.")]
+
+
+@dataclass(frozen=True, slots=True)
 class Status:
     """Guard, pose, driver, freshness of every source."""
 
@@ -109,12 +120,14 @@ class Status:
     world_rate: float
     odometry: OdometryReport | None
     driver: Driver | None
+    asker: Asker | None
     speaker: Speaker | None
     exploited: Annotated[str | None, doc("The behavior that drives.")]
     limited: Annotated[str, doc("Why the collision monitor slowed or stopped it, in words; empty: it did not.")]
     groups: Annotated[tuple[GroupReport, ...], doc("The actuator groups but for the base.")]
     waits: Annotated[str, doc("Why this viewer's driving waits, its commands coming too late; empty: it does not.")]
     sources: tuple[SourceState, ...]
+    slowed: Annotated[str, doc("Why this viewer drives slower than its stick says; empty: it does not.")] = ""
 
 
 class LaneSpell(Struct, frozen=True):
@@ -293,6 +306,7 @@ FROM_ROBOT: dict[str, FrameKind] = {
         PlaybackReport, "On a recording, at every change and ten times a second while it plays: its transport."
     ),
     "jump": FrameKind(Jump, "On a recording, at a seek: what came before is of another time and to be forgotten."),
+    "link": FrameKind(LinkReport, "On change: how the link to the pages is shaped, for tests."),
 }
 
 #: The same of the stream for a page that shows the face.

@@ -1,6 +1,6 @@
 """What waits for one viewer: of each kind only the newest, of a list at most a thousand items, of sound a moment.
 
-Of each kind of picture one is on the way.
+Of each kind of picture one is on the way, or on a long link some.
 """
 
 from __future__ import annotations
@@ -48,7 +48,10 @@ class Outbox:
         self._items: dict[str, deque[str]] = {}
         #: By kind: the newest picture that waits; and those of which one is on the way to the page.
         self._pictures: dict[int, tuple[bytes, str]] = {}
-        self._under_way: set[int] = set()
+        #: When each was taken, by the loop's clock.
+        self._under_way: dict[int, deque[float]] = {}
+        #: How many may be on the way; one where nothing is said.
+        self.most_under_way: dict[int, int] = {}
         #: A picture whose info has just gone out.
         self._announced: bytes | None = None
         self._sound: deque[bytes] = deque()
@@ -90,15 +93,23 @@ class Outbox:
 
     def put_picture(self, kind: int, frame: bytes, info: str = "") -> None:
         """Queue the newest picture of ``kind``, and the text frame that announces it, if any; it goes out once the one
-        before has been drawn."""
+        before has been drawn, or as many as may be on the way are."""
         if kind in self._pictures:
             self._replaced += 1
         self._pictures[kind] = (frame, info)
         self._offer_picture(kind)
 
-    def picture_drawn(self, kind: int) -> None:
-        """The page has drawn the last picture of ``kind``, or shows such pictures again: the next may go out."""
-        self._under_way.discard(kind)
+    def picture_drawn(self, kind: int) -> float | None:
+        """The page has drawn a picture of ``kind``: the next may go out. Returns when that was taken, by the loop's
+        clock; None: none was."""
+        under_way = self._under_way.get(kind)
+        taken = under_way.popleft() if under_way else None
+        self._offer_picture(kind)
+        return taken
+
+    def pictures_again(self, kind: int) -> None:
+        """The page shows pictures of ``kind`` again: nothing that it got before will be said to be drawn."""
+        self._under_way.pop(kind, None)
         self._offer_picture(kind)
 
     def drop_picture(self, kind: int) -> None:
@@ -107,7 +118,8 @@ class Outbox:
         self._newest.pop(_picture(kind), None)
 
     def _offer_picture(self, kind: int) -> None:
-        if kind not in self._under_way and kind in self._pictures:
+        room = len(self._under_way.get(kind, ())) < self.most_under_way.get(kind, 1)
+        if room and kind in self._pictures:
             self._newest.setdefault(_picture(kind), b"")
             self._due.set()
 
@@ -144,7 +156,7 @@ class Outbox:
             return self._take_sound()
         for picture in tuple(self._pictures):
             if kind == _picture(picture):
-                self._under_way.add(picture)
+                self._under_way.setdefault(picture, deque()).append(asyncio.get_running_loop().time())
                 return self._take_picture(*self._pictures.pop(picture))
         return frame
 

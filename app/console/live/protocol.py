@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import struct
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Annotated, Final, Literal
 
 import msgspec
 import numpy as np
@@ -81,11 +81,21 @@ class ClearEStopMessage(TimedMessage, tag="clear_e_stop"):
 
 
 class TakeControlMessage(TimedMessage, tag="take_control"):
-    """Ask for the wheel."""
+    """Take the wheel at once."""
 
 
 class ReleaseControlMessage(msgspec.Struct, tag="release_control"):
     """Give the wheel back."""
+
+
+class AskControlMessage(TimedMessage, tag="ask_control"):
+    """Ask for the wheel."""
+
+
+class AnswerControlMessage(msgspec.Struct, tag="answer_control"):
+    """Give the wheel to who asks for it, or keep it."""
+
+    give: bool
 
 
 class PingMessage(TimedMessage, tag="ping"):
@@ -102,12 +112,13 @@ class AckMessage(msgspec.Struct, tag="ack"):
 
 
 class ViewMessage(msgspec.Struct, tag="view"):
-    """Which pictures the page shows; None: unchanged."""
+    """Which pictures the page shows; None: unchanged. ``camera_px``: so many pixels wide it shows the camera's."""
 
     camera: bool | None = None
     panorama: bool | None = None
     map: bool | None = None
     costmap: bool | None = None
+    camera_px: Annotated[int, msgspec.Meta(ge=1, le=16_384)] | None = None
 
 
 class ListenMessage(msgspec.Struct, tag="listen"):
@@ -127,6 +138,8 @@ FromPage = (
     | AckMessage
     | ViewMessage
     | ListenMessage
+    | AskControlMessage
+    | AnswerControlMessage
 )
 
 _decoder: msgspec.json.Decoder[FromPage] = msgspec.json.Decoder(FromPage)

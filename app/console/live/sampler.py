@@ -98,6 +98,7 @@ class Sampler:
             world_rate=1.0 if status is None else round(status.world_rate, 4),
             odometry=reports.odometry_report(self._odometry),
             driver=None,
+            asker=None,
             speaker=None,
             exploited=reports.exploited(self._exploitation, now, speed),
             limited=reports.limited(self._exploitation, now, speed),

@@ -10,6 +10,8 @@ from app.messages import ModuleReport, SubscriptionCounters
 from app.messages.base import Stamp, doc
 from app.runtime.freshness import FreshnessState
 
+RoleName = Literal["spectator", "operator", "supervisor"]
+
 
 @dataclass(frozen=True, slots=True)
 class ModuleList:
@@ -77,6 +79,7 @@ class Session:
 
     authenticated: Literal[True]
     token_needed: bool
+    role: Annotated[RoleName, doc("What it may do here.")]
 
 
 @dataclass(frozen=True, slots=True)

@@ -25,7 +25,7 @@ class Json(Response):
 
 _WORDS = {
     400: "The body is not JSON.",
-    401: "The console's token is needed.",
+    401: "The console's token, or the password of a role, is needed.",
     404: "There is no such thing.",
     409: "It cannot be done now.",
     412: "It was changed since: it is another version than `If-Match` names. `ETag` is the present one.",
@@ -33,6 +33,7 @@ _WORDS = {
     422: "Something in the request is not allowed; `errors` says which field.",
     429: "Too many wrong tokens came from this address; `Retry-After` says how many seconds to wait.",
     502: "What was started for it failed.",
+    503: "Many passwords are being checked; `Retry-After` says how many seconds to wait.",
     504: "The robot's body did not confirm it in time.",
     507: "The disk did not take it.",
 }

@@ -11,7 +11,8 @@ from fastapi.responses import Response
 
 from app.attention.timeline_writer import source_words
 from app.console import reports
-from app.console.drive.drive_controller import PRESSED_AGAIN, RECORDING
+from app.console.access.identity import LOCAL, identity_of
+from app.console.drive.drive_controller import NOT_YOURS, PRESSED_AGAIN, RECORDING
 from app.console.live.hub import Hub
 from app.console.playback import rate
 from app.console.problems import Problem
@@ -64,7 +65,7 @@ def robot_router(system: System, hub: Hub) -> APIRouter:
         )
 
     @router.post(
-        "/robot/e-stop",
+        "/stop",
         response_model=EStop,
         summary="Latch the emergency stop",
         openapi_extra=OPERATOR_PARAMETER,
@@ -82,7 +83,7 @@ def robot_router(system: System, hub: Hub) -> APIRouter:
 
         detach = system.link.attach("status", heard)
         try:
-            hub.driving.e_stop(source_words(source_of(request)))
+            hub.driving.e_stop(source_words(source_of(request)), by=identity_of(request.scope) or LOCAL)
             async with asyncio.timeout(CONFIRM_WITHIN_S):
                 await confirmed
         except TimeoutError:
@@ -96,8 +97,9 @@ def robot_router(system: System, hub: Hub) -> APIRouter:
             detach()
         return Json(EStop("latched", system.clock.now()))
 
-    @router.delete("/robot/e-stop", response_model=EStop, summary="Release the emergency stop", responses=problems(409))
+    @router.delete("/stop", response_model=EStop, summary="Release the emergency stop", responses=problems(409))
     async def release_e_stop(
+        request: Request,
         seen: Annotated[
             float | None,
             Query(
@@ -109,12 +111,15 @@ def robot_router(system: System, hub: Hub) -> APIRouter:
     ) -> Response:
         """A stop that was pressed after `seen` stays latched, so that a late release does not undo a stop that its
         sender has not seen. The base stays still until the next fresh command. Answers once the guard
-        has confirmed it, or half a second later: a goal that is given next is not refused for a latch that is gone."""
+        has confirmed it, or half a second later: a goal that is given next is not refused for a latch that is gone.
+        An operator releases what nobody else pressed, a supervisor any stop."""
         _refuse_recording(hub)
         if not hub.driving.lease.e_stopped:
             return Json(EStop("released", system.clock.now()))
         if seen is None or not 0 <= system.clock.now() - seen <= SEEN_WITHIN_S:
             raise Problem(409, "stop-not-seen", LOOK_FIRST)
+        if not hub.driving.may_release(identity_of(request.scope) or LOCAL):
+            raise Problem(403, "stop-of-another", NOT_YOURS)
         released = asyncio.Event()
         detach = system.link.attach("status", lambda status: None if status.e_stopped else released.set())
         try:

@@ -12,6 +12,8 @@ from fastapi.responses import Response
 
 from app.attention.desires import Desire
 from app.base.named_library import NAME
+from app.console.access.identity import identity_of
+from app.console.access.roles import Role
 from app.console.problems import Problem
 from app.console.recordings import RecorderWatch, record, withdraw
 from app.console.records.recordings import RecordingList, RecordingReport, ReplayReport, Saved, Withdrawn
@@ -266,6 +268,9 @@ def _replay(replays: Replays, request: Request) -> ReplayReport | None:
     if (current := replays.current) is None:
         return None
     name, url = current
+    identity = identity_of(request.scope)
+    if identity is None or identity.role is not Role.SUPERVISOR:
+        url = url.partition("#")[0]  # the token behind it is a supervisor's
     return ReplayReport(name, reached_by(url, request.url.scheme, request.url.hostname))
 
 

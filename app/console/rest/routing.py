@@ -17,6 +17,8 @@ from starlette.responses import Response
 from app.base.json_source import BeyondBounds, load_json
 from app.base.yaml_source import suggestion
 from app.console import schema
+from app.console.access.identity import identity_of, require
+from app.console.access.roles import needed_role
 from app.console.problems import Problem
 
 #: The prefix of REST and of the live streams.
@@ -53,8 +55,9 @@ def records(routers: Iterable[APIRouter]) -> list[type[Any]]:
 class _Route(APIRoute):
     """A route whose answer is a record.
 
-    It refuses what JSON leaves open (RFC 8259: names in an object should be unique), and parameters that it does not
-    know beside those that it does.
+    It refuses clients without the role that it needs (:data:`app.console.access.roles.OPERATIONS`); a route that is not
+    in that table cannot be made. It refuses what JSON leaves open (RFC 8259: names in an object should be unique), and
+    parameters that it does not know beside those that it does.
     """
 
     def __init__(self, path: str, endpoint: Callable[..., Any], *, response_model: Any = None, **options: Any) -> None:
@@ -72,8 +75,11 @@ class _Route(APIRoute):
         """The handler, which reads bodies our way."""
         handle = super().get_route_handler()
         known = [parameter.alias for parameter in self.dependant.query_params]
+        needed = needed_role(self.name)
 
         async def handle_strictly(request: Request) -> Response:
+            if needed is not None:
+                require(identity_of(request.scope), needed, f"{request.method} {request.url.path}")
             # A route without parameters may be asked with one, to get past a cache.
             if known and (unknown := [name for name in request.query_params if name not in known]):
                 errors = [(f"query.{name}", f"unknown parameter; {suggestion(name, known)}") for name in unknown]

@@ -78,8 +78,8 @@ def visitor_router(
     )
     async def check_visitor(request: Request) -> Response:
         """204 for one that may see the tour, an operator's browser among them."""
-        if door.visitor(request.scope) is None and (refusal := door.refusal(request.scope)) is not None:
-            raise refusal
+        if door.visitor(request.scope) is None:
+            await door.admit(request.scope)
         return Response(status_code=204)
 
     @router.post(

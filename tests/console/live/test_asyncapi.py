@@ -139,6 +139,8 @@ ASKED: dict[str, list[dict[str, Any]]] = {
     "clear_e_stop": [{}],
     "take_control": [{}],
     "release_control": [{}],
+    "ask_control": [{}],
+    "answer_control": [{"give": True}, {"give": False}],
     "ping": [{"t": 1.5}, {"t": 1, "rtt_ms": None}, {"t": 1, "rtt_ms": 3.5}],
     "ack": [{"kind": 1, "seq": 7}, {"kind": 4, "seq": 0}],
     "view": [{}, {"camera": True, "map": None}],
@@ -154,6 +156,7 @@ REFUSED: dict[str, list[dict[str, Any]]] = {
     "ack": [{"kind": 5, "seq": 1}, {"kind": 1}],
     "view": [{"camera": 1}],
     "listen": [{}, {"on": None}],
+    "answer_control": [{}, {"give": 1}],
 }
 
 

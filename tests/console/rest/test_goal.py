@@ -134,7 +134,7 @@ async def test_a_stop_by_any_source_ends_the_goal(
     own = Source("motivation", "Patrol")
 
     async def by_rest() -> None:
-        await client.post("/robot/e-stop")
+        await client.post("/stop")
 
     async def by_a_page() -> None:
         hub.driving.e_stop("Ann")
@@ -149,17 +149,17 @@ async def test_a_stop_by_any_source_ends_the_goal(
         await stop()
         assert goals(system) == [], stop.__name__
         system.workspace.add("GoTo", intensity=1, utility=1, source=own, params={"x": 8, "y": 8})
-        await client.delete("/robot/e-stop", params={"seen": system.clock.now()})
+        await client.delete("/stop", params={"seen": system.clock.now()})
         assert goals(system) == [], "what was wanted while it was stopped is not set out for at its release"
         body.emit_status(system.clock.now())
 
 
 async def test_no_goal_is_taken_while_the_emergency_stop_is_latched(client: httpx.AsyncClient, system: System) -> None:
-    await client.post("/robot/e-stop")
+    await client.post("/stop")
     document = is_problem(await client.put("/goal", json={"x": 1, "y": 1}), 409, "e-stop-latched")
     assert document["detail"] == "The emergency stop is latched: release it first."
     assert goals(system) == []
-    await client.delete("/robot/e-stop", params={"seen": system.clock.now()})
+    await client.delete("/stop", params={"seen": system.clock.now()})
     assert (await client.put("/goal", json={"x": 1, "y": 1})).status_code == 200, "as soon as it is released"
 
 

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import asyncio
 import json
+import math
 from typing import Any
 
 import httpx
 import pytest
+from fastapi import FastAPI
 
 from app.attention.desires import Desire, Source
 from app.console.live.hub import Hub
 from app.console.records import attention, program, robot
-from app.messages import DesireClassReport, Desires, IntentionReport, ModuleReport, PerceptEvent
+from app.console.records.lanes import LanesPast
+from app.messages import DesireClassReport, Desires, IntentionReport, LaneRow, Lanes, ModuleReport, PerceptEvent
 from app.program.system import System
 from app.runtime.filter import CLOSED
 from tests.console.answers import answered, described
@@ -46,6 +49,7 @@ def is_problem(response: httpx.Response, status: int, kind: str) -> dict[str, An
         ("/modules/Teleop", ModuleReport),
         ("/channels", program.ChannelList),
         ("/timeline", attention.EventList),
+        ("/lanes", LanesPast),
         ("/robot", robot.RobotReport),
         ("/session", program.Session),
         ("/health", program.Health),
@@ -250,34 +254,34 @@ async def test_the_timeline_is_queried_by_time_kind_and_number(client: httpx.Asy
 
 
 async def test_the_emergency_stop_is_latched_and_released(client: httpx.AsyncClient, body: Body) -> None:
-    latched = (await client.post("/robot/e-stop")).json()
+    latched = (await client.post("/stop")).json()
     assert latched["e_stop"] == "latched"
     assert body.stops == ["pressed by REST client"]
     robot = (await client.get("/robot")).json()
     assert robot["guard"]["state"] == "e_stopped"
     assert robot["stamp"] > latched["stamp"]
-    released = await client.delete("/robot/e-stop", params={"seen": robot["stamp"]})
+    released = await client.delete("/stop", params={"seen": robot["stamp"]})
     assert released.json()["e_stop"] == "released"
     assert not body.e_stopped
-    assert (await client.delete("/robot/e-stop")).json()["e_stop"] == "released", "nothing is latched: may be repeated"
+    assert (await client.delete("/stop")).json()["e_stop"] == "released", "nothing is latched: may be repeated"
 
 
 async def test_a_stop_that_was_not_seen_is_not_released(
     client: httpx.AsyncClient, body: Body, system: System, hub: Hub
 ) -> None:
     before = (await client.get("/robot")).json()["stamp"]
-    first = (await client.post("/robot/e-stop")).json()["stamp"]
-    problem = is_problem(await client.delete("/robot/e-stop"), 409, "stop-not-seen")
+    first = (await client.post("/stop")).json()["stamp"]
+    problem = is_problem(await client.delete("/stop"), 409, "stop-not-seen")
     assert "?seen=" in problem["detail"]
     for stamp in (before, first - 60, system.clock.now() + 60):
-        is_problem(await client.delete("/robot/e-stop", params={"seen": stamp}), 409, "stop-not-seen")
+        is_problem(await client.delete("/stop", params={"seen": stamp}), 409, "stop-not-seen")
     # Released with the stamp of the first stop, but late: it was pressed again meanwhile.
     hub.driving.e_stop("Ann")
-    is_problem(await client.delete("/robot/e-stop", params={"seen": first}), 409, "stop-not-seen")
+    is_problem(await client.delete("/stop", params={"seen": first}), 409, "stop-not-seen")
     assert body.e_stopped
-    is_problem(await client.delete("/robot/e-stop", params={"seen": "nan"}), 422, "invalid-request")
+    is_problem(await client.delete("/stop", params={"seen": "nan"}), 422, "invalid-request")
     seen = (await client.get("/robot")).json()["stamp"]
-    assert (await client.delete("/robot/e-stop", params={"seen": seen})).status_code == 200
+    assert (await client.delete("/stop", params={"seen": seen})).status_code == 200
     assert not body.e_stopped
 
 
@@ -285,7 +289,7 @@ async def test_a_stop_that_the_guard_does_not_confirm_is_not_called_latched(
     client: httpx.AsyncClient, body: Body
 ) -> None:
     body.confirms = False
-    is_problem(await client.post("/robot/e-stop"), 504, "unconfirmed")
+    is_problem(await client.post("/stop"), 504, "unconfirmed")
     assert body.e_stopped
 
 
@@ -458,3 +462,22 @@ async def test_what_a_path_of_its_own_takes_is_all_it_says(client: httpx.AsyncCl
         response = await client.options(path)
         is_problem(response, 405, "method-not-allowed")
         assert response.headers["allow"] == allowed
+
+
+async def test_the_past_of_the_lanes_is_given_in_buckets(client: httpx.AsyncClient, app: FastAPI) -> None:
+    rows = tuple(
+        LaneRow(cls, 8.0, 4.0, 0.25, math.inf, {}, "unfulfilled", "it costs too much")
+        for cls in ("Telepresence", "Explore")
+    )
+    for number in range(100):
+        app.state.hub.lanes.add(Lanes(0.5 * number + 1e6, rows))
+    past = (await client.get("/lanes", params={"from": 1e6, "to": 1e6 + 100, "points": 10})).json()
+    assert past["bucket_s"] == 10
+    assert past["stamps"] == [1e6 + 10 * n for n in range(5)]
+    assert past["ends"] == [1e6 + 10 * n + 9.5 for n in range(5)]
+    (row,) = [row for row in past["rows"] if row["class"] == "Telepresence"]
+    assert row["low"] == row["high"] == row["rate"] == [0.25] * 5
+    assert [(change["stamp"], change["divisor"]) for change in row["changes"]] == [(1e6, None)]
+    is_problem(await client.get("/lanes", params={"points": 5000}), 422, "invalid-request")
+    problem = is_problem(await client.get("/lanes", params={"from": 2, "to": 1}), 422, "invalid-request")
+    assert problem["errors"] == [{"field": "query.from", "message": "2.0 is after to, 1.0"}]

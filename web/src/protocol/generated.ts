@@ -31,6 +31,15 @@ export interface Alternative {
   without: string;
 }
 
+/** Who asks the driver for the wheel. */
+export interface Asker {
+  operator: string;
+  /** Whether it is this page's operator. */
+  mine: boolean;
+  /** Until the driver has not answered. */
+  remaining_s: number;
+}
+
 /** Whether the robot has microphones to listen to, and a loudspeaker to speak through. */
 export interface AudioFacts {
   listen: boolean;
@@ -369,6 +378,8 @@ export interface Hello {
   scale: Scale;
   classes: DesireClassReport[];
   channels: Channels;
+  /** What this connection may do. */
+  role: "operator" | "spectator" | "supervisor";
   /** Whether an operator can drive here. */
   drive: boolean;
   /** Whether an operator can turn a head here. */
@@ -462,6 +473,33 @@ export interface LandmarkReport {
   frame: string;
 }
 
+/** A lane before now; of each bucket the rate's last value, its least and its greatest (null: there was none). */
+export interface LaneBuckets {
+  class: string;
+  /** The last of each bucket. */
+  rate: (number | null)[];
+  /** Empty where every sample is a bucket. */
+  low: (number | null)[];
+  /** Empty where every sample is a bucket. */
+  high: (number | null)[];
+  /** Oldest first; of more than two in a bucket the most closed and the last. The first holds from the start. */
+  changes: LaneChange[];
+}
+
+/** What a lane was, from ``stamp`` until the next change. */
+export interface LaneChange {
+  /** Robot's clock (s). */
+  stamp: number;
+  intensity: number | null;
+  utility: number | null;
+  /** φ: one message in φ passes; null: none passes. */
+  divisor: number | null;
+  /** By filter, `Module.port`. */
+  divisors: Record<string, number | null>;
+  state: "degraded" | "fulfilled" | "inhibited" | "needed" | "undesired" | "unfulfilled";
+  text: string;
+}
+
 /** A lane before now. */
 export interface LanePast {
   class: string;
@@ -512,6 +550,35 @@ export interface Lanes {
 export interface LanesHistory {
   stamps: number[];
   rows: LanePast[];
+}
+
+/** What the lanes were in a stretch of time. Stamps are of the robot's clock (s). */
+export interface LanesPast {
+  /** Stamp of the oldest sample that is kept; null: there is none. */
+  oldest: number | null;
+  /** Width of a bucket; 0: every sample is one. */
+  bucket_s: number;
+  /** Of the first sample of each bucket. */
+  stamps: number[];
+  /** Of its last. */
+  ends: number[];
+  rows: LaneBuckets[];
+}
+
+/** How every stream between the program and its pages is delayed and bounded, for tests; not by the real network. */
+export interface LinkReport {
+  /** Whether it is at all. */
+  shaped: boolean;
+  /** Added to a round trip, half of it each way. */
+  delay_ms: number;
+  /** The delay varies by as much up and down. */
+  jitter_ms: number;
+  /** Packets that are lost and sent again. */
+  loss_percent: number;
+  /** Mbit/s each way; null: not bounded. */
+  rate_mbit: number | null;
+  /** The same in words; empty where nothing is shaped. */
+  text: string;
 }
 
 /** What the modules take of the computer, once a second. */
@@ -613,6 +680,8 @@ export interface ModuleReport {
   problem: string | null;
   inputs: ModuleInput[];
   outputs: ModuleOutput[];
+  /** Its layer in the architecture, by the package that it comes from. */
+  role: "actuation" | "behaviors" | "motivations" | "other" | "perception" | "sensors";
 }
 
 /** State of the behavior that drives to a goal; as `navigation` on the live stream. */
@@ -1047,6 +1116,24 @@ export interface ReplayReport {
   url: string;
 }
 
+/** Every resource. */
+export interface ResourceList {
+  resources: ResourceReport[];
+}
+
+/** What strategies share. */
+export interface ResourceReport {
+  name: string;
+  /** How much of it attention may give now. */
+  capacity: number;
+  /** Its capacity in configuration. */
+  declared: number;
+  /** What the intention at work uses of it. */
+  used: number;
+  unit: string;
+  description: string;
+}
+
 /** What is used of a resource. */
 export interface ResourceUse {
   used: number;
@@ -1275,6 +1362,7 @@ export interface Status {
   world_rate: number;
   odometry: OdometryReport | null;
   driver: Driver | null;
+  asker: Asker | null;
   speaker: Speaker | null;
   /** The behavior that drives. */
   exploited: string | null;
@@ -1285,6 +1373,8 @@ export interface Status {
   /** Why this viewer's driving waits, its commands coming too late; empty: it does not. */
   waits: string;
   sources: SourceState[];
+  /** Why this viewer drives slower than its stick says; empty: it does not. */
+  slowed: string;
 }
 
 /** What goes on at once; the step is over when all of it is. A picture stays until the next, or the stop's end. */
@@ -1341,6 +1431,30 @@ export interface StopReport {
   people: number;
   /** How often each question was asked, by its id. */
   questions: Record<string, number>;
+}
+
+/** Every strategy, in table order. */
+export interface StrategyList {
+  strategies: StrategyReport[];
+}
+
+/** One way to serve a desire class. */
+export interface StrategyReport {
+  name: string;
+  class: string;
+  /** Produced utility v, over 0 and at most 8. */
+  utility: number;
+  /** Utility needed of other classes. */
+  requires: Record<string, number>;
+  /** φ by `Module.port`. */
+  filters: Record<string, number | null>;
+  /** What modules are handed while it is selected, by module. */
+  parameters: Record<string, Record<string, unknown>>;
+  /** What it uses of each resource. */
+  costs: Record<string, number>;
+  selected: boolean;
+  /** File and line. */
+  declared: string | null;
 }
 
 /** A sentence that was said. */
@@ -1460,6 +1574,7 @@ export interface TourProgress {
     | "parting"
     | "paused"
     | "presenting"
+    | "searching"
     | "turning"
     | "waiting";
   /** When the state began (robot's clock, s). */
@@ -1598,6 +1713,7 @@ export interface VisitorView {
     | "parting"
     | "paused"
     | "presenting"
+    | "searching"
     | "turning"
     | "waiting";
   /** By language. */
@@ -1656,6 +1772,20 @@ export interface AckMessage {
   type: "ack";
   kind: 1 | 2 | 3 | 4;
   seq: number;
+}
+
+/** Give the wheel to who asks for it, or keep it. */
+export interface AnswerControlMessage {
+  type: "answer_control";
+  give: boolean;
+}
+
+/** Ask for the wheel. */
+export interface AskControlMessage {
+  type: "ask_control";
+  t?: number | null;
+  heard?: number | null;
+  heard_t?: number | null;
 }
 
 /** A point of a picture of the camera. */
@@ -1726,6 +1856,18 @@ export interface GoalRequest {
   speed?: number | null;
 }
 
+/** How the link is shaped from now on; members left out shape nothing. */
+export interface LinkChange {
+  /** Added to a round trip, half of it each way. */
+  delay_ms?: number;
+  /** The delay varies by as much; at most the delay. */
+  jitter_ms?: number;
+  /** Packets that are lost and sent again. */
+  loss_percent?: number;
+  /** Mbit/s each way; null: not bounded. */
+  rate_mbit?: number | null;
+}
+
 /** Subscribe to the microphones' sound, or end that. */
 export interface ListenMessage {
   type: "listen";
@@ -1740,7 +1882,7 @@ export interface LoadRequest {
   extend?: boolean;
 }
 
-/** The console's token. */
+/** The console's token, or the password of a role. */
 export interface LoginRequest {
   token: string;
 }
@@ -1907,7 +2049,7 @@ export interface SaveRequest {
   name?: string;
 }
 
-/** Ask for the wheel. */
+/** Take the wheel at once. */
 export interface TakeControlMessage {
   type: "take_control";
   t?: number | null;
@@ -1948,13 +2090,14 @@ export interface TourPress {
   ask?: string | null;
 }
 
-/** Which pictures the page shows; None: unchanged. */
+/** Which pictures the page shows; None: unchanged. ``camera_px``: so many pixels wide it shows the camera's. */
 export interface ViewMessage {
   type: "view";
   camera?: boolean | null;
   panorama?: boolean | null;
   map?: boolean | null;
   costmap?: boolean | null;
+  camera_px?: number | null;
 }
 
 /** The key of a link for visitors. */
@@ -2045,6 +2188,8 @@ export interface RobotMessages {
   playback: PlaybackReport;
   /** On a recording, at a seek: what came before is of another time and to be forgotten. */
   jump: Jump;
+  /** On change: how the link to the pages is shaped, for tests. */
+  link: LinkReport;
 }
 
 export type FromRobot = { [T in keyof RobotMessages]: { type: T } & RobotMessages[T] }[keyof RobotMessages];
@@ -2059,4 +2204,6 @@ export type ToRobot =
   | PingMessage
   | AckMessage
   | ViewMessage
-  | ListenMessage;
+  | ListenMessage
+  | AskControlMessage
+  | AnswerControlMessage;

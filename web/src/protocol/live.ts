@@ -20,7 +20,14 @@ const LAST_RETRY_MS = 5000;
 /** Above this much unsent, a held drive command would arrive late: it is left out, the next one is newer. */
 const BACKLOG_BYTES = 16_384;
 /** What may move something says when it was sent; a ping does, too, so that the robot knows how late it comes. */
-const TIMED: ReadonlySet<ToRobot["type"]> = new Set(["drive", "look", "clear_e_stop", "take_control", "ping"]);
+const TIMED: ReadonlySet<ToRobot["type"]> = new Set([
+  "drive",
+  "look",
+  "clear_e_stop",
+  "take_control",
+  "ask_control",
+  "ping",
+]);
 
 export class LiveConnection {
   private socket: WebSocket | null = null;

@@ -8,6 +8,9 @@ import type {
   DesireChange,
   EventList,
   GoalRequest,
+  LanesPast,
+  LinkChange,
+  LinkReport,
   LoadRequest,
   LoginRequest,
   MapList,
@@ -25,6 +28,7 @@ import type {
   RehearsalReport,
   RenameRequest,
   ReplayReport,
+  ResourceList,
   RobotEvent,
   RouteReport,
   RouteRequest,
@@ -33,6 +37,8 @@ import type {
   Saved,
   SaveRequest,
   SceneAddress,
+  StrategyList,
+  StrategyReport,
   TourList,
   TourPress,
   TourReport,
@@ -43,6 +49,13 @@ import type {
   Zone,
   ZonesRequest,
 } from "./types";
+
+/** What this browser may do here. */
+export interface SessionReport {
+  authenticated: true;
+  token_needed: boolean;
+  role: "spectator" | "operator" | "supervisor";
+}
 
 export interface FieldError {
   field: string;
@@ -75,16 +88,32 @@ export class Rest {
   constructor(private readonly operator: () => string) {}
 
   /** Resolves if this browser may use the console; a Problem with status 401 asks for a token. */
-  async session(): Promise<void> {
-    await this.ask("GET", "/session");
+  async session(): Promise<SessionReport> {
+    return (await this.ask("GET", "/session")) as SessionReport;
+  }
+
+  /** Ends the session, here and at the robot. */
+  async logOut(): Promise<void> {
+    await this.ask("DELETE", "/session");
   }
 
   async logIn(token: string): Promise<void> {
     await this.ask("POST", "/session", { token } satisfies LoginRequest);
   }
 
-  async timeline(limit: number): Promise<RobotEvent[]> {
-    return ((await this.ask("GET", `/timeline?limit=${limit}`)) as EventList).events;
+  /** `kinds`, separated by commas: of those alone. `between`: two stamps. */
+  async timeline(limit: number, kinds = "", between?: readonly [number, number]): Promise<RobotEvent[]> {
+    const of = kinds && `&kinds=${kinds}`;
+    const time = between ? `&since=${between[0]}&until=${between[1]}` : "";
+    return ((await this.ask("GET", `/timeline?limit=${limit}${of}${time}`)) as EventList).events;
+  }
+
+  lanes(from: number, to: number, points: number): Promise<LanesPast> {
+    return this.ask("GET", `/lanes?from=${from}&to=${to}&points=${points}`) as Promise<LanesPast>;
+  }
+
+  async strategies(): Promise<readonly StrategyReport[]> {
+    return ((await this.ask("GET", "/strategies")) as StrategyList).strategies;
   }
 
   /** A member that is null where it may not be is refused by the robot, in words. */
@@ -100,12 +129,27 @@ export class Rest {
     await this.ask("DELETE", `/desires/${encodeURIComponent(id)}`);
   }
 
+  /** The capacity of a resource as the configuration declares it; null: there is no such resource. */
+  async declaredBudget(name: string): Promise<number | null> {
+    const { resources } = (await this.ask("GET", "/resources")) as ResourceList;
+    return resources.find((resource) => resource.name === name)?.declared ?? null;
+  }
+
+  async changeBudget(name: string, capacity: number): Promise<void> {
+    await this.ask("PATCH", `/resources/${encodeURIComponent(name)}`, { capacity });
+  }
+
   async playback(change: PlaybackChange): Promise<PlaybackReport> {
     return (await this.ask("PATCH", "/playback", change)) as PlaybackReport;
   }
 
   async stepPlayback(): Promise<PlaybackReport> {
     return (await this.ask("POST", "/playback/step")) as PlaybackReport;
+  }
+
+  /** Delays and bounds every stream to the pages, for tests; what is left out shapes nothing. */
+  async shapeLink(change: LinkChange): Promise<LinkReport> {
+    return (await this.ask("PUT", "/link", change)) as LinkReport;
   }
 
   async recordings(): Promise<RecordingList> {
