@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Iterator
 
 import pytest
 from playwright.sync_api import Page, expect
 
 from tests.browser.running import Robot, running_robot
+from tests.patience import PATIENCE_S
 
 
 @pytest.fixture(scope="module")
@@ -127,6 +129,9 @@ def test_a_click_in_the_picture_is_a_goal(robot: Robot, page: Page) -> None:
 
 
 def test_two_ranges_of_time_and_a_past_that_the_page_has_not_heard(robot: Robot, page: Page) -> None:
+    given_up = time.monotonic() + PATIENCE_S
+    while not robot.get("/lanes")["stamps"]:
+        assert time.monotonic() < given_up, "a robot that has just started has lanes soon"
     page.goto(f"{robot.url}/?scene=off")
     page.get_by_test_id("lanes-large").click()
     page.get_by_test_id("lanes-compare").click()
