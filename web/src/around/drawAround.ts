@@ -16,6 +16,8 @@ const FOOT = 17;
 const BELOW = 16;
 /** px; on less, figures would run into the words. */
 const NUMBERED = 640;
+/** px; on less, only every second word has room. */
+const WORDED = 210;
 const FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Noto Sans', 'DejaVu Sans', sans-serif";
 const WORDS = [
   { degrees: 180, text: "behind", align: "left" },
@@ -101,6 +103,7 @@ function drawFoot(context: Context, strip: Strip, large: boolean): void {
     context.fillText(`${Math.abs(degrees)}°`, x, top + 10);
   }
   for (const { degrees, text, align } of WORDS) {
+    if (strip.width < WORDED && Math.abs(degrees) === 90) continue;
     context.textAlign = align;
     const x = strip.width / 2 - radians(degrees) * scale(strip);
     context.fillText(text, x + (align === "left" ? 5 : align === "right" ? -5 : 0), top + 9);
