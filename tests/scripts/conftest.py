@@ -69,3 +69,9 @@ def commit_message() -> Iterator[ModuleType]:
 def page_types() -> Iterator[ModuleType]:
     yield _load("page_types")
     del sys.modules["page_types"]
+
+
+@pytest.fixture(scope="session")
+def client_types() -> Iterator[ModuleType]:
+    yield _load("client_types")
+    del sys.modules["client_types"]
