@@ -16,7 +16,7 @@ docs: ## the documentation as a site, with the reference of the packages: build/
 soak: ## an idle robot for 45 minutes: its memory stays flat; ARGS=MINUTES
 bench: ## every benchmark
 references: ## measure the modules' reference values again, say what differs; ARGS=--record: on a new recording
-types: ## generate the page's types and the Python client from the records and REST's description
+types: ## generate the page's types and the clients from the records and REST's description
 setup: ## only set up: .venv, packages, page
 clean: ## remove everything that can be made again
 

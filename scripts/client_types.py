@@ -171,12 +171,7 @@ def _mapping(value: Schema) -> str:
 
 def operations(document: Schema) -> str:
     """The text of ``operations.py``: a method for each operation, once to be called and once to be awaited."""
-    found = sorted(
-        (operation["operationId"], method.upper(), path.removeprefix(BASE), operation)
-        for path, methods in document["paths"].items()
-        for method, operation in methods.items()
-        if operation["operationId"] not in BY_HAND
-    )
+    found = found_operations(document)
     used = sorted({name for each in found for name in _names(each[3])} & set(document["components"]["schemas"]))
     parts = [
         f'"""The operations of REST.\n\n{WRITTEN}\n"""\n',
@@ -187,6 +182,16 @@ def operations(document: Schema) -> str:
         _class("AsyncOperations", found, awaited=True),
     ]
     return "\n\n".join(parts)
+
+
+def found_operations(document: Schema) -> list[tuple[str, str, str, Schema]]:
+    """Name, method, path below ``/api/v1`` and description of each operation."""
+    return sorted(
+        (operation["operationId"], method.upper(), path.removeprefix(BASE), operation)
+        for path, methods in document["paths"].items()
+        for method, operation in methods.items()
+        if operation["operationId"] not in BY_HAND
+    )
 
 
 def _names(operation: Schema) -> Iterator[str]:
@@ -250,21 +255,45 @@ def _method(name: str, method: str, path: str, operation: Schema, *, awaited: bo
     ]
 
 
+def answered_media(operation: Schema) -> str | None:
+    """The media type of what is answered where nothing went wrong; None: nothing is."""
+    for status, response in sorted(operation["responses"].items()):
+        if status < "400" and (media := next(iter(response.get("content", {})), None)):
+            return str(media)
+    return None
+
+
+def answered(operation: Schema) -> Schema:
+    """The schema of what is answered where nothing went wrong."""
+    for status, response in sorted(operation["responses"].items()):
+        for content in response.get("content", {}).values() if status < "400" else ():
+            return dict(content.get("schema", {}))
+    return {}
+
+
+def body_of(operation: Schema) -> tuple[str, Schema, bool] | None:
+    """Media type and schema of what is sent, and whether it is needed."""
+    sent = operation.get("requestBody", {})
+    for media, content in sent.get("content", {}).items():
+        return media, content["schema"], "None" not in python(content["schema"])
+    return None
+
+
 def _answer(operation: Schema) -> str:
     """The type of what is answered where nothing went wrong."""
-    for status, response in sorted(operation["responses"].items()):
-        for media, content in response.get("content", {}).items() if status < "400" else ():
-            kind = python(content.get("schema", {}))
-            return kind if media == "application/json" or kind == "bytes" else "str"
-    return "None"
+    media = answered_media(operation)
+    if media is None:
+        return "None"
+    kind = python(answered(operation))
+    return kind if media == "application/json" or kind == "bytes" else "str"
 
 
 def _body(operation: Schema) -> tuple[str, str] | None:
     """The media type and the type of what is sent."""
-    for media, content in operation.get("requestBody", {}).get("content", {}).items():
-        kind = python(content["schema"])
-        return media, f"{kind} = None" if "None" in kind else kind
-    return None
+    if (body := body_of(operation)) is None:
+        return None
+    media, value, needed = body
+    return media, python(value) if needed else f"{python(value)} = None"
 
 
 def generate() -> dict[Path, str]:

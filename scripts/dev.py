@@ -89,8 +89,8 @@ def main() -> int:
             return run([PYTHON, ROOT / "scripts" / "references.py", *args.arguments])
         if args.task == "types":
             set_up({"test"}, page_wanted=False)
-            written = [run([PYTHON, ROOT / "scripts" / name]) for name in ("page_types.py", "client_types.py")]
-            return max(written)
+            scripts = ("page_types.py", "client_types.py", "typescript_client.py")
+            return max(run([PYTHON, ROOT / "scripts" / name]) for name in scripts)
         if args.task == "bench":
             set_up({"test", "bench"}, debian=True)
             return run([PYTHON, "-m", "benchmarks", *args.arguments])

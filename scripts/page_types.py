@@ -122,16 +122,16 @@ def _from_robot() -> Iterator[tuple[str, str, str]]:
 def _by_type(name: str, about: str, members: Iterator[tuple[str, str, str]]) -> str:
     lines = [f"/** {about} by `type`. */", f"export interface {name} {{"]
     for kind, record, when in members:
-        lines += [*_comment(when, "  "), f"  {kind}: {record};"]
+        lines += [*comment(when, "  "), f"  {kind}: {record};"]
     return "\n".join([*lines, "}"]) + "\n"
 
 
 def interface(name: str, declared: schema.Schema) -> str:
     """The declaration of the record ``name`` with its comments."""
-    lines = [*_comment(declared.get("description", "")), f"export interface {name} {{"]
+    lines = [*comment(declared.get("description", "")), f"export interface {name} {{"]
     for member, value in declared.get("properties", {}).items():
         optional = "" if member in declared.get("required", ()) else "?"
-        lines += [*_comment(value.get("description", ""), "  "), *_member(f"  {member}{optional}:", typescript(value))]
+        lines += [*comment(value.get("description", ""), "  "), *_member(f"  {member}{optional}:", typescript(value))]
     return "\n".join([*lines, "}"]) + "\n"
 
 
@@ -142,7 +142,7 @@ def _member(name: str, kind: str) -> list[str]:
     return [name, *(f"    | {choice}" for choice in choices), f"    | {last};"]
 
 
-def _comment(text: str, indent: str = "") -> list[str]:
+def comment(text: str, indent: str = "") -> list[str]:
     """``text`` as a documentation comment; no lines for none."""
     text = " ".join(text.split())
     if not text:

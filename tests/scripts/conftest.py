@@ -75,3 +75,9 @@ def page_types() -> Iterator[ModuleType]:
 def client_types() -> Iterator[ModuleType]:
     yield _load("client_types")
     del sys.modules["client_types"]
+
+
+@pytest.fixture(scope="session")
+def typescript_client(page_types: ModuleType, client_types: ModuleType) -> Iterator[ModuleType]:
+    yield _load("typescript_client")
+    del sys.modules["typescript_client"]

@@ -1,4 +1,4 @@
-"""The Python client's records and operations are those that the program describes."""
+"""The clients' records and operations are those that the program describes."""
 
 from __future__ import annotations
 
@@ -11,6 +11,15 @@ import pytest
 def test_the_client_is_as_the_program_describes_itself(client_types: ModuleType) -> None:
     for file, text in client_types.generate().items():
         assert file.read_text("utf-8") == client_types.formatted(text), f"{file.name}: run `make types`"
+
+
+def test_the_typescript_client_is_as_the_program_describes_itself(typescript_client: ModuleType) -> None:
+    for file, text in typescript_client.generate().items():
+        assert file.read_text("utf-8") == text, f"{file.name}: run `make types`"
+
+
+def test_names_of_typescript(typescript_client: ModuleType) -> None:
+    assert typescript_client.camel("get_tour_posters") == "getTourPosters"
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,1952 @@
+/**
+ * What the program and its clients send each other. Written by `make types` from the program's own description; change that, not this file.
+ * Stamps are the robot's clock, in seconds.
+ */
+
+/** A behavior's report that what a desire asks for is done, or that it cannot be done. */
+export interface Accomplishment {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  desire_id: string;
+  /** Name of the module that reports it. */
+  behavior: string;
+  outcome: "done" | "failed";
+  /** In words: what was reached, or why it cannot be; may be empty. */
+  reason: string;
+}
+
+/** A change that would serve a desire better: more of a resource, or no desire for another class. */
+export interface Alternative {
+  kind: "capacity" | "without";
+  /** The utility that the class would get. */
+  utility: number;
+  /** Of `capacity`: the resource; else empty. */
+  resource: string;
+  /** Of `capacity`: how much more of it. */
+  amount: number;
+  unit: string;
+  /** Of `without`: the other class; else empty. */
+  without: string;
+}
+
+/** Who asks the driver for the wheel. */
+export interface Asker {
+  operator: string;
+  /** Whether it is this page's operator. */
+  mine: boolean;
+  /** Until the driver has not answered. */
+  remaining_s: number;
+}
+
+/** Whether the robot has microphones to listen to, and a loudspeaker to speak through. */
+export interface AudioFacts {
+  listen: boolean;
+  speak: boolean;
+}
+
+/**
+ * Limits of the mobile base: speeds (m/s, rad/s) and accelerations (m/s^2, rad/s^2), all positive. ``lateral_mps`` is
+ * the greatest speed sideways, 0 for a base that cannot move so (a differential drive). Forward and sideways speeds are
+ * limited together, as a vector within the ellipse of both limits; its change is within ``linear_mps2``.
+ */
+export interface BaseLimits {
+  linear_mps: number;
+  angular_radps: number;
+  linear_mps2: number;
+  angular_radps2: number;
+  lateral_mps: number;
+}
+
+/** State of the body's battery. */
+export interface BatteryState {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  /** Share of the capacity that is left, 0 to 1. */
+  charge: number;
+  /** At its terminals, V. */
+  voltage_v: number;
+  /** Into the battery, A: negative while it discharges. */
+  current_a: number;
+  /** Whether a charger supplies power, also once the battery is full. */
+  charging: boolean;
+  /** Time until it is empty, or full while it charges, at the mean power of the last minute; null: neither. */
+  remaining_s: number | null;
+}
+
+/** A point of a picture of the camera. */
+export interface CameraClick {
+  /** Of the picture, at most 3 s old. */
+  stamp: number;
+  /** From its left edge, as a share of its width. */
+  u: number;
+  /** From its top edge, as a share of its height. */
+  v: number;
+}
+
+/** A point on the map (m). */
+export interface CameraPoint {
+  x: number;
+  y: number;
+  /** Above the floor. */
+  z: number;
+  /** By the camera's depth; else it is where the ray meets the floor, at most 4 m from the camera. */
+  measured: boolean;
+}
+
+/**
+ * A warning about a program's configuration: a ``title`` of a few words, and a ``text`` of one sentence with the reason
+ * and the remedy. ``where``: file and line, "" if unknown.
+ */
+export interface Caution {
+  text: string;
+  where: string;
+}
+
+/** Every channel. */
+export interface ChannelList {
+  channels: ChannelReport[];
+}
+
+/** One channel of the table and what goes through it. */
+export interface ChannelReport {
+  name: string;
+  type: string;
+  frame: string;
+  /** Nominal rate; null for a channel of events. */
+  rate_hz: number | null;
+  /** Rate that attention asks for; 0 when closed, null for events. */
+  expected_hz: number | null;
+  /** Messages a second over the last two seconds. */
+  measured_hz: number | null;
+  decimable: boolean;
+  /** Whether anything listens. */
+  wanted: boolean;
+  /** `Module.port`; null: fed from outside the graph. */
+  producer: string | null;
+  published: number;
+  /** `stale`: older than the rate asked for allows, or its module is down. `closed`: not wanted. */
+  state: "closed" | "live" | "stale" | "waiting";
+  /** Age of the newest message. */
+  age_ms: number | null;
+  /** Age beyond which it is stale; null for events and when closed. */
+  stale_after_ms: number | null;
+  /** Counters by consumer. */
+  subscriptions: Record<string, SubscriptionCounters>;
+}
+
+/** Whether there are such pictures, scans and clouds. */
+export interface Channels {
+  camera: boolean;
+  panorama: boolean;
+  map: boolean;
+  costmap: boolean;
+  scan: boolean;
+  point_cloud: boolean;
+}
+
+/** The map in use. */
+export interface CurrentMap {
+  /** Whether this program makes maps; if not, nothing of this can be asked. */
+  available: boolean;
+  /** Empty while it has none. */
+  name: string;
+  /** Of the robot's place on it, as on the live stream; null before it is known. */
+  state: "lost" | "mapping" | "searching" | "tracking" | null;
+  /** When that was so (robot's clock, s). */
+  stamp: number | null;
+}
+
+/** One desire of the Intention Workspace. */
+export interface Desire {
+  id: string;
+  class: string;
+  /** How much it is desired, over 0 and at most 8. */
+  intensity: number;
+  /** Utility desired, 0 to 8; 0 inhibits the class. */
+  utility: number;
+  /** Whether it must be fulfilled. */
+  security: boolean;
+  /** Parameters as the class declares them. */
+  params: Record<string, unknown>;
+  source: Source;
+  /** Seconds of the robot's clock (Unix epoch). */
+  created: number;
+  /** When it expires (robot's clock, s); null: never. */
+  expires: number | null;
+}
+
+/** A change of a desire; members left out stay. */
+export interface DesireChange {
+  intensity?: number;
+  utility?: number;
+  security?: boolean;
+  /** All parameters; they replace the former ones, and those left out take their default. */
+  params?: Record<string, unknown>;
+  /** Seconds from now; null: it stays. */
+  ttl?: number | null;
+}
+
+/** Every desire class, in the order the console shows them, and the ends of the scales. */
+export interface DesireClassList {
+  classes: DesireClassReport[];
+  scale: Scale;
+}
+
+/** What can be desired. */
+export interface DesireClassReport {
+  name: string;
+  description: string;
+  /** JSON Schema of `params`. */
+  schema: Record<string, unknown>;
+  /** Whether a strategy of this program's modules serves it; else no desire for it is fulfilled. */
+  served: boolean;
+  /** Whether a desire for it leaves by itself once it is accomplished. */
+  achievement: boolean;
+}
+
+/** A desire, and what became of it. */
+export interface DesireReport {
+  id: string;
+  class: string;
+  /** How much it is desired, over 0 and at most 8. */
+  intensity: number;
+  /** Utility desired, 0 to 8; 0 inhibits the class. */
+  utility: number;
+  /** Whether it must be fulfilled. */
+  security: boolean;
+  /** Parameters as the class declares them. */
+  params: Record<string, unknown>;
+  source: Source;
+  /** Seconds of the robot's clock (Unix epoch). */
+  created: number;
+  /** When it expires (robot's clock, s); null: never. */
+  expires: number | null;
+  /** What a behavior reported last; without a report, why it left; null: nothing became of it yet. */
+  outcome: "done" | "expired" | "failed" | "withdrawn" | null;
+  /** Name of the module that reported the outcome; empty: none did. */
+  behavior: string;
+  /** Of the report, in words. */
+  reason: string;
+  /** When it left (robot's clock, s); null: it is still desired. */
+  ended: number | null;
+}
+
+/** Every desire in the Intention Workspace, in the order they came. */
+export interface Desires {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  desires: Desire[];
+  /** Ids of those that a behavior serves by commands that its arbiter lets through now. */
+  exploited: string[];
+  /** The last report on each of `desires` on which there is one. */
+  accomplishments: Accomplishment[];
+  /** The last that left, at most 5, the newest first. */
+  ended: DesireReport[];
+}
+
+/** Who has the wheel. */
+export interface Driver {
+  operator: string;
+  /** Whether it is this page's operator. */
+  mine: boolean;
+  /** Whether they hold a drive command just now. */
+  holds: boolean;
+}
+
+/** The request to the guard; GET /api/v1/robot shows within 50 ms what it did. */
+export interface EStop {
+  e_stop: "latched" | "released";
+  /** The robot's clock then (s): what a release names by `seen`. */
+  stamp: number;
+}
+
+/** Events, oldest first. */
+export interface EventList {
+  events: TimelineEvent[];
+}
+
+/** The error in one field. */
+export interface FieldProblem {
+  /** Dotted path of the field: `params.rate`, `query.limit`. */
+  field: string;
+  /** What is allowed there. */
+  message: string;
+}
+
+/** A goal that the robot has given up. */
+export interface GivenUpModel {
+  stamp: number;
+  goal: GoalPoseModel;
+  /** Why, in words. */
+  reason: string;
+}
+
+/** The goal desired, and the state of navigation. */
+export interface Goal {
+  /** The strongest desire of class GoTo; null: there is none. */
+  desire: Desire | null;
+  /** null: this program goes nowhere by itself. */
+  navigation: NavigationModel | null;
+}
+
+/** A goal on the map. */
+export interface GoalPoseModel {
+  x: number;
+  y: number;
+  /** null: any heading. */
+  theta: number | null;
+}
+
+/** A goal for the robot: ``x`` and ``y``, or ``place``. */
+export interface GoalRequest {
+  /** On the map (m). */
+  x?: number | null;
+  /** On the map (m). */
+  y?: number | null;
+  /** Id of a place of the map, instead of `x`, `y` and `heading`. */
+  place?: string | null;
+  /** On the map (rad); null: any heading. */
+  heading?: number | null;
+  /** Share of the robot's greatest speed; null: as usual. */
+  speed?: number | null;
+}
+
+/** What the picture that follows, of the same `seq`, shows. */
+export interface GridInfo {
+  /** Grows. */
+  seq: number;
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  /** `map` or `odom`. */
+  frame: string;
+  version: number;
+  /** Of a pixel. */
+  resolution_m: number;
+  /** x, y of the picture's lower left corner. */
+  origin: [number, number];
+  width: number;
+  height: number;
+}
+
+/** State of the guard of one group of joints. */
+export interface GroupReport {
+  /** Its name in the body's file, such as head. */
+  group: string;
+  /** idle, moving, holding, yielding, refused or silent. */
+  state: string;
+  /** The same in words, where there is more to say. */
+  reason: string;
+  /** The behavior that moves it; null: none. */
+  exploited: string | null;
+  /** The fastest of its joints, as measured. */
+  speed_radps: number;
+}
+
+/** State of the guard. */
+export interface Guard {
+  /** idle, driving, stale_command, e_stopped, sensor_failure, waiting or silent. */
+  state: string;
+  reason: string;
+  e_stopped: boolean;
+  command_age_ms: number | null;
+  applied: Velocity;
+}
+
+/** Health of the program. */
+export interface Health {
+  status: "degraded" | "ok";
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  /** Modules that do not run, and what else is wrong. */
+  problems: string[];
+}
+
+/** An utterance heard while words were listened for, also where it was none of them. */
+export interface HeardWords {
+  /** When the utterance began: seconds of the robot's clock. */
+  stamp: number;
+  /** The word or phrase that was said; empty where that is unsure. */
+  text: string;
+  /** Whether to ask again: nothing may be done upon it. */
+  unsure: boolean;
+  /** Of `likeliest`, 0 to 1. */
+  confidence: number;
+  /** Which of the words is the likeliest, also where it is unsure; empty: none. */
+  likeliest: string;
+  /** Where it came from: a unit vector in `base_link`, from the array's middle. */
+  direction: [number, number, number];
+  /** What was listened for. */
+  words: string[];
+  /** Of the words, as `en`. */
+  language: string;
+}
+
+/** What can be seen and done here. */
+export interface Hello {
+  protocol: 1;
+  /** Id of this connection. */
+  session: string;
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  robot: RobotFacts;
+  scale: Scale;
+  classes: DesireClassReport[];
+  channels: Channels;
+  /** What this connection may do. */
+  role: "operator" | "spectator" | "supervisor";
+  /** Whether an operator can drive here. */
+  drive: boolean;
+  /** Whether an operator can turn a head here. */
+  head: boolean;
+  audio: AudioFacts;
+  /** null: not a recording. */
+  playback: PlaybackReport | null;
+}
+
+/**
+ * The intention at work: what was selected, what follows from it, and why. Published when it is put in force, and again
+ * once its reasons are complete.
+ */
+export interface IntentionReport {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  strategies: SelectedStrategy[];
+  /** Classes whose strongest desire is fulfilled. */
+  fulfilled: string[];
+  /** Ω, what the selection is worth (thesis, equation 4.9). */
+  omega: number;
+  /** No selection can be worth more; equal to `omega` when proven, null where none is known. */
+  bound: number | null;
+  use: Record<string, ResourceUse>;
+  /** φ of every filter that attention controls. */
+  filters: Record<string, number | null>;
+  /** Whether no better selection exists. */
+  proven: boolean;
+  solve_ms: number;
+  /** Security desires that could not be kept. */
+  relaxed: string[];
+  /** By desired class. */
+  reasons: Record<string, Reason>;
+  /** What each module was handed. */
+  parameters: Record<string, Record<string, unknown>>;
+  /** Id of the strongest desire of each class that it answers. */
+  desires: Record<string, string>;
+}
+
+/** Where a recording goes on. */
+export interface Jump {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+}
+
+/** A map that is kept. */
+export interface KeptMap {
+  name: string;
+  in_use: boolean;
+  /** Unix time (s). */
+  saved: number;
+  /** Width and height of its picture. */
+  size_m: [number, number];
+  /** Of one cell, and of one pixel. */
+  resolution_m: number;
+  /** How much floor and wall of it is known. */
+  known_m2: number;
+  /** Whether it can go on growing when it is loaded. */
+  extendable: boolean;
+  /** How many it has. */
+  zones: number;
+  /** Why it cannot be used, in words. */
+  problem: string | null;
+}
+
+/** What was found, each in its `frame`. */
+export interface LandmarkList {
+  landmarks: LandmarkReport[];
+}
+
+/** A QR code found: where its centre is in `frame` (m). */
+export interface LandmarkReport {
+  text: string;
+  x: number;
+  y: number;
+  z: number;
+  /** Standard deviation along each axis. */
+  sigma_m: number;
+  sightings: number;
+  /** Seconds of the robot's clock (Unix epoch). */
+  first_seen: number;
+  /** Seconds of the robot's clock (Unix epoch). */
+  last_seen: number;
+  /** Direction in `frame` (rad) of its outward normal; null: unknown. */
+  heading: number | null;
+  /** Standard deviation of `heading` (rad). */
+  heading_sigma: number | null;
+  /** A number that it keeps on its map: one text may hang in several places. */
+  id: number;
+  /** `map` once the robot was localized on it, else `odom`. */
+  frame: string;
+}
+
+/** A lane before now; of each bucket the rate's last value, its least and its greatest (null: there was none). */
+export interface LaneBuckets {
+  class: string;
+  /** The last of each bucket. */
+  rate: (number | null)[];
+  /** Empty where every sample is a bucket. */
+  low: (number | null)[];
+  /** Empty where every sample is a bucket. */
+  high: (number | null)[];
+  /** Oldest first; of more than two in a bucket the most closed and the last. The first holds from the start. */
+  changes: LaneChange[];
+}
+
+/** What a lane was, from ``stamp`` until the next change. */
+export interface LaneChange {
+  /** Robot's clock (s). */
+  stamp: number;
+  intensity: number | null;
+  utility: number | null;
+  /** φ: one message in φ passes; null: none passes. */
+  divisor: number | null;
+  /** By filter, `Module.port`. */
+  divisors: Record<string, number | null>;
+  state: "degraded" | "fulfilled" | "inhibited" | "needed" | "undesired" | "unfulfilled";
+  text: string;
+}
+
+/** A lane before now. */
+export interface LanePast {
+  class: string;
+  /** One for each stamp. */
+  rate: (number | null)[];
+  spells: LaneSpell[];
+}
+
+/** A desire class: how much it is desired, what attention gives it, and why. */
+export interface LaneRow {
+  class: string;
+  /** Of its strongest desire; null: there is none. */
+  intensity: number | null;
+  /** Desired by that; null: there is none. */
+  utility: number | null;
+  /** Messages let through over messages offered, in the last second; 0 when closed, null: none was offered. */
+  rate: number | null;
+  /** φ: one message in φ passes; null: none passes. */
+  divisor: number | null;
+  /** By filter, `Module.port`, of its strategies at work. */
+  divisors: Record<string, number | null>;
+  state: "degraded" | "fulfilled" | "inhibited" | "needed" | "undesired" | "unfulfilled";
+  text: string;
+}
+
+/** What a lane was, from one sample until the next spell's. */
+export interface LaneSpell {
+  /** Number of the sample. */
+  at: number;
+  intensity: number | null;
+  utility: number | null;
+  /** φ: one message in φ passes; null: none passes. */
+  divisor: number | null;
+  /** By filter, `Module.port`. */
+  divisors: Record<string, number | null>;
+  state: "degraded" | "fulfilled" | "inhibited" | "needed" | "undesired" | "unfulfilled";
+  text: string;
+}
+
+/** 20 times a second: one row for each desire class, in a fixed order. */
+export interface Lanes {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  rows: LaneRow[];
+}
+
+/** Once, before the first `lanes`, and after a `jump`: what they were. */
+export interface LanesHistory {
+  stamps: number[];
+  rows: LanePast[];
+}
+
+/** What the lanes were in a stretch of time. Stamps are of the robot's clock (s). */
+export interface LanesPast {
+  /** Stamp of the oldest sample that is kept; null: there is none. */
+  oldest: number | null;
+  /** Width of a bucket; 0: every sample is one. */
+  bucket_s: number;
+  /** Of the first sample of each bucket. */
+  stamps: number[];
+  /** Of its last. */
+  ends: number[];
+  rows: LaneBuckets[];
+}
+
+/** How the link is shaped from now on; members left out shape nothing. */
+export interface LinkChange {
+  /** Added to a round trip, half of it each way. */
+  delay_ms?: number;
+  /** The delay varies by as much; at most the delay. */
+  jitter_ms?: number;
+  /** Packets that are lost and sent again. */
+  loss_percent?: number;
+  /** Mbit/s each way; null: not bounded. */
+  rate_mbit?: number | null;
+}
+
+/** How every stream between the program and its pages is delayed and bounded, for tests; not by the real network. */
+export interface LinkReport {
+  /** Whether it is at all. */
+  shaped: boolean;
+  /** Added to a round trip, half of it each way. */
+  delay_ms: number;
+  /** The delay varies by as much up and down. */
+  jitter_ms: number;
+  /** Packets that are lost and sent again. */
+  loss_percent: number;
+  /** Mbit/s each way; null: not bounded. */
+  rate_mbit: number | null;
+  /** The same in words; empty where nothing is shaped. */
+  text: string;
+}
+
+/** What the modules take of the computer, once a second. */
+export interface LoadReport {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  /** The time that it was measured over. */
+  window_s: number;
+  /** Per cent of one core. */
+  process_cpu: number;
+  /** Per cent that attention may give; null: no limit. */
+  budget: number | null;
+  modules: ModuleReport[];
+}
+
+/** How to take a map into use. */
+export interface LoadRequest {
+  /** Rough pose of the robot, within 1 m and 0.5 rad; null: global localization searches for it. */
+  pose?: PoseRequest | null;
+  /** Whether mapping continues in this map; else it is only localized in. */
+  extend?: boolean;
+}
+
+/** Where the robot is on the map (m and rad). */
+export interface LocalizationReport {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  state: "lost" | "mapping" | "searching" | "tracking";
+  /** Name of the map in use; empty while it has none. */
+  map: string;
+  x: number;
+  y: number;
+  theta: number;
+  /** Standard deviations of x, y (m) and theta (rad). */
+  sigma: [number, number, number];
+  /** Pose of `odom` on the map. */
+  X_MO: PoseReport;
+  /** Share of the scan that fits the map, 0 to 1. */
+  overlap: number;
+}
+
+/** The console's token, or the password of a role. */
+export interface LoginRequest {
+  token: string;
+}
+
+/**
+ * A frame of sound much louder than those before it: ``ratio`` of its energy to their moving mean (thesis 4.2).
+ * ``level_db`` is the frame's level, dB of full scale. ``stamp`` is the time of the frame's first sample.
+ */
+export interface LoudNoise {
+  stamp: number;
+  ratio: number;
+  level_db: number;
+}
+
+/** Every map that is kept, by name, and the one in use. */
+export interface MapList {
+  folder: string;
+  current: CurrentMap;
+  maps: KeptMap[];
+}
+
+/** A module's input and its counters since the start. */
+export interface ModuleInput {
+  /** φ: one message in φ passes; null: none passes. */
+  divisor: number | null;
+  /** Messages offered, or left out by the source on behalf of the filters. */
+  received: number;
+  /** ... let through by the filter. */
+  passed: number;
+  /** ... stopped by the filter, or left out, as wanted. */
+  decimated: number;
+  /** ... pushed out of a full inbox. */
+  dropped: number;
+  /** Age of the last message when it was taken. */
+  age_ms: number | null;
+  name: string;
+  channel: string;
+}
+
+/** Every module, and the load of the whole process. */
+export interface ModuleList {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  /** Per cent of one core. */
+  process_cpu: number;
+  modules: ModuleReport[];
+}
+
+/** A module's output. */
+export interface ModuleOutput {
+  name: string;
+  /** null: nothing is connected. */
+  channel: string | null;
+  /** φ: one message in φ passes; null: none passes. */
+  divisor: number | null;
+  offered: number;
+}
+
+/** One module, its load and its counters. */
+export interface ModuleReport {
+  name: string;
+  state: "failed" | "hung" | "running" | "starting" | "stopped";
+  /** Per cent of one core, over the last second. */
+  cpu: number;
+  /** What it is expected to stay under. */
+  cpu_budget: number | null;
+  /** CPU time for each message taken (µs). */
+  message_cpu_us: number | null;
+  restarts: number;
+  problem: string | null;
+  inputs: ModuleInput[];
+  outputs: ModuleOutput[];
+  /** Its layer in the architecture, by the package that it comes from. */
+  role: "actuation" | "behaviors" | "motivations" | "other" | "perception" | "sensors";
+}
+
+/** State of the behavior that drives to a goal; as `navigation` on the live stream. */
+export interface NavigationModel {
+  stamp: number;
+  /** Empty before the first report. */
+  behavior: string;
+  state: "idle" | "planning" | "following" | "recovering" | "waiting" | "arrived" | "unreachable";
+  /** In words, and what would help. */
+  reason: string;
+  goal: GoalPoseModel | null;
+  /** The nearest reachable place, which it drives to. */
+  target: GoalPoseModel | null;
+  remaining_m: number | null;
+  recoveries: number;
+  /** Id of the strongest desire to go somewhere. */
+  desire: string | null;
+  /** Points on the map (m), at most 200. */
+  path: [number, number][];
+  /** The goal given up last, until there is another or DELETE /goal; null: none. */
+  given_up: GivenUpModel | null;
+}
+
+/** A desire to create. */
+export interface NewDesire {
+  /** A class of GET /api/v1/desire-classes. */
+  class: string;
+  /** How much it is desired. */
+  intensity: number;
+  /** Utility desired; 0 inhibits the class. */
+  utility: number;
+  /** Whether it must be fulfilled. */
+  security?: boolean;
+  /** Parameters as the class declares them. */
+  params?: Record<string, unknown>;
+  /** Seconds after which it expires; null: it stays until removed. */
+  ttl?: number | null;
+}
+
+/** A place to create. */
+export interface NewPlace {
+  /** For people; null: the poster's text, or a name with a number. */
+  name?: string | null;
+  /** By its coordinates. */
+  pose?: PlacePose | null;
+  /** Where the robot is now, with the heading that it has. */
+  here?: boolean;
+  /** In front of a poster, looking at it; it moves with the poster as the map is corrected. */
+  poster?: PosterChoice | null;
+  /** Never changes; null: made of the name. */
+  id?: string | null;
+}
+
+/** A recording to make. */
+export interface NewRecording {
+  /** Empty: the date and time at which it begins. */
+  name?: string;
+  /** 0: all into one file; else the last so many minutes are kept. */
+  keep_minutes?: number;
+  /** How much it is desired. */
+  intensity?: number;
+  /** Utility desired: how full the recording must be at least. */
+  utility?: number;
+}
+
+/** How a tour is rehearsed. */
+export interface NewRehearsal {
+  /** Of the visitors; left out: the tour's first. */
+  language?: string | null;
+  /** How many visitors follow. */
+  people?: number;
+  /** Of how they follow: the same again with the same. */
+  seed?: number;
+}
+
+/** How a tour begins. */
+export interface NewTourRun {
+  /** Now, or when visitors or the schedule begin it, as the tour says, again and again. */
+  begin?: "now" | "visitors";
+  /** That the robot speaks; left out: the tour's first. */
+  language?: string | null;
+}
+
+/** Something for this viewer, in words to show. */
+export interface Notice {
+  level: "error" | "info" | "warning";
+  text: string;
+}
+
+/** Pose in `odom` (m, rad) and measured velocity (m/s, rad/s). */
+export interface OdometryReport {
+  x: number;
+  y: number;
+  theta: number;
+  linear_mps: number;
+  angular_radps: number;
+  lateral_mps: number;
+}
+
+/** What the robot asks its operator; without an answer it does what it says. */
+export interface OperatorQuestion {
+  /** The question. */
+  text: string;
+  /** Buttons that answer it. */
+  answers:
+    | ("agree"
+    | "decline"
+    | "end"
+    | "next"
+    | "pause"
+    | "repeat"
+    | "resume"
+    | "retry"
+    | "skip"
+    | "start"
+    | "undo_skip")[];
+  /** What it does without an answer, in words. */
+  default: string;
+  /** When it does that (robot's clock, s). */
+  until: number;
+}
+
+/** A page on the live stream. */
+export interface PageReport {
+  operator: string;
+  driving: boolean;
+  /** Last round trip that the page measured. */
+  rtt_ms: number | null;
+  /** How old its last message was when it came, at most; null: not known. */
+  late_ms: number | null;
+  /** Why its driving waits, in words; empty: it does not. */
+  waits: string;
+  /** Frames that wait for it. */
+  waiting: number;
+  /** Frames sent. */
+  sent: number;
+  /** Frames replaced by a newer one of their kind before they could be sent. */
+  replaced: number;
+}
+
+/**
+ * A person, by all that is perceived of them. ``track`` is the number of one uninterrupted perception and ``person``
+ * the identity, which is kept over interruptions: None while ``tentative`` (not yet believed to be a person) and while
+ * ``unsure`` (a person, but one of several known ones, or a new one). A person ``lost`` was not perceived for a second,
+ * and is predicted. No number is used again. ``p_OP`` (m, in ``odom``) is the middle of the face, its height that of
+ * people in general where none was seen; ``v_O`` (m/s) the velocity over ground, ``covariance`` (2, 2) float64 m² of
+ * the place over ground. ``face`` and ``voice`` are the tracks of what is bound to the person now, None without;
+ * ``legs`` whether the laser sees them. ``speaking``: the voice sounds now. ``last_seen`` (s, robot's clock) by a
+ * camera or the laser.
+ */
+export interface Person {
+  track: number;
+  person: number | null;
+  state: "confirmed" | "lost" | "tentative" | "unsure";
+  p_OP: [number, number, number];
+  v_O: [number, number];
+  covariance: [number, number][];
+  face: number | null;
+  voice: number | null;
+  legs: boolean;
+  speaking: boolean;
+  last_seen: number;
+}
+
+/** All persons at ``stamp``, in the order of their tracks. */
+export interface Persons {
+  stamp: number;
+  persons: Person[];
+}
+
+/** A change of a place; members left out stay. */
+export interface PlaceChange {
+  /** For people; no two places of a map share one. */
+  name?: string;
+  /** By hand: it follows no poster from then on. */
+  pose?: PlacePose;
+}
+
+/** Every place of the map in use, in the order of their making. */
+export interface PlaceList {
+  places: PlaceReport[];
+}
+
+/** A pose on the map. */
+export interface PlacePose {
+  x: number;
+  y: number;
+  /** Heading on the map, left positive. */
+  heading: number;
+}
+
+/** A place in whole. */
+export interface PlaceReplacement {
+  /** For people; null: the poster's text, or a name with a number. */
+  name?: string | null;
+  /** By its coordinates. */
+  pose?: PlacePose | null;
+  /** Where the robot is now, with the heading that it has. */
+  here?: boolean;
+  /** In front of a poster, looking at it; it moves with the poster as the map is corrected. */
+  poster?: PosterChoice | null;
+}
+
+/** A named pose on the map. */
+export interface PlaceReport {
+  /** Never changes. */
+  id: string;
+  /** For people; no two places share one. */
+  name: string;
+  /** On the map (m). */
+  x: number;
+  /** On the map (m). */
+  y: number;
+  /** On the map (rad). */
+  heading: number;
+  /** `hand`: by its coordinates. `here`: where the robot stood. `poster`: in front of one, which it follows. */
+  source: "hand" | "here" | "poster";
+  /** Text of that poster; empty: none. */
+  poster: string;
+  /** Number of that poster's landmark on this map; 0: none. */
+  landmark: number;
+  /** Why the robot cannot stand there, or what is doubtful, in words; empty: nothing. */
+  problem: string;
+  /** Its version, for `If-Match`. A pose that follows its poster is no new version. */
+  etag: string;
+}
+
+/**
+ * A QR code in one image of ``camera``: its ``corners`` (4, 2) float64 px, in the order of ``QRCode``, in the image of
+ * ``image`` (width, height) px.
+ */
+export interface PlacedCode {
+  text: string;
+  camera: string;
+  stamp: number;
+  corners: [number, number][];
+  image: [number, number];
+}
+
+/**
+ * A face in one image of ``camera``, placed with the robot's pose at ``stamp``. ``azimuth`` (left positive) and
+ * ``elevation`` (rad) in the axes of B, from the camera as it was then; ``panorama`` is both, from where the newest
+ * panorama was taken (None: there is none). ``range_m`` from the camera, with standard deviation ``range_sigma_m``.
+ * ``x``, ``y``, ``z`` (m) is its place in O and ``towards_O`` the heading (rad in O) in which it has the robot, all
+ * None before the pose at ``stamp`` is known. ``box`` is left, top, width, height (px) in the image of ``image``
+ * (width, height) px.
+ */
+export interface PlacedFace {
+  track: number;
+  camera: string;
+  stamp: number;
+  azimuth: number;
+  elevation: number;
+  panorama: [number, number] | null;
+  range_m: number | null;
+  range_sigma_m: number | null;
+  x: number | null;
+  y: number | null;
+  z: number | null;
+  towards_O: number | null;
+  score: number;
+  box: [number, number, number, number];
+  image: [number, number];
+}
+
+/**
+ * What the robot sees and hears at ``stamp``; published when it changes. ``faces`` by track and camera, ``sounds`` by
+ * track, ``noises`` of the last 2 s, ``codes`` by text and camera.
+ */
+export interface PlacedPercepts {
+  stamp: number;
+  faces: PlacedFace[];
+  sounds: PlacedSound[];
+  noises: LoudNoise[];
+  codes: PlacedCode[];
+}
+
+/**
+ * A tracked sound, placed with the robot's pose at ``stamp``: angles and place as in ``PlacedFace``. Angles and
+ * ``range_m`` are from the microphones' middle, which is at ``p_OA`` (m in O); ``v_O`` is the direction as a unit
+ * vector in the axes of O. Place and range are None where the distance is not known, all of O before the pose is.
+ * ``active``: it sounds now, else it did last at ``last_active``; ``speech`` is None while nothing has judged it.
+ */
+export interface PlacedSound {
+  track: number;
+  stamp: number;
+  azimuth: number;
+  elevation: number;
+  panorama: [number, number] | null;
+  range_m: number | null;
+  range_sigma_m: number | null;
+  x: number | null;
+  y: number | null;
+  z: number | null;
+  p_OA: [number, number, number] | null;
+  v_O: [number, number, number] | null;
+  power: number;
+  level_db: number;
+  active: boolean;
+  last_active: number;
+  speech: number | null;
+}
+
+/** A change of the playback; members left out stay. */
+export interface PlaybackChange {
+  playing?: boolean | null;
+  /** Seconds of the recording in a real second; null: as fast as possible, nothing dropped. */
+  speed?: number | null;
+  /** Go there (stamp of the recording, s). */
+  position?: number | null;
+}
+
+/** State of the playback; stamps are the recording's. */
+export interface PlaybackReport {
+  /** Name of the recording's file. */
+  file: string;
+  /** Seconds of the robot's clock (Unix epoch). */
+  begin: number;
+  /** Seconds of the robot's clock (Unix epoch). */
+  end: number;
+  /** Seconds of the robot's clock (Unix epoch). */
+  position: number;
+  /** Seconds of the recording in a real second; null: as fast as possible, nothing dropped. */
+  speed: number | null;
+  /** Whether time goes on, or will after the seek under way. */
+  playing: boolean;
+  phase: "ended" | "paused" | "playing" | "seeking";
+  /** Why it cannot go on: the part of the recording that cannot be read. */
+  problem: string | null;
+}
+
+/** The answer to `ping`. */
+export interface Pong {
+  /** As it was sent. */
+  t: number | null;
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+}
+
+/** A pose: m and rad. */
+export interface PoseReport {
+  x: number;
+  y: number;
+  theta: number;
+}
+
+/** A pose on the map. */
+export interface PoseRequest {
+  x: number;
+  y: number;
+  /** Heading on the map, left positive. */
+  theta: number;
+}
+
+/** A poster (a QR code) that was found on the map. */
+export interface PosterChoice {
+  /** What it says. */
+  text: string;
+  /** x and y (m) on the map: of several with this text the nearest to there; null: the first. */
+  near?: [number, number] | null;
+}
+
+/** A refusal (RFC 9457). */
+export interface ProblemDocument {
+  /** The kind of problem: `urn:hbba:problem:` and a stable name. */
+  type: string;
+  /** The HTTP status. */
+  status: number;
+  /** What happened this time, and what is allowed. */
+  detail: string;
+  /** Field by field, where fields are wrong. */
+  errors?: FieldProblem[];
+}
+
+/** Why a desired class gets what it gets. */
+export interface Reason {
+  state: "degraded" | "fulfilled" | "inhibited" | "unfulfilled";
+  /** The utility it gets. */
+  utility: number;
+  /** The utility desired. */
+  wanted: number;
+  /** The most that any selection could give it. */
+  best: number;
+  /** The reason in words. */
+  text: string;
+  alternatives: Alternative[];
+  /** Whether the search for alternatives was complete. */
+  searched: boolean;
+}
+
+/** State of the Recorder. */
+export interface RecorderReport {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  /** `ring`: the last minutes are kept. `stopped`: by itself, though still desired; see `reason`. */
+  state: "idle" | "recording" | "ring" | "stopped";
+  /** The recording's; empty while idle. */
+  name: string;
+  /** When it began (robot's clock, s). */
+  began: number | null;
+  duration_s: number;
+  /** On disk so far. */
+  bytes: number;
+  messages: number;
+  /** Messages that could not be queued for the disk. */
+  dropped: number;
+  /** What waits for the disk now. */
+  queued_bytes: number;
+  /** Of the ring; 0: everything goes into one file. */
+  keep_minutes: number;
+  /** Whether there is a desire for a recording. */
+  desired: boolean;
+  /** Why it does not record though it is desired, in words; empty when all is well. */
+  reason: string;
+  /** Whether it runs and attention has a strategy for it. */
+  available: boolean;
+}
+
+/** Every recording, the newest first, and what the Recorder does. */
+export interface RecordingList {
+  folder: string;
+  /** Room left on its disk. */
+  free_bytes: number;
+  /** null: this program has no Recorder. */
+  recorder: RecorderReport | null;
+  /** The replay that this console started, while it runs. */
+  replay: ReplayReport | null;
+  recordings: RecordingReport[];
+}
+
+/** One recording. */
+export interface RecordingReport {
+  name: string;
+  bytes: number;
+  /** From its first message to its last; null where it is not known. */
+  duration_s: number | null;
+  /** Its first message (robot's clock, s); null where it is not known. */
+  began: number | null;
+  /** `unfinished`: it was never closed; `hbba log repair` makes it readable. */
+  state: "complete" | "recording" | "unfinished";
+  /** The robot's name; empty where the file does not say. */
+  robot: string;
+}
+
+/** A tour as it was rehearsed. */
+export interface Rehearsal {
+  tour: string;
+  language: string;
+  /** Why it ended, in words. */
+  outcome: string;
+  /** Since the rehearsal's begin, s. */
+  duration_s: number;
+  driven_m: number;
+  /** Ids of those that were presented, in order. */
+  stops: string[];
+  states: RehearsedState[];
+  subtitles: Subtitle[];
+  path: RehearsedPose[];
+  problems: RehearsalProblem[];
+}
+
+/** What would go wrong. An ``error`` keeps the tour from being led as it is written; a ``warning`` does not. */
+export interface RehearsalProblem {
+  severity: "error" | "warning";
+  /** Id of the stop; empty: none. */
+  stop: string;
+  /** One sentence. */
+  message: string;
+  at_s: number | null;
+}
+
+/** The rehearsal that is under way, or the last. */
+export interface RehearsalReport {
+  state: "done" | "failed" | "none" | "running";
+  /** Id of the tour; empty: there was none. */
+  tour: string;
+  /** Of the visitors. */
+  language: string;
+  /** Unix time, s. */
+  began: number | null;
+  /** How much of the tour was played (s). */
+  seconds: number;
+  /** Id of the stop that it is at; empty: none. */
+  stop: string;
+  /** Why it failed, in words; empty: it did not. */
+  problem: string;
+  /** Whether nothing keeps the tour from being led; null: not known. */
+  can_be_led: boolean | null;
+  /** What was found; null: nothing yet. */
+  result: Rehearsal | null;
+}
+
+/** Where the robot was, on the map (m, rad), and how far the farthest visitor was from it (m; null: nobody). */
+export interface RehearsedPose {
+  /** Since the rehearsal's begin, s. */
+  at_s: number;
+  x: number;
+  y: number;
+  heading: number;
+  farthest_m: number | null;
+}
+
+/** A state of the guide, as it began. */
+export interface RehearsedState {
+  /** Since the rehearsal's begin, s. */
+  at_s: number;
+  state: string;
+  /** Id of the stop; empty: none. */
+  stop: string;
+  /** In words; may be empty. */
+  reason: string;
+}
+
+/** A change of a map. */
+export interface RenameRequest {
+  /** The new name. */
+  name: string;
+}
+
+/** A replay that runs. */
+export interface ReplayReport {
+  /** The recording replayed. */
+  name: string;
+  /** Its console's address, with the token behind `#` where there is one. */
+  url: string;
+}
+
+/** A new budget; attention selects again at once. */
+export interface ResourceChange {
+  /** How much of it attention may give, in its unit; thousandths are the finest step. */
+  capacity: number;
+}
+
+/** Every resource. */
+export interface ResourceList {
+  resources: ResourceReport[];
+}
+
+/** What strategies share. */
+export interface ResourceReport {
+  name: string;
+  /** How much of it attention may give now. */
+  capacity: number;
+  /** Its capacity in configuration. */
+  declared: number;
+  /** What the intention at work uses of it. */
+  used: number;
+  unit: string;
+  description: string;
+}
+
+/** What is used of a resource. */
+export interface ResourceUse {
+  used: number;
+  capacity: number;
+  unit: string;
+}
+
+/** The body and its limits. */
+export interface RobotFacts {
+  name: string;
+  simulated: boolean;
+  /** Whether it is the body of a replay: it can neither be driven nor stopped. */
+  replayed: boolean;
+  limits: BaseLimits;
+  /** Corners of its outline (m, in base_link), counter-clockwise; empty for one that does not move. */
+  footprint: [number, number][];
+  cautions: Caution[];
+}
+
+/** The robot's state. */
+export interface RobotReport {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  robot: RobotFacts;
+  guard: Guard;
+  world_rate: number;
+  odometry: OdometryReport | null;
+  /** The operator who drives. */
+  driver: string | null;
+  /** The behavior that drives the base. */
+  exploited: string | null;
+  landmarks: LandmarkReport[];
+  /** null: the body has none, or has not reported it yet. */
+  battery: BatteryState | null;
+}
+
+/** A way from one point of a route to the next. */
+export interface RouteLegReport {
+  /** `way`: it leads there. `near`: to the nearest place that can be reached. `none`: it cannot be driven. */
+  state: "near" | "none" | "way";
+  /** Why it does not lead there, or what is special about it, in words; empty: nothing. */
+  reason: string;
+  length_m: number;
+  /** About how long it takes if nothing is in the way, with turns on the spot. */
+  duration_s: number;
+  /** Its corners x, y on the map (m), at most 200. */
+  path: [number, number][];
+}
+
+/** A point of a route: a ``place``, or ``x`` and ``y``. */
+export interface RoutePoint {
+  /** Id of a place of the map in use. */
+  place?: string | null;
+  /** On the map (m). */
+  x?: number | null;
+  /** On the map (m). */
+  y?: number | null;
+  /** On the map (rad); null: any heading. */
+  heading?: number | null;
+}
+
+/** A route, leg by leg. */
+export interface RouteReport {
+  /** The map in use; empty: it has no name yet. */
+  map: string;
+  /** One less than points. */
+  legs: RouteLegReport[];
+  /** Of all legs that can be driven. */
+  length_m: number;
+  /** Of all legs that can be driven. */
+  duration_s: number;
+}
+
+/** Points to drive to, one after another. */
+export interface RouteRequest {
+  points: RoutePoint[];
+  /** Share of the robot's greatest speed. */
+  speed?: number;
+}
+
+/** What a run of a tour was. */
+export interface RunReport {
+  /** Its id. */
+  run: string;
+  /** Id of the tour. */
+  tour: string;
+  /** That the robot spoke. */
+  language: string;
+  /** Unix time, s. */
+  began: number;
+  /** Unix time, s; null: it is under way. */
+  ended: number | null;
+  /** Why it ended, in words; empty: it has not. */
+  outcome: string;
+  /** Whether visitors came along. */
+  agreed: boolean;
+  /** How many were seen when it began. */
+  people_begin: number;
+  /** The most that were seen at once. */
+  people_most: number;
+  /** How many were seen at the farewell. */
+  people_end: number;
+  /** The way that was driven (m). */
+  driven_m: number;
+  /** How often it waited for visitors, or looked back for them. */
+  waits: number;
+  /** How long in all. */
+  waited_s: number;
+  pauses: number;
+  paused_s: number;
+  /** In the order of the way; one that was gone to twice is there twice. */
+  stops: StopReport[];
+  failures: TourFailure[];
+}
+
+/** Reports on runs of tours, the newest first. */
+export interface RunReportList {
+  reports: RunReport[];
+}
+
+/**
+ * How salient all directions around the head are at ``stamp``. ``cells`` (rows, columns) uint8: 255 is the saliency
+ * ``full``, or more. Rows go from the top down, ``step`` rad each, with level in the middle; columns from azimuth +π to
+ * -π (left positive) in the axes of B.
+ */
+export interface SaliencyMap {
+  stamp: number;
+  step: number;
+  full: number;
+  cells: number[][];
+}
+
+/**
+ * A direction that stands out: ``azimuth`` (left positive) and ``elevation`` (rad) from the head, in B's axes.
+ * ``saliency`` is the sum of the other members, what each feature gives to it, weighted with its gain.
+ */
+export interface SalientRegion {
+  azimuth: number;
+  elevation: number;
+  saliency: number;
+  motion: number;
+  color: number;
+  contrast: number;
+  faces: number;
+  sounds: number;
+}
+
+/**
+ * The most salient regions at ``stamp``, the most salient first, three at most; directions are from ``p_BH``, the
+ * middle of the sphere around the head (m in B).
+ */
+export interface SalientRegions {
+  stamp: number;
+  p_BH: [number, number, number];
+  regions: SalientRegion[];
+}
+
+/** The part of the ring to keep. */
+export interface SaveRequest {
+  /** The last so many; null: all there are. */
+  minutes?: number | null;
+  /** Empty: a name made of the time. */
+  name?: string;
+}
+
+/** The recording made of the ring. */
+export interface Saved {
+  name: string;
+}
+
+/** The ends of the scales of desires. */
+export interface Scale {
+  intensity: number;
+  utility: number;
+}
+
+/** Where a page takes the 3D view for a frame from. */
+export interface SceneAddress {
+  /** On its own port; null: from the console's, at `viser/`. */
+  url: string | null;
+}
+
+/** A strategy at work. */
+export interface SelectedStrategy {
+  name: string;
+  class: string;
+  utility: number;
+  filters: Record<string, number | null>;
+  costs: Record<string, number>;
+}
+
+/** That this client may use the console. */
+export interface Session {
+  authenticated: true;
+  token_needed: boolean;
+  /** What it may do here. */
+  role: "operator" | "spectator" | "supervisor";
+}
+
+/** A picture or a video that visitors are shown. */
+export interface ShownMedia {
+  /** Its path in the folder of tours. */
+  file: string;
+  /** What it shows, by language. */
+  alt: Record<string, string>;
+  /** Whether it is a video. */
+  video: boolean;
+}
+
+/** The author of a desire: a motivation of the robot, an operator at the console or a REST client, by name. */
+export interface Source {
+  kind: "motivation" | "operator" | "rest";
+  name: string;
+}
+
+/** Freshness of a channel: its measured and its expected rate. */
+export interface SourceState {
+  channel: string;
+  state: "closed" | "live" | "stale" | "waiting";
+  age_ms: number | null;
+  rate_hz: number | null;
+  expected_hz: number | null;
+}
+
+/** The operator who speaks through the robot. */
+export interface Speaker {
+  operator: string;
+  /** Whether it is this page's operator. */
+  mine: boolean;
+}
+
+/** What the robot says now, for subtitles and for its mouth; published with each change. */
+export interface Speech {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  state: "silent" | "speaking";
+  /** The sentence that is said, or was said last. */
+  text: string;
+  /** The word of it that is said: its first character, from 0. */
+  word_begin: number;
+  /** The character after its last; equal to the first before the first word. */
+  word_end: number;
+  /** The mouth: `closed`, `teeth`, `narrow`, `spread`, `mid`, `open`, `round` or `pursed`. */
+  viseme: string;
+  /** Of the text, as `en`. */
+  language: string;
+  /** Id of the desire that is being fulfilled; empty while silent. */
+  desire: string;
+  /** Number of other texts that wait. */
+  waiting: number;
+}
+
+/** Guard, pose, driver, freshness of every source. */
+export interface Status {
+  /** Grows. */
+  seq: number;
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  guard: Guard;
+  world_rate: number;
+  odometry: OdometryReport | null;
+  driver: Driver | null;
+  asker: Asker | null;
+  speaker: Speaker | null;
+  /** The behavior that drives. */
+  exploited: string | null;
+  /** Why the collision monitor slowed or stopped it, in words; empty: it did not. */
+  limited: string;
+  /** The actuator groups but for the base. */
+  groups: GroupReport[];
+  /** Why this viewer's driving waits, its commands coming too late; empty: it does not. */
+  waits: string;
+  sources: SourceState[];
+  /** Why this viewer drives slower than its stick says; empty: it does not. */
+  slowed: string;
+}
+
+/** What became of one stop. */
+export interface StopReport {
+  /** Its id. */
+  stop: string;
+  /** When the robot set out for it (Unix time, s). */
+  began: number;
+  /** When it was there (Unix time, s); null: never. */
+  arrived: number | null;
+  /** When it was presented, or left (Unix time, s); null: not yet. */
+  ended: number | null;
+  /** Whether all of it was presented. */
+  presented: boolean;
+  /** Whether people skipped it. */
+  skipped: boolean;
+  /** The most people that were seen there at once. */
+  people: number;
+  /** How often each question was asked, by its id. */
+  questions: Record<string, number>;
+}
+
+/** Every strategy, in table order. */
+export interface StrategyList {
+  strategies: StrategyReport[];
+}
+
+/** One way to serve a desire class. */
+export interface StrategyReport {
+  name: string;
+  class: string;
+  /** Produced utility v, over 0 and at most 8. */
+  utility: number;
+  /** Utility needed of other classes. */
+  requires: Record<string, number>;
+  /** φ by `Module.port`. */
+  filters: Record<string, number | null>;
+  /** What modules are handed while it is selected, by module. */
+  parameters: Record<string, Record<string, unknown>>;
+  /** What it uses of each resource. */
+  costs: Record<string, number>;
+  selected: boolean;
+  /** File and line. */
+  declared: string | null;
+}
+
+/** The counters of one consumer's end of a channel, since the start. */
+export interface SubscriptionCounters {
+  /** φ: one message in φ passes; null: none passes. */
+  divisor: number | null;
+  /** Messages offered, or left out by the source on behalf of the filters. */
+  received: number;
+  /** ... let through by the filter. */
+  passed: number;
+  /** ... stopped by the filter, or left out, as wanted. */
+  decimated: number;
+  /** ... pushed out of a full inbox. */
+  dropped: number;
+  /** Age of the last message when it was taken. */
+  age_ms: number | null;
+}
+
+/** A sentence that was said. */
+export interface Subtitle {
+  /** Since the rehearsal's begin, s. */
+  at_s: number;
+  /** Since the rehearsal's begin, s. */
+  until_s: number;
+  text: string;
+  language: string;
+}
+
+/** One event of the timeline; ``data`` is JSON as it is. */
+export interface TimelineEvent {
+  /** Grows by one from 1. */
+  id: number;
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  kind:
+    | "accomplishment"
+    | "battery"
+    | "capacity"
+    | "desire"
+    | "exploitation"
+    | "filter"
+    | "goal"
+    | "guard"
+    | "intention"
+    | "module"
+    | "overload"
+    | "percept"
+    | "restart"
+    | "solver"
+    | "stale"
+    | "tour";
+  /** What it is about: a desire class, a module, a filter. */
+  subject: string;
+  /** One sentence. */
+  text: string;
+  data: Record<string, unknown>;
+}
+
+/** Something on a tour that failed. */
+export interface TourFailure {
+  /** Id of the stop. */
+  stop: string;
+  /** In words. */
+  what: string;
+}
+
+/** Every tour, by id. */
+export interface TourList {
+  /** Of the user's tours, on the robot's computer. */
+  folder: string;
+  tours: TourSummary[];
+}
+
+/** One thing that is done with the tour under way. */
+export interface TourPress {
+  /** A button, one of `buttons` now. */
+  button?:
+    | "start"
+    | "agree"
+    | "decline"
+    | "next"
+    | "pause"
+    | "resume"
+    | "retry"
+    | "skip"
+    | "undo_skip"
+    | "repeat"
+    | "end"
+    | null;
+  /** Id of a stop to go to. */
+  stop?: string | null;
+  /** Id of a question that a visitor asks, one of `questions` now. */
+  ask?: string | null;
+}
+
+/** A problem of a tour. */
+export interface TourProblemReport {
+  /** The value that it is about, as `stops.0.place`. */
+  field: string;
+  message: string;
+  /** `mistake`: not kept; `error`: kept, and cannot run; `warning`: runs all the same. */
+  severity: "error" | "mistake" | "warning";
+}
+
+/** How the tour that is under way goes, or waits for visitors; published with each change. */
+export interface TourProgress {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  /** Id of the run; empty before the first. */
+  run: string;
+  /** Id of the tour; empty: none is under way, and none waits for visitors. */
+  tour: string;
+  /** That the robot speaks. */
+  language: string;
+  languages: string[];
+  /** Whether visitors and the schedule begin it, again and again. */
+  waits: boolean;
+  state:
+    | "answering"
+    | "blocked"
+    | "confirming"
+    | "going_home"
+    | "idle"
+    | "inviting"
+    | "leading"
+    | "listening"
+    | "lost"
+    | "parting"
+    | "paused"
+    | "presenting"
+    | "searching"
+    | "turning"
+    | "waiting";
+  /** When the state began (robot's clock, s). */
+  since: number;
+  /** Why it is in this state, in words; may be empty. */
+  reason: string;
+  /** Id of the stop that it is at, or on the way to; empty: none. */
+  stop: string;
+  /** By language. */
+  stop_title: Record<string, string>;
+  /** Of the stop among those that are not left out, from 1; 0: none. */
+  number: number;
+  /** How many there are that are not left out. */
+  stops: number;
+  /** Of the stop, greeting or farewell, from 1; 0: none. */
+  step: number;
+  steps: number;
+  /** What is said in this step, by language; none: nothing. */
+  text: Record<string, string>;
+  /** Which sentence of it, from 0. */
+  sentence: number;
+  /** What visitors are shown; null: nothing. */
+  shown: ShownMedia | null;
+  /** What the button `next` is called, by language; none: it is not waited for. */
+  press: Record<string, string>;
+  /** That visitors may ask now. */
+  questions: TourQuestion[];
+  /** That do something now. */
+  buttons:
+    | ("agree"
+    | "decline"
+    | "end"
+    | "next"
+    | "pause"
+    | "repeat"
+    | "resume"
+    | "retry"
+    | "skip"
+    | "start"
+    | "undo_skip")[];
+  /** That the operator is asked; null: none. */
+  question: OperatorQuestion | null;
+  /** How many are seen. */
+  people: number;
+  /** The distance of the farthest of them (m); null: none is seen. */
+  farthest_m: number | null;
+  /** Ids of the stops that were presented. */
+  presented: string[];
+  /** Ids of the stops that were skipped. */
+  skipped: string[];
+  failures: TourFailure[];
+}
+
+/** A question that visitors may ask at a stop. */
+export interface TourQuestion {
+  id: string;
+  /** By language. */
+  question: Record<string, string>;
+}
+
+/** A tour, and what is to be said of it. */
+export interface TourReport {
+  /** As `GET /tour-schema` describes it, every member there. */
+  tour: Record<string, unknown>;
+  /** Whether it came with the program and was not changed. */
+  shipped: boolean;
+  can_undo: boolean;
+  can_redo: boolean;
+  /** The worst first. */
+  problems: TourProblemReport[];
+}
+
+/** The tour that is under way. */
+export interface TourRunReport {
+  /** How it goes now. */
+  progress: TourProgress;
+  /** What the run has been so far, or the last one was; null: none. */
+  report: RunReport | null;
+}
+
+/** A tour in the list of all. */
+export interface TourSummary {
+  id: string;
+  languages: string[];
+  map: string;
+  /** How many are not left out. */
+  stops: number;
+  /** Whether it came with the program and was not changed. */
+  shipped: boolean;
+  etag: string;
+  /** Problems for which it cannot run. */
+  errors: number;
+  warnings: number;
+  /** Why its file cannot be read, in words; all else is empty then. */
+  problem: string | null;
+}
+
+/** What became of a check. */
+export interface TourVerdict {
+  /** Whether it has neither mistakes nor errors. */
+  runs: boolean;
+  /** The worst first. */
+  problems: TourProblemReport[];
+}
+
+/** Forward m/s, turn rad/s and sideways m/s (left positive). */
+export interface Velocity {
+  linear_mps: number;
+  angular_radps: number;
+  lateral_mps: number;
+}
+
+/** A 3D view. */
+export interface ViewReport {
+  viewer: string;
+  /** From the robot to the drawn frame and back, smoothed. */
+  lag_ms: number | null;
+  /** Points it is sent of each cloud, so that the lag stays under 200 ms. */
+  points: number;
+  /** Time left between two updates, so that its page keeps time for its keys. */
+  period_ms: number;
+  sent_bytes: number;
+}
+
+/** Connected pages and 3D views. */
+export interface ViewerList {
+  pages: PageReport[];
+  views: ViewReport[];
+}
+
+/** The key of a link for visitors. */
+export interface VisitorKey {
+  key: string;
+}
+
+/** The way in for phones of visitors. */
+export interface VisitorLink {
+  /** Of the page for visitors, with the key of this run; empty: there is no way in now. */
+  url: string;
+  /** The same as a QR code: its rows from the top, `1` for each black module. */
+  code: string[];
+  /** Why phones do not get in by it, in words; empty: they do. */
+  problem: string;
+}
+
+/** One thing that a visitor presses. */
+export interface VisitorPress {
+  /** One of `buttons` now. */
+  button?: "start" | "agree" | "decline" | "next" | null;
+  /** Id of a question, one of `questions` now. */
+  ask?: string | null;
+}
+
+/** Desires to record that were withdrawn, and those that remain. */
+export interface Withdrawn {
+  /** Ids of the desires withdrawn. */
+  withdrawn: string[];
+  /** Those of motivations, which go on. */
+  remaining: Desire[];
+}
+
+/** Every zone of the map. */
+export interface ZoneList {
+  zones: ZoneReport[];
+}
+
+/** A part of the map to keep out of, or to drive slowly in. */
+export interface ZoneReport {
+  /** What people call it; no two share one. */
+  name: string;
+  kind: "keep_out" | "slow";
+  /** Its corners, x and y on the map (m). */
+  polygon: [number, number][];
+  /** Share of the robot's greatest speed allowed in it; means nothing to `keep_out`. */
+  speed: number;
+}
+
+/** A part of the map with a rule for driving in it. */
+export interface ZoneRequest {
+  /** Unique name for people. */
+  name: string;
+  /** The robot keeps out of it, or drives slowly in it. */
+  kind: "keep_out" | "slow";
+  /** Its corners, x and y on the map (m). */
+  polygon: [number, number][];
+  /** Share of the robot's greatest speed allowed in it; means nothing to `keep_out`. */
+  speed?: number;
+}
+
+/** Every zone of the map. */
+export interface ZonesRequest {
+  zones: ZoneRequest[];
+}
+
+/** The live stream's messages by `type`. */
+export interface LiveRecords {
+  battery: BatteryState;
+  costmap_info: GridInfo;
+  desires: Desires;
+  events: EventList;
+  heard_words: HeardWords;
+  hello: Hello;
+  intention: IntentionReport;
+  jump: Jump;
+  landmarks: LandmarkList;
+  lanes: Lanes;
+  lanes_history: LanesHistory;
+  link: LinkReport;
+  load: LoadReport;
+  localization: LocalizationReport;
+  map_info: GridInfo;
+  navigation: NavigationModel;
+  notice: Notice;
+  perceived: PlacedPercepts;
+  persons: Persons;
+  places: PlaceList;
+  playback: PlaybackReport;
+  pong: Pong;
+  recorder: RecorderReport;
+  saliency: SaliencyMap;
+  salient_regions: SalientRegions;
+  speech: Speech;
+  status: Status;
+  tour: TourProgress;
+  zones: ZoneList;
+}
+
+export type LiveMessage = { [T in keyof LiveRecords]: { type: T } & LiveRecords[T] }[keyof LiveRecords];
