@@ -86,7 +86,10 @@ def operations(document: Schema) -> str:
 
 
 def _method(name: str, method: str, path: str, operation: Schema) -> list[str]:
-    arguments, options, query, headers = [], [], [], []
+    arguments: list[str] = []
+    options: list[str] = []
+    query: list[str] = []
+    headers: list[str] = []
     for each in operation.get("parameters", ()):
         if each["name"] == client_types.OPERATOR:
             continue
