@@ -5,13 +5,10 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import dataclass
-from itertools import combinations
 from operator import itemgetter, le
 
 from app.attention.integer_program import Infeasible, IntegerProgram
-
-_MOST_OPTIONS = 64
-"""A class with more sets of strategies that may be selected together is left to CP-SAT."""
+from app.attention.prepared import MOST_SETS, sets_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +42,7 @@ def list_options(instance: IntegerProgram, deadline: float = math.inf) -> ClassO
     column = {k: width + position for position, k in enumerate(needed)}
     groups: list[list[tuple[int, tuple[int, ...], tuple[int, ...]]]] = []
     for k in range(len(instance.members)):
-        sets = None if time.perf_counter() > deadline else _sets(instance, k)
+        sets = None if time.perf_counter() > deadline else sets_of(instance.members[k], instance.cliques[k], instance.exclusive[k])
         if sets is None:
             return None
         wanted = instance.desired.get(k)
@@ -109,32 +106,9 @@ def _efficient(
     for option in options:
         costs = option[1]
         # With one cost, the option kept last is the cheapest so far.
-        for better in kept[-1:] if len(costs) == 1 else kept[:_MOST_OPTIONS]:
+        for better in kept[-1:] if len(costs) == 1 else kept[:MOST_SETS]:
             if better[1] == costs or all(map(le, better[1], costs)):
                 break
         else:
             kept.append(option)
     return kept
-
-
-def _sets(instance: IntegerProgram, k: int) -> list[tuple[int, ...]] | None:
-    """The sets of a class's strategies that exclude each other in no pair; None if there are too many."""
-    members = instance.members[k]
-    sets: list[tuple[int, ...]] = [(), *((s,) for s in members)]
-    if instance.exclusive[k]:
-        return sets
-    if len(sets) > _MOST_OPTIONS:
-        return None
-    apart = {pair for clique in instance.cliques[k] for pair in combinations(clique, 2)}
-    for size in range(2, len(members) + 1):
-        fresh = [
-            chosen
-            for chosen in combinations(members, size)
-            if not any(pair in apart for pair in combinations(chosen, 2))
-        ]
-        sets += fresh
-        if len(sets) > _MOST_OPTIONS:
-            return None
-        if not fresh:
-            break
-    return sets

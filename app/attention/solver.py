@@ -12,12 +12,13 @@ import threading
 import time
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Final
 
+from app.attention.branching import solve_small
 from app.attention.integer_program import Infeasible, IntegerProgram, ProgramSolution, build_integer_program
 from app.attention.prepared import InvalidProblem, PreparedTable
-from app.attention.problem import Selection, SelectionProblem, Weights, assess
+from app.attention.problem import Selection, SelectionProblem, Weights, assess, assess_chosen
 from app.attention.search import solve_search
 from app.messages import Alternative, Reason
 
@@ -57,24 +58,38 @@ def solve(problem: SelectionProblem, *, time_limit_s: float = 1.0, firm: bool = 
     problem = problem.with_table()
     relaxed: list[str] = []
     try:
-        instance = build_integer_program(problem)
-        answer = _solve_instance(instance, deadline, firm)
+        answer = _answer(problem, frozenset(), deadline, firm)
     except Infeasible:
         relaxed = _relaxation(problem, deadline, firm)
-        instance = build_integer_program(problem, relaxed=frozenset(relaxed))
-        answer = _solve_instance(instance, deadline, firm)
+        answer = _answer(problem, frozenset(relaxed), deadline, firm)
     if answer is None:
         raise SolverFailed(f"no selection was found within {time_limit_s:g} s")
-    names = {problem.strategies[instance.table[s]].name for s in answer.chosen}
-    selection = assess(problem, names, relaxed=relaxed)
+    chosen = [problem.strategies[index] for index in answer.chosen]
+    selection = assess_chosen(problem, chosen, relaxed=relaxed, bound=answer.bound, started=started)
     if selection is None:
         raise SolverFailed("the search returned a selection that breaks a constraint")
-    return replace(
-        selection,
-        proven=answer.proven,
-        bound=selection.omega if answer.proven else max(selection.omega, instance.omega_of(answer.bound)),
-        solve_time_s=time.perf_counter() - started,
-    )
+    return selection
+
+
+@dataclass(frozen=True, slots=True)
+class _Answer:
+    """``chosen`` by index in the table; ``bound`` of Ω, None where the choice is proven."""
+
+    chosen: tuple[int, ...]
+    bound: float | None
+
+
+def _answer(problem: SelectionProblem, relaxed: frozenset[str], deadline: float, firm: bool) -> _Answer | None:
+    """The optimum without γ4 for the classes ``relaxed``, or the best found in time. Raises Infeasible."""
+    small = solve_small(problem, relaxed)
+    if small is not None:
+        return _Answer(small, None)
+    instance = build_integer_program(problem, relaxed=relaxed)
+    found = _solve_instance(instance, deadline, firm)
+    if found is None:
+        return None
+    chosen = tuple(instance.table[s] for s in found.chosen)
+    return _Answer(chosen, None if found.proven else instance.omega_of(found.bound))
 
 
 def _solve_instance(instance: IntegerProgram, deadline: float, firm: bool) -> ProgramSolution | None:
@@ -141,8 +156,7 @@ def _relaxation(problem: SelectionProblem, deadline: float, firm: bool) -> list[
         if desire.cls not in served:
             continue
         try:
-            together = build_integer_program(problem, relaxed=frozenset(relaxed - {desire.cls}))
-            answer = _solve_instance(together, deadline, firm)
+            answer = _answer(problem, frozenset(relaxed - {desire.cls}), deadline, firm)
         except Infeasible:
             continue
         if answer is None:

@@ -81,6 +81,7 @@ def test_which_securities_fit_is_never_guessed_when_the_time_is_over(monkeypatch
         if len(instance.security) == 2:
             raise Infeasible
 
+    monkeypatch.setattr("app.attention.solver.solve_small", lambda *_: None)
     monkeypatch.setattr("app.attention.solver.solve_search", too_late)
     with pytest.raises(SolverFailed, match="which security desires can be kept"):
         solve(p, time_limit_s=0)
