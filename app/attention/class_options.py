@@ -14,11 +14,16 @@ from app.attention.prepared import MOST_SETS, sets_of
 @dataclass(frozen=True, slots=True)
 class Option:
     """``loss``: by how much its value falls short of the best of its class; ``costs`` per resource, then per
-    dependency."""
+    dependency; ``serves``: its class counts as fulfilled."""
 
     loss: int
     costs: tuple[int, ...]
     strategies: tuple[int, ...]
+    serves: bool
+
+
+_Stated = tuple[int, tuple[int, ...], tuple[int, ...], bool]
+"""(value, costs, strategies, whether it serves)"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,13 +45,17 @@ def list_options(instance: IntegerProgram, deadline: float = math.inf) -> ClassO
     needed = sorted(instance.needed)
     width = len(instance.capacities)
     column = {k: width + position for position, k in enumerate(needed)}
-    groups: list[list[tuple[int, tuple[int, ...], tuple[int, ...]]]] = []
+    groups: list[list[_Stated]] = []
     for k in range(len(instance.members)):
-        sets = None if time.perf_counter() > deadline else sets_of(instance.members[k], instance.cliques[k], instance.exclusive[k])
+        sets = (
+            None
+            if time.perf_counter() > deadline
+            else sets_of(instance.members[k], instance.cliques[k], instance.exclusive[k])
+        )
         if sets is None:
             return None
         wanted = instance.desired.get(k)
-        options = []
+        options: list[_Stated] = []
         for chosen in sets:
             costs = [0] * (width + len(needed))
             value = 0
@@ -65,9 +74,9 @@ def list_options(instance: IntegerProgram, deadline: float = math.inf) -> ClassO
                 if k in column:
                     filled[column[k]] += wanted
                 gain = instance.fulfil[k] + sum(instance.serve[s] for s in chosen)
-                options.append((value + gain, tuple(filled), chosen))
+                options.append((value + gain, tuple(filled), chosen, True))
             if k not in instance.security and (not chosen or k in column):
-                options.append((value, tuple(costs), chosen))
+                options.append((value, tuple(costs), chosen, False))
         if not options:
             raise Infeasible
         groups.append(_efficient(options))
@@ -80,7 +89,8 @@ def list_options(instance: IntegerProgram, deadline: float = math.inf) -> ClassO
     resources = [j for j in binding if j < len(instance.capacities)]
     best = sum(group[0][0] for group in groups)
     pruned = [
-        [Option(group[0][0] - v, tuple(c[j] for j in binding), chosen) for v, c, chosen in group] for group in groups
+        [Option(group[0][0] - v, tuple([c[j] for j in binding]), chosen, serves) for v, c, chosen, serves in group]
+        for group in groups
     ]
     graded = len(resources)
     if graded > 1:
@@ -94,15 +104,13 @@ def _is_graded(costs: list[list[int]]) -> bool:
     return len(users) > 1 and len(set().union(*users) - {0}) > 1
 
 
-def _efficient(
-    options: list[tuple[int, tuple[int, ...], tuple[int, ...]]],
-) -> list[tuple[int, tuple[int, ...], tuple[int, ...]]]:
+def _efficient(options: list[_Stated]) -> list[_Stated]:
     """Options (value, costs, strategies) by falling value, without those that another dominates.
 
     With several costs, each is compared with a bounded number of better ones: an option too many is harmless.
     """
     options.sort(key=itemgetter(0), reverse=True)
-    kept: list[tuple[int, tuple[int, ...], tuple[int, ...]]] = []
+    kept: list[_Stated] = []
     for option in options:
         costs = option[1]
         # With one cost, the option kept last is the cheapest so far.

@@ -162,9 +162,7 @@ def all_exclude(group: Sequence[int], cliques: Sequence[Sequence[int]]) -> bool:
     return len(pairs) == len(group) * (len(group) - 1) // 2
 
 
-def sets_of(
-    members: Sequence[int], cliques: Sequence[Sequence[int]], exclusive: bool
-) -> list[tuple[int, ...]] | None:
+def sets_of(members: Sequence[int], cliques: Sequence[Sequence[int]], exclusive: bool) -> list[tuple[int, ...]] | None:
     """The sets of ``members`` of which no two share a clique, smaller ones first; None if there are over
     ``MOST_SETS`` and ``members`` are not ``exclusive``."""
     sets: list[tuple[int, ...]] = [(), *((s,) for s in members)]

@@ -10,12 +10,12 @@ import math
 import sys
 import threading
 import time
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Any, Final
 
 from app.attention.branching import solve_small
+from app.attention.class_options import list_options
 from app.attention.integer_program import Infeasible, IntegerProgram, ProgramSolution, build_integer_program
 from app.attention.prepared import InvalidProblem, PreparedTable
 from app.attention.problem import Selection, SelectionProblem, Weights, assess, assess_chosen
@@ -35,8 +35,8 @@ __all__ = [
 ]
 
 
-CpSat = Callable[[IntegerProgram, float, tuple[int, ...]], ProgramSolution | None]
-_CPSAT: Final = "app.attention.cpsat"
+CPSAT: Final = "app.attention.cpsat"
+GRADED: Final = "app.attention.graded"
 
 
 class SolverFailed(Exception):
@@ -93,14 +93,21 @@ def _answer(problem: SelectionProblem, relaxed: frozenset[str], deadline: float,
 
 
 def _solve_instance(instance: IntegerProgram, deadline: float, firm: bool) -> ProgramSolution | None:
-    """Label search as long as it pays, then CP-SAT, started from what the search found."""
-    answer = solve_search(instance, deadline, firm=firm)
+    """Label search where one graded resource is contended for, the compiled search where there are several; CP-SAT goes
+    on from what they found."""
+    answer = None
+    choice = list_options(instance, deadline if firm else math.inf)
+    if choice is not None:
+        answer = solve_search(instance, deadline, choice=choice, firm=firm)
+        if (answer is None or not answer.proven) and choice.graded > 1:
+            graded = load(GRADED, deadline)
+            answer = graded.solve_graded(instance, choice, deadline, answer) if graded is not None else answer
     if answer is not None and answer.proven:
         return answer
-    cpsat = load_cpsat(deadline)
+    cpsat = load(CPSAT, deadline)
     if cpsat is None:
         return answer
-    other = cpsat(instance, deadline, answer.chosen if answer is not None else ())
+    other: ProgramSolution | None = cpsat.solve_cpsat(instance, deadline, answer.chosen if answer is not None else ())
     if answer is None or other is None:
         return other or answer
     bound = min(answer.bound, other.bound)
@@ -108,9 +115,9 @@ def _solve_instance(instance: IntegerProgram, deadline: float, firm: bool) -> Pr
     return replace(better, bound=bound, proven=other.proven)
 
 
-def foresees_cpsat(table: PreparedTable) -> bool:
-    """Whether problems over ``table`` may be for CP-SAT: several graded resources, or many sets of a class's
-    strategies."""
+def foreseen(table: PreparedTable) -> tuple[str, ...]:
+    """The searches that problems over ``table`` may need and that take time to load: for several graded resources, or
+    for many sets of a class's strategies."""
     amounts: dict[str, set[int]] = {}
     users: dict[str, set[str]] = {}
     for strategy, costs in zip(table.strategies, table.costs, strict=True):
@@ -118,29 +125,31 @@ def foresees_cpsat(table: PreparedTable) -> bool:
             amounts.setdefault(resource, set()).add(cost)
             users.setdefault(resource, set()).add(strategy.cls)
     graded = sum(len(amounts[resource]) > 1 and len(classes) > 1 for resource, classes in users.items())
-    return graded > 1 or not all(members.exclusive for members in table.members.values())
+    if graded > 1:
+        return GRADED, CPSAT
+    return () if all(members.exclusive for members in table.members.values()) else (CPSAT,)
 
 
-def load_cpsat(deadline: float = math.inf) -> CpSat | None:
-    """CP-SAT; None where loading it, which takes up to a second once, is not over by ``deadline``: it goes on."""
+def load(name: str, deadline: float = math.inf) -> Any:
+    """The module of a search, ``GRADED`` or ``CPSAT``; None where loading it, which takes up to seconds once, is not
+    over by ``deadline``: it goes on."""
     if time.perf_counter() >= deadline:
         return None
-    if not hasattr(sys.modules.get(_CPSAT), "solve_cpsat"):
+    module = sys.modules.get(name)
+    if module is None or getattr(module.__spec__, "_initializing", False):
         # No import can be cut off; waiting for one can.
-        loading = threading.Thread(target=_import_cpsat, name="load CP-SAT", daemon=True)
+        loading = threading.Thread(target=_import, args=(name,), name=f"load {name}", daemon=True)
         loading.start()
         left = min(deadline - time.perf_counter(), threading.TIMEOUT_MAX)
         loading.join(max(left, 0.0))
         if loading.is_alive():
             return None
-    from app.attention.cpsat import solve_cpsat
-
-    return solve_cpsat
+    return importlib.import_module(name)
 
 
-def _import_cpsat() -> None:
+def _import(name: str) -> None:
     with suppress(ImportError):  # the import that waits for this one raises it again
-        importlib.import_module(_CPSAT)
+        importlib.import_module(name)
 
 
 def _relaxation(problem: SelectionProblem, deadline: float, firm: bool) -> list[str]:
