@@ -9,11 +9,13 @@ the general way takes to state it.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
 from operator import add, itemgetter, le, sub
 from typing import Final
 
 from app.attention.integer_program import Infeasible
-from app.attention.prepared import ClassSet, thousandths
+from app.attention.prepared import ClassSet, PreparedTable, thousandths
 from app.attention.problem import SelectionProblem, spare_resource, thrift_resource
 
 MOST_COMBINATIONS: Final = 5_000
@@ -25,23 +27,37 @@ Option = tuple[int, tuple[int, ...], tuple[int, ...]]
 """(value, costs, strategies by index in the table)"""
 
 
+@dataclass(frozen=True, slots=True)
+class SmallProblem:
+    """A small problem without its capacities: the options of each class concerned, by falling value."""
+
+    table: PreparedTable
+    groups: list[list[Option]]
+
+    def solve(self, capacities: Mapping[str, float]) -> tuple[int, ...] | None:
+        """The lexicographic optimum under ``capacities``, as indices in the table; None if it takes too many steps.
+        Raises Infeasible if the security desires cannot all be met, InvalidProblem."""
+        room = [thousandths(capacities[name], "the capacity of ", name) for name in self.table.totals]
+        return _search(self.groups, [*room, *(0 for _ in self.table.needed)])
+
+
+def state_small(problem: SelectionProblem, relaxed: frozenset[str] = frozenset()) -> SmallProblem | None:
+    """``problem`` without γ4 for the classes in ``relaxed``; None if it is not small. Raises as
+    :meth:`SmallProblem.solve`."""
+    table = problem.table
+    if table.sets is None or not problem.capacities.keys() >= table.totals.keys():
+        return None
+    groups = _groups(problem, table.sets, relaxed)
+    return SmallProblem(table, groups) if groups is not None else None
+
+
 def solve_small(problem: SelectionProblem, relaxed: frozenset[str] = frozenset()) -> tuple[int, ...] | None:
     """The lexicographic optimum of ``problem``, as indices in its table; γ4 is dropped for the classes in ``relaxed``.
 
     None if the problem is not small. Raises Infeasible if the security desires cannot all be met, InvalidProblem.
     """
-    table = problem.table
-    sets = table.sets
-    if sets is None:
-        return None
-    capacities = problem.capacities
-    if not capacities.keys() >= table.totals.keys():
-        return None
-    groups = _groups(problem, sets, relaxed)
-    if groups is None:
-        return None
-    room = [thousandths(capacities[name], "the capacity of ", name) for name in table.totals]
-    return _search(groups, [*room, *(0 for _ in table.needed)])
+    stated = state_small(problem, relaxed)
+    return stated.solve(problem.capacities) if stated is not None else None
 
 
 def _groups(

@@ -223,7 +223,7 @@ class _Stage:
         if not count:
             return _Optimum(0)
         loss = (total + self._base) // self._unit
-        return _Optimum(loss, tuple(tree.chosen(row) for row in found[:count]), 1 < ties and count <= ties)
+        return _Optimum(loss, tuple(tree.chosen(row) for row in found[:count]), ties > 1 and count <= ties)
 
 
 def _starts(cls: Whole) -> Whole:
