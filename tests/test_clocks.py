@@ -22,6 +22,8 @@ ALLOWED = {
     "attention/class_options.py": "the solver's time limit",
     "attention/reasons.py": "the time limit of reasons, likewise",
     "attention/search.py": "the solver's time limit",
+    "attention/graded.py": "the solver's time limit",
+    "attention/problem.py": "how long the solver took",
     "attention/solver.py": "the solver's time limit, and how long it took",
     "attention/variants.py": "the time limit of reasons",
     "commands/calibrate.py": "the date in a calibration file",

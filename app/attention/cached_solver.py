@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from app.attention.problem import Selection, SelectionProblem
 from app.attention.reasons import explain
-from app.attention.solver import foresees_cpsat, load_cpsat, solve
+from app.attention.solver import foreseen, load, solve
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,8 +77,8 @@ class CachedSolver:
     def prepare(self, problem: SelectionProblem) -> None:
         """Load the libraries that problems over this table may need, so that the first problem does not wait for them.
         Blocks."""
-        if foresees_cpsat(problem.table):
-            load_cpsat()
+        for search in foreseen(problem.table):
+            load(search)
 
     def statistics(self) -> CacheStatistics:
         return CacheStatistics(len(self._answers), self._hits, self._misses)

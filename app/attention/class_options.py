@@ -5,23 +5,25 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import dataclass
-from itertools import combinations
 from operator import itemgetter, le
 
 from app.attention.integer_program import Infeasible, IntegerProgram
-
-_MOST_OPTIONS = 64
-"""A class with more sets of strategies that may be selected together is left to CP-SAT."""
+from app.attention.prepared import MOST_SETS, sets_of
 
 
 @dataclass(frozen=True, slots=True)
 class Option:
     """``loss``: by how much its value falls short of the best of its class; ``costs`` per resource, then per
-    dependency."""
+    dependency; ``serves``: its class counts as fulfilled."""
 
     loss: int
     costs: tuple[int, ...]
     strategies: tuple[int, ...]
+    serves: bool
+
+
+_Stated = tuple[int, tuple[int, ...], tuple[int, ...], bool]
+"""(value, costs, strategies, whether it serves)"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,13 +45,17 @@ def list_options(instance: IntegerProgram, deadline: float = math.inf) -> ClassO
     needed = sorted(instance.needed)
     width = len(instance.capacities)
     column = {k: width + position for position, k in enumerate(needed)}
-    groups: list[list[tuple[int, tuple[int, ...], tuple[int, ...]]]] = []
+    groups: list[list[_Stated]] = []
     for k in range(len(instance.members)):
-        sets = None if time.perf_counter() > deadline else _sets(instance, k)
+        sets = (
+            None
+            if time.perf_counter() > deadline
+            else sets_of(instance.members[k], instance.cliques[k], instance.exclusive[k])
+        )
         if sets is None:
             return None
         wanted = instance.desired.get(k)
-        options = []
+        options: list[_Stated] = []
         for chosen in sets:
             costs = [0] * (width + len(needed))
             value = 0
@@ -68,9 +74,9 @@ def list_options(instance: IntegerProgram, deadline: float = math.inf) -> ClassO
                 if k in column:
                     filled[column[k]] += wanted
                 gain = instance.fulfil[k] + sum(instance.serve[s] for s in chosen)
-                options.append((value + gain, tuple(filled), chosen))
+                options.append((value + gain, tuple(filled), chosen, True))
             if k not in instance.security and (not chosen or k in column):
-                options.append((value, tuple(costs), chosen))
+                options.append((value, tuple(costs), chosen, False))
         if not options:
             raise Infeasible
         groups.append(_efficient(options))
@@ -83,7 +89,8 @@ def list_options(instance: IntegerProgram, deadline: float = math.inf) -> ClassO
     resources = [j for j in binding if j < len(instance.capacities)]
     best = sum(group[0][0] for group in groups)
     pruned = [
-        [Option(group[0][0] - v, tuple(c[j] for j in binding), chosen) for v, c, chosen in group] for group in groups
+        [Option(group[0][0] - v, tuple([c[j] for j in binding]), chosen, serves) for v, c, chosen, serves in group]
+        for group in groups
     ]
     graded = len(resources)
     if graded > 1:
@@ -97,44 +104,19 @@ def _is_graded(costs: list[list[int]]) -> bool:
     return len(users) > 1 and len(set().union(*users) - {0}) > 1
 
 
-def _efficient(
-    options: list[tuple[int, tuple[int, ...], tuple[int, ...]]],
-) -> list[tuple[int, tuple[int, ...], tuple[int, ...]]]:
+def _efficient(options: list[_Stated]) -> list[_Stated]:
     """Options (value, costs, strategies) by falling value, without those that another dominates.
 
     With several costs, each is compared with a bounded number of better ones: an option too many is harmless.
     """
     options.sort(key=itemgetter(0), reverse=True)
-    kept: list[tuple[int, tuple[int, ...], tuple[int, ...]]] = []
+    kept: list[_Stated] = []
     for option in options:
         costs = option[1]
         # With one cost, the option kept last is the cheapest so far.
-        for better in kept[-1:] if len(costs) == 1 else kept[:_MOST_OPTIONS]:
+        for better in kept[-1:] if len(costs) == 1 else kept[:MOST_SETS]:
             if better[1] == costs or all(map(le, better[1], costs)):
                 break
         else:
             kept.append(option)
     return kept
-
-
-def _sets(instance: IntegerProgram, k: int) -> list[tuple[int, ...]] | None:
-    """The sets of a class's strategies that exclude each other in no pair; None if there are too many."""
-    members = instance.members[k]
-    sets: list[tuple[int, ...]] = [(), *((s,) for s in members)]
-    if instance.exclusive[k]:
-        return sets
-    if len(sets) > _MOST_OPTIONS:
-        return None
-    apart = {pair for clique in instance.cliques[k] for pair in combinations(clique, 2)}
-    for size in range(2, len(members) + 1):
-        fresh = [
-            chosen
-            for chosen in combinations(members, size)
-            if not any(pair in apart for pair in combinations(chosen, 2))
-        ]
-        sets += fresh
-        if len(sets) > _MOST_OPTIONS:
-            return None
-        if not fresh:
-            break
-    return sets

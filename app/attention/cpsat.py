@@ -15,7 +15,7 @@ from typing import Any
 
 from ortools.sat.python import cp_model
 
-from app.attention.integer_program import Criterion, Infeasible, IntegerProgram, ProgramSolution
+from app.attention.integer_program import Criterion, Infeasible, IntegerProgram, ProgramSolution, table_order
 
 _BITS = 53
 """Bound of one objective: coefficients and sums stay exact even where the solver looks at them as doubles."""
@@ -169,7 +169,7 @@ class _Selection:
 def _stages(instance: IntegerProgram) -> Iterator[tuple[Criterion, int, int]]:
     """The criteria packed into few objectives; with each the radix of what is below its first criterion, and its
     least."""
-    todo = itertools.chain(instance.criteria[:-1], _table_order(len(instance.cls)))
+    todo = itertools.chain(instance.criteria[:-1], table_order(len(instance.cls)))
     following = next(todo, None)
     while following is not None:
         stage, reach, shift = following, 1, 0
@@ -186,11 +186,3 @@ def _stages(instance: IntegerProgram) -> Iterator[tuple[Criterion, int, int]]:
                 stage.high * radix + lower.high,
             )
         yield stage, reach, shift
-
-
-def _table_order(count: int, chunk: int = 30) -> Iterator[Criterion]:
-    """Table order in pieces of ``chunk`` strategies, the first of them deciding first."""
-    for start in range(0, count, chunk):
-        stop = min(start + chunk, count)
-        pay = tuple(-(1 << (stop - 1 - s)) if start <= s < stop else 0 for s in range(count))
-        yield Criterion({}, (0,) * count, pay, 0, (1 << (stop - start)) - 1)

@@ -19,6 +19,7 @@ By 3 to 5 no selection contains strategies that serve nothing: without them it i
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
@@ -289,3 +290,11 @@ def _useful(problem: SelectionProblem, table: PreparedTable, inhibited: set[str]
 def _criterion(fulfil: dict[int, int], serve: tuple[int, ...], pay: tuple[int, ...]) -> Criterion:
     high = sum(fulfil.values()) + sum(serve) + sum(-p for p in pay if p < 0)
     return Criterion(fulfil, serve, pay, low=sum(p for p in pay if p > 0), high=high)
+
+
+def table_order(count: int, chunk: int = 30) -> Iterator[Criterion]:
+    """Table order in pieces of ``chunk`` strategies, the first of them deciding first."""
+    for start in range(0, count, chunk):
+        stop = min(start + chunk, count)
+        pay = tuple(-(1 << (stop - 1 - s)) if start <= s < stop else 0 for s in range(count))
+        yield Criterion({}, (0,) * count, pay, 0, (1 << (stop - start)) - 1)

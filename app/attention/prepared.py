@@ -13,6 +13,12 @@ _FEW = 64
 """Strategies of a class that share no filter are compared pair by pair up to this number."""
 
 
+_SMALL = 64
+"""Sets are listed for tables of at most this many strategies."""
+
+MOST_SETS = 64
+"""Of the strategies of a class, that are listed."""
+
 _MOST = 2**53
 
 
@@ -44,9 +50,26 @@ class Members:
 
 
 @dataclass(frozen=True, slots=True)
+class ClassSet:
+    """A set of strategies of one class that may stand together, by index in the table. ``produced`` is their utility;
+    ``costs`` in the table's ``columns``; ``order`` has a bit for each, the first of the table the highest."""
+
+    strategies: tuple[int, ...]
+    produced: int
+    costs: tuple[int, ...]
+    order: int
+
+
+@dataclass(frozen=True, slots=True)
 class PreparedTable:
     """A table in whole thousandths: by index of its strategy ``utility``, ``requires`` (what is needed of a class) and
-    ``costs`` (of a resource); ``members`` by class, in table order; ``totals`` of each resource, all costs together."""
+    ``costs`` (of a resource); ``members`` by class, in table order; ``totals`` of each resource, all costs together.
+
+    ``needed`` are the classes that some strategy requires, ``required`` those that strategies of a class require,
+    ``produced`` all utilities together. ``sets`` by class has all its sets of strategies that may stand together, the
+    empty one first; None where the table is large. ``columns`` places resources (by name) and needed classes (by name,
+    in a tuple of one) in their costs.
+    """
 
     strategies: tuple[Strategy, ...]
     utility: tuple[int, ...]
@@ -54,6 +77,11 @@ class PreparedTable:
     costs: tuple[dict[str, int], ...]
     members: dict[str, Members]
     totals: dict[str, int]
+    needed: tuple[str, ...]
+    required: dict[str, tuple[str, ...]]
+    produced: int
+    columns: dict[str | tuple[str], int]
+    sets: dict[str, tuple[ClassSet, ...]] | None
 
 
 def prepare(strategies: tuple[Strategy, ...]) -> PreparedTable:
@@ -67,16 +95,51 @@ def prepare(strategies: tuple[Strategy, ...]) -> PreparedTable:
         for name, cost in mine.items():
             totals[name] = totals.get(name, 0) + cost
         costs.append(mine)
+    utility = tuple(thousandths(s.utility, s.name, ": utility") for s in strategies)
+    requires = tuple(
+        {c: thousandths(need, s.name, ": requires ", c) for c, need in s.requires.items() if need > 0}
+        for s in strategies
+    )
+    members = {cls: _members(strategies, indices) for cls, indices in by_class.items()}
+    needed = tuple(sorted({c for needs in requires for c in needs}))
+    columns: dict[str | tuple[str], int] = {name: place for place, name in enumerate(totals)}
+    columns |= {(cls,): len(totals) + place for place, cls in enumerate(needed)}
+    required = {
+        cls: found
+        for cls, indices in by_class.items()
+        if (found := tuple(dict.fromkeys(c for index in indices for c in requires[index])))
+    }
+
+    def class_set(chosen: tuple[int, ...]) -> ClassSet:
+        row = [0] * len(columns)
+        for index in chosen:
+            for name, cost in costs[index].items():
+                row[columns[name]] += cost
+            for c, need in requires[index].items():
+                row[columns[c,]] += need
+        produced = sum(utility[index] for index in chosen)
+        if chosen and (own := columns.get((strategies[chosen[0]].cls,))) is not None:
+            row[own] -= produced
+        order = sum(1 << (len(strategies) - 1 - index) for index in chosen)
+        return ClassSet(chosen, produced, tuple(row), order)
+
+    sets: dict[str, tuple[ClassSet, ...]] | None = None
+    if len(strategies) <= _SMALL:
+        listed = {cls: sets_of(own.all, own.cliques, own.exclusive) for cls, own in members.items()}
+        sets = {cls: tuple(map(class_set, own)) for cls, own in listed.items() if own is not None}
+        sets = sets if len(sets) == len(members) else None
     return PreparedTable(
         strategies,
-        tuple(thousandths(s.utility, s.name, ": utility") for s in strategies),
-        requires=tuple(
-            {c: thousandths(need, s.name, ": requires ", c) for c, need in s.requires.items() if need > 0}
-            for s in strategies
-        ),
+        utility,
+        requires=requires,
         costs=tuple(costs),
-        members={cls: _members(strategies, indices) for cls, indices in by_class.items()},
+        members=members,
         totals=totals,
+        needed=needed,
+        required=required,
+        produced=sum(utility),
+        columns=columns,
+        sets=sets,
     )
 
 
@@ -97,3 +160,26 @@ def all_exclude(group: Sequence[int], cliques: Sequence[Sequence[int]]) -> bool:
         return False
     pairs = {pair for clique in cliques for pair in combinations(clique, 2)}
     return len(pairs) == len(group) * (len(group) - 1) // 2
+
+
+def sets_of(members: Sequence[int], cliques: Sequence[Sequence[int]], exclusive: bool) -> list[tuple[int, ...]] | None:
+    """The sets of ``members`` of which no two share a clique, smaller ones first; None if there are over
+    ``MOST_SETS`` and ``members`` are not ``exclusive``."""
+    sets: list[tuple[int, ...]] = [(), *((s,) for s in members)]
+    if exclusive:
+        return sets
+    if len(sets) > MOST_SETS:
+        return None
+    apart = {pair for clique in cliques for pair in combinations(clique, 2)}
+    for size in range(2, len(members) + 1):
+        fresh = [
+            chosen
+            for chosen in combinations(members, size)
+            if not any(pair in apart for pair in combinations(chosen, 2))
+        ]
+        sets += fresh
+        if len(sets) > MOST_SETS:
+            return None
+        if not fresh:
+            break
+    return sets

@@ -15,7 +15,8 @@ An inhibited class has f_k = 0, so that its intensity does not count in Ω; with
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+import time
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from app.attention.desires import Desire
@@ -63,7 +64,8 @@ class SelectionProblem:
 
     def with_table(self) -> SelectionProblem:
         """The same problem with its table computed, so that variants of it need not. Raises InvalidProblem."""
-        return replace(self, prepared=self.table)
+        table = self.table
+        return self if table is self.prepared else replace(self, prepared=table)
 
     def without(self, cls: str) -> SelectionProblem:
         """The same problem without the desire of ``cls``."""
@@ -101,17 +103,6 @@ def produced(problem: SelectionProblem, selected: Collection[str], cls: str) -> 
     return sum(s.utility for s in problem.strategies if s.cls == cls and s.name in names)
 
 
-def used(problem: SelectionProblem, selected: Collection[str]) -> dict[str, float]:
-    """Σ_s a_s c_sj of each resource, to a thousandth."""
-    use = dict.fromkeys(problem.capacities, 0.0)
-    names = frozenset(selected)
-    for strategy in problem.strategies:
-        if strategy.name in names:
-            for resource, cost in strategy.costs.items():
-                use[resource] += cost
-    return {resource: round(amount, 3) for resource, amount in use.items()}
-
-
 def assess(problem: SelectionProblem, selected: Collection[str], *, relaxed: Collection[str] = ()) -> Selection | None:
     """The strategies ``selected`` as a Selection (not proven), or None if they break γ1–γ5 or 4.9.
 
@@ -119,11 +110,29 @@ def assess(problem: SelectionProblem, selected: Collection[str], *, relaxed: Col
     """
     wanted = frozenset(selected)
     chosen = [s for s in problem.strategies if s.name in wanted]
-    if len(chosen) != len(wanted):
-        return None
-    use = used(problem, wanted)
-    if any(use[resource] > capacity for resource, capacity in problem.capacities.items()):
-        return None
+    # A table that was prepared for other strategies is of no use.
+    problem = problem if problem.prepared is None else problem.with_table()
+    return assess_chosen(problem, chosen, relaxed=relaxed) if len(chosen) == len(wanted) else None
+
+
+def assess_chosen(
+    problem: SelectionProblem,
+    chosen: Sequence[Strategy],
+    *,
+    relaxed: Collection[str] = (),
+    bound: float | None = float("inf"),
+    started: float | None = None,
+) -> Selection | None:
+    """As :func:`assess`, of strategies in table order. ``bound`` is of Ω, None where they are proven to be the optimum;
+    ``started`` (of ``time.perf_counter``) when their search began."""
+    use = dict.fromkeys(problem.capacities, 0.0)
+    for strategy in chosen:
+        for resource, cost in strategy.costs.items():
+            use[resource] += cost
+    for resource, capacity in problem.capacities.items():
+        use[resource] = amount = round(use[resource], 3)
+        if amount > capacity:
+            return None
     made: dict[str, float] = {}
     needed: dict[str, float] = {}
     taken: set[tuple[str, str]] = set()
@@ -138,7 +147,8 @@ def assess(problem: SelectionProblem, selected: Collection[str], *, relaxed: Col
                 needed[cls] = needed.get(cls, 0.0) + amount
     fulfilled: list[str] = []
     omega = 0.0
-    for cls in dict.fromkeys([*(s.cls for s in problem.strategies), *problem.desires, *needed]):
+    known = problem.prepared.members if problem.prepared is not None else (s.cls for s in problem.strategies)
+    for cls in dict.fromkeys([*known, *problem.desires, *needed]):
         desire = problem.desires.get(cls)
         if desire is not None and desire.utility == 0:
             if cls in made or cls in needed:
@@ -161,12 +171,13 @@ def assess(problem: SelectionProblem, selected: Collection[str], *, relaxed: Col
             omega += problem.weights.spare * (problem.capacities[resource] - use[resource])
     omega = round(omega, 6)
     return Selection(
-        tuple(s.name for s in chosen),
+        tuple([s.name for s in chosen]),
         tuple(fulfilled),
         omega=omega,
-        bound=float("inf"),
+        bound=omega if bound is None else max(omega, bound),
         use=use,
-        proven=False,
+        proven=bound is None,
+        solve_time_s=0.0 if started is None else time.perf_counter() - started,
         relaxed=tuple(relaxed),
     )
 

@@ -30,9 +30,6 @@ _SMALL = 400
 _BEAM = 12
 _SWEEPS = 3
 _MOST_LABELS = 20_000
-_MOST_STEPS = 30_000
-"""Limit of the labels examined with several graded resources, where few labels dominate others: beyond it (about 40 ms)
-CP-SAT is quicker. With one such resource, labels proved every measured instance sooner."""
 
 Floats = NDArray[np.float64]
 _Node = tuple["Option", "_Node | None"]
@@ -44,27 +41,27 @@ def solve_search(
     instance: IntegerProgram,
     deadline: float,
     *,
+    choice: ClassOptions | None = None,
     most_labels: int = _MOST_LABELS,
-    most_steps: float | None = None,
     firm: bool = False,
 ) -> ProgramSolution | None:
     """The lexicographic optimum of ``instance``, or the best found until ``deadline`` (of ``time.perf_counter``).
 
-    ``most_labels`` are kept at a time, ``most_steps`` looked at (None: as many as pay, for instances of this kind). A
-    short, narrow search goes on beyond the deadline, so that there is something to keep then, unless ``firm``.
+    ``choice``: the options of ``instance``, if they are listed already. ``most_labels`` are kept at a time. A short,
+    narrow search goes on beyond the deadline, so that there is something to keep then, unless ``firm``. It is the only
+    one where several graded resources are contended for: few labels dominate others there.
 
     None if the structure is not for this search (a class with very many independent strategies), or where nothing was
     found in time. Raises Infeasible if the security desires cannot all be met.
     """
     if instance.impossible:
         raise Infeasible
-    choice = list_options(instance, deadline if firm else math.inf)
+    choice = choice or list_options(instance, deadline if firm else math.inf)
     if choice is None:
         return None
-    if most_steps is None:
-        most_steps = math.inf if choice.graded <= 1 else _MOST_STEPS
     if not choice.groups:
         return ProgramSolution((), instance.omega_criterion(choice.best), True)
+    most_steps = math.inf if choice.graded <= 1 else 0
     combinations_ = 1
     for group in choice.groups:
         combinations_ *= len(group)
@@ -72,7 +69,7 @@ def solve_search(
     multipliers = [0] * len(choice.capacities)
     if combinations_ <= _SMALL:
         # Takes milliseconds; but on a computer that is suspended meanwhile even that can be too long.
-        deadline = math.inf
+        most_steps, deadline = math.inf, math.inf
     elif choice.capacities:
         multipliers = _multipliers(choice, instance.omega_unit)
         choice, multipliers = _ordered(choice, multipliers)
@@ -291,7 +288,7 @@ def _ordered(choice: ClassOptions, multipliers: Sequence[int]) -> tuple[ClassOpt
         return (-rarest, -regret)
 
     groups = [
-        [Option(o.loss, tuple(o.costs[j] for j in dims), o.strategies) for o in group]
+        [replace(o, costs=tuple([o.costs[j] for j in dims])) for o in group]
         for group in sorted(choice.groups, key=place)
     ]
     ordered = replace(choice, groups=groups, capacities=tuple(choice.capacities[j] for j in dims))

@@ -10,14 +10,15 @@ import math
 import sys
 import threading
 import time
-from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import replace
-from typing import Final
+from dataclasses import dataclass, replace
+from typing import Any, Final
 
+from app.attention.branching import solve_small
+from app.attention.class_options import list_options
 from app.attention.integer_program import Infeasible, IntegerProgram, ProgramSolution, build_integer_program
 from app.attention.prepared import InvalidProblem, PreparedTable
-from app.attention.problem import Selection, SelectionProblem, Weights, assess
+from app.attention.problem import Selection, SelectionProblem, Weights, assess, assess_chosen
 from app.attention.search import solve_search
 from app.messages import Alternative, Reason
 
@@ -34,8 +35,8 @@ __all__ = [
 ]
 
 
-CpSat = Callable[[IntegerProgram, float, tuple[int, ...]], ProgramSolution | None]
-_CPSAT: Final = "app.attention.cpsat"
+CPSAT: Final = "app.attention.cpsat"
+GRADED: Final = "app.attention.graded"
 
 
 class SolverFailed(Exception):
@@ -57,35 +58,56 @@ def solve(problem: SelectionProblem, *, time_limit_s: float = 1.0, firm: bool = 
     problem = problem.with_table()
     relaxed: list[str] = []
     try:
-        instance = build_integer_program(problem)
-        answer = _solve_instance(instance, deadline, firm)
+        answer = _answer(problem, frozenset(), deadline, firm)
     except Infeasible:
         relaxed = _relaxation(problem, deadline, firm)
-        instance = build_integer_program(problem, relaxed=frozenset(relaxed))
-        answer = _solve_instance(instance, deadline, firm)
+        answer = _answer(problem, frozenset(relaxed), deadline, firm)
     if answer is None:
         raise SolverFailed(f"no selection was found within {time_limit_s:g} s")
-    names = {problem.strategies[instance.table[s]].name for s in answer.chosen}
-    selection = assess(problem, names, relaxed=relaxed)
+    chosen = [problem.strategies[index] for index in answer.chosen]
+    selection = assess_chosen(problem, chosen, relaxed=relaxed, bound=answer.bound, started=started)
     if selection is None:
         raise SolverFailed("the search returned a selection that breaks a constraint")
-    return replace(
-        selection,
-        proven=answer.proven,
-        bound=selection.omega if answer.proven else max(selection.omega, instance.omega_of(answer.bound)),
-        solve_time_s=time.perf_counter() - started,
-    )
+    return selection
+
+
+@dataclass(frozen=True, slots=True)
+class _Answer:
+    """``chosen`` by index in the table; ``bound`` of Ω, None where the choice is proven."""
+
+    chosen: tuple[int, ...]
+    bound: float | None
+
+
+def _answer(problem: SelectionProblem, relaxed: frozenset[str], deadline: float, firm: bool) -> _Answer | None:
+    """The optimum without γ4 for the classes ``relaxed``, or the best found in time. Raises Infeasible."""
+    small = solve_small(problem, relaxed)
+    if small is not None:
+        return _Answer(small, None)
+    instance = build_integer_program(problem, relaxed=relaxed)
+    found = _solve_instance(instance, deadline, firm)
+    if found is None:
+        return None
+    chosen = tuple(instance.table[s] for s in found.chosen)
+    return _Answer(chosen, None if found.proven else instance.omega_of(found.bound))
 
 
 def _solve_instance(instance: IntegerProgram, deadline: float, firm: bool) -> ProgramSolution | None:
-    """Label search as long as it pays, then CP-SAT, started from what the search found."""
-    answer = solve_search(instance, deadline, firm=firm)
+    """Label search where one graded resource is contended for, the compiled search where there are several; CP-SAT goes
+    on from what they found."""
+    answer = None
+    choice = list_options(instance, deadline if firm else math.inf)
+    if choice is not None:
+        answer = solve_search(instance, deadline, choice=choice, firm=firm)
+        if (answer is None or not answer.proven) and choice.graded > 1:
+            graded = load(GRADED, deadline)
+            answer = graded.solve_graded(instance, choice, deadline, answer) if graded is not None else answer
     if answer is not None and answer.proven:
         return answer
-    cpsat = load_cpsat(deadline)
+    cpsat = load(CPSAT, deadline)
     if cpsat is None:
         return answer
-    other = cpsat(instance, deadline, answer.chosen if answer is not None else ())
+    other: ProgramSolution | None = cpsat.solve_cpsat(instance, deadline, answer.chosen if answer is not None else ())
     if answer is None or other is None:
         return other or answer
     bound = min(answer.bound, other.bound)
@@ -93,9 +115,9 @@ def _solve_instance(instance: IntegerProgram, deadline: float, firm: bool) -> Pr
     return replace(better, bound=bound, proven=other.proven)
 
 
-def foresees_cpsat(table: PreparedTable) -> bool:
-    """Whether problems over ``table`` may be for CP-SAT: several graded resources, or many sets of a class's
-    strategies."""
+def foreseen(table: PreparedTable) -> tuple[str, ...]:
+    """The searches that problems over ``table`` may need and that take time to load: for several graded resources, or
+    for many sets of a class's strategies."""
     amounts: dict[str, set[int]] = {}
     users: dict[str, set[str]] = {}
     for strategy, costs in zip(table.strategies, table.costs, strict=True):
@@ -103,29 +125,31 @@ def foresees_cpsat(table: PreparedTable) -> bool:
             amounts.setdefault(resource, set()).add(cost)
             users.setdefault(resource, set()).add(strategy.cls)
     graded = sum(len(amounts[resource]) > 1 and len(classes) > 1 for resource, classes in users.items())
-    return graded > 1 or not all(members.exclusive for members in table.members.values())
+    if graded > 1:
+        return GRADED, CPSAT
+    return () if all(members.exclusive for members in table.members.values()) else (CPSAT,)
 
 
-def load_cpsat(deadline: float = math.inf) -> CpSat | None:
-    """CP-SAT; None where loading it, which takes up to a second once, is not over by ``deadline``: it goes on."""
+def load(name: str, deadline: float = math.inf) -> Any:
+    """The module of a search, ``GRADED`` or ``CPSAT``; None where loading it, which takes up to seconds once, is not
+    over by ``deadline``: it goes on."""
     if time.perf_counter() >= deadline:
         return None
-    if not hasattr(sys.modules.get(_CPSAT), "solve_cpsat"):
+    module = sys.modules.get(name)
+    if module is None or getattr(module.__spec__, "_initializing", False):
         # No import can be cut off; waiting for one can.
-        loading = threading.Thread(target=_import_cpsat, name="load CP-SAT", daemon=True)
+        loading = threading.Thread(target=_import, args=(name,), name=f"load {name}", daemon=True)
         loading.start()
         left = min(deadline - time.perf_counter(), threading.TIMEOUT_MAX)
         loading.join(max(left, 0.0))
         if loading.is_alive():
             return None
-    from app.attention.cpsat import solve_cpsat
-
-    return solve_cpsat
+    return importlib.import_module(name)
 
 
-def _import_cpsat() -> None:
+def _import(name: str) -> None:
     with suppress(ImportError):  # the import that waits for this one raises it again
-        importlib.import_module(_CPSAT)
+        importlib.import_module(name)
 
 
 def _relaxation(problem: SelectionProblem, deadline: float, firm: bool) -> list[str]:
@@ -141,8 +165,7 @@ def _relaxation(problem: SelectionProblem, deadline: float, firm: bool) -> list[
         if desire.cls not in served:
             continue
         try:
-            together = build_integer_program(problem, relaxed=frozenset(relaxed - {desire.cls}))
-            answer = _solve_instance(together, deadline, firm)
+            answer = _answer(problem, frozenset(relaxed - {desire.cls}), deadline, firm)
         except Infeasible:
             continue
         if answer is None:

@@ -4,10 +4,12 @@ solved until a deadline, each once for all classes."""
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 
+from app.attention.branching import SmallProblem, state_small
 from app.attention.desires import GRAIN
+from app.attention.integer_program import Infeasible
 from app.attention.problem import Selection, SelectionProblem
 from app.attention.solver import SolverFailed, solve
 from app.attention.strategies import Resource
@@ -16,10 +18,10 @@ from app.messages import Alternative
 
 @dataclass(frozen=True, slots=True)
 class _Optimum:
-    """A proven selection: ``got`` is the utility, in thousandths, of each class it fulfils; ``use`` by resource."""
+    """A proven selection, in thousandths: ``got`` is the utility of each class it fulfils; ``use`` by resource."""
 
     got: Mapping[str, int]
-    use: Mapping[str, float]
+    use: Mapping[str, int]
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +67,7 @@ class Variants:
             cls for cls, d in problem.desires.items() if self._base is None or cls in fulfilled or d.utility == 0
         )
         self._wants: dict[str, frozenset[str]] = {}
+        self._small = _stated(problem)
         self.missing = False
 
     def alternatives(self, cls: str, at_least: float) -> tuple[Alternative, ...]:
@@ -88,29 +91,29 @@ class Variants:
 
     def _more(self, cls: str, resource: str, at_least: float) -> Alternative | None:
         """The least more of ``resource``, within a hundredth of what there is, that gives ``cls`` that utility."""
-        wanted, short = round(at_least * GRAIN), round(self._problem.capacities[resource] * GRAIN)
+        wanted, capacity = round(at_least * GRAIN), round(self._problem.capacities[resource] * GRAIN)
         total = self._table.totals.get(resource, 0)
-        if total <= short or resource not in self._wanted_by(cls):
+        if total <= capacity or resource not in self._wanted_by(cls):
             return None
-        capacity, grain = short, max(short // 100, 1)
+        grain = max(capacity // 100, 1)
 
         def enough_at(most: int) -> _Optimum | None:
             optimum = self._with(resource, most)
-            if optimum is None or optimum.got.get(cls, 0) < wanted or _use(optimum, resource) <= capacity:
+            if optimum is None or optimum.got.get(cls, 0) < wanted or optimum.use[resource] <= capacity:
                 return None
             return optimum
 
         best = enough_at(total)
         if best is None:
             return None
-        halving = True
-        while (enough := _use(best, resource)) - short > grain:
-            # By halves; but optima change in steps, so a look just below what is enough often ends the search.
-            at = (enough + short) // 2 if halving else enough - grain
-            optimum = enough_at(at)
-            best, short, halving = (best, at, False) if optimum is None else (optimum, short, True)
+        # By halves of what there could be at most: other classes then ask for the same amounts.
+        short, most = capacity, total
+        while (enough := best.use[resource]) - short > grain and most - short > grain:
+            at = (most + short) // 2
+            optimum = enough_at(at) if at < enough else best
+            best, short, most = (best, at, most) if optimum is None else (optimum, short, at)
         unit = self._resources[resource].unit if resource in self._resources else ""
-        amount = round((_use(best, resource) - capacity) / GRAIN, 3)
+        amount = round((best.use[resource] - capacity) / GRAIN, 3)
         return Alternative("capacity", best.got[cls] / GRAIN, resource=resource, amount=amount, unit=unit)
 
     def _with(self, resource: str, capacity: int) -> _Optimum | None:
@@ -119,7 +122,7 @@ class Variants:
         for span in spans:
             if span.least <= capacity <= span.most:
                 return span.optimum
-        optimum = self._solved(lambda: self._problem.with_capacity(resource, capacity / GRAIN))
+        optimum = self._solved(self._problem.with_capacity(resource, capacity / GRAIN), self._small)
         if optimum is not None:
             spans.append(_span(optimum, resource, capacity))
         return optimum
@@ -127,17 +130,27 @@ class Variants:
     def _lacking(self, other: str) -> _Optimum | None:
         """The optimum without the desire for ``other``; None if there was no time to find it."""
         known = self._without.get(other)
-        if known is None and (known := self._solved(lambda: self._problem.without(other))) is not None:
-            self._without[other] = known
+        if known is None:
+            changed = self._problem.without(other)
+            known = self._solved(changed, _stated(changed) if self._small else None)
+            if known is not None:
+                self._without[other] = known
         return known
 
-    def _solved(self, variant: Callable[[], SelectionProblem]) -> _Optimum | None:
+    def _solved(self, variant: SelectionProblem, small: SmallProblem | None) -> _Optimum | None:
+        """The optimum of ``variant``, ``small`` if it can be stated so; None if there was no time to find it."""
         if self._no_time():
             self.missing = True
             return None
         began = time.perf_counter()
         try:
-            selection = solve(variant(), time_limit_s=self._deadline - began, firm=True)
+            chosen = small.solve(variant.capacities) if small is not None else None
+        except Infeasible:
+            chosen = None
+        if chosen is not None:
+            return self._optimum_of(chosen)
+        try:
+            selection = solve(variant, time_limit_s=self._deadline - began, firm=True)
         except SolverFailed:
             self.missing = True
             return None
@@ -153,12 +166,29 @@ class Variants:
         return self._deadline - time.perf_counter() <= self._takes_s or self._give_up()
 
     def _optimum(self, selection: Selection) -> _Optimum:
-        got = dict.fromkeys(selection.fulfilled, 0)
         names = frozenset(selection.strategies)
-        for strategy, utility in zip(self._table.strategies, self._table.utility, strict=True):
-            if strategy.name in names and strategy.cls in got:
-                got[strategy.cls] += utility
-        return _Optimum(got, selection.use)
+        return self._optimum_of([index for index, s in enumerate(self._table.strategies) if s.name in names])
+
+    def _optimum_of(self, chosen: Collection[int]) -> _Optimum:
+        """The optimum that selects ``chosen``, by index in the table."""
+        table = self._table
+        made: dict[str, int] = {}
+        cover: dict[str, int] = {}
+        use = dict.fromkeys(self._problem.capacities, 0)
+        for index in chosen:
+            cls = table.strategies[index].cls
+            made[cls] = made.get(cls, 0) + table.utility[index]
+            for required, need in table.requires[index].items():
+                cover[required] = cover.get(required, 0) - need
+            for resource, cost in table.costs[index].items():
+                use[resource] += cost
+        desires = self._problem.desires
+        got = {
+            cls: utility
+            for cls, utility in made.items()
+            if cls in desires and utility + cover.get(cls, 0) >= round(desires[cls].utility * GRAIN)
+        }
+        return _Optimum(got, use)
 
     def _wanted_by(self, cls: str) -> frozenset[str]:
         """The resources that strategies of ``cls``, and of what it requires over any distance, cost."""
@@ -180,9 +210,12 @@ class Variants:
         return self._wants.setdefault(cls, frozenset(wanted))
 
 
-def _use(optimum: _Optimum, resource: str) -> int:
-    return round(optimum.use[resource] * GRAIN)
-
-
 def _span(optimum: _Optimum, resource: str, capacity: int) -> _Span:
-    return _Span(_use(optimum, resource), capacity, optimum)
+    return _Span(optimum.use[resource], capacity, optimum)
+
+
+def _stated(problem: SelectionProblem) -> SmallProblem | None:
+    try:
+        return state_small(problem)
+    except Infeasible:
+        return None

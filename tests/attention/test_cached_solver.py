@@ -7,7 +7,7 @@ import pytest
 from app.attention.cached_solver import CachedSolver
 from app.attention.desires import Desire, Source
 from app.attention.problem import Selection, SelectionProblem
-from app.attention.solver import solve
+from app.attention.solver import CPSAT, solve
 from tests.attention.test_solver import FACES, GOTO, SLAM
 from tests.attention.thesis import CPU, desire, problem
 
@@ -60,9 +60,9 @@ def test_all_that_is_asked_has_the_limit_it_was_given(monkeypatch: pytest.Monkey
 
 def test_only_what_will_be_needed_is_loaded(monkeypatch: pytest.MonkeyPatch) -> None:
     loaded: list[Any] = []
-    monkeypatch.setattr("app.attention.cached_solver.load_cpsat", lambda: loaded.append("CP-SAT"))
+    monkeypatch.setattr("app.attention.cached_solver.load", loaded.append)
     CachedSolver().prepare(problem([], (SLAM, GOTO), CPU))
     assert loaded == []
     free = tuple(face.__class__(face.name, face.cls, face.utility) for face in FACES)
     CachedSolver().prepare(problem([], free, CPU))
-    assert loaded == ["CP-SAT"]
+    assert loaded == [CPSAT]

@@ -11,12 +11,14 @@ from typing import Any
 
 import pytest
 
+from app.attention.class_options import ClassOptions, list_options
 from app.attention.cpsat import solve_cpsat
+from app.attention.graded import solve_graded
 from app.attention.integer_program import Infeasible, IntegerProgram, build_integer_program
 from app.attention.prepared import prepare
 from app.attention.problem import SelectionProblem
 from app.attention.search import solve_search
-from app.attention.solver import SolverFailed, foresees_cpsat, load_cpsat, solve
+from app.attention.solver import CPSAT, GRADED, SolverFailed, foreseen, load, solve
 from app.attention.strategies import Strategy
 from tests.attention.thesis import CPU, TABLE_4_4, desire, problem
 
@@ -44,9 +46,15 @@ def many_resources(classes: int, resources: int, seed: int) -> SelectionProblem:
     return problem(desires, tuple(table), {name: round(amount / 2, 3) for name, amount in full.items()})
 
 
+def options_of(p: SelectionProblem) -> ClassOptions:
+    choice = list_options(build_integer_program(p))
+    assert choice is not None
+    return choice
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(2))
-def test_where_several_graded_resources_contend_cp_sat_proves_what_the_search_leaves(seed: int) -> None:
+def test_where_several_graded_resources_contend_the_compiled_search_selects_as_cp_sat(seed: int) -> None:
     p = many_resources(13, 3, 2 * seed)
     instance = build_integer_program(p)
     left = solve_search(instance, float("inf"))
@@ -57,6 +65,18 @@ def test_where_several_graded_resources_contend_cp_sat_proves_what_the_search_le
     selection = solve(p, time_limit_s=600)
     assert selection.proven
     assert set(selection.strategies) == {p.strategies[instance.table[s]].name for s in alone.chosen}
+
+
+@pytest.mark.slow
+def test_cp_sat_proves_what_the_compiled_search_leaves(monkeypatch: pytest.MonkeyPatch) -> None:
+    p = many_resources(13, 3, 0)
+    expected = solve(p, time_limit_s=600)
+    monkeypatch.setattr("app.attention.graded._MOST_STEPS", 10)
+    left = solve_graded(build_integer_program(p), options_of(p), float("inf"))
+    assert left is None or not left.proven
+    selection = solve(p, time_limit_s=600)
+    assert selection.proven
+    assert selection.strategies == expected.strategies
 
 
 def test_where_one_graded_resource_contends_the_search_goes_on_to_the_proof() -> None:
@@ -81,27 +101,30 @@ def test_which_securities_fit_is_never_guessed_when_the_time_is_over(monkeypatch
         if len(instance.security) == 2:
             raise Infeasible
 
+    monkeypatch.setattr("app.attention.solver.solve_small", lambda *_: None)
     monkeypatch.setattr("app.attention.solver.solve_search", too_late)
     with pytest.raises(SolverFailed, match="which security desires can be kept"):
         solve(p, time_limit_s=0)
 
 
-def test_cp_sat_is_waited_for_no_longer_than_there_is_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert load_cpsat(time.perf_counter()) is None
-    assert load_cpsat() is solve_cpsat
+@pytest.mark.parametrize("name", [CPSAT, GRADED])
+def test_a_search_is_waited_for_no_longer_than_there_is_time(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert load(name, time.perf_counter()) is None
+    assert load(name) is sys.modules[name]
     go_on = threading.Event()
-    monkeypatch.delitem(sys.modules, "app.attention.cpsat")
-    monkeypatch.setattr("app.attention.solver._import_cpsat", go_on.wait)
+    monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setattr("app.attention.solver._import", lambda _: go_on.wait())
     try:
-        assert load_cpsat(time.perf_counter() + 0.001) is None
+        assert load(name, time.perf_counter() + 0.001) is None
     finally:
         go_on.set()
 
 
-@pytest.mark.parametrize(("table", "foreseen"), [(TABLE_4_4, False), (many_resources(2, 2, 0).strategies, True)])
-def test_where_cp_sat_will_be_needed_is_foreseen(table: tuple[Strategy, ...], foreseen: bool) -> None:
-    assert foresees_cpsat(prepare(table)) is foreseen
-    assert foresees_cpsat(prepare((*table, Strategy("a", "Free", 1), Strategy("b", "Free", 1))))
+def test_which_searches_will_be_needed_is_foreseen() -> None:
+    free = (Strategy("a", "Free", 1), Strategy("b", "Free", 1))
+    assert foreseen(prepare(TABLE_4_4)) == ()
+    assert foreseen(prepare((*TABLE_4_4, *free))) == (CPSAT,)
+    assert foreseen(prepare(many_resources(2, 2, 0).strategies)) == (GRADED, CPSAT)
 
 
 def test_ten_thousand_strategies_of_one_class_take_no_ten_thousand_squared() -> None:
