@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -26,6 +27,17 @@ class Alongside:
     def __init__(self, process: subprocess.Popen[str], output: TextIO) -> None:
         self._process = process
         self._output = output
+        self._began = time.monotonic()
+        self._took_s: float | None = None
+        threading.Thread(target=self._await_end, daemon=True).start()
+
+    def took_s(self) -> float:
+        """How long (s) the command ran, or has run until now."""
+        return time.monotonic() - self._began if self._took_s is None else self._took_s
+
+    def _await_end(self) -> None:
+        self._process.wait()
+        self._took_s = time.monotonic() - self._began
 
     def running(self) -> bool:
         """Whether the command has not ended yet."""

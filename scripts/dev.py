@@ -29,6 +29,7 @@ import alongside
 import installing
 import locking
 import page
+from parts import Parts, processor_s
 
 ROOT = page.ROOT
 VENV = ROOT / ".venv"
@@ -107,24 +108,38 @@ def main() -> int:
 # --- Set-up ------------------------------------------------------------------------------------------------------
 
 
-def set_up(extras: set[str], *, page_wanted: bool = True, debian: bool = False, browser: bool = True) -> None:
+def set_up(
+    extras: set[str],
+    *,
+    page_wanted: bool = True,
+    debian: bool = False,
+    browser: bool = True,
+    parts: Parts | None = None,
+) -> None:
     """Set up the virtual environment with ``extras``, the compiled kernels and, if wanted, the page and Debian's
     packages.
 
     ``browser``: also the Debian package of the browser for tests. Steps independent of the environment run in parallel.
+    ``parts`` gets the time of each.
     """
-    make_environment()
+    timed = (parts or Parts()).timed
+    with timed("environment"):
+        make_environment()
     with ThreadPoolExecutor(2) as beside:
         node = page.find_node() if page_wanted else None
-        built = beside.submit(build_page, node) if node is not None else None
-        packages = beside.submit(install_debian_packages, browser=browser) if debian else None
-        install(extras)
-        compile_kernels()
+        built = beside.submit(timed("page")(build_page), node) if node is not None else None
+        debian_packages = timed("Debian's packages")(install_debian_packages)
+        packages = beside.submit(debian_packages, browser=browser) if debian else None
+        with timed("Python packages"):
+            install(extras)
+        with timed("kernels"):
+            compile_kernels()
         try:
             if built is not None:
                 built.result()
             elif page_wanted:
-                build_page(None)
+                with timed("page"):
+                    build_page(None)
         except page.PageFailed as failure:
             sys.stderr.write(f"\nThe operator page is not built, the console will serve a plain one. {failure}\n\n")
         if packages is not None:
@@ -324,16 +339,21 @@ def run_hbba(arguments: list[str]) -> None:
 
 def lint() -> int:
     """Everything that reads the sources without running them."""
+    parts = Parts()
     status = first_failure(
+        parts,
         [
             ["ruff", "check", "--quiet", "--output-format=concise", "."],
             ["ruff", "format", "--quiet", "--output-format=concise", "--check", "."],
             ["mypy", "--no-error-summary"],
             ["lint-imports", "--no-logo"],
             ["python", "scripts/words.py", "--quiet"],
-        ]
+        ],
     )
-    return lint_page() or status
+    with parts.timed("the page's sources"):
+        page_status = lint_page()
+    say(f"lint took: {parts}")
+    return page_status or status
 
 
 def lint_page() -> int:
@@ -344,9 +364,9 @@ def lint_page() -> int:
 
 def test(arguments: list[str]) -> int:
     """Set up, lint, the page's own tests, and pytest."""
-    began = time.monotonic()
-    set_up({"test", "docs"}, debian=True)
-    say(f"set-up took {time.monotonic() - began:.0f} s")
+    began, parts = time.monotonic(), Parts()
+    set_up({"test", "docs"}, debian=True, parts=parts)
+    say(f"set-up took {time.monotonic() - began:.0f} s: {parts}")
     os.environ.update(dict.fromkeys(SINGLE, "1"))
     if arguments:
         return run([PYTHON, "-m", "pytest", *arguments])
@@ -360,22 +380,31 @@ def test(arguments: list[str]) -> int:
         alongside.alongside([*GIVING_WAY, *patient]) as others,
     ):
         say("running the tests that run against the clock; beside them lint, the page's tests and all others")
-        hurried = run([PYTHON, "-m", "pytest", *HURRIED])
+        parts = Parts()
+        with parts.timed("tests against the clock"):
+            hurried = run([PYTHON, "-m", "pytest", *HURRIED])
         say("lint and the page's tests:")
         checked = sources.show()
         say("the others, while they go on:" if others.running() else "the others:")
         tested = others.show()
+        parts.note("lint and the page's tests", sources.took_s())
+        parts.note("all other tests", others.took_s())
+    say(f"side by side: {parts}")
     for what, status in (("lint or the page's tests", checked), ("tests against the clock", hurried)):
         if status:
             say(f"{what}: failed, see above")
-    say(f"everything took {time.monotonic() - began:.0f} s")
+    say(f"everything took {time.monotonic() - began:.0f} s, of {os.cpu_count()} processors {processor_s():.0f} s")
     return hurried or tested or checked
 
 
 def check_sources() -> int:
     """Lint, and the page's own tests."""
     status = lint()
-    return web_tests() or status
+    parts = Parts()
+    with parts.timed("the page's tests"):
+        web_status = web_tests()
+    say(f"took: {parts}")
+    return web_status or status
 
 
 def web_tests() -> int:
@@ -406,12 +435,14 @@ def clean() -> int:
     return 0
 
 
-def first_failure(commands: list[list[str]]) -> int:
-    """Run all ``commands`` of the environment; the status of the first that failed, or 0."""
+def first_failure(parts: Parts, commands: list[list[str]]) -> int:
+    """Run all ``commands`` of the environment, each a part of ``parts``; the status of the first that failed, or 0."""
     statuses = []
     for name, *arguments in commands:
-        say("running " + " ".join(word for word in (name, *arguments) if word[0] not in "-."))
-        statuses.append(run([VENV / "bin" / name, *arguments]))
+        what = " ".join(word for word in (name, *arguments) if word[0] not in "-.")
+        say(f"running {what}")
+        with parts.timed(what):
+            statuses.append(run([VENV / "bin" / name, *arguments]))
     return next((status for status in statuses if status), 0)
 
 

@@ -48,7 +48,15 @@ def alongside() -> Iterator[ModuleType]:
 
 
 @pytest.fixture(scope="session")
-def dev(page: ModuleType, installing: ModuleType, locking: ModuleType, alongside: ModuleType) -> Iterator[ModuleType]:
+def parts() -> Iterator[ModuleType]:
+    yield _load("parts")
+    del sys.modules["parts"]
+
+
+@pytest.fixture(scope="session")
+def dev(
+    page: ModuleType, installing: ModuleType, locking: ModuleType, alongside: ModuleType, parts: ModuleType
+) -> Iterator[ModuleType]:
     yield _load("dev")
     del sys.modules["dev"]
 

@@ -48,6 +48,7 @@ def test_output_and_status_are_those_of_the_command(alongside: ModuleType, tmp_p
     to = io.StringIO()
     with alongside.alongside(command) as started:
         assert started.show(to=to, period=0.01) == status
+        assert started.took_s() > 0
     assert sorted(to.getvalue().split()) == ["höre", "trouble"]
 
 

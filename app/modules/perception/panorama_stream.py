@@ -15,6 +15,7 @@ lens's field of view are black. ``jpeg_quality`` is a parameter of the desire Te
 from __future__ import annotations
 
 import math
+from functools import cached_property
 
 import cv2
 import numpy as np
@@ -40,11 +41,12 @@ class PanoramaProjection:
     """Computes panoramas of ``width`` x ``height`` (px) from one camera's images.
 
     The remapping table is kept until the camera has turned by half a pixel: encoders' noise turns it a little with
-    every image, and a table costs more than the image.
+    every image, and a table costs more than the image. What it is made of is computed for the first image: few programs
+    are looked at.
     """
 
     def __init__(self, width: int, height: int) -> None:
-        self._directions = directions(width, height)
+        self._size = width, height
         self._turned_rad = 0.5 * math.pi / width
         self._of: tuple[CameraModel | FisheyeModel, Pose3] | None = None
         self._maps: tuple[NDArray[np.int16], NDArray[np.uint16]]
@@ -58,6 +60,10 @@ class PanoramaProjection:
             self._maps = np.asarray(first, np.int16), np.asarray(second, np.uint16)
             self._of = camera, X_BC
         return np.asarray(cv2.remap(color, *self._maps, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT), np.uint8)
+
+    @cached_property
+    def _directions(self) -> NDArray[np.float64]:
+        return directions(*self._size)
 
     def _turned(self, a: Pose3, b: Pose3) -> bool:
         return bool(np.abs(a.rotation - b.rotation).max() > self._turned_rad)

@@ -140,8 +140,9 @@ def build_simulation(
     Raises ConfigError for a model that is no valid URDF or that the physics refuses.
     """
     streams = robot.streams
-    spec = build_world(world, textured=streams.kinect is not None or streams.panorama is not None)
-    add_people(spec, people, world.seed)
+    seen = streams.kinect is not None or streams.panorama is not None
+    spec = build_world(world, textured=seen)
+    add_people(spec, people, world.seed, textured=seen)
     body = mujoco.MjSpec.from_file(str(robot.model))
     kinematics = load_model(robot.model)
     _leave_out(body, kinematics, robot.kinematic_joints)

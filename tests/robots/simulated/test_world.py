@@ -17,6 +17,9 @@ from app.robots.config import RobotConfig
 from app.robots.simulated.body import build_simulation
 from app.robots.simulated.odometry import TrueBase
 from app.robots.simulated.scenery import textures
+from app.robots.simulated.scenery.people import add_people
+from app.robots.simulated.scenery.scenario_config import ScenarioConfig
+from app.robots.simulated.scenery.scenario_state import ScenarioState
 from app.robots.simulated.world import X_WP_of_page, build_world
 from app.robots.simulated.world_config import (
     CODE_RISE_M,
@@ -140,6 +143,20 @@ def test_without_a_camera_nothing_is_painted_and_all_else_is_the_same(lab: World
     assert painted.ntex > 0
     assert plain.ntex == 0
     for array in ("geom_type", "geom_size", "geom_pos", "geom_quat", "geom_contype", "geom_group", "body_mass"):
+        np.testing.assert_array_equal(getattr(painted, array), getattr(plain, array))
+
+
+def test_without_a_camera_people_are_not_painted_either_and_stand_all_the_same(lab: WorldConfig) -> None:
+    visitor = {"name": "visitor", "face": "pilot", "at": (2.0, 3.0), "heading_deg": 30, "height_m": 1.7}
+    actors = ScenarioState(ScenarioConfig.model_validate({"name": "one", "people": [visitor]})).actors
+    models = []
+    for textured in (True, False):
+        spec = build_world(lab, textured=False)
+        add_people(spec, actors, lab.seed, textured=textured)
+        models.append(spec.compile())
+    painted, plain = models
+    assert (painted.ntex, plain.ntex) == (1, 0)
+    for array in ("body_pos", "body_quat", "geom_type", "geom_size", "geom_pos", "geom_contype", "geom_group"):
         np.testing.assert_array_equal(getattr(painted, array), getattr(plain, array))
 
 

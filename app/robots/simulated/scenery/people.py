@@ -31,18 +31,21 @@ nothing at all.
 TRUNK_RADIUS_SHARE, LEG_RADIUS_SHARE = 0.13, 0.032
 
 
-def add_people(spec: mujoco.MjSpec, actors: Sequence[Actor], seed: int) -> None:
-    """Add the bodies of ``actors`` to the world's specification, posed as they are now."""
+def add_people(spec: mujoco.MjSpec, actors: Sequence[Actor], seed: int, *, textured: bool = True) -> None:
+    """Add the bodies of ``actors`` to the world's specification, posed as they are now. ``textured``: with their faces
+    and clothes, which cameras alone can see."""
     for number, actor in enumerate(actors):
-        _add(spec, actor, number, np.random.default_rng([seed, number]))
+        _add(spec, actor, number, np.random.default_rng([seed, number]) if textured else None)
 
 
-def _add(spec: mujoco.MjSpec, actor: Actor, number: int, rng: np.random.Generator) -> None:
+def _add(spec: mujoco.MjSpec, actor: Actor, number: int, rng: np.random.Generator | None) -> None:
     prefix, height, wear = f"person{number}/", actor.height_m, actor.config
-    clothes: dict[person_mesh.PaletteColor, Color] = {
-        "shirt": wear.shirt, "trousers": wear.trousers, "shoes": wear.shoes,
-    }  # fmt: skip
-    _add_skin(spec, prefix + "skin", person_mesh.skin(wear.face, clothes, rng))
+    material = spec.add_material(name=prefix + "skin", specular=0.05, shininess=0.2, emission=0.1)
+    if rng is not None:
+        clothes: dict[person_mesh.PaletteColor, Color] = {
+            "shirt": wear.shirt, "trousers": wear.trousers, "shoes": wear.shoes,
+        }  # fmt: skip
+        _paint(spec, material, person_mesh.skin(wear.face, clothes, rng))
     meshes = _meshes(wear.face)
     for limb, pose in zip(LIMBS, limb_poses(actor), strict=True):
         name, mesh = prefix + limb, meshes[limb]
@@ -70,11 +73,11 @@ def _add(spec: mujoco.MjSpec, actor: Actor, number: int, rng: np.random.Generato
             )  # fmt: skip
 
 
-def _add_skin(spec: mujoco.MjSpec, name: str, pixels: Texture) -> None:
+def _paint(spec: mujoco.MjSpec, material: mujoco.MjsMaterial, pixels: Texture) -> None:
     height, width, _ = pixels.shape
+    name = material.name
     image = spec.add_texture(name=name, type=mujoco.mjtTexture.mjTEXTURE_2D, width=width, height=height, nchannel=3)
     image.data = np.ascontiguousarray(pixels).tobytes()
-    material = spec.add_material(name=name, specular=0.05, shininess=0.2, emission=0.1)
     material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = name
 
 
