@@ -32,8 +32,6 @@ pytestmark = [pytest.mark.slow, needs_gl]
 VALIDITY_S = 0.4
 #: Longer than any limit of driving: the age of a command, of what a page sees, and of a page that counts as lost.
 LATE_S = 1.5
-#: Between the age of a command of full speed and that of one that moves nothing.
-A_LITTLE_LATE_S = 0.3
 
 
 @pytest.fixture(scope="module")
@@ -72,21 +70,6 @@ async def test_over_a_slow_link_it_never_moves_and_says_so(robot: Robot, up_s: f
             assert pages["Eve"]["waits"] == ""
     rows = await asyncio.to_thread(robot.wheels)
     assert not any(map(moving, rows[before:]))
-
-
-async def test_over_a_link_that_is_a_little_late_the_page_knows_what_share_of_the_speed_it_is_given(
-    robot: Robot,
-) -> None:
-    async with slow_link(robot.url) as link:
-        link.up_s = A_LITTLE_LATE_S
-        async with page(link.url) as ann:
-            async with held(ann):
-                status = await ann.until("status", lambda s: s["share"] < 1.0, within_s=PATIENCE_S)
-            await ann.drive(0.0, held=False)
-            await all_arrived(ann)
-    assert 0.0 < status["share"]
-    assert status["slowed"].endswith(f": {100 * status['share']:.0f} % of the speed.")
-    await until(robot, still)
 
 
 async def test_a_delay_that_begins_while_driving_stops_for_good(robot: Robot) -> None:
