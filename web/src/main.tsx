@@ -20,6 +20,7 @@ import { AppContext } from "./state/context";
 import { keepHistory } from "./state/history";
 import { Session } from "./state/session";
 import { createStore } from "./state/store";
+import { accelerated } from "./state/turns";
 import { RehearsalControl } from "./tours/rehearsalControl";
 import { RouteControl } from "./tours/routeControl";
 import { StopMaker } from "./tours/stopMaker";
@@ -61,10 +62,12 @@ const playback = new PlaybackController(store, session.rest);
 const recordings = new RecordingControl(store, session.rest);
 const drive = new DriveController(store, session, playback);
 const ahead = lookAhead(store, session, drive);
+const processorDraws = !accelerated();
 const camera = new PictureFeed(
   session,
   CAMERA,
   computed(() => store.camera.value !== "hidden" && store.around.value !== "large"),
+  computed(() => processorDraws && !store.replay.value && !store.steered.value),
 );
 const panorama = new PictureFeed(
   session,
@@ -73,6 +76,7 @@ const panorama = new PictureFeed(
     const mode = store.around.value;
     return mode === "large" || (mode === "inset" && (!narrow.value || store.tab.value === "found"));
   }),
+  computed(() => processorDraws && !store.replay.value),
 );
 panorama.canvas = document.createElement("canvas");
 const listening = new Listening(store, session);

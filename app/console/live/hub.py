@@ -253,15 +253,15 @@ class Hub:
             viewer.outbox.put_each(kind, (item,))
 
     def broadcast_status(self, status: messages.Status) -> None:
-        """Send ``status`` to every viewer, completed by driver, asker, speaker, ``waits`` and ``slowed``. It differs by
-        viewer only in ``mine`` of the first three and in the last two: it is encoded once for all viewers with the same
-        five."""
+        """Send ``status`` to every viewer, completed by driver, asker, speaker, ``waits``, ``slowed`` and ``share``. It
+        differs by viewer only in ``mine`` of the first three and in the last three: it is encoded once for all viewers
+        with the same."""
         lease, speaker = self.driving.lease, self.speech.speaker
-        frames: dict[tuple[bool, bool, bool, str, str], str] = {}
+        frames: dict[tuple[bool, bool, bool, str, str, float], str] = {}
         for session, viewer in self._viewers.items():
-            waits, slowed = self.waits(viewer), self.slowed(viewer)
+            waits, slowed, share = self.waits(viewer), self.slowed(viewer), self.share(viewer)
             speaks = speaker is not None and session == speaker[0]
-            mine = (session == lease.driver, session == lease.asker, speaks, waits, slowed)
+            mine = (session == lease.driver, session == lease.asker, speaks, waits, slowed, share)
             if mine not in frames:
                 name = lease.driver_name
                 own = replace(
@@ -271,6 +271,7 @@ class Hub:
                     asker=self._asker(mine[1]),
                     waits=waits,
                     slowed=slowed,
+                    share=share,
                 )
                 frames[mine] = frame("status", own)
             viewer.outbox.put("status", frames[mine])
@@ -292,7 +293,11 @@ class Hub:
         judged = viewer.age.last
         if not judged.slowed or not self.driving.drivable:
             return ""
-        return f"{judged.slowed[0].upper()}{judged.slowed[1:]}: {100 * judged.share:.0f} % of the speed."
+        return f"{judged.slowed[0].upper()}{judged.slowed[1:]}: {100 * self.share(viewer):.0f} % of the speed."
+
+    def share(self, viewer: Viewer) -> float:
+        """The share of its stick's speeds that ``viewer`` is given, 0 to 1, to two places."""
+        return round(viewer.age.last.share, 2) if self.driving.drivable else 1.0
 
     # --- What is subscribed to only while there are viewers ----------------------------------------------------------
 

@@ -128,6 +128,7 @@ class Status:
     waits: Annotated[str, doc("Why this viewer's driving waits, its commands coming too late; empty: it does not.")]
     sources: tuple[SourceState, ...]
     slowed: Annotated[str, doc("Why this viewer drives slower than its stick says; empty: it does not.")] = ""
+    share: Annotated[float, doc("The share of the speeds of its stick that this viewer is given for it, 0 to 1.")] = 1.0
 
 
 class LaneSpell(Struct, frozen=True):

@@ -60,6 +60,10 @@ class Pacer:
         self._give_up_beyond(self._waited_s, now)
         return True
 
+    def go_on(self) -> None:
+        """Pause for nothing that is missing during the next ``GO_ON_S`` of simulated time."""
+        self._waits_since, self._goes_on = None, round(GO_ON_S / self._step_s)
+
     def advance(self) -> None:
         self._steps += 1
         self._since_anchor += 1

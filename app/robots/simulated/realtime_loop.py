@@ -140,7 +140,11 @@ class RealtimeLoop:
                 case link_protocol.Stop():
                     self._ending = True
                 case _:
+                    before = self._simulation.commanded
                     self._simulation.accept(frame)
+                    # Setting out and stopping wait for no picture: real wheels would not.
+                    if self._simulation.commanded != before:
+                        self._pacer.go_on()
 
     def _send(self, stream: str, message: object) -> None:
         self._socket.send(link_protocol.Sample(stream, message))

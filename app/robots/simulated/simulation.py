@@ -166,6 +166,12 @@ class WorldSimulation:
             case link_protocol.Demand(stream, rate_hz):
                 self.demand(stream, rate_hz)
 
+    @property
+    def commanded(self) -> bool:
+        """Whether the last command moves the base."""
+        command = self.state.command
+        return command is not None and not command.velocity.is_zero
+
     def demand(self, stream: str, rate_hz: float) -> None:
         """Give ``stream`` from now on, a camera's at most at ``rate_hz``; 0: not at all."""
         (self.wanted.add if rate_hz > 0 else self.wanted.discard)(stream)

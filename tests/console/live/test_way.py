@@ -24,6 +24,8 @@ from tests.console.live_client import Page, page
 from tests.console.places import grid, localization, path, status, zone, zones
 from tests.patience import PATIENCE_S
 
+#: Between the age of a command of full speed and that of one that moves nothing.
+A_LITTLE_LATE_MS = 330.0
 HEADER = struct.Struct("<B3xIdHH4x")
 
 
@@ -206,6 +208,18 @@ async def test_place_zones_and_way_are_sent_as_they_change(url: str, system: Sys
         while not {"localization", "navigation", "zones"} <= kinds:
             frame = await bob.receive()
             kinds |= {frame["type"]} if isinstance(frame, dict) else set()
+
+
+async def test_a_page_that_is_a_little_late_is_sent_what_share_of_the_speed_it_is_given(url: str) -> None:
+    async with page(url) as ann, asyncio.timeout(PATIENCE_S):
+        await ann.greeted()
+        assert (await ann.until("status"))["share"] == 1.0
+        said = {"share": 1.0}
+        while said["share"] == 1.0:  # on a busy computer it is too late now and then, and given nothing
+            await ann.send("ping", t=ann.clock() - A_LITTLE_LATE_MS)
+            said = await ann.until("status")
+    assert 0.7 < said["share"] < 0.95
+    assert said["slowed"].endswith(f": {100 * said['share']:.0f} % of the speed.")
 
 
 async def test_why_the_monitor_slowed_the_driver_is_sent(url: str, system: System) -> None:

@@ -108,3 +108,18 @@ def test_time_never_runs_back_nor_ahead_of_the_clock(waits: list[float]) -> None
         assert 0 <= turn(pacer, now) <= 12
         assert last <= pacer.stamp <= now + 1e-9
         last = pacer.stamp
+
+
+def test_a_command_to_set_out_ends_a_pause_and_pictures_are_waited_for_again_afterwards() -> None:
+    pacer = Pacer(0.0, STEP)
+    turn(pacer, 0.02)
+    assert pacer.waits(0.03, missing=True)
+    pacer.go_on()
+    stepped = 0
+    while not pacer.waits(0.04, missing=True):
+        pacer.advance()
+        stepped += 1
+    assert stepped * STEP == pytest.approx(GO_ON_S)
+    # The wait has begun again, and lasts as long as any.
+    assert pacer.waits(0.04 + LONGEST_WAIT_S - 0.01, missing=True)
+    assert not pacer.waits(0.04 + LONGEST_WAIT_S, missing=True)

@@ -33,7 +33,8 @@ export function lookAhead(store: Store, session: Session, drive: DriveController
     const [arrives, body] = [arrival(), limits()];
     if (arrives !== null && body) predictor.command(arrives, command.held ? command : null, body);
   };
-  session.on("status", ({ stamp, odometry, driver }) => {
+  session.on("status", ({ stamp, odometry, driver, share }) => {
+    predictor.share = share ?? 1; // an older program says none
     const [arrives, body] = [arrival(), limits()];
     if (!odometry || arrives === null || !body || store.replay.peek()) return;
     const velocity = {

@@ -27,6 +27,8 @@ export type KeyboardPlace = "page" | "field" | "away";
 
 export class DriveController {
   readonly state = signal<DriveState>(initialDrive(readPreset()));
+  /** Whether a hand on this page holds the base or the head. */
+  readonly holding = computed(() => holds(this.state.value.command));
   readonly keyboard = signal<KeyboardPlace>("page");
   /** How keys and stick on screen drive: held, by steps, or by presses. */
   readonly style = signal<Style>(readStyle());

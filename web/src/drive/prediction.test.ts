@@ -26,12 +26,13 @@ test.each(examples)("$name: as the robot predicts it", (example) => {
   );
 });
 
-/** A robot that does what it is commanded `up` s later, or not at all. */
-function drive(obeys: boolean): { worst: number; wrong: string } {
+/** A robot that does what it is commanded `up` s later, to the `share` of the speed that a late link has, or not at all. */
+function drive(obeys: boolean, share = 1, known = share): { worst: number; wrong: string } {
   const predictor = new Predictor();
+  predictor.share = known;
   const up = 0.15;
   let robot = { stamp: 0, x: 0, y: 0, theta: 0, velocity: STILL };
-  const commands = [{ stamp: 0.5, velocity: obeys ? { linear: 0.4, angular: 0.5, lateral: 0 } : STILL }];
+  const commands = [{ stamp: 0.5, velocity: obeys ? { linear: 0.4 * share, angular: 0.5 * share, lateral: 0 } : STILL }];
   const expected: { at: number; x: number }[] = [];
   let worst = 0;
   for (let step = 0; step < 80; step++) {
@@ -50,6 +51,12 @@ test("a robot that obeys is where it was expected", () => {
   const { worst, wrong } = drive(true);
   expect(worst).toBeLessThan(0.02);
   expect(wrong).toBe("");
+});
+
+test("a robot that is slowed for a late link is where it was expected, where the page knows by how much", () => {
+  const [known, unknown] = [drive(true, 0.4).worst, drive(true, 0.4, 1).worst];
+  expect(known).toBeLessThan(0.002);
+  expect(unknown).toBeGreaterThan(4 * known);
 });
 
 test("a standing robot that nothing commands is nowhere else", () => {

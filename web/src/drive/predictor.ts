@@ -26,12 +26,15 @@ export class Predictor {
   /** How far the robot is from where it was predicted, in words; empty: it is there. */
   wrong = "";
 
+  /** The share of the commanded speeds, 0 to 1, that the robot gives a link that is late. */
+  share = 1;
+
   /** A command that arrives at `arrives` (s, robot's clock); null: nothing is held, and the base stops. */
   command(arrives: number, axes: Axes | null, limits: BaseLimits): void {
     const velocity: Velocity = {
-      linear: (axes?.linear ?? 0) * limits.linear_mps,
-      angular: (axes?.angular ?? 0) * limits.angular_radps,
-      lateral: (axes?.lateral ?? 0) * limits.lateral_mps,
+      linear: this.share * (axes?.linear ?? 0) * limits.linear_mps,
+      angular: this.share * (axes?.angular ?? 0) * limits.angular_radps,
+      lateral: this.share * (axes?.lateral ?? 0) * limits.lateral_mps,
     };
     const stamp = Math.max(arrives, this.commands.at(-1)?.stamp ?? arrives);
     this.commands = [...this.commands.filter((each) => each.stamp > stamp - KEPT_S), { stamp, velocity }];
@@ -71,6 +74,7 @@ export class Predictor {
 
   /** Another connection, or another time. */
   reset(): void {
+    this.share = 1;
     this.commands = [];
     this.made = [];
     this.last = null;

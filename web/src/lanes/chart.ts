@@ -4,6 +4,7 @@ import { shownTheme } from "../layout/theme";
 import type { Rest } from "../protocol/rest";
 import type { RobotEvent } from "../protocol/types";
 import type { Store } from "../state/store";
+import { accelerated, fourTimesASecond } from "../state/turns";
 import { drawEvents, EVENTS_PX, FOLD_PX } from "./drawEvents";
 import { GAUGE_PX, type Gauge, LanePainter, markRow } from "./drawLanes";
 import type { LaneHistory, LaneSample } from "./history";
@@ -70,9 +71,6 @@ export interface Shown {
 const PAST_EVENTS = 1000;
 const PAST_KINDS = "desire,intention,exploitation,accomplishment,capacity";
 
-/** How often new data is drawn. */
-const TICK_MS = 250;
-
 export class LaneChart {
   /** Where the pointer or the keyboard is: share of the width, row. */
   cursor: { share: number; row: number } | null = null;
@@ -93,7 +91,7 @@ export class LaneChart {
   private begun = 0;
   private readonly events: CanvasRenderingContext2D;
   private stale = true;
-  private timer = 0;
+  private endTicks: (() => void) | null = null;
   private frame = 0;
 
   /** `ticked` is called four times a second while the lanes are seen; `past.came` when what was asked for is there. */
@@ -106,7 +104,7 @@ export class LaneChart {
   ) {
     this.painter = new LanePainter(parts.lanes.getContext("2d")!);
     this.events = parts.events.getContext("2d")!;
-    this.mover = new Mover([parts.lanes, parts.events, parts.overlay]);
+    this.mover = new Mover([parts.lanes, parts.events, parts.overlay], accelerated());
     this.past = new Past(
       {
         lanes: ({ from, to, points }) => past.rest.lanes(from, to, points),
@@ -182,15 +180,16 @@ export class LaneChart {
 
   /** While nothing of the lanes is seen, nothing is done. */
   see(seen: boolean): void {
-    if (seen === this.timer > 0) return;
+    if (seen === (this.endTicks !== null)) return;
     if (seen) {
-      this.timer = window.setInterval(() => this.tick(), TICK_MS);
+      this.endTicks = fourTimesASecond(() => this.tick());
       this.tick();
       return;
     }
-    clearInterval(this.timer);
+    this.endTicks?.();
+    this.endTicks = null;
     cancelAnimationFrame(this.frame);
-    this.timer = this.frame = 0;
+    this.frame = 0;
     this.mover.stop();
   }
 
@@ -263,7 +262,7 @@ export class LaneChart {
 
   /** At the next frame, once for all that changes until then. */
   soon(): void {
-    if (this.timer === 0 || this.frame !== 0) return;
+    if (this.endTicks === null || this.frame !== 0) return;
     this.frame = requestAnimationFrame(() => {
       this.frame = 0;
       this.draw();

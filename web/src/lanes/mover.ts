@@ -1,4 +1,7 @@
-/** Moves strips through the view: the compositor does it, by whole device pixels, with no script between two ticks. */
+/**
+ * Moves strips through the view: the compositor does it, by whole device pixels, with no script between two ticks. Where
+ * the processor draws, each tick moves them: a compositor that moves something makes 60 frames a second.
+ */
 
 import type { Edges, Strip } from "./strip";
 
@@ -14,13 +17,16 @@ export class Mover {
   private speed = 0;
   private readonly still = window.matchMedia("(prefers-reduced-motion: reduce)");
 
-  constructor(private readonly elements: readonly HTMLElement[]) {}
+  constructor(
+    private readonly elements: readonly HTMLElement[],
+    private readonly smooth: boolean,
+  ) {}
 
   /** Shows `edges` of the strip, and goes on from there at `rate` seconds of the strip per second. */
   show(strip: Strip, edges: Edges, rate: number, ratio: number): void {
     const column = strip.column(edges.from);
     const speed = strip.perSecond * rate;
-    if (speed < CRAWL || this.still.matches) {
+    if (!this.smooth || speed < CRAWL || this.still.matches) {
       this.stop();
       this.place(Math.round(column) / ratio);
       return;

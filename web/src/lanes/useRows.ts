@@ -4,19 +4,17 @@ import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import type { LaneRow } from "../protocol/types";
 import { useApp } from "../state/context";
+import { fourTimesASecond } from "../state/turns";
 import { sameRows } from "./rows";
-
-const EVERY_MS = 250;
 
 export function useRows(): readonly LaneRow[] {
   const { store } = useApp();
   const rows = useSignal<LaneRow[]>(store.rows.peek());
   useEffect(() => {
-    const timer = window.setInterval(() => {
+    return fourTimesASecond(() => {
       const next = store.rows.peek();
       if (!sameRows(rows.peek(), next)) rows.value = next;
-    }, EVERY_MS);
-    return () => clearInterval(timer);
+    });
   }, []);
   return rows.value;
 }

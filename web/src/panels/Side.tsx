@@ -1,14 +1,16 @@
 /** The side column: the registered panels in their tabs. */
 
+import { useMemo } from "preact/hooks";
 import { useApp } from "../state/context";
 import { Tabs } from "../ui/Tabs";
 import { externalTabs } from "./external";
-import { type Panel, tabsOf } from "./panel";
+import { offeredTabs, type Panel } from "./panel";
 import { PANELS } from "./registry";
 
 export function Side({ phone }: { phone: boolean }) {
   const app = useApp();
-  const items = tabsOf(PANELS, app, phone).map(({ panels, ...tab }) => ({
+  const offered = useMemo(() => offeredTabs(PANELS, app, phone), [phone]);
+  const items = offered.value.map(({ panels, ...tab }) => ({
     ...tab,
     content: () => panels.map((panel) => <Shown key={`${panel.type} ${panels.indexOf(panel)}`} panel={panel} />),
   }));

@@ -1,8 +1,9 @@
+import { effect } from "@preact/signals";
 import { expect, test } from "vitest";
-import type { Landmark } from "../protocol/types";
+import type { FromRobot, Landmark } from "../protocol/types";
 import type { App } from "../state/context";
 import { createStore } from "../state/store";
-import { panel, tabsOf } from "./panel";
+import { offeredTabs, panel, tabsOf } from "./panel";
 
 const Card = () => null;
 const always = () => true;
@@ -50,4 +51,39 @@ test("a tab's badge and alarm are those of its cards, by their newest messages",
   expect(shown()).toEqual([0, false]);
   app.store.latest.put({ type: "landmarks", landmarks: [{}, {}] as Landmark[] });
   expect(shown()).toEqual([2, true]);
+});
+
+test("the tabs are made again only by a message that changes what they show", () => {
+  const app = { store: createStore() } as App;
+  const panels = [
+    panel({
+      type: "landmarks",
+      tab: "Found",
+      Card,
+      offered: always,
+      badge: (message) => message?.landmarks.length ?? 0,
+    }),
+    panel({ type: "perceived", tab: "People", Card }),
+  ];
+  const tabs = offeredTabs(panels, app, false);
+  let made = 0;
+  const end = effect(() => {
+    void tabs.value;
+    made += 1;
+  });
+  const landmarks = (count: number) =>
+    app.store.latest.put({ type: "landmarks", landmarks: Array.from({ length: count }) as Landmark[] });
+  expect(made).toBe(1);
+  landmarks(0);
+  landmarks(0);
+  expect(made).toBe(1);
+  landmarks(1);
+  expect(made).toBe(2);
+  for (let stamp = 0; stamp < 5; stamp++) app.store.latest.put({ type: "perceived", stamp } as FromRobot);
+  expect(made).toBe(3); // once, as its tab came
+  expect(tabs.value.map(({ id, badge }) => [id, badge])).toEqual([
+    ["found", 1],
+    ["people", 0],
+  ]);
+  end();
 });

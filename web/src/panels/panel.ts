@@ -1,5 +1,6 @@
 /** What a panel of the side column is, and how panels become tabs. Pure. */
 
+import { computed, type ReadonlySignal } from "@preact/signals";
 import type { ComponentType } from "preact";
 import type { App } from "../state/context";
 import type { Message, MessageType } from "../state/latest";
@@ -32,6 +33,27 @@ export interface Tab {
   badge: string | number;
   alarm: boolean;
   panels: Panel[];
+}
+
+/** Whether two lists of tabs look the same and hold the same panels. */
+export function sameTabs(a: readonly Tab[], b: readonly Tab[]): boolean {
+  const same = (one: Tab, other: Tab) =>
+    one.id === other.id &&
+    one.badge === other.badge &&
+    one.alarm === other.alarm &&
+    one.panels.length === other.panels.length &&
+    one.panels.every((panel, i) => panel === other.panels[i]);
+  return a.length === b.length && a.every((tab, i) => same(tab, b[i]!));
+}
+
+/** The tabs of `panels`, another list only when it is to be shown otherwise: most messages change none. */
+export function offeredTabs(panels: readonly Panel[], app: App, phone: boolean): ReadonlySignal<readonly Tab[]> {
+  let shown: readonly Tab[] = [];
+  return computed(() => {
+    const next = tabsOf(panels, app, phone);
+    if (!sameTabs(shown, next)) shown = next;
+    return shown;
+  });
 }
 
 /** The tabs of `panels` that are offered. */

@@ -1375,6 +1375,8 @@ export interface Status {
   sources: SourceState[];
   /** Why this viewer drives slower than its stick says; empty: it does not. */
   slowed: string;
+  /** The share of the speeds of its stick that this viewer is given for it, 0 to 1. */
+  share: number;
 }
 
 /** What goes on at once; the step is over when all of it is. A picture stays until the next, or the stop's end. */

@@ -9,7 +9,7 @@ import type { FromRobot, Hello, Playback, ToRobot } from "../protocol/types";
 import { isFresh } from "./freshness";
 import type { Message, MessageType } from "./latest";
 import type { Store } from "./store";
-import { nextTurn } from "./turns";
+import { fourTimesASecond, nextTurn } from "./turns";
 import { urgent } from "./urgency";
 
 const WATCH_MS = 100;
@@ -63,7 +63,7 @@ export class Session {
 
   async start(): Promise<void> {
     window.setInterval(() => this.watch(), WATCH_MS);
-    window.setInterval(() => this.refresh(), 250);
+    fourTimesASecond(() => this.refresh());
     await this.enter();
   }
 

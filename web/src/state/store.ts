@@ -115,6 +115,10 @@ export function createStore() {
     live,
     /** Whether nothing drives the robot, by what is heard of it now. */
     stands: computed(() => live.value && status.value?.guard.state === "idle") as ReadonlySignal<boolean>,
+    /** Whether someone has the wheel, or the robot moves: what its pictures show changes, and a hand answers to it. */
+    steered: computed(
+      () => status.value === null || status.value.driver !== null || status.value.guard.state !== "idle",
+    ) as ReadonlySignal<boolean>,
 
     addEvents(fresh: RobotEvent[]): void {
       // A robot that was restarted counts from the beginning again: the stamp distinguishes its events.

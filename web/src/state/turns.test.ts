@@ -1,5 +1,5 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
-import { CALM_MS, hasCard, paced } from "./turns";
+import { atTurns, CALM_MS, fourTimesASecond, hasCard, nextTurn, paced, untilTurn } from "./turns";
 
 beforeEach(() => void vi.useFakeTimers());
 afterEach(() => void vi.useRealTimers());
@@ -25,6 +25,43 @@ test("nothing is due while nothing comes", () => {
   expect(vi.getTimerCount()).toBe(0);
   show(2);
   expect(shown).toEqual([1, 2]);
+});
+
+test("the turns of a page without a card are common to all of it, whenever each part asks", () => {
+  const turns: number[] = [];
+  const run = () => turns.push(performance.now());
+  vi.advanceTimersByTime(untilTurn(performance.now()) + 10);
+  nextTurn(run);
+  const end = fourTimesASecond(run);
+  vi.advanceTimersByTime(CALM_MS / 2);
+  nextTurn(run);
+  vi.advanceTimersByTime(CALM_MS);
+  end();
+  expect(turns).toHaveLength(3);
+  expect(new Set(turns).size).toBe(1);
+  expect(turns[0]! % CALM_MS).toBeCloseTo(0);
+});
+
+test("four times a second is that, until it is ended", () => {
+  let count = 0;
+  const end = fourTimesASecond(() => (count += 1));
+  vi.advanceTimersByTime(10_000);
+  expect(count).toBe(40);
+  end();
+  vi.advanceTimersByTime(1000);
+  expect(count).toBe(40);
+  expect(vi.getTimerCount()).toBe(0);
+});
+
+test("at turns, the newest value is shown, and none before its turn", () => {
+  const shown: number[] = [];
+  const show = atTurns((value: number) => shown.push(value));
+  for (const value of [1, 2, 3]) show(value);
+  expect(shown).toEqual([]);
+  vi.advanceTimersByTime(CALM_MS);
+  expect(shown).toEqual([3]);
+  vi.advanceTimersByTime(CALM_MS);
+  expect(shown).toEqual([3]);
 });
 
 test.each([

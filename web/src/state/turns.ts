@@ -1,6 +1,7 @@
 /**
  * When the page brings what it shows up to date: at each frame where a graphics card draws it, a few times a second
- * where the processor does. There a frame costs twice what the scripts in it cost, and the robot may be on that processor.
+ * where the processor does. There a frame costs twice what the scripts in it cost, and the robot may be on that processor:
+ * so all that changes by itself there changes at the same times, in one frame.
  */
 
 /** Between two turns (ms) of a page that the processor draws. */
@@ -31,10 +32,42 @@ function rendererName(): string | null {
   return String(name);
 }
 
+/** From `at` (ms, the page's clock) to the next turn of a page that the processor draws: the same for all of the page. */
+export function untilTurn(at: number): number {
+  return CALM_MS - (at % CALM_MS);
+}
+
 /** Calls `run` once, at the next turn. */
 export function nextTurn(run: () => void): void {
   if (accelerated()) requestAnimationFrame(run);
-  else setTimeout(run, CALM_MS);
+  else setTimeout(run, untilTurn(performance.now()));
+}
+
+/** Calls `run` four times a second, where the processor draws at the turns; returns what ends that. */
+export function fourTimesASecond(run: () => void): () => void {
+  let timer: ReturnType<typeof setTimeout>;
+  const wait = () => {
+    timer = setTimeout(() => {
+      wait();
+      run();
+    }, untilTurn(performance.now()));
+  };
+  wait();
+  return () => clearTimeout(timer);
+}
+
+/** A function that calls `show` with the newest value at the next turn. */
+export function atTurns<T>(show: (value: T) => void): (value: T) => void {
+  let waiting: { value: T } | null = null;
+  return (value) => {
+    if (waiting === null)
+      nextTurn(() => {
+        const newest = waiting!.value;
+        waiting = null;
+        show(newest);
+      });
+    waiting = { value };
+  };
 }
 
 /** A function that calls `show` with the newest value, at once where none was shown for a turn, else at its end. */

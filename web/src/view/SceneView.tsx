@@ -54,6 +54,7 @@ export function SceneView() {
     scene.onCamera = (camera) => follow.look(camera);
   }, []);
   useSignalEffect(() => scene.takeKeys(keysOfPage(store)));
+  useSignalEffect(() => scene.drives(drive.holding.value));
   useEffect(() => {
     if (live) void scene.answered(); // not before the login
   }, [live]);

@@ -1,21 +1,45 @@
 /** The frame's half of what page and 3D view say to each other: the script as the console injects it. */
 
-import { expect, test, vi } from "vitest";
+import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import HTML from "../../../app/console/view/inject.html?raw";
 
 const SCRIPT = /<script>([\s\S]*)<\/script>/.exec(HTML as string)![1]!;
 const PAGE = "http://robot:8080";
 
+beforeEach(() => void vi.useFakeTimers());
+afterEach(() => void vi.useRealTimers());
+
+/** A canvas whose context says that it is of `renderer`, and finishes each frame `drawMs` after it was begun. */
+function canvases(renderer: string, drawMs: { value: number }) {
+  const context = {
+    getExtension: () => ({ loseContext: () => undefined }),
+    getParameter: () => renderer,
+    SIGNALED: true,
+    fenceSync: () => performance.now(),
+    flush: () => undefined,
+    getSyncParameter: (begun: number) => performance.now() - begun >= drawMs.value,
+    deleteSync: () => undefined,
+  };
+  return class {
+    isConnected = true;
+    getContext(_type: string): typeof context {
+      return context;
+    }
+  };
+}
+
 /** The script in a window of little more than what it uses. */
-function injected(pageOrigin = PAGE) {
+function injected(pageOrigin = PAGE, renderer = "", drawMs = { value: 0 }) {
+  const HTMLCanvasElement = canvases(renderer, drawMs);
   const parent = { postMessage: vi.fn() };
   const target = new EventTarget();
   const location = { href: "http://robot:8081/viser/", origin: "http://robot:8081", pathname: "/viser/" };
   const document = Object.assign(new EventTarget(), {
     hidden: false,
-    createElement: () => ({ getContext: () => null }),
+    createElement: () => new HTMLCanvasElement(),
   });
-  const window = { parent, requestAnimationFrame: vi.fn() };
+  const nextFrame = (run: (now: number) => void) => setTimeout(() => run(performance.now()));
+  const window = { parent, requestAnimationFrame: nextFrame as (run: (now: number) => void) => unknown };
   const everyPeriod = vi.fn(() => 1);
   const globals = {
     window,
@@ -25,6 +49,7 @@ function injected(pageOrigin = PAGE) {
     history: { replaceState: vi.fn() },
     requestAnimationFrame: vi.fn(),
     WebSocket: class {},
+    HTMLCanvasElement,
     addEventListener: target.addEventListener.bind(target),
     dispatchEvent: target.dispatchEvent.bind(target),
   };
@@ -38,8 +63,68 @@ function injected(pageOrigin = PAGE) {
     return event.defaultPrevented;
   };
   const said = () => parent.postMessage.mock.calls.map(([message]) => (message as { type: string }).type);
-  return { parent, target, tell, press, said, everyPeriod };
+  return { parent, target, tell, press, said, everyPeriod, window, HTMLCanvasElement };
 }
+
+/** What draws at each frame that it gets; when (ms) it drew. */
+function viser({ window, HTMLCanvasElement }: ReturnType<typeof injected>): number[] {
+  new HTMLCanvasElement().getContext("webgl2");
+  const drawn: number[] = [];
+  const draw = () => {
+    drawn.push(performance.now());
+    window.requestAnimationFrame(draw);
+  };
+  window.requestAnimationFrame(draw);
+  return drawn;
+}
+
+const SOFTWARE = "ANGLE (Google, Vulkan 1.3.0 (SwiftShader Device (Subzero)), SwiftShader driver)";
+/** Frames drawn in 10 s. */
+const frames = (drawn: number[]) => {
+  const before = drawn.length;
+  vi.advanceTimersByTime(10_000);
+  return drawn.length - before;
+};
+
+test.each([
+  ["fast", 10, 38, 40], // 4 a second at most
+  ["slow", 100, 22, 25], // a quarter of the time
+  ["very slow", 400, 9, 11], // once a second
+])("without a card, frames that are %s to draw come by what drawing takes", (_, took, fewest, most) => {
+  const count = frames(viser(injected(PAGE, SOFTWARE, { value: took })));
+  expect(count).toBeGreaterThanOrEqual(fewest);
+  expect(count).toBeLessThanOrEqual(most);
+});
+
+test("without a card, who drives gets the processor: frames come half as often, and none right after a key", () => {
+  const scene = injected(PAGE, SOFTWARE, { value: 80 });
+  const drawn = viser(scene);
+  const before = frames(drawn);
+  scene.tell({ type: "driving", driving: true });
+  const pressed = performance.now();
+  const during = frames(drawn);
+  expect(drawn.filter((at) => pressed < at && at < pressed + 200)).toEqual([]);
+  expect(during).toBeLessThan(0.6 * before);
+  expect(during).toBeGreaterThan(0.4 * before);
+  scene.tell({ type: "driving", driving: false });
+  expect(frames(drawn)).toBeGreaterThan(0.9 * before);
+});
+
+test("a frame that never finishes holds up the view for a while only", () => {
+  const drawMs = { value: Number.POSITIVE_INFINITY };
+  const drawn = viser(injected(PAGE, SOFTWARE, drawMs));
+  vi.advanceTimersByTime(2000);
+  expect(drawn).toHaveLength(1);
+  drawMs.value = 10;
+  expect(frames(drawn)).toBeGreaterThan(10);
+});
+
+test("a card draws each frame", () => {
+  const scene = injected(PAGE, "ANGLE (Intel, Mesa Intel(R) UHD Graphics 620 (KBL GT2), OpenGL 4.6)");
+  const drawn = viser(scene);
+  vi.advanceTimersByTime(100);
+  expect(drawn.length).toBeGreaterThan(50);
+});
 
 test("it speaks to the page of one origin alone", () => {
   const { parent, target, press } = injected();

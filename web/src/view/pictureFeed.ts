@@ -1,9 +1,9 @@
-/** Pictures of one kind from the stream; each is acknowledged when drawn, which asks for the next. */
+/** Pictures of one kind from the stream; each is acknowledged when drawn or passed over, which asks for the next. */
 
 import { effect, type ReadonlySignal, signal } from "@preact/signals";
 import { CAMERA, type PANORAMA, type Picture, parsePicture } from "../protocol/picture";
 import type { Session } from "../state/session";
-import { paced } from "../state/turns";
+import { atTurns, paced } from "../state/turns";
 import { CanvasPainter } from "./canvasPainter";
 
 const KEPT_MS = 1500;
@@ -25,17 +25,26 @@ export class PictureFeed {
     private readonly kind: typeof CAMERA | typeof PANORAMA,
     /** Whether the page shows these pictures. */
     private readonly shown: ReadonlySignal<boolean>,
+    /** Whether one picture a turn is enough: nobody steers by them, and the processor draws the page. */
+    private readonly calm: ReadonlySignal<boolean>,
   ) {}
 
   private jumped = 0;
   /** The canvas is drawn to for each picture; what depends on its stamp, once a turn. */
   private readonly drawn = paced((stamp: number) => (this.stamp.value = stamp));
-  /** The width last asked for, px. */
+  private readonly calmly = atTurns((held: { picture: Picture; frame: ArrayBuffer; greeting: number }) => {
+    // One that is held while others were drawn at once, or of another connection, is old.
+    if (this.calm.peek() && held.greeting === this.greetings) void this.put(held.picture, held.frame);
+  });
+  private greetings = 0;
+  /** The width last asked for, px; and that of now, CSS px. */
   private asked = 0;
+  private clientWidth = 0;
 
   start(): void {
     this.session.onBinary.set(this.kind, (frame) => void this.take(frame));
     this.session.onHello.add(() => {
+      this.greetings += 1;
       this.stamp.value = null;
       this.request();
     });
@@ -57,7 +66,13 @@ export class PictureFeed {
     const painter = new CanvasPainter(canvas);
     this.painter = painter;
     this.shownOn = canvas;
+    // Read with each picture, the width would lay out the page each time.
+    const sized = new ResizeObserver(() => {
+      this.clientWidth = canvas.clientWidth;
+    });
+    sized.observe(canvas);
     return () => {
+      sized.disconnect();
       if (this.painter === painter) this.painter = this.shownOn = null;
       painter.end();
     };
@@ -82,19 +97,25 @@ export class PictureFeed {
 
   /** The page shows it in another size than it asked for. */
   private resized(): boolean {
-    const width = (this.shownOn?.clientWidth ?? 0) * (window.devicePixelRatio || 1);
-    return width > 0 && Math.abs(width - this.asked) > 0.1 * this.asked + 8;
+    const width = this.clientWidth * (window.devicePixelRatio || 1);
+    return this.shownOn !== null && width > 0 && Math.abs(width - this.asked) > 0.1 * this.asked + 8;
   }
 
   private async take(frame: ArrayBuffer): Promise<void> {
     const picture = parsePicture(frame);
     if (!picture) return;
-    if (this.wanted() && (await this.paint(picture, frame))) {
-      this.size = { width: picture.width, height: picture.height };
-      this.drawn(picture.stamp);
+    if (this.wanted()) {
+      if (this.calm.peek()) this.calmly({ picture, frame, greeting: this.greetings });
+      else await this.put(picture, frame);
     }
     this.session.send({ type: "ack", kind: this.kind, seq: picture.seq });
     if (this.kind === CAMERA && this.resized() && this.wanted()) this.session.send({ type: "view", ...this.width() });
+  }
+
+  private async put(picture: Picture, frame: ArrayBuffer): Promise<void> {
+    if (!(await this.paint(picture, frame))) return;
+    this.size = { width: picture.width, height: picture.height };
+    this.drawn(picture.stamp);
   }
 
   /** Whether it was drawn. After a damaged picture the next one comes all the same, as it was acknowledged. */

@@ -43,6 +43,15 @@ test("the view is shown once its page says that it is there, and is sent the key
   expect(frames).toEqual([20]);
 });
 
+test("the view hears whether somebody drives", async () => {
+  const { scene, say, inner } = framed(APART);
+  scene.drives(false); // not there yet
+  await scene.open();
+  say({ type: "ready" });
+  scene.drives(true);
+  expect(inner.postMessage).toHaveBeenLastCalledWith({ type: "driving", driving: true }, "http://127.0.0.1:8081");
+});
+
 test("pages of other origins are not heard", async () => {
   const { scene, say, struck } = framed(APART);
   await scene.open();

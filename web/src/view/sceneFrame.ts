@@ -88,6 +88,11 @@ export class SceneFrame {
     this.say({ type: "keys", codes });
   }
 
+  /** Something is held to drive, or nothing is any more. */
+  drives(driving: boolean): void {
+    this.say({ type: "driving", driving });
+  }
+
   /** Looks from there; chosen again, it goes back there. */
   look(viewpoint: Viewpoint): void {
     this.choice = { viewpoint, number: (this.choice?.number ?? 0) + 1 };
