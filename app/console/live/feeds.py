@@ -173,7 +173,7 @@ class Feeds:
                 self._coder.make(kind, form, image, seq)
 
     def _form(self, viewer: Viewer, kind: int) -> Form:
-        """The form of a viewer's pictures of ``kind``: a JPEG where there is no encoder, or video for too many already."""
+        """The form of a viewer's pictures of ``kind``: a JPEG without an encoder, or beside too many videos."""
         may = self.encodes and ((viewer.session, kind) in self._videos or len(self._videos) < MOST_VIDEOS)
         return viewer.form(kind, self._widths[kind], video=may)
 

@@ -37,8 +37,8 @@ RUNGS: tuple[tuple[float, int | None], ...] = (
     (0.25, 25),
 )
 #: The same for a page that decodes VP9: share of the width, and bits for each pixel of a picture. On the first rung
-#: only those pictures are video that have to be made anyway, being shown smaller than they come: a JPEG as it comes costs
-#: nothing, while a VP9 takes no longer to make than a smaller JPEG (``python -m benchmarks.picture_coding``).
+#: only those pictures are video that have to be made anyway, being shown smaller than they come: a JPEG as it comes
+#: costs nothing, while a VP9 takes no longer to make than a smaller JPEG (``python -m benchmarks.picture_coding``).
 VIDEO_RUNGS: tuple[tuple[float, float], ...] = (
     (1.0, 0.2),
     (1.0, 0.17),
