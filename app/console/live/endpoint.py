@@ -113,6 +113,8 @@ def _take(text: str | bytes, viewer: Viewer, hub: Hub, clock: Clock) -> None:
         case protocol.ViewMessage():
             if message.camera_px is not None:
                 viewer.widths[protocol.CAMERA] = message.camera_px
+            if message.vp9 is not None:
+                viewer.vp9 = message.vp9
             hub.show(viewer, protocol.CAMERA, message.camera)
             hub.show(viewer, protocol.PANORAMA, message.panorama)
             hub.show(viewer, protocol.MAP, message.map)

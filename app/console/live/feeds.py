@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
@@ -13,6 +14,8 @@ from app.console.live.grid_feed import GridFeed
 from app.console.live.picture_budget import Form
 from app.console.live.picture_coder import PictureCoder
 from app.console.live.protocol import CAMERA, COSTMAP, MAP, PANORAMA, picture_frame, sound_frame
+from app.console.live.video_encoder import can_encode
+from app.console.live.video_stream import VideoStream
 from app.console.live.viewer import Viewer
 from app.console.taps import Tap
 from app.messages import Audio, EncodedImage
@@ -21,6 +24,8 @@ if TYPE_CHECKING:
     from app.logs.replay.playback import Playback
     from app.runtime.clock import Clock
     from app.runtime.graph import Graph
+
+_log = logging.getLogger(__name__)
 
 #: The channel that each kind of picture comes from.
 PICTURES = {CAMERA: "camera_jpeg", PANORAMA: "panorama_jpeg"}
@@ -41,6 +46,8 @@ GRIDS = {
     MAP: GridKind("map", "map_info", 0.5),
     COSTMAP: GridKind("local_costmap", "costmap_info", 0.2),
 }
+#: So many pages get video at once, each encoded for itself: 6 % of a core each at 640 x 480 and 15 pictures a second.
+MOST_VIDEOS = 4
 #: So many frames of sound may come while the loop does something else.
 BURST = 16
 
@@ -85,6 +92,9 @@ class Feeds:
         #: Of each kind of picture, how wide it comes (px).
         self._widths: dict[int, int] = {}
         self._coder = PictureCoder(self._give)
+        #: By session and kind of picture.
+        self._videos: dict[tuple[str, int], VideoStream] = {}
+        self.encodes = can_encode()
 
     def update(self) -> None:
         """The viewers, or what they ask for, have changed."""
@@ -96,10 +106,17 @@ class Feeds:
         if listened != (SOUND_CHANNEL in self._taps):
             self._take(SOUND_CHANNEL, listened, self._on_sound, capacity=BURST)
             self._listening.attend(listened)
+        viewers = {viewer.session: viewer for viewer in self._viewers()}
+        for session, kind in tuple(self._videos):
+            if session not in viewers or kind not in viewers[session].shows:
+                self._videos.pop((session, kind)).close()
 
     def close(self) -> None:
         """Take nothing any more, and desire nothing."""
         self._coder.close()
+        for video in self._videos.values():
+            video.close()
+        self._videos.clear()
         for tap in self._taps.values():
             tap.close()
         self._taps.clear()
@@ -117,7 +134,10 @@ class Feeds:
             viewer.outbox.put_picture(kind, picture_frame(kind, image, self._counts[kind]))
 
     def clear(self) -> None:
-        """Time has jumped: no grid of before is to be shown."""
+        """Time has jumped: no grid and no picture of before is to be shown."""
+        for video in self._videos.values():
+            video.close()
+        self._videos.clear()
         for feed in self._grids.values():
             feed.clear()
 
@@ -134,17 +154,44 @@ class Feeds:
     def _on_picture(self, kind: int, image: EncodedImage) -> None:
         self._counts[kind] += 1
         seq, self._widths[kind] = self._counts[kind], image.width
-        for form in {viewer.form(kind, image.width) for viewer in self._viewers() if kind in viewer.shows}:
+        forms = set()
+        for viewer in self._viewers():
+            if kind not in viewer.shows:
+                continue
+            form = self._form(viewer, kind)
+            if form.bits is not None:
+                viewer.given[kind] = seq
+                self._video(viewer, kind).offer(image, seq, form)
+                continue
+            forms.add(form)
+            if (viewer.session, kind) in self._videos:
+                self._videos.pop((viewer.session, kind)).close()
+        for form in forms:
             if form == Form():
                 self._give(kind, form, image, seq)
             else:
                 self._coder.make(kind, form, image, seq)
 
+    def _form(self, viewer: Viewer, kind: int) -> Form:
+        """The form of a viewer's pictures of ``kind``: a JPEG without an encoder, or beside too many videos."""
+        may = self.encodes and ((viewer.session, kind) in self._videos or len(self._videos) < MOST_VIDEOS)
+        return viewer.form(kind, self._widths[kind], video=may)
+
+    def _video(self, viewer: Viewer, kind: int) -> VideoStream:
+        key = (viewer.session, kind)
+        if key not in self._videos:
+            self._videos[key] = VideoStream(viewer.outbox, kind, self._on_no_encoder)
+        return self._videos[key]
+
+    def _on_no_encoder(self, reason: str) -> None:
+        _log.warning("Pictures go to all pages as JPEG: %s.", reason)
+        self.encodes = False
+
     def _give(self, kind: int, form: Form, image: EncodedImage, seq: int) -> None:
         """Give a picture to the viewers who bear this form, unless they have a newer one."""
-        frame, source = picture_frame(kind, image, seq), self._widths[kind]
+        frame = picture_frame(kind, image, seq)
         for viewer in self._viewers():
-            bears = kind in viewer.shows and viewer.form(kind, source) == form
+            bears = kind in viewer.shows and self._form(viewer, kind) == form
             if bears and viewer.given.get(kind, 0) < seq:
                 viewer.given[kind] = seq
                 viewer.outbox.put_picture(kind, frame)

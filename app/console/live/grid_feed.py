@@ -100,7 +100,7 @@ class GridFeed:
             width=width,
             height=height,
         )
-        header = picture_header(self._kind, self._count, part.stamp, width, height)
+        header = picture_header(self._kind, self._count, part.stamp, (width, height))
         return header + encoded, frame(self._info, info)
 
 

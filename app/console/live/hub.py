@@ -405,6 +405,7 @@ class Hub:
                 drive=self.driving.drivable,
                 head=self.driving.drivable and reports.turns_head(system),
                 audio=messages.AudioFacts(listen=self._comes(SOUND_CHANNEL), speak=not self.speech.in_vain),
+                vp9=self._feeds.encodes,
                 playback=None if self._playback is None else playback_report(self._playback),
             ),
         )

@@ -81,6 +81,7 @@ class Hello:
     drive: Annotated[bool, doc("Whether an operator can drive here.")]
     head: Annotated[bool, doc("Whether an operator can turn a head here.")]
     audio: AudioFacts
+    vp9: Annotated[bool, doc("Whether the camera's pictures come as VP9 to pages that say they decode it.")]
     playback: Annotated[PlaybackReport | None, doc("null: not a recording.")]
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import asyncio
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from app.console.live.messages import Notice
@@ -52,6 +52,10 @@ class Outbox:
         self._under_way: dict[int, deque[float]] = {}
         #: How many may be on the way; one where nothing is said.
         self.most_under_way: dict[int, int] = {}
+        #: Kinds of pictures of which one was not sent: a video must begin afresh.
+        self.broken: set[int] = set()
+        #: By kind of picture, what is to be called when one more may be put in without replacing any.
+        self.on_room: dict[int, Callable[[], None]] = {}
         #: A picture whose info has just gone out.
         self._announced: bytes | None = None
         self._sound: deque[bytes] = deque()
@@ -77,6 +81,7 @@ class Outbox:
         self._newest.clear()
         self._items.clear()
         self._overrun.clear()
+        self.broken.update(self._pictures)
         self._pictures.clear()
         self._sound.clear()
         self.put_urgent(frame)
@@ -96,8 +101,13 @@ class Outbox:
         before has been drawn, or as many as may be on the way are."""
         if kind in self._pictures:
             self._replaced += 1
+            self.broken.add(kind)
         self._pictures[kind] = (frame, info)
         self._offer_picture(kind)
+
+    def has_room(self, kind: int) -> bool:
+        """Whether a picture of ``kind`` that is put in now goes out next, and replaces none."""
+        return kind not in self._pictures and self._may_leave(kind)
 
     def picture_drawn(self, kind: int) -> float | None:
         """The page has drawn a picture of ``kind``: the next may go out. Returns when that was taken, by the loop's
@@ -110,18 +120,26 @@ class Outbox:
     def pictures_again(self, kind: int) -> None:
         """The page shows pictures of ``kind`` again: nothing that it got before will be said to be drawn."""
         self._under_way.pop(kind, None)
+        self.broken.add(kind)
         self._offer_picture(kind)
 
     def drop_picture(self, kind: int) -> None:
         """The page shows no pictures of ``kind`` any more."""
         self._pictures.pop(kind, None)
         self._newest.pop(_picture(kind), None)
+        self.broken.add(kind)
+
+    def _may_leave(self, kind: int) -> bool:
+        return len(self._under_way.get(kind, ())) < self.most_under_way.get(kind, 1)
 
     def _offer_picture(self, kind: int) -> None:
-        room = len(self._under_way.get(kind, ())) < self.most_under_way.get(kind, 1)
-        if room and kind in self._pictures:
+        if not self._may_leave(kind):
+            return
+        if kind in self._pictures:
             self._newest.setdefault(_picture(kind), b"")
             self._due.set()
+        elif kind in self.on_room:
+            self.on_room[kind]()
 
     def put_sound(self, frame: bytes) -> None:
         """Queue a frame of sound after those that wait; of too many, the oldest is dropped."""
@@ -157,7 +175,9 @@ class Outbox:
         for picture in tuple(self._pictures):
             if kind == _picture(picture):
                 self._under_way.setdefault(picture, deque()).append(asyncio.get_running_loop().time())
-                return self._take_picture(*self._pictures.pop(picture))
+                taken = self._take_picture(*self._pictures.pop(picture))
+                self._offer_picture(picture)
+                return taken
         return frame
 
     def _take_picture(self, frame: bytes, info: str) -> Frame:

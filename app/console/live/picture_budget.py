@@ -36,16 +36,36 @@ RUNGS: tuple[tuple[float, int | None], ...] = (
     (0.33, 30),
     (0.25, 25),
 )
+#: The same for a page that decodes VP9: share of the width, and bits for each pixel of a picture. On the first rung
+#: only those pictures are video that have to be made anyway, being shown smaller than they come: a JPEG as it comes
+#: costs nothing, while a VP9 takes no longer to make than a smaller JPEG (``python -m benchmarks.picture_coding``).
+VIDEO_RUNGS: tuple[tuple[float, float], ...] = (
+    (1.0, 0.2),
+    (1.0, 0.17),
+    (1.0, 0.12),
+    (0.85, 0.12),
+    (0.7, 0.12),
+    (0.6, 0.12),
+    (0.5, 0.12),
+    (0.4, 0.12),
+    (0.25, 0.16),
+)
+#: JPEGs as they come take several times the bytes of video: the longest time (s) until they are tried again.
+_LAST_TRY_OF_JPEG_S = 240.0
 #: Pictures have one of these widths (px), so that viewers share them.
 WIDTHS = (120, 160, 200, 240, 320, 400, 480, 560, 640, 800, 960, 1280, 1600, 1920)
 
 
 @dataclass(frozen=True, slots=True)
 class Form:
-    """``width`` in px (None: as it comes) and JPEG's ``quality`` (None: as it comes) of a viewer's pictures."""
+    """``width`` in px (None: as it comes) and JPEG's ``quality`` (None: as it comes) of a viewer's pictures.
+
+    ``bits`` for each pixel of a picture that is VP9, > 0; None: it is a JPEG.
+    """
 
     width: int | None = None
     quality: int | None = None
+    bits: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +79,7 @@ class PictureBudget:
     changed_at: float = 0.0
     raised_at: float = -1e9
     try_after_s: float = _FIRST_TRY_S
+    try_jpeg_after_s: float = _FIRST_TRY_S
 
     @property
     def most_under_way(self) -> int:
@@ -67,12 +88,16 @@ class PictureBudget:
             return 1
         return min(MOST_UNDER_WAY, 1 + int(self.trip_s / _PERIOD_S))
 
-    def form(self, source: int, shown: int | None) -> Form:
-        """The form of a picture ``source`` px wide that is ``shown`` that wide; None: not known, all of it."""
-        share, quality = RUNGS[self.rung]
-        wanted = share * min(shown or source, source)
+    def form(self, source: int, shown: int | None, *, vp9: bool = False) -> Form:
+        """The form of a picture ``source`` px wide that is ``shown`` that wide (None: not known, all of it), for a page
+        that decodes ``vp9`` or does not."""
+        (share, quality), (video_share, bits) = RUNGS[self.rung], VIDEO_RUNGS[self.rung]
+        wanted = (video_share if vp9 else share) * min(shown or source, source)
         width = next((width for width in WIDTHS if width >= wanted), source)
-        if width > 0.8 * source and share == 1.0:
+        whole = width > 0.8 * source and wanted >= min(shown or source, source)
+        if vp9 and not (whole and self.rung == 0):
+            return Form(source if whole else min(width, source), bits=bits)
+        if whole:
             return Form(None, quality)
         return Form(min(width, source), quality or 70)
 
@@ -84,8 +109,9 @@ def round_trip(budget: PictureBudget, trip_s: float, now: float) -> PictureBudge
     return budget
 
 
-def drawn(budget: PictureBudget, lag_s: float, now: float) -> PictureBudget:
-    """The budget after the page said that a picture was drawn, ``lag_s`` after it was sent; ``now`` in s."""
+def drawn(budget: PictureBudget, lag_s: float, now: float, *, vp9: bool = False) -> PictureBudget:
+    """The budget after the page, which decodes ``vp9`` or does not, said that a picture was drawn, ``lag_s`` after it
+    was sent; ``now`` in s."""
     late = max(0.0, lag_s - (budget.trip_s or 0.0))
     smooth = late if budget.late_s is None else budget.late_s + _SMOOTHING * (late - budget.late_s)
     after = replace(budget, late_s=smooth)
@@ -93,11 +119,16 @@ def drawn(budget: PictureBudget, lag_s: float, now: float) -> PictureBudget:
     # By the better of the two: one late picture is no trend, and a trend that has ended must not cut on.
     if min(smooth, late) > TARGET_S and since >= _SETTLE_S and budget.rung < len(RUNGS) - 1:
         failed = now - budget.raised_at < _FAILED_WITHIN_S
+        if vp9 and budget.rung == 0:
+            # From JPEGs as they come to video: a fifth of the bytes.
+            again = min(2 * budget.try_jpeg_after_s, _LAST_TRY_OF_JPEG_S) if failed else _FIRST_TRY_S
+            return replace(after, rung=1, changed_at=now, try_jpeg_after_s=again)
         try_after = min(2 * budget.try_after_s, _LAST_TRY_S) if failed else budget.try_after_s
         # Far too late: two at once.
         steps = 2 if late > 2 * TARGET_S else 1
         return replace(after, rung=min(budget.rung + steps, len(RUNGS) - 1), changed_at=now, try_after_s=try_after)
-    if smooth < _COMFORT * TARGET_S and since >= budget.try_after_s and budget.rung > 0:
+    waits = max(budget.try_after_s, budget.try_jpeg_after_s) if vp9 and budget.rung == 1 else budget.try_after_s
+    if smooth < _COMFORT * TARGET_S and since >= waits and budget.rung > 0:
         kept = now - budget.raised_at > 2 * _FAILED_WITHIN_S
         calm = _FIRST_TRY_S if kept and budget.raised_at > budget.changed_at - _SETTLE_S else budget.try_after_s
         return replace(after, rung=budget.rung - 1, changed_at=now, raised_at=now, try_after_s=calm)

@@ -26,8 +26,13 @@ VOICE = 17
 VOICE_RATES = (48_000, 16_000)
 LONGEST_VOICE_S = 0.04
 
-PICTURE_HEADER = struct.Struct("<B3xIdHH4x")
-PICTURE_FIELDS = ("kind", "seq", "stamp", "width", "height")
+#: How a picture is coded: as a file (JPEG, of maps PNG), as VP9 that begins afresh, as VP9 that needs those before it.
+FILE = 0
+VP9_KEY = 1
+VP9_DELTA = 2
+
+PICTURE_HEADER = struct.Struct("<BB2xIdHH4x")
+PICTURE_FIELDS = ("kind", "coding", "seq", "stamp", "width", "height")
 SOUND_HEADER = struct.Struct("<B3xIdHHI")
 SOUND_FIELDS = ("kind", "seq", "stamp", "samples", "channels", "rate")
 
@@ -112,13 +117,17 @@ class AckMessage(msgspec.Struct, tag="ack"):
 
 
 class ViewMessage(msgspec.Struct, tag="view"):
-    """Which pictures the page shows; None: unchanged. ``camera_px``: so many pixels wide it shows the camera's."""
+    """Which pictures the page shows; None: unchanged. ``camera_px``: so many pixels wide it shows the camera's.
+
+    ``vp9``: whether it decodes them as VP9, too.
+    """
 
     camera: bool | None = None
     panorama: bool | None = None
     map: bool | None = None
     costmap: bool | None = None
     camera_px: Annotated[int, msgspec.Meta(ge=1, le=16_384)] | None = None
+    vp9: bool | None = None
 
 
 class ListenMessage(msgspec.Struct, tag="listen"):
@@ -159,12 +168,12 @@ def times(message: TimedMessage) -> Times | None:
 
 def picture_frame(kind: int, image: EncodedImage, sequence: int) -> bytes:
     """A picture with its 24-byte header."""
-    return picture_header(kind, sequence, image.stamp, image.width, image.height) + image.jpeg
+    return picture_header(kind, sequence, image.stamp, (image.width, image.height)) + image.jpeg
 
 
-def picture_header(kind: int, sequence: int, stamp: float, width: int, height: int) -> bytes:
-    """The 24 bytes before every picture; ``width`` and ``height`` in pixels, at most 65,535."""
-    return PICTURE_HEADER.pack(kind, sequence & 0xFFFFFFFF, stamp, width, height)
+def picture_header(kind: int, sequence: int, stamp: float, size: tuple[int, int], *, coding: int = FILE) -> bytes:
+    """The 24 bytes before every picture; ``size``: width and height in pixels, at most 65,535."""
+    return PICTURE_HEADER.pack(kind, coding, sequence & 0xFFFFFFFF, stamp, *size)
 
 
 def sound_frame(audio: Audio, sequence: int) -> bytes:

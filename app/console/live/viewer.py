@@ -31,6 +31,8 @@ class Viewer:
     refused: set[str] = field(default_factory=set)
     #: The last round trip that the page measured.
     rtt_ms: float | None = None
+    #: Its page decodes VP9.
+    vp9: bool = False
     #: By kind of picture: how many px wide the page shows it, what the viewer bears, and the newest that it was given.
     widths: dict[int, int] = field(default_factory=dict)
     budgets: dict[int, PictureBudget] = field(
@@ -38,9 +40,13 @@ class Viewer:
     )
     given: dict[int, int] = field(default_factory=dict)
 
-    def form(self, kind: int, source: int) -> Form:
-        """The form of its pictures of ``kind``, which come ``source`` px wide."""
-        return self.budgets[kind].form(source, self.widths.get(kind))
+    def form(self, kind: int, source: int, *, video: bool = True) -> Form:
+        """The form of its pictures of ``kind``, which come ``source`` px wide; ``video``: it may be that."""
+        return self.budgets[kind].form(source, self.widths.get(kind), vp9=video and self.decodes(kind))
+
+    def decodes(self, kind: int) -> bool:
+        """Whether its page decodes pictures of ``kind`` as VP9: of the camera's, which its worker draws."""
+        return self.vp9 and kind == CAMERA
 
     def round_trip(self, now: float) -> None:
         """The page has measured ``rtt_ms``."""
@@ -52,5 +58,5 @@ class Viewer:
         """The page has drawn a picture of ``kind``; ``now`` by the loop's clock."""
         taken = self.outbox.picture_drawn(kind)
         if taken is not None and kind in self.budgets:
-            self.budgets[kind] = budget = drawn(self.budgets[kind], now - taken, now)
+            self.budgets[kind] = budget = drawn(self.budgets[kind], now - taken, now, vp9=self.decodes(kind))
             self.outbox.most_under_way[kind] = budget.most_under_way

@@ -7,13 +7,16 @@ import re
 import struct
 from typing import Any
 
+import av
 import httpx
 
 from app.attention.desires import Source
-from app.base.geometry import Pose2
+from app.base.geometry import Pose2, Pose3
+from app.console.live.feeds import MOST_VIDEOS
 from app.console.live.hub import Hub
 from app.console.live.outbox import MOST_ITEMS
-from app.messages import Exploitation, Landmark, Landmarks, Odometry, TeleopCommand, Twist
+from app.console.live.protocol import PICTURE_HEADER
+from app.messages import EncodedImage, Exploitation, Landmark, Landmarks, Odometry, TeleopCommand, Twist
 from app.program.system import System
 from tests.console.live_client import page
 from tests.console.program import Body, image
@@ -181,6 +184,50 @@ async def test_one_picture_is_under_way_at_a_time_and_it_is_the_newest(url: str,
         newer = struct.unpack("<B3xIdHH4x", (await ann.picture())[:24])
         assert newer[1] >= sequence + published - before
         assert newer[2] > stamp
+
+
+async def test_a_page_that_decodes_vp9_gets_it_where_it_shows_pictures_small(
+    url: str, system: System, body: Body, hub: Hub
+) -> None:
+    async with page(url) as ann:
+        hello = await ann.until("hello")
+        assert hello["vp9"]
+        await lane(ann, "Telepresence", "fulfilled")
+        await ann.send("view", camera=True, camera_px=40, vp9=True)
+        decoder = av.VideoCodecContext.create("vp9", "r")
+        codings = []
+        while codings[-2:] != [2, 2]:
+            frame = await shown(ann, system, body)
+            _, coding, seq, stamp, width, height = PICTURE_HEADER.unpack_from(frame)
+            if coding:
+                (picture,) = decoder.decode(av.Packet(frame[24:]))
+                assert (picture.width, picture.height) == (width, height) == (64, 48)
+                assert 0 <= system.clock.now() - stamp < PATIENCE_S
+            codings.append(coding)
+            await ann.send("ack", kind=1, seq=seq)
+        assert next(coding for coding in codings if coding) == 1
+        # Its decoder has failed: from then on JPEGs come.
+        await ann.send("view", camera=True, vp9=False)
+        while PICTURE_HEADER.unpack_from(frame := await shown(ann, system, body))[1]:
+            await ann.send("ack", kind=1, seq=PICTURE_HEADER.unpack_from(frame)[2])
+        assert frame[24:26] == b"\xff\xd8"
+
+
+async def test_no_more_pages_get_video_than_a_computer_bears(hub: Hub, body: Body, system: System) -> None:
+    viewers = [hub.join(f"page {number}") for number in range(MOST_VIDEOS + 2)]
+    for viewer in viewers:
+        viewer.vp9, viewer.widths[1] = True, 30
+        hub.show(viewer, 1, True)
+    hub._feeds._on_picture(1, EncodedImage(1.0, "camera", b"no JPEG", 640, 480, Pose3.identity()))
+    assert len(hub._feeds._videos) == MOST_VIDEOS
+    forms = [hub._feeds._form(viewer, 1) for viewer in viewers]
+    assert [form.bits is None for form in forms] == [False] * MOST_VIDEOS + [True] * 2
+    hub.leave(viewers[0])
+    assert len(hub._feeds._videos) == MOST_VIDEOS - 1
+    assert hub._feeds._form(viewers[-1], 1).bits is not None
+    for viewer in viewers[1:]:
+        hub.leave(viewer)
+    assert not hub._feeds._videos
 
 
 async def shown(ann, system, body) -> bytes:  # type: ignore[no-untyped-def]

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from app.base.geometry import Pose3
 from app.base.network_link import Direction, LinkSettings, Stream
-from app.console.live.picture_budget import MOST_UNDER_WAY, RUNGS, Form, PictureBudget, drawn, round_trip
+from app.console.live.picture_budget import MOST_UNDER_WAY, RUNGS, VIDEO_RUNGS, Form, PictureBudget, drawn, round_trip
 from app.console.live.picture_coder import recoded
 from app.messages import EncodedImage
 
@@ -34,7 +34,7 @@ class Seen:
     rate: float
 
 
-def watched(settings: LinkSettings, seconds: float, *, adapts: bool = True) -> Seen:
+def watched(settings: LinkSettings, seconds: float, *, adapts: bool = True, vp9: bool = False) -> Seen:
     """A viewer for so long, with pictures 15 times a second and all else of the page on the same link."""
     draw = random.Random(4)
     down, up, stream, back = Direction(draw), Direction(draw), Stream(), Stream()
@@ -52,9 +52,12 @@ def watched(settings: LinkSettings, seconds: float, *, adapts: bool = True) -> S
             waiting = now - CAPTURE_S
         while under_way and under_way[0][0] <= now:
             acknowledged, taken, _ = under_way.pop(0)
-            budget = drawn(budget, acknowledged - taken, acknowledged) if adapts else budget
+            budget = drawn(budget, acknowledged - taken, acknowledged, vp9=vp9) if adapts else budget
         if waiting is not None and len(under_way) < budget.most_under_way:
+            form = budget.form(640, None, vp9=vp9)
             size = int(FULL_BYTES * 0.7**budget.rung)
+            if form.bits is not None:
+                size = int(form.bits / 8 * 0.75 * (form.width or 640) ** 2)
             seen = down.send(settings, stream, now, size).arrives + DRAW_S
             under_way.append((up.send(settings, back, max(seen, now), 60).arrives, now, seen))
             ages.append(seen - waiting)
@@ -80,8 +83,37 @@ def test_at_1_mbit_pictures_are_smaller_and_stay_young() -> None:
     assert p95(adapted.ages) < 0.6 * p95(as_they_come.ages)
 
 
+def test_video_is_whole_and_young_where_jpegs_are_late() -> None:
+    settings = LinkSettings(0.04, 0.01, rate_bps=4e6)
+    video, jpeg = watched(settings, 240.0, vp9=True), watched(settings, 240.0)
+    assert p95(video.ages) <= min(0.16, 0.85 * p95(jpeg.ages))
+    assert video.rate > 1.4 * jpeg.rate
+    # Of full width nearly always; and JPEGs as they come are tried ever more seldom.
+    assert np.mean([rung in (1, 2) for rung in video.rungs]) > 0.9
+    tries = np.flatnonzero(np.diff(video.rungs) == -1)
+    assert 2 <= len([at for at in tries if video.rungs[at + 1] == 0]) <= 8
+
+
+def test_video_at_1_mbit_has_more_pictures_than_jpeg() -> None:
+    settings = LinkSettings(0.04, 0.01, rate_bps=1.2e6)
+    video, jpeg = watched(settings, 60.0, vp9=True), watched(settings, 60.0)
+    assert video.rate > jpeg.rate
+    assert p95(video.ages) < p95(jpeg.ages)
+
+
+def test_a_link_that_recovers_has_jpegs_again() -> None:
+    budget, now, rungs = PictureBudget(), 0.0, []
+    for _ in range(3000):
+        now += PERIOD_S
+        budget = drawn(budget, 0.3 if now < 20.0 and budget.rung == 0 else 0.01, now, vp9=True)
+        rungs.append(budget.rung)
+    assert 0 not in rungs[60:70]
+    assert set(rungs[-600:]) == {0}
+
+
 def test_a_fast_link_has_pictures_as_they_come() -> None:
-    assert set(watched(LinkSettings(0.02, rate_bps=50e6), 20.0).rungs) == {0}
+    for vp9 in (False, True):
+        assert set(watched(LinkSettings(0.02, rate_bps=50e6), 20.0, vp9=vp9).rungs) == {0}
 
 
 def test_a_long_link_has_as_many_pictures_a_second_as_a_short_one() -> None:
@@ -107,6 +139,11 @@ def test_what_the_page_shows_small_is_sent_small() -> None:
     assert PictureBudget().form(640, 640) == Form()
     assert PictureBudget().form(640, 1280) == Form()
     assert PictureBudget().form(640, 300) == Form(320, 70)
+    assert PictureBudget().form(640, 640, vp9=True) == Form()
+    assert PictureBudget().form(640, 300, vp9=True) == Form(320, bits=0.2)
+    assert PictureBudget(rung=1).form(640, 640, vp9=True) == Form(640, bits=0.17)
+    assert PictureBudget(rung=4).form(640, 640, vp9=True) == Form(480, bits=0.12)
+    assert len(VIDEO_RUNGS) == len(RUNGS)
     worst = PictureBudget(rung=len(RUNGS) - 1).form(640, 640)
     assert worst.width is not None
     assert worst.width <= 200

@@ -18,6 +18,7 @@ import { intentionPanel } from "./Intention";
 import { linkPanel } from "./LinkShape";
 import { loadPanel } from "./Load";
 import { peoplePanel } from "./People";
+import { picturesPanel } from "./Pictures";
 import type { Panel } from "./panel";
 
 export const PANELS: readonly Panel[] = [
@@ -38,6 +39,7 @@ export const PANELS: readonly Panel[] = [
   foundPanel,
   loadPanel,
   graphPanel,
+  picturesPanel,
   linkPanel,
   eventsPanel,
   recordingsPanel,

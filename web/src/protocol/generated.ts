@@ -385,6 +385,8 @@ export interface Hello {
   /** Whether an operator can turn a head here. */
   head: boolean;
   audio: AudioFacts;
+  /** Whether the camera's pictures come as VP9 to pages that say they decode it. */
+  vp9: boolean;
   /** null: not a recording. */
   playback: PlaybackReport | null;
 }
@@ -2092,7 +2094,10 @@ export interface TourPress {
   ask?: string | null;
 }
 
-/** Which pictures the page shows; None: unchanged. ``camera_px``: so many pixels wide it shows the camera's. */
+/**
+ * Which pictures the page shows; None: unchanged. ``camera_px``: so many pixels wide it shows the camera's. ``vp9``:
+ * whether it decodes them as VP9, too.
+ */
 export interface ViewMessage {
   type: "view";
   camera?: boolean | null;
@@ -2100,6 +2105,7 @@ export interface ViewMessage {
   map?: boolean | null;
   costmap?: boolean | null;
   camera_px?: number | null;
+  vp9?: boolean | null;
 }
 
 /** The key of a link for visitors. */

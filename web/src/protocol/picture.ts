@@ -1,4 +1,4 @@
-/** The pictures of the live stream: 24 bytes of little-endian header, then a JPEG, or of maps a PNG. */
+/** The pictures of the live stream: 24 bytes of little-endian header, then a JPEG, a frame of VP9, or of maps a PNG. */
 
 import type { AckMessage } from "./generated";
 
@@ -8,13 +8,19 @@ export const MAP = 3;
 export const COSTMAP = 4;
 const HEADER_BYTES = 24;
 
+/** A JPEG or PNG; VP9 that begins afresh; VP9 that needs those before it. */
+export const FILE = 0;
+export const VP9_KEY = 1;
+export const VP9_DELTA = 2;
+
 export interface Picture {
   kind: AckMessage["kind"];
+  /** {@link FILE}, {@link VP9_KEY} or {@link VP9_DELTA}. */
+  coding: number;
   seq: number;
   stamp: number;
   width: number;
   height: number;
-  /** JPEG, or of maps PNG. */
   data: Uint8Array<ArrayBuffer>;
 }
 
@@ -24,6 +30,7 @@ export function parsePicture(frame: ArrayBuffer): Picture | null {
   const view = new DataView(frame);
   return {
     kind: view.getUint8(0) as Picture["kind"],
+    coding: view.getUint8(1),
     seq: view.getUint32(4, true),
     stamp: view.getFloat64(8, true),
     width: view.getUint16(16, true),

@@ -59,6 +59,7 @@ export function Camera() {
       class={`camera ${mode} ${old ? "old" : ""} ${empty ? "empty" : ""}`}
       data-testid="camera"
       data-stamp={camera.stamp.value ?? ""}
+      data-coding={camera.coding.value}
       aria-label="Camera picture"
     >
       <canvas

@@ -1,10 +1,11 @@
 /** Pictures of one kind from the stream; each is acknowledged when drawn or passed over, which asks for the next. */
 
 import { effect, type ReadonlySignal, signal } from "@preact/signals";
-import { CAMERA, type PANORAMA, type Picture, parsePicture } from "../protocol/picture";
+import { CAMERA, FILE, type PANORAMA, type Picture, parsePicture, VP9_KEY } from "../protocol/picture";
 import type { Session } from "../state/session";
 import { atTurns, paced } from "../state/turns";
-import { CanvasPainter } from "./canvasPainter";
+import { CanvasPainter, type Painted } from "./canvasPainter";
+import { vp9Problem } from "./vp9";
 
 const KEPT_MS = 1500;
 /** As the robot takes it. */
@@ -13,6 +14,11 @@ const WIDEST_PX = 16_384;
 export class PictureFeed {
   /** Stamp of the picture shown; null: none yet on this connection. */
   readonly stamp = signal<number | null>(null);
+  /** How the picture shown came; "": none yet. */
+  readonly coding = signal<"" | "JPEG" | "VP9">("");
+  readonly shownSize = signal("");
+  /** Why they come as JPEG alone, for people; "": as VP9, too. */
+  readonly noVp9 = signal("this page has not asked for video yet");
   /** A canvas that is read again: drawn to here. */
   canvas: HTMLCanvasElement | null = null;
   /** Size of the picture shown (px). */
@@ -40,6 +46,8 @@ export class PictureFeed {
   /** The width last asked for, px; and that of now, CSS px. */
   private asked = 0;
   private clientWidth = 0;
+  /** Video was asked to begin afresh, and has not yet. */
+  private askedAfresh = false;
 
   start(): void {
     this.session.onBinary.set(this.kind, (frame) => void this.take(frame));
@@ -47,6 +55,8 @@ export class PictureFeed {
       this.greetings += 1;
       this.stamp.value = null;
       this.request();
+      // A decoder that failed gets another chance with each connection.
+      if (this.kind === CAMERA) void this.tryVideo();
     });
     // A picture of before a jump stays until that of the new place comes, but not for long if none does.
     this.session.onJump.add(() => {
@@ -71,6 +81,7 @@ export class PictureFeed {
       this.clientWidth = canvas.clientWidth;
     });
     sized.observe(canvas);
+    this.request(); // a new worker: video begins afresh
     return () => {
       sized.disconnect();
       if (this.painter === painter) this.painter = this.shownOn = null;
@@ -84,7 +95,8 @@ export class PictureFeed {
 
   private request(): void {
     const wanted = this.wanted();
-    if (this.kind === CAMERA) this.session.send({ type: "view", camera: wanted, ...this.width() });
+    const vp9 = this.noVp9.peek() === "";
+    if (this.kind === CAMERA) this.session.send({ type: "view", camera: wanted, vp9, ...this.width() });
     else this.session.send({ type: "view", panorama: wanted });
   }
 
@@ -105,23 +117,46 @@ export class PictureFeed {
     const picture = parsePicture(frame);
     if (!picture) return;
     if (this.wanted()) {
-      if (this.calm.peek()) this.calmly({ picture, frame, greeting: this.greetings });
-      else await this.put(picture, frame);
+      // Each picture of a video is needed for the next.
+      if (this.calm.peek() && picture.coding === FILE) this.calmly({ picture, frame, greeting: this.greetings });
+      else this.mend(picture, await this.put(picture, frame));
     }
     this.session.send({ type: "ack", kind: this.kind, seq: picture.seq });
     if (this.kind === CAMERA && this.resized() && this.wanted()) this.session.send({ type: "view", ...this.width() });
   }
 
-  private async put(picture: Picture, frame: ArrayBuffer): Promise<void> {
-    if (!(await this.paint(picture, frame))) return;
-    this.size = { width: picture.width, height: picture.height };
-    this.drawn(picture.stamp);
+  private async put(picture: Picture, frame: ArrayBuffer): Promise<Painted> {
+    const painted = await this.paint(picture, frame);
+    if (painted.drawn) {
+      this.size = { width: picture.width, height: picture.height };
+      this.shownSize.value = `${picture.width} × ${picture.height}`;
+      this.coding.value = picture.coding === FILE ? "JPEG" : "VP9";
+      this.drawn(picture.stamp);
+    }
+    return painted;
   }
 
-  /** Whether it was drawn. After a damaged picture the next one comes all the same, as it was acknowledged. */
-  private async paint(picture: Picture, frame: ArrayBuffer): Promise<boolean> {
-    if (this.painter) return this.painter.draw(frame, picture.data.byteOffset);
-    return this.canvas !== null && this.draw(picture, this.canvas);
+  private async tryVideo(): Promise<void> {
+    this.noVp9.value = await vp9Problem(window.isSecureContext, window.VideoDecoder);
+    if (this.noVp9.peek() === "") this.request();
+  }
+
+  /** Goes back to JPEGs where video failed, and asks for a beginning where it has none. */
+  private mend(picture: Picture, painted: Painted): void {
+    if (picture.coding === VP9_KEY) this.askedAfresh = false;
+    if (painted.failed !== undefined) {
+      this.noVp9.value = painted.failed;
+      this.request();
+    } else if (painted.incomplete && !this.askedAfresh && this.noVp9.peek() === "") {
+      this.askedAfresh = true;
+      this.request();
+    }
+  }
+
+  /** After a damaged picture the next one comes all the same, as it was acknowledged. */
+  private async paint(picture: Picture, frame: ArrayBuffer): Promise<Painted> {
+    if (this.painter) return this.painter.draw(frame, picture.data.byteOffset, picture.coding);
+    return { drawn: this.canvas !== null && (await this.draw(picture, this.canvas)) };
   }
 
   private async draw(picture: Picture, canvas: HTMLCanvasElement): Promise<boolean> {
