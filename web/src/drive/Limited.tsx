@@ -1,5 +1,6 @@
 /** Why the robot drives slower than commanded, in words; and the button that overrides the collision monitor while held. */
 
+import { t } from "../i18n";
 import { useApp } from "../state/context";
 import { overrides } from "./machine";
 
@@ -27,7 +28,7 @@ export function Limited() {
       <p role="status">
         {limited
           ? `${limited[0]!.toUpperCase()}${limited.slice(1)}.`
-          : "The collision monitor is off while you hold this."}
+          : t("The collision monitor is off while you hold this.")}
       </p>
       {offered && (
         <button
@@ -35,7 +36,7 @@ export function Limited() {
           class={`button quiet hold ${held ? "held" : ""}`}
           data-testid="override"
           aria-pressed={screenOverride}
-          title="Hold this, O or a gamepad trigger while driving: the robot crawls and does not stop for obstacles"
+          title={t("Hold this, O or a gamepad trigger while driving: the robot crawls and does not stop for obstacles")}
           onPointerDown={(event) => {
             if (event.button !== 0) return;
             event.preventDefault(); // the keys go on driving
@@ -47,7 +48,7 @@ export function Limited() {
           onLostPointerCapture={() => hold(false)}
           onContextMenu={(event) => event.preventDefault()}
         >
-          Hold to crawl <kbd class="only-wide">O</kbd>
+          {t("Hold to crawl")} <kbd class="only-wide">O</kbd>
         </button>
       )}
     </div>

@@ -1,0 +1,46 @@
+/** Which language the page speaks: this browser's own choice, else the first of the reader's languages that is known. */
+
+import { type Catalogue, LANGUAGES, type Language, shown } from "./text";
+
+const KEY = "hbba.language";
+
+/** Each catalogue is a file of its own, fetched when it is first asked for. */
+const CATALOGUES: Record<Exclude<Language, "en">, () => Promise<Catalogue>> = {
+  fr: async () => (await import("./fr")).fr,
+};
+
+interface Reader {
+  /** Carries `lang`, for screen readers, hyphens and quotes. */
+  root: HTMLElement;
+  storage: Pick<Storage, "getItem" | "setItem">;
+  /** As `navigator.languages`: what the reader reads, best first. */
+  reads: readonly string[];
+}
+
+/** The kept choice, else the first of `reads` that the page speaks, else English. */
+export function languageOf(kept: string | null, reads: readonly string[]): Language {
+  const tags = [kept ?? "", ...reads].map((tag) => tag.toLowerCase().split("-")[0]);
+  return tags.find((tag): tag is Language => tag !== undefined && tag in LANGUAGES) ?? "en";
+}
+
+export async function startLanguage(reader: Reader): Promise<void> {
+  await show(languageOf(reader.storage.getItem(KEY), reader.reads), reader);
+}
+
+/** Shows `language` from now on, here and after a reload; nothing else of the page changes. */
+export async function chooseLanguage(language: Language, reader: Reader): Promise<void> {
+  await show(language, reader);
+  reader.storage.setItem(KEY, language);
+}
+
+/** Of this window. */
+export function thisReader(): Reader {
+  return { root: document.documentElement, storage: localStorage, reads: navigator.languages };
+}
+
+async function show(language: Language, { root, reads }: Reader): Promise<void> {
+  const catalogue = language === "en" ? null : await CATALOGUES[language]();
+  const tag = reads.find((each) => each.toLowerCase().split("-")[0] === language) ?? language;
+  shown.value = { language, tag, catalogue };
+  root.lang = language;
+}
