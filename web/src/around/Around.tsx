@@ -70,7 +70,7 @@ function Sphere({ place, large }: { place: "view" | "tab"; large: boolean }) {
         {blank && <Nothing closed={closed} />}
         {!fresh && age !== null && (
           <span class="around-age" data-testid="around-age">
-            {age > 0 ? t("{age} s old", { age: number(age, age < 10 ? 1 : 0) }) : "old"}
+            {age > 0 ? t("{age} s old", { age: number(age, age < 10 ? 1 : 0) }) : t("old")}
           </span>
         )}
       </div>

@@ -126,7 +126,7 @@ function readValue(field: Field, text: string): { value: unknown } | { error: st
       try {
         return { value: JSON.parse(text) as unknown };
       } catch {
-        return { error: t('Not valid JSON, e.g. [1, 2] or {"x": 1}.') };
+        return { error: t("Not valid JSON, e.g. {examples}.", { examples: '[1, 2], {"x": 1}' }) };
       }
     case "string":
       return checkText(field, text);

@@ -46,7 +46,7 @@ export function HeadStick({ drive, words }: { drive: DriveController; words: str
     <Disc
       testid="head-stick"
       label={t("Head stick: hold and push, or hold the keys I, J, K and L")}
-      words={words || "held"}
+      words={words || t("held")}
       held={command.head_held}
       refused={drive.refusal.value !== null}
       at={{ up: command.tilt, left: command.pan }}

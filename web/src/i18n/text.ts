@@ -47,7 +47,10 @@ export function t<const S extends Template>(text: S, ...[values]: Values<S, Valu
 }
 
 /** The same where elements stand in a sentence: `rich("Hold {keys}", { keys: <kbd>W</kbd> })`. */
-export function rich<const S extends Template>(text: S, ...[values]: Values<S, ComponentChildren>): ComponentChildren[] {
+export function rich<const S extends Template>(
+  text: S,
+  ...[values]: Values<S, ComponentChildren>
+): ComponentChildren[] {
   const given = (values ?? {}) as Readonly<Record<string, ComponentChildren>>;
   return found(text)
     .split(/\{(\w+)\}/)

@@ -117,7 +117,7 @@ function Tools() {
       </ToolButton>
       <ToolButton
         tool="slow"
-        label={t("Slow")}
+        label={t("Slow|zone")}
         hint={t("Drag a rectangle, or click corner after corner")}
         disabled={!allowed}
       >

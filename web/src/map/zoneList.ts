@@ -25,7 +25,7 @@ export function added(zones: readonly Zone[], kind: ZoneKind, polygon: readonly 
   const speed = kind === "slow" ? FIRST_SPEED : 1;
   return [
     ...zones,
-    { name: freeName(zones, kind === "slow" ? t("Slow") : t("Keep out")), kind, polygon: corners, speed },
+    { name: freeName(zones, kind === "slow" ? t("Slow|name") : t("Keep out|name")), kind, polygon: corners, speed },
   ];
 }
 

@@ -73,7 +73,7 @@ function Running({ recorder }: { recorder: Recorder }) {
           <dd>{number(recorder.messages, 0)}</dd>
         </div>
         <div class={recorder.dropped > 0 ? "some" : ""} title={t("Messages lost because the disk was too slow")}>
-          <dt>{t("Lost")}</dt>
+          <dt>{t("Lost|messages")}</dt>
           <dd data-testid="recorder-dropped">{number(recorder.dropped, 0)}</dd>
         </div>
       </dl>
@@ -200,7 +200,7 @@ function Form() {
         disabled={!store.live.value || pending !== null || wrongName !== "" || wrongKeep !== ""}
       >
         {minutes === null ? <RecordIcon /> : <RingIcon />}
-        {pending === "start" ? t("Starting…") : minutes === null ? "Record" : t("Keep the last minutes")}
+        {pending === "start" ? t("Starting…") : minutes === null ? t("Record") : t("Keep the last minutes")}
       </button>
     </form>
   );

@@ -26,7 +26,7 @@ interface Props {
 const NAMES: Record<Part, Text> = {
   say: "Say",
   look: "Look",
-  point: "Point",
+  point: "Point|deed",
   show: "Show",
   gesture: "Gesture",
   expression: "Face",

@@ -76,7 +76,7 @@ export function StopForm({ stop, number }: { stop: Stop; number: number }) {
       />
       <More
         title={t("Questions")}
-        about={stop.questions.length === 0 ? "none" : String(stop.questions.length)}
+        about={stop.questions.length === 0 ? t("none") : String(stop.questions.length)}
         testid="stop-questions"
         paths={[`${path}.questions`]}
       >
@@ -108,7 +108,7 @@ export function StopForm({ stop, number }: { stop: Stop; number: number }) {
         title={t("Words that lead here")}
         testid="stop-words"
         paths={[`${path}.words`]}
-        about={Object.keys(stop.words).length === 0 ? "none" : (stop.words[languages[0] ?? "en"] ?? []).join(", ")}
+        about={Object.keys(stop.words).length === 0 ? t("none") : (stop.words[languages[0] ?? "en"] ?? []).join(", ")}
       >
         <WordFields
           label={t("Visitors say")}

@@ -1,7 +1,7 @@
 /** Over the view while a tour is configured by driving: what was met, and the end of it. */
 
 import { useSignal } from "@preact/signals";
-import { rich, t } from "../i18n";
+import { plural, rich, t } from "../i18n";
 import { nameProblem } from "../map/library";
 import { useApp } from "../state/context";
 import { CloseIcon, QrIcon, WarnIcon } from "../ui/icons";
@@ -77,9 +77,7 @@ export function TourDriveBanner() {
         >
           {tourDrive.busy.value
             ? t("Keeping…")
-            : tour.met.length === 1
-              ? t("Finish with 1 stop")
-              : t("Finish with {length} stops", { length: tour.met.length })}
+            : plural(tour.met.length, "Finish with {count} stop", "Finish with {count} stops")}
         </button>
         <button type="button" class="button small" data-testid="tour-drive-discard" onClick={() => tourDrive.discard()}>
           {t("Discard")}

@@ -1,7 +1,7 @@
 /** The tour that is edited: what became of the edits, its way, its stops, and all that is the tour's as a whole. */
 
 import { useSignal } from "@preact/signals";
-import { t } from "../i18n";
+import { plural, t } from "../i18n";
 import { Confirm } from "../map/Confirm";
 import { useApp } from "../state/context";
 import { TrashIcon } from "../ui/icons";
@@ -62,9 +62,7 @@ function Way() {
       data-state={blocked > 0 ? "blocked" : "way"}
     >
       {text}
-      {blocked > 0 && (
-        <b>{blocked === 1 ? t(". 1 leg cannot be driven.") : t(". {blocked} legs cannot be driven.", { blocked })}</b>
-      )}
+      {blocked > 0 && <b>{plural(blocked, ". {count} leg cannot be driven.", ". {count} legs cannot be driven.")}</b>}
       {tourRoute.planning.value && <span class="muted"> …</span>}
     </p>
   );
@@ -115,7 +113,7 @@ function Greeting() {
             words={confirm.agree}
             languages={languages}
             path="greeting.confirm.agree"
-            placeholder="yes, yes please"
+            placeholder={t("yes, yes please")}
             onDone={(agree) => set({ confirm: { ...confirm, agree } })}
           />
           <WordFields
@@ -123,7 +121,7 @@ function Greeting() {
             words={confirm.decline}
             languages={languages}
             path="greeting.confirm.decline"
-            placeholder="no, no thanks"
+            placeholder={t("no, no thanks")}
             onDone={(decline) => set({ confirm: { ...confirm, decline } })}
           />
           <FigureField

@@ -144,11 +144,10 @@ export function visitorControls(progress: TourProgress): Control[] {
 /** A run that is over, in a line: how it ended, and for how long and how many it was. */
 export function reportWords(report: RunReport): string {
   const presented = report.stops.filter((stop) => stop.presented).length;
-  const people =
-    report.people_most === 1 ? t("1 visitor") : t("{peopleMost} visitors", { peopleMost: report.people_most });
-  const stops = presented === 1 ? t("1 stop presented") : t("{presented} stops presented", { presented });
-  const time = report.ended === null ? "" : t("{time} min, ", { time: clockSpan(report.ended - report.began) });
-  return `${time}${people}, ${stops}. ${sentence(report.outcome)}`.trim();
+  const people = plural(report.people_most, "{count} visitor", "{count} visitors");
+  const stops = plural(presented, "{count} stop presented", "{count} stops presented");
+  const time = report.ended === null ? "" : t("{time} min", { time: clockSpan(report.ended - report.began) });
+  return `${time && `${time}, `}${people}, ${stops}. ${sentence(report.outcome)}`.trim();
 }
 
 /** "never", "once, 0:06 min", "3 times, 1:20 min". */

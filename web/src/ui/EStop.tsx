@@ -52,7 +52,7 @@ export function EStop() {
             data-testid="estop-keep"
             onClick={() => (asking.value = false)}
           >
-            {t("Keep")}
+            {t("Keep|the stop")}
           </button>
         </span>
       )}
