@@ -158,7 +158,7 @@ function Nothing({ closed }: { closed: Closed[] }) {
       <p>{t("No people or sounds yet.")}</p>
       {closed.map((one) => (
         <p key={one.what} class="muted" title={one.reason}>
-          {one.reason ? `${one.text}: ${one.reason}` : `${one.text}.`}
+          {one.reason ? t("{what}: {which}", { what: one.text, which: one.reason }) : `${one.text}.`}
         </p>
       ))}
     </div>

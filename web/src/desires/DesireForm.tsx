@@ -2,7 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
-import { t } from "../i18n";
+import { fromRobot, t } from "../i18n";
 import { idempotencyKey, Problem } from "../protocol/rest";
 import type { DesireClass } from "../protocol/types";
 import { useApp } from "../state/context";
@@ -180,7 +180,7 @@ function Form({ classes, onClose }: { classes: DesireClass[]; onClose: () => voi
   return (
     <form class="desire-form" ref={form} noValidate onSubmit={(event) => void submit(event)} data-testid="desire-form">
       <h2>{t("Add a desire")}</h2>
-      <Labelled name="class" title={t("What")} hint={kind?.description ?? ""} error={errors.value["class"]}>
+      <Labelled name="class" title={t("What")} hint={fromRobot(kind?.description ?? "")} error={errors.value["class"]}>
         {(props) => (
           <select
             {...props}

@@ -1,7 +1,7 @@
 /** The desires there are: changed in place, removed, with who asked, how long they last and what became of them. */
 
 import { useSignal } from "@preact/signals";
-import { t } from "../i18n";
+import { fromRobot, named, t } from "../i18n";
 import { Problem } from "../protocol/rest";
 import type { Accomplishment, Desire, DesireReport } from "../protocol/types";
 import { useApp } from "../state/context";
@@ -45,7 +45,7 @@ export function EndedList({ ended }: { ended: readonly DesireReport[] }) {
           <time title={clockTime(report.ended!)}>
             {now === null ? clockTime(report.ended!) : ago(now - report.ended!)}
           </time>
-          <p class="desire-by">{[sourceWords(report.source), report.reason].filter(Boolean).join(" · ")}</p>
+          <p class="desire-by">{[sourceWords(report.source), fromRobot(report.reason)].filter(Boolean).join(" · ")}</p>
         </li>
       ))}
     </ul>
@@ -53,7 +53,7 @@ export function EndedList({ ended }: { ended: readonly DesireReport[] }) {
 }
 
 function OutcomeTag({ outcome }: { outcome: string }) {
-  return <span class={`tag ${outcome}`}>{outcome}</span>;
+  return <span class={`tag ${outcome}`}>{named(outcome)}</span>;
 }
 
 function Row({ desire, report }: { desire: Desire; report: Accomplishment | null }) {
@@ -106,7 +106,9 @@ function Row({ desire, report }: { desire: Desire; report: Accomplishment | null
           <TrashIcon />
         </button>
       </div>
-      <p class="desire-by">{[sourceWords(desire.source), report?.reason].filter(Boolean).join(" · ")}</p>
+      <p class="desire-by">
+        {[sourceWords(desire.source), report && fromRobot(report.reason)].filter(Boolean).join(" · ")}
+      </p>
       {params.length > 0 && (
         <p class="desire-params">
           {params

@@ -1,6 +1,6 @@
 /** From a parameter model's JSON Schema to form fields, and from what was typed back to parameters. Pure. */
 
-import { t } from "../i18n";
+import { named, t } from "../i18n";
 import type { DesireClass, JsonSchema } from "../protocol/types";
 
 export type FieldKind = "number" | "integer" | "boolean" | "string" | "choice" | "json";
@@ -63,7 +63,7 @@ function fieldOf(name: string, property: JsonSchema, root: JsonSchema, required:
   const kind = choices.length > 0 ? "choice" : kindOf(schema);
   const field: Field = {
     name,
-    title: property.title ?? schema.title ?? titled(name),
+    title: named(property.title ?? schema.title ?? titled(name)),
     description: property.description ?? schema.description ?? "",
     kind,
     required,
@@ -126,7 +126,7 @@ function readValue(field: Field, text: string): { value: unknown } | { error: st
       try {
         return { value: JSON.parse(text) as unknown };
       } catch {
-        return { error: t("Not valid JSON, e.g. {examples}.", { examples: '[1, 2], {"x": 1}' }) };
+        return { error: t("Not valid JSON, e.g. {one} or {other}.", { one: "[1, 2]", other: '{"x": 1}' }) };
       }
     case "string":
       return checkText(field, text);

@@ -1,6 +1,6 @@
 /** The operator's controls on screen: stick, speed, who drives, and what the wheels are given. */
 
-import { rich, t } from "../i18n";
+import { fromRobot, rich, t } from "../i18n";
 import { goalOf } from "../map/mapText";
 import type { Velocity } from "../protocol/generated";
 import { useApp } from "../state/context";
@@ -98,7 +98,7 @@ export function DrivePad() {
 function Hint() {
   const { drive, store } = useApp();
   const guard = store.of("status").value?.guard;
-  const refusal = drive.refusal.value ?? (guard?.state === "sensor_failure" ? guard.reason : null);
+  const refusal = drive.refusal.value ?? (guard?.state === "sensor_failure" ? fromRobot(guard.reason) : null);
   const { source, keys } = drive.state.value;
   if (refusal) return <p class="drive-hint warn">{refusal}</p>;
   if (source) {

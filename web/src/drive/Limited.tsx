@@ -1,13 +1,14 @@
 /** Why the robot drives slower than commanded, in words; and the button that overrides the collision monitor while held. */
 
-import { t } from "../i18n";
+import { fromRobot, langOf, t } from "../i18n";
 import { useApp } from "../state/context";
 import { overrides } from "./machine";
 
 export function Limited() {
   const { ahead, drive, store } = useApp();
   const status = store.live.value ? store.of("status").value : null;
-  const limited = status?.limited ?? "";
+  const said = status?.limited ?? "";
+  const limited = fromRobot(said);
   const { source, screenOverride } = drive.state.value;
   const held = overrides(drive.state.value);
   const mine = store.of("status").value?.driver?.mine ?? false;
@@ -18,14 +19,16 @@ export function Limited() {
   if (!limited && !offered && late) {
     return (
       <div class="drive-limited" data-testid="slowed">
-        <p role="status">{late}</p>
+        <p role="status" lang={langOf(late)}>
+          {fromRobot(late)}
+        </p>
       </div>
     );
   }
   if (!limited && !offered) return null;
   return (
     <div class="drive-limited" data-testid="limited" data-override={held}>
-      <p role="status">
+      <p role="status" lang={langOf(said)}>
         {limited
           ? `${limited[0]!.toUpperCase()}${limited.slice(1)}.`
           : t("The collision monitor is off while you hold this.")}

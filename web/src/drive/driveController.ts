@@ -1,7 +1,7 @@
 /** Joins the browser's inputs (keys, stick, gamepads, focus) to the state machine, and its commands to the socket. */
 
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
-import { t } from "../i18n";
+import { fromRobot, t } from "../i18n";
 import type { PlaybackController } from "../playback/playbackController";
 import type { Session } from "../state/session";
 import type { Store } from "../state/store";
@@ -307,7 +307,7 @@ function whyNot(store: Store): string | null {
   if (store.role.value === "spectator")
     return t("You are logged in as a spectator: you see everything, and can stop the robot, but not drive it.");
   if (status?.guard.e_stopped) return t("The emergency stop is latched. Release it to drive.");
-  if (status?.guard.state === "silent") return status.guard.reason;
+  if (status?.guard.state === "silent") return fromRobot(status.guard.reason);
   if (status?.waits) return status.waits;
   if (status?.driver && !status.driver.mine)
     return t("{operator} is driving. Ask for the wheel to drive yourself.", { operator: status.driver.operator });

@@ -1,6 +1,6 @@
 /** What the driving controls do, in words; pure. */
 
-import { type Text, t } from "../i18n";
+import { fromRobot, type Text, t } from "../i18n";
 import type { GroupReport } from "../protocol/types";
 import type { Source } from "./machine";
 
@@ -29,7 +29,7 @@ export interface HeadWords {
 
 /** What the head does, where that matters to the hand; `held`: this page holds it. */
 export function headWords(head: GroupReport | null, held: boolean): HeadWords {
-  const because = head?.reason ? `: ${head.reason}` : "";
+  const because = head?.reason ? t(": {reason}", { reason: fromRobot(head.reason) }) : "";
   switch (head?.state) {
     case "refused":
       return { text: t("The head refused the command{because}.", { because }), warns: true };

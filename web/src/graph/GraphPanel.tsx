@@ -194,7 +194,7 @@ function Box(props: {
         {node.title.length > 20 ? `${node.title.slice(0, 19)}…` : node.title}
       </text>
       <text x="8" y="33" class="graph-cpu">
-        {wrong ? named(node.state) : node.cpu >= 0.05 ? `${number(node.cpu)} %` : ""}
+        {wrong ? named(node.state) : node.cpu >= 0.05 ? t("{share} %", { share: number(node.cpu) }) : ""}
       </text>
       <rect class="graph-bar" x="8" y="37" height="3" width={Math.min(full, (full * node.cpu) / 30)} />
     </g>

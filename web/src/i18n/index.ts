@@ -1,11 +1,11 @@
 /** The page in the reader's language. */
 
+export { fromRobot, langOf, named, spaceBetween } from "./robot";
 export {
   decimals,
   LANGUAGES,
   type Language,
   listed,
-  named,
   type PluralText,
   plural,
   rich,

@@ -1,13 +1,17 @@
 /** Which language the page speaks: this browser's own choice, else the first of the reader's languages that is known. */
 
-import { type Catalogue, LANGUAGES, type Language, shown } from "./text";
+import { LANGUAGES, type Language, type Shown, shown } from "./text";
 
 const KEY = "hbba.language";
 
 /** Each catalogue is a file of its own, fetched when it is first asked for. */
-const CATALOGUES: Record<Exclude<Language, "en">, () => Promise<Catalogue>> = {
-  fr: async () => (await import("./fr")).fr,
+const CATALOGUES: Record<Exclude<Language, "en">, () => Promise<Pick<Shown, "catalogue" | "robot">>> = {
+  fr: async () => {
+    const { fr, robot } = await import("./fr");
+    return { catalogue: fr, robot };
+  },
 };
+const NONE = { catalogue: null, robot: null };
 
 interface Reader {
   /** Carries `lang`, for screen readers, hyphens and quotes. */
@@ -39,8 +43,8 @@ export function thisReader(): Reader {
 }
 
 async function show(language: Language, { root, reads }: Reader): Promise<void> {
-  const catalogue = language === "en" ? null : await CATALOGUES[language]();
+  const texts = language === "en" ? NONE : await CATALOGUES[language]();
   const tag = reads.find((each) => each.toLowerCase().split("-")[0] === language) ?? language;
-  shown.value = { language, tag, catalogue };
+  shown.value = { language, tag, ...texts };
   root.lang = language;
 }

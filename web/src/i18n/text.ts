@@ -31,6 +31,12 @@ type Values<S extends string, Value, Given extends string = never> = [Exclude<Na
   : [values: Readonly<Record<Exclude<Names<S>, Given>, Value>>];
 type Value = string | number;
 
+/** What the program says, by its English: names of things, and sentences with places for what is in them. */
+export interface RobotWords {
+  names: Readonly<Record<string, string>>;
+  sentences: Readonly<Record<string, string>>;
+}
+
 /** What the page is shown in; set by `language.ts` alone. */
 export interface Shown {
   language: Language;
@@ -38,8 +44,9 @@ export interface Shown {
   tag: string;
   /** Null: English, which needs none. */
   catalogue: Catalogue | null;
+  robot: RobotWords | null;
 }
-export const shown = signal<Shown>({ language: "en", tag: "en", catalogue: null });
+export const shown = signal<Shown>({ language: "en", tag: "en", catalogue: null, robot: null });
 
 /** `text` in the reader's language. */
 export function t<const S extends Template>(text: S, ...[values]: Values<S, Value>): string {
@@ -69,12 +76,6 @@ export function plural<const S extends PluralText>(
   const rule = rules(language).select(count);
   const text = forms ? (forms[rule] ?? forms.other) : rule === "one" ? one : plain(other);
   return filled(text, { count, ...(values as object) });
-}
-
-/** What a program calls a thing, where that has words in the reader's language; else as it is. */
-export function named(name: string): string {
-  const text = shown.value.catalogue?.[name];
-  return typeof text === "string" ? text : name;
 }
 
 /** A number that is written already, with the language's decimal sign. */

@@ -1,6 +1,6 @@
 /** The lanes' present values as a table: for screen readers and tests always, for eyes on demand. */
 
-import { t } from "../i18n";
+import { langOf, t } from "../i18n";
 import type { LaneRow } from "../protocol/types";
 import { divisor, divisorLines, number, percent, reasonText, spaced, stateWord } from "../ui/format";
 import { StateMark } from "../ui/icons";
@@ -39,7 +39,7 @@ export function LaneTable({ rows, visible }: { rows: readonly LaneRow[]; visible
               <td title={divisorLines(row.divisors).join("\n")}>{divisor(row.divisor)}</td>
               <td>
                 <StateMark state={row.state} /> <b class="state-word">{stateWord(row.state)}</b>.{" "}
-                {reasonText(row.state, row.text)}
+                <span lang={langOf(row.text)}>{reasonText(row.state, row.text)}</span>
               </td>
             </tr>
           ))}

@@ -2,7 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
-import { t } from "../i18n";
+import { langOf, named, t } from "../i18n";
 import type { StrategyReport } from "../protocol/types";
 import { useApp } from "../state/context";
 import { clockTime, number, reasonText, spaced, stateWord } from "../ui/format";
@@ -27,7 +27,7 @@ export function Pinned({ pin, close }: { pin: Pin; close: () => void }) {
     );
   }, []);
   const use = Object.entries(pin.intention?.use ?? {});
-  const unit = (name: string) => store.of("intention").value?.use[name]?.unit ?? "";
+  const unit = (name: string) => named(store.of("intention").value?.use[name]?.unit ?? "");
   const costs = (name: string) => strategies.value.find((strategy) => strategy.name === name);
   const selected = (cls: string) =>
     (pin.intention?.strategies ?? []).map(costs).filter((strategy) => strategy?.class === cls) as StrategyReport[];
@@ -73,12 +73,15 @@ export function Pinned({ pin, close }: { pin: Pin; close: () => void }) {
             </p>
             <p>
               <b class="state-word">{stateWord(sample.state)}</b>
-              {exploited && t(", exploited")}. {reasonText(sample.state, sample.text)}
+              {exploited && t(", exploited")}.{" "}
+              <span lang={langOf(sample.text)}>{reasonText(sample.state, sample.text)}</span>
             </p>
             {selected(name).map((strategy) => (
               <p key={strategy.name} class="muted">
                 {strategy.name}: {t("utility {utility}", { utility: number(strategy.utility) })}
-                {Object.entries(strategy.costs).map(([cost, value]) => `, ${number(value)} ${unit(cost)} ${cost}`)}
+                {Object.entries(strategy.costs).map(
+                  ([cost, value]) => `, ${number(value)} ${unit(cost)} ${named(cost)}`,
+                )}
               </p>
             ))}
           </li>

@@ -1,7 +1,7 @@
 /** What a lane showed at the time under the cursor, and why. */
 
 import { useLayoutEffect, useRef, useState } from "preact/hooks";
-import { t } from "../i18n";
+import { fromRobot, langOf, t } from "../i18n";
 import { clockTime, divisor, divisorLines, number, percent, reasonText, spaced, stateWord } from "../ui/format";
 import { StateMark } from "../ui/icons";
 import type { Hit } from "./chart";
@@ -81,7 +81,8 @@ export function Tooltip({ hit, area, top, now }: { hit: Hit; area: DOMRect; top:
             <StateMark state={sample.state} />
             <span>
               <b class="state-word">{stateWord(sample.state)}</b>
-              {hit.exploited && t(", exploited")}. {reasonText(sample.state, sample.text)}
+              {hit.exploited && t(", exploited")}.{" "}
+              <span lang={langOf(sample.text)}>{reasonText(sample.state, sample.text)}</span>
             </span>
           </p>
         </>
@@ -92,13 +93,15 @@ export function Tooltip({ hit, area, top, now }: { hit: Hit; area: DOMRect; top:
       {hit.folded.slice(-4).map((mark) => (
         <p key={`${mark.kind} ${mark.subject}`} class="tooltip-event">
           <i class="key-mark" />
-          {mark.count > 1 ? t("{count}×, the last: {text}", { count: mark.count, text: mark.text }) : mark.text}
+          {mark.count > 1
+            ? t("{count}×, the last: {text}", { count: mark.count, text: fromRobot(mark.text) })
+            : fromRobot(mark.text)}
         </p>
       ))}
       {events.slice(-3).map((event) => (
         <p key={event.id} class="tooltip-event">
           <i class="key-mark" />
-          {event.text}
+          <span lang={langOf(event.text)}>{fromRobot(event.text)}</span>
         </p>
       ))}
     </div>

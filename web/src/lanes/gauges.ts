@@ -1,6 +1,6 @@
 /** Ω and the budgets as lanes, from the intention in force. Pure. */
 
-import { t } from "../i18n";
+import { named, t } from "../i18n";
 import type { Intention } from "../protocol/types";
 import { number, spaced } from "../ui/format";
 import type { Gauge } from "./drawLanes";
@@ -22,7 +22,7 @@ export function gaugesOf(intention: Intention, best: number): Gauge[] {
     figure: t("{used} of {capacity} {unit}", {
       used: number(use.used),
       capacity: number(use.capacity),
-      unit: use.unit,
+      unit: named(use.unit),
     }),
     most: Math.max(use.capacity, use.used) * 1.05 || 1,
     budget: use.capacity,

@@ -2,7 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { useId } from "preact/hooks";
-import { t } from "../i18n";
+import { fromRobot, t } from "../i18n";
 import type { KeptMap } from "../protocol/types";
 import { useApp } from "../state/context";
 import { dayTime, number } from "../ui/format";
@@ -34,7 +34,7 @@ export function MapRow({ kept }: { kept: KeptMap }) {
           <b>{name}</b>
           {inUse && <span class="tag in-use">{t("in use")}</span>}
         </p>
-        <p class="muted small">{kept.problem ?? factsOf(kept)}</p>
+        <p class="muted small">{kept.problem === null ? factsOf(kept) : fromRobot(kept.problem)}</p>
         <p class="muted small">{t("saved {time}", { time: dayTime(kept.saved) })}</p>
         <div class="recording-actions">
           <button

@@ -1,7 +1,7 @@
 /** One resource that attention shares out: how much is promised, of how much; its budget can be changed here. */
 
 import { useSignal } from "@preact/signals";
-import { t } from "../i18n";
+import { named, t } from "../i18n";
 import { Problem } from "../protocol/rest";
 import type { Intention } from "../protocol/types";
 import { useApp } from "../state/context";
@@ -29,7 +29,7 @@ export function Budget({ name, label, use }: Props) {
   const set = async (capacity: number) => {
     problem.value = "";
     if (!Number.isFinite(capacity) || capacity < 0) {
-      problem.value = t("A number from 0 on, in {unit}.", { unit: use.unit });
+      problem.value = t("A number from 0 on, in {unit}.", { unit: named(use.unit) });
       return;
     }
     try {
@@ -37,7 +37,7 @@ export function Budget({ name, label, use }: Props) {
       open.value = false;
       store.notify(
         "info",
-        t("The budget is {capacity} {unit} now.", { capacity: number(capacity, 2), unit: use.unit }),
+        t("The budget is {capacity} {unit} now.", { capacity: number(capacity, 2), unit: named(use.unit) }),
       );
     } catch (error) {
       problem.value = error instanceof Problem ? error.detail || error.title : String(error);
@@ -52,7 +52,7 @@ export function Budget({ name, label, use }: Props) {
         text={t("{used} of {capacity} {unit}", {
           used: number(use.used),
           capacity: number(use.capacity),
-          unit: use.unit,
+          unit: named(use.unit),
         })}
       />
       {!store.replay.value && (
@@ -86,7 +86,7 @@ export function Budget({ name, label, use }: Props) {
               aria-invalid={problem.value !== ""}
               onInput={(event) => (text.value = event.currentTarget.value)}
             />
-            {use.unit}
+            {named(use.unit)}
           </label>
           <button type="submit" class="button small accent" data-testid={`budget-set-${name}`}>
             {t("Set")}

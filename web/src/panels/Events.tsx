@@ -1,7 +1,7 @@
 /** What happened: every event of the robot's timeline, newest first, by kind. */
 
 import { useSignal } from "@preact/signals";
-import { named, t } from "../i18n";
+import { fromRobot, langOf, named, t } from "../i18n";
 import { useApp } from "../state/context";
 import { ago, clockTime } from "../ui/format";
 import { panel } from "./panel";
@@ -64,7 +64,7 @@ function Events() {
           >
             <time title={clockTime(event.stamp)}>{now === null ? clockTime(event.stamp) : ago(now - event.stamp)}</time>
             <span class="event-kind">{named(event.kind.replace(/_/g, " "))}</span>
-            <p>{event.text}</p>
+            <p lang={langOf(event.text)}>{fromRobot(event.text)}</p>
           </li>
         ))}
       </ol>

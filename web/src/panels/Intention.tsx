@@ -1,7 +1,7 @@
 /** What the robot gave up and why, first; then what it attends to in full. Names, filters and costs on demand. */
 
 import { signal } from "@preact/signals";
-import { type Text, t } from "../i18n";
+import { langOf, type Text, t } from "../i18n";
 import type { Intention as IntentionMessage, SelectedStrategy } from "../protocol/types";
 import type { Message } from "../state/latest";
 import { divisor, number, reasonText, small, spaced, stateWord } from "../ui/format";
@@ -124,7 +124,11 @@ function Row({ name, reason, strategies }: { name: string; reason: Reason; strat
             </span>
           )}
         </p>
-        {why && <p class="reason-text">{reasonText(reason.state, why)}</p>}
+        {why && (
+          <p class="reason-text" lang={langOf(why)}>
+            {reasonText(reason.state, why)}
+          </p>
+        )}
         <Taken strategies={strategies} />
       </div>
     </li>

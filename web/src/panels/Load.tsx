@@ -1,6 +1,6 @@
 /** CPU by module against the budget, and how each module is. */
 
-import { named, plural, t } from "../i18n";
+import { fromRobot, langOf, named, plural, t } from "../i18n";
 import type { Load as LoadMessage, ModuleLoad } from "../protocol/types";
 import { useApp } from "../state/context";
 import { attendedCpu } from "../state/load";
@@ -104,7 +104,7 @@ function Row({ module, full }: { module: ModuleLoad; full: number }) {
       {module.problem && (
         <p class="inline-note error">
           <WarnIcon />
-          <span>{module.problem}</span>
+          <span lang={langOf(module.problem)}>{fromRobot(module.problem)}</span>
         </p>
       )}
     </li>

@@ -77,7 +77,7 @@ function People({ message: perceived }: { message: Message<"perceived"> | null }
       )}
       {closed.map(({ what, text, reason }) => (
         <p key={what} class="muted small">
-          {reason ? `${text}: ${reason}` : `${text}.`}
+          {reason ? t("{what}: {which}", { what: text, which: reason }) : `${text}.`}
         </p>
       ))}
     </section>

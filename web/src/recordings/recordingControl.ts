@@ -162,7 +162,9 @@ export class RecordingControl {
     if (before && now.state === "stopped" && before.state !== "stopped")
       this.store.notify(
         "error",
-        t("Recording has stopped. {reason}", { reason: sentence(now.reason || "the robot does not say why") }),
+        t("Recording has stopped. {reason}", {
+          reason: now.reason ? sentence(now.reason) : t("The robot does not say why."),
+        }),
       );
     if (before && this.shown.peek()) void this.refresh();
   }

@@ -1,7 +1,7 @@
 /** In the editor: has the tour rehearsed, plays it on the map many times faster than life, lists what would go wrong. */
 
 import { useSignal } from "@preact/signals";
-import { t } from "../i18n";
+import { fromRobot, t } from "../i18n";
 import { useApp } from "../state/context";
 import { clockSpan, sentence } from "../ui/format";
 import { CloseIcon, PauseIcon, PlayIcon, WarnIcon } from "../ui/icons";
@@ -127,7 +127,7 @@ function Played() {
       </div>
       {state && (
         <p class="small muted" data-testid="rehearsal-state">
-          {`${stateWord(state.state)}${stop ? ` (${textOf(stop.title, [result.language]) || stop.id})` : ""}${state.reason ? `: ${state.reason}` : ""}`}
+          {`${stateWord(state.state)}${stop ? ` (${textOf(stop.title, [result.language]) || stop.id})` : ""}${state.reason ? t(": {reason}", { reason: fromRobot(state.reason) }) : ""}`}
         </p>
       )}
       {/* It keeps its room: nothing below may jump many times a second. */}

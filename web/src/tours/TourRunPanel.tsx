@@ -1,7 +1,7 @@
 /** Leads tours: begins one, shows how it goes and why, and steers it. */
 
 import { useSignal } from "@preact/signals";
-import { plural, t } from "../i18n";
+import { fromRobot, langOf, plural, t } from "../i18n";
 import { Confirm } from "../map/Confirm";
 import { panel } from "../panels/panel";
 import type { TourProgress } from "../protocol/types";
@@ -232,7 +232,7 @@ function Question({ progress }: { progress: TourProgress }) {
   if (!question || progress.state === "paused") return null;
   return (
     <div class="tour-run-question" role="alert" data-testid="tour-run-question">
-      <b>{question.text}</b>
+      <b lang={langOf(question.text)}>{fromRobot(question.text)}</b>
       <span class="small" data-testid="tour-run-default">
         {defaultWords(question, store.seconds.value)}
       </span>

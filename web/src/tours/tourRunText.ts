@@ -1,6 +1,6 @@
 /** The tour under way in words, and what can be pressed; pure. */
 
-import { plural, type Text, t } from "../i18n";
+import { fromRobot, plural, type Text, t } from "../i18n";
 import type { NavigationModel, RunReport, TourProgress } from "../protocol/types";
 import { clockSpan, number, sentence } from "../ui/format";
 import { textOf } from "./tourEdits";
@@ -95,9 +95,9 @@ export function pauseWords({ state, question }: TourProgress, stopped: boolean):
 
 /** What the robot does without an answer, and when. */
 export function defaultWords(question: NonNullable<TourProgress["question"]>, now: number | null): string {
-  if (now === null) return t("Without an answer {default}.", { default: question.default });
+  if (now === null) return t("Without an answer {default}.", { default: fromRobot(question.default) });
   return t("Without an answer {default} in {time} min.", {
-    default: question.default,
+    default: fromRobot(question.default),
     time: clockSpan(Math.max(0, Math.ceil(question.until - now))),
   });
 }

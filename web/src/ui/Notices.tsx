@@ -11,7 +11,7 @@ export function Notices() {
       {store.notices.value.map((notice) => (
         <div key={notice.id} class={`notice ${notice.level}`} data-testid="notice" data-level={notice.level}>
           {notice.level !== "info" && <WarnIcon />}
-          <p>{notice.text}</p>
+          <p lang={notice.lang}>{notice.text}</p>
           <button type="button" class="icon-button" aria-label={t("Dismiss")} onClick={() => store.dismiss(notice.id)}>
             <CloseIcon />
           </button>

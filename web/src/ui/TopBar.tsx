@@ -2,7 +2,7 @@
 
 import type { ComponentChildren } from "preact";
 import { WheelAsked } from "../drive/Wheel";
-import { decimals, t } from "../i18n";
+import { decimals, fromRobot, t } from "../i18n";
 import { LayoutMenu } from "../layout/LayoutMenu";
 import { ShapedLink } from "../panels/LinkShape";
 import { Marker } from "../playback/Marker";
@@ -63,7 +63,7 @@ export function TopBar({ narrow }: { narrow: boolean }) {
             class={`chip guard-${known?.state ?? "none"}`}
             data-testid="guard-state"
             data-state={known?.state ?? ""}
-            title={known?.reason}
+            title={known && fromRobot(known.reason)}
           >
             {known ? motionWords(known, odometry) : t("State unknown")}
           </p>

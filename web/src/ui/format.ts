@@ -1,6 +1,6 @@
 /** Numbers, ages and divisors in words for people. */
 
-import { decimals, named, shown, t } from "../i18n";
+import { decimals, fromRobot, named, shown, spaceBetween, t, within } from "../i18n";
 
 export function ago(seconds: number): string {
   const s = Math.max(0, seconds);
@@ -48,16 +48,12 @@ export function small(value: number): string {
 }
 
 export function percent(share: number | null | undefined): string {
-  return share === null || share === undefined ? "–" : `${Math.round(share * 100)} %`;
+  return share === null || share === undefined ? "–" : t("{share} %", { share: Math.round(share * 100) });
 }
 
 /** FindQRCodes → Find QR codes, in the reader's language where that has a name for it. */
 export function spaced(name: string): string {
-  const words = name
-    .replace(/([a-z0-9])([A-Z])/g, "$1 $2")
-    .replace(/([A-Z]+)([A-Z][a-z])/g, "$1 $2")
-    .split(/[\s_]+/);
-  return named(words.map((word, i) => (i === 0 || /^[A-Z0-9]{2,}/.test(word) ? word : word.toLowerCase())).join(" "));
+  return named(spaceBetween(name));
 }
 
 /** What people call a module, by its name in the program. */
@@ -69,9 +65,10 @@ export function moduleTitle(name: string, modules: readonly { name: string; titl
 /** Telepresence: see through the robot's eyes. The name as everywhere on the page, then what the class says it is. */
 export function nameAndTitle(kind: { name: string; title: string }): string {
   const name = spaced(kind.name);
-  if (kind.title === "" || kind.title.toLowerCase() === name.toLowerCase()) return name;
-  const title = /^[A-Z][a-z ]/.test(kind.title) ? kind.title.charAt(0).toLowerCase() + kind.title.slice(1) : kind.title;
-  return `${name}: ${title}`;
+  const own = named(kind.title);
+  if (own === "" || own.toLowerCase() === name.toLowerCase()) return name;
+  const title = /^\p{Lu}[\p{Ll} ]/u.test(own) ? within(own) : own;
+  return t("{what}: {which}", { what: name, which: title });
 }
 
 /** A state in words. `degraded` still has all the utility that was wanted, which is no fault to shout about. */
@@ -81,7 +78,8 @@ export function stateWord(state: string): string {
 
 /** A reason without the state it begins with, for where the state stands beside it. */
 export function reasonText(state: string, text: string): string {
-  const rest = text.startsWith(`${state}: `) ? text.slice(state.length + 2) : text;
+  const own = text.startsWith(`${state}: `) ? text.slice(state.length + 2) : text;
+  const rest = fromRobot(own);
   return (rest.charAt(0).toUpperCase() + rest.slice(1)).replace(/\bcpu\b/g, "CPU");
 }
 
@@ -112,7 +110,7 @@ export function dayTime(stamp: number): string {
 
 /** As a sentence of its own: with a capital and a full stop. */
 export function sentence(text: string): string {
-  const trimmed = text.trim().replace(/[.\s]+$/, "");
+  const trimmed = fromRobot(text.trim()).replace(/[.\s]+$/, "");
   return trimmed && `${trimmed.charAt(0).toUpperCase()}${trimmed.slice(1)}.`;
 }
 

@@ -42,7 +42,7 @@ export const desires = {
   "Notice darkness": "Remarquer l’obscurité",
   "Needed.": "Obligatoire.",
   "One of {choices}.": "Au choix : {choices}.",
-  "Not valid JSON, e.g. {examples}.": "JSON non valable ; p. ex. {examples}.",
+  "Not valid JSON, e.g. {one} or {other}.": "JSON non valable ; p. ex. {one} ou {other}.",
   "At least {minLength} characters.": "Au moins {minLength} caractères.",
   "At most {maxLength} characters.": "Au plus {maxLength} caractères.",
   "A number is needed.": "Il faut un nombre.",
@@ -55,4 +55,5 @@ export const desires = {
   "more than {exclusiveMinimum}": "plus de {exclusiveMinimum}",
   "to {maximum}": "à {maximum}",
   "less than {exclusiveMaximum}": "moins de {exclusiveMaximum}",
+  optional: "facultatif",
 } as const;

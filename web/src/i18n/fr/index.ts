@@ -7,9 +7,12 @@ import { map } from "./map";
 import { page } from "./page";
 import { panels } from "./panels";
 import { recordings } from "./recordings";
+import robot from "./robot.json";
 import { sound } from "./sound";
 import { tours } from "./tours";
 import { view } from "./view";
+
+export { robot };
 
 export const fr = {
   ...desires,

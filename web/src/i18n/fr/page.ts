@@ -27,6 +27,9 @@ export const page = {
   Light: "Clair",
   Dark: "Sombre",
   "Drive|preset": "Conduite",
+  "{what}: {which}": "{what} : {which}",
+  ": {reason}": " : {reason}",
+  "{share} %": "{share} %",
   "Drag, or use the arrow keys; a double click puts it back":
     "Glisser, ou utiliser les flèches ; un double clic rétablit",
   "Width of the panels": "Largeur des panneaux",

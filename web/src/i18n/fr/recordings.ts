@@ -83,4 +83,5 @@ export const recordings = {
     "Enregistre encore : un autre désir le demande. Voir Attention.",
   "Recording has stopped. {reason}": "L’enregistrement s’est arrêté. {reason}",
   "Minutes, over 0 to {most}.": "Des minutes, plus de 0, jusqu’à {most}.",
+  "The robot does not say why.": "Le robot ne dit pas pourquoi.",
 } as const;
