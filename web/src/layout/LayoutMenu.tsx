@@ -1,7 +1,7 @@
 /** The page's layout: presets, what is shown, where, its colours, and the link to it. */
 
-import { LANGUAGES, type Language, shown, type Text, t } from "../i18n";
-import { chooseLanguage, thisReader } from "../i18n/language";
+import { type Text, t } from "../i18n";
+import { LanguageChoice } from "../i18n/LanguageChoice";
 import { useApp } from "../state/context";
 import { LayoutIcon } from "../ui/icons";
 import { usePopup } from "../ui/usePopup";
@@ -125,34 +125,6 @@ export function LayoutMenu() {
       store.notify("info", t("The browser's address is the link to this layout now."));
     }
   }
-}
-
-/** Each language by its own name, so that whoever reads no other finds it. */
-function LanguageChoice() {
-  const { store } = useApp();
-  const choose = async (language: Language) => {
-    try {
-      await chooseLanguage(language, thisReader());
-    } catch (error) {
-      store.notify("error", t("The language could not be loaded: {problem}", { problem: String(error) }));
-    }
-  };
-  return (
-    <label class="layout-theme">
-      {t("Language")}
-      <select
-        value={shown.value.language}
-        data-testid="language"
-        onChange={(event) => void choose(event.currentTarget.value as Language)}
-      >
-        {Object.entries(LANGUAGES).map(([tag, name]) => (
-          <option key={tag} value={tag} lang={tag}>
-            {name}
-          </option>
-        ))}
-      </select>
-    </label>
-  );
 }
 
 function Check({ name, id, on, put }: { name: string; id: string; on: boolean; put: (on: boolean) => void }) {

@@ -84,7 +84,7 @@ export function RecordButton() {
         void recordings.record({});
       }}
     >
-      <RecordIcon /> {t("Record")}
+      <RecordIcon /> <span>{t("Record")}</span>
     </button>
   );
 }

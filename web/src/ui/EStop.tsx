@@ -65,7 +65,7 @@ export function EStop() {
         onClick={stop}
       >
         <StopIcon />
-        {stopped ? t("STOPPED") : t("E-STOP")}
+        <span>{stopped ? t("STOPPED") : t("E-STOP")}</span>
       </button>
     </div>
   );

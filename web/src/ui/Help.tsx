@@ -2,6 +2,7 @@
 
 import { useEffect, useRef } from "preact/hooks";
 import { named, type Text, t } from "../i18n";
+import { LanguageChoice } from "../i18n/LanguageChoice";
 import { useApp } from "../state/context";
 import { CloseIcon } from "./icons";
 
@@ -104,6 +105,7 @@ export function Help() {
           )}
         </p>
       )}
+      <LanguageChoice />
       {faced && (
         <p class="small">
           <a href="./face" target="_blank" rel="noopener" data-testid="face-link">

@@ -2,6 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { t } from "../i18n";
+import { LanguageChoice } from "../i18n/LanguageChoice";
 import { Problem } from "../protocol/rest";
 import { useApp } from "../state/context";
 
@@ -52,6 +53,7 @@ export function Login() {
         <button type="submit" class="button accent wide" data-testid="login-submit" disabled={busy.value}>
           {busy.value ? t("Logging in…") : t("Log in")}
         </button>
+        <LanguageChoice />
       </form>
     </main>
   );
