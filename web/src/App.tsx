@@ -2,6 +2,7 @@
 
 import { Around } from "./around/Around";
 import { DrivePad } from "./drive/DrivePad";
+import { t } from "./i18n";
 import { Lanes } from "./lanes/Lanes";
 import { LanesSplitter, SideSplitter } from "./layout/Splitter";
 import { MapPanel } from "./map/MapPanel";
@@ -49,7 +50,7 @@ export function App() {
     >
       <Skips />
       <TopBar narrow={phone} />
-      <main class="view" aria-label="View">
+      <main class="view" aria-label={t("View")}>
         {store.scene.value ? <SceneView /> : <NoScene />}
         {mapped && <MapPanel place="view" />}
         {!(phone && mapped) && (
@@ -104,8 +105,10 @@ function NoScene() {
       {store.hello.value?.channels.camera === false && (
         <p class="scene-note">
           {store.replay.value
-            ? "This recording has no pictures."
-            : `This robot has no camera. See ${body.maps ? "its map, or " : ""}3D.`}
+            ? t("This recording has no pictures.")
+            : body.maps
+              ? t("This robot has no camera. See its map, or 3D.")
+              : t("This robot has no camera. See 3D.")}
         </p>
       )}
     </div>
@@ -121,7 +124,7 @@ function SceneToggle() {
       class="scene-toggle button small"
       data-testid="scene-toggle"
       aria-pressed={shown}
-      title={shown ? "Hide the 3D view" : "Show the 3D view"}
+      title={shown ? t("Hide the 3D view") : t("Show the 3D view")}
       onClick={() => store.showScene(!shown)}
     >
       <CubeIcon /> <span class="tool-words">3D</span>
@@ -138,10 +141,10 @@ function MapToggle() {
       class={`tool-button button small ${shown ? "on" : ""}`}
       data-testid="map-toggle"
       aria-pressed={shown}
-      title="Map over the whole view (M)"
+      title={t("Map over the whole view (M)")}
       onClick={() => store.showMap(shown ? "tab" : "view")}
     >
-      <MapIcon /> <span class="tool-words">Map</span>
+      <MapIcon /> <span class="tool-words">{t("Map")}</span>
     </button>
   );
 }
@@ -156,10 +159,10 @@ function TourToggle() {
       class={`tool-button button small ${shown ? "on" : ""}`}
       data-testid="tour-toggle"
       aria-pressed={shown}
-      title="Edit tours: the map large, the stops beside it"
+      title={t("Edit tours: the map large, the stops beside it")}
       onClick={() => store.showTour("view")}
     >
-      <TourIcon /> <span class="tool-words">Tour</span>
+      <TourIcon /> <span class="tool-words">{t("Tour")}</span>
     </button>
   );
 }

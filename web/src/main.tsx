@@ -5,6 +5,8 @@ import { render } from "preact";
 import { App } from "./App";
 import { lookAhead } from "./drive/ahead";
 import { DriveController } from "./drive/driveController";
+import { t } from "./i18n";
+import { startLanguage, thisReader } from "./i18n/language";
 import { LayoutControl } from "./layout/layoutControl";
 import { startTheme } from "./layout/theme";
 import { GridFeed } from "./map/gridFeed";
@@ -122,6 +124,7 @@ const talking = new Talking(store, session, listening);
 const layout = new LayoutControl(store, localStorage);
 layout.start(location.search);
 startTheme(document.documentElement, localStorage);
+await startLanguage(thisReader());
 
 render(
   <AppContext.Provider
@@ -187,6 +190,6 @@ effect(() => {
 });
 effect(() => {
   const robot = store.hello.value?.robot.name;
-  const what = robot && store.replay.value ? `Recording of ${robot}` : robot;
-  document.title = what ? `${what} · HBBA console` : "HBBA console";
+  const what = robot && store.replay.value ? t("Recording of {robot}", { robot }) : robot;
+  document.title = what ? t("{what} · HBBA console", { what }) : t("HBBA console");
 });

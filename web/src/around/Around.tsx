@@ -2,6 +2,7 @@
 
 import { effect } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
+import { t } from "../i18n";
 import { useApp } from "../state/context";
 import type { Store } from "../state/store";
 import { number } from "../ui/format";
@@ -29,7 +30,7 @@ export function Around({ place }: { place: "view" | "tab" }) {
         data-testid="around-show"
         onClick={() => store.showAround("inset")}
       >
-        <AroundIcon /> Around
+        <AroundIcon /> {t("Around")}
       </button>
     );
   return <Sphere place={place} large={mode === "large"} />;
@@ -49,7 +50,7 @@ function Sphere({ place, large }: { place: "view" | "tab"; large: boolean }) {
     .filter(Boolean)
     .join(", ");
   const blank = seen === "" && panorama.stamp.value === null;
-  const words = seen || "No people seen, no sounds heard";
+  const words = seen || t("No people seen, no sounds heard");
   const age = panorama.stamp.value === null ? null : now - panorama.stamp.value;
   return (
     <figure
@@ -57,19 +58,19 @@ function Sphere({ place, large }: { place: "view" | "tab"; large: boolean }) {
       data-testid="around"
       data-stamp={panorama.stamp.value ?? ""}
       data-summary={words}
-      aria-label="Around the robot"
+      aria-label={t("Around the robot")}
     >
       <div class="around-strip">
         <canvas
           ref={canvas}
           role="img"
-          aria-label={`Around the robot: ${words}`}
+          aria-label={t("Around the robot: {words}", { words })}
           onPointerMove={(event) => showHover(event.currentTarget, event, store, layers)}
         />
         {blank && <Nothing closed={closed} />}
         {!fresh && age !== null && (
           <span class="around-age" data-testid="around-age">
-            {age > 0 ? `${number(age, age < 10 ? 1 : 0)} s old` : "old"}
+            {age > 0 ? t("{age} s old", { age: number(age, age < 10 ? 1 : 0) }) : t("old")}
           </span>
         )}
       </div>
@@ -87,7 +88,7 @@ function Sphere({ place, large }: { place: "view" | "tab"; large: boolean }) {
             type="button"
             class="icon-button toggle"
             data-testid="around-salient"
-            aria-label={store.salient.value ? "Hide what stands out" : "Show what stands out"}
+            aria-label={store.salient.value ? t("Hide what stands out") : t("Show what stands out")}
             aria-pressed={store.salient.value}
             onClick={() => {
               store.salient.value = !store.salient.value;
@@ -100,7 +101,7 @@ function Sphere({ place, large }: { place: "view" | "tab"; large: boolean }) {
           type="button"
           class="icon-button"
           data-testid="around-enlarge"
-          aria-label={large ? "Shrink the panorama" : "Enlarge the panorama"}
+          aria-label={large ? t("Shrink the panorama") : t("Enlarge the panorama")}
           aria-pressed={large}
           onClick={() => store.showAround(large ? "inset" : "large")}
         >
@@ -110,7 +111,7 @@ function Sphere({ place, large }: { place: "view" | "tab"; large: boolean }) {
           type="button"
           class="icon-button"
           data-testid="around-hide"
-          aria-label="Hide the panorama"
+          aria-label={t("Hide the panorama")}
           onClick={() => store.showAround("hidden")}
         >
           <CloseIcon />
@@ -154,10 +155,10 @@ function useAround() {
 function Nothing({ closed }: { closed: Closed[] }) {
   return (
     <div class="around-nothing" data-testid="around-nothing">
-      <p>No people or sounds yet.</p>
+      <p>{t("No people or sounds yet.")}</p>
       {closed.map((one) => (
         <p key={one.what} class="muted" title={one.reason}>
-          {one.reason ? `${one.text}: ${one.reason}` : `${one.text}.`}
+          {one.reason ? t("{what}: {which}", { what: one.text, which: one.reason }) : `${one.text}.`}
         </p>
       ))}
     </div>

@@ -1,5 +1,6 @@
 /** Draws the strip of all directions: the picture ahead, a grid where there is none, and what was perceived. */
 
+import { t } from "../i18n";
 import type { Box, Name, Pen } from "./layer";
 import { type Point, pictureBox, place, type Strip, scale } from "./stripProjection";
 
@@ -106,7 +107,7 @@ function drawFoot(context: Context, strip: Strip, large: boolean): void {
     if (strip.width < WORDED && Math.abs(degrees) === 90) continue;
     context.textAlign = align;
     const x = strip.width / 2 - radians(degrees) * scale(strip);
-    context.fillText(text, x + (align === "left" ? 5 : align === "right" ? -5 : 0), top + 9);
+    context.fillText(t(text), x + (align === "left" ? 5 : align === "right" ? -5 : 0), top + 9);
   }
 }
 

@@ -1,7 +1,7 @@
 /** From what the robot perceives of people to what is drawn and said of it. Pure. */
 
+import { decimals, listed, plural, t } from "../i18n";
 import type { HeardSound, Perceived, SeenFace } from "../protocol/types";
-import { number } from "../ui/format";
 
 /** A disc is gone so long after its sound fell silent, a flash so long after its noise, s. */
 export const FADE_S = 1.5;
@@ -95,41 +95,48 @@ export function kindOf(sound: HeardSound): SoundKind {
 }
 
 export function personWords(face: SeenFace): string {
-  return face.range_m === null ? `Person ${face.track}` : `Person ${face.track}, ${face.range_m.toFixed(1)} m`;
+  return face.range_m === null
+    ? t("Person {track}", { track: face.track })
+    : t("Person {track}, {range} m", { track: face.track, range: decimals(face.range_m.toFixed(1)) });
 }
 
 export function soundWords(sound: HeardSound): string {
-  const what = kindOf(sound) === "voice" ? "voice" : "sound";
+  const what = kindOf(sound) === "voice" ? t("voice") : t("sound");
   const { range_m, range_sigma_m } = sound;
   const known = range_m !== null && (range_sigma_m ?? Infinity) <= KNOWN * range_m;
-  return known ? `${what}, ${range_m.toFixed(1)} m` : what;
+  return known ? `${what}, ${decimals(range_m.toFixed(1))} m` : what;
 }
 
 /** "ahead", "30° left", "behind". */
 export function directionWords(azimuth: number): string {
   const degrees = Math.round((Math.abs(azimuth) * 180) / Math.PI / 5) * 5;
-  if (degrees < 5) return "ahead";
-  if (degrees > 170) return "behind";
-  return `${number(degrees, 0)}° ${azimuth > 0 ? "left" : "right"}`;
+  if (degrees < 5) return t("ahead");
+  if (degrees > 170) return t("behind");
+  return azimuth > 0 ? t("{degrees}° left", { degrees }) : t("{degrees}° right", { degrees });
 }
 
 /** "2 people, 1 voice at 30° left"; empty where there is nothing. */
 export function summary(faces: FaceMark[], sounds: SoundMark[], noise: boolean): string {
   const parts = [];
-  if (faces.length > 0) parts.push(faces.length === 1 ? `1 person ${at(faces)}` : `${faces.length} people`);
+  if (faces.length > 0)
+    parts.push(
+      faces.length === 1
+        ? t("1 person {where}", { where: at(faces) })
+        : plural(faces.length, "{count} person", "{count} people"),
+    );
   const active = sounds.filter((sound) => sound.active);
   const voices = active.filter((sound) => sound.kind === "voice");
   const others = active.filter((sound) => sound.kind !== "voice");
-  if (voices.length > 0) parts.push(`${voices.length} ${voices.length === 1 ? "voice" : "voices"} ${at(voices)}`);
-  if (others.length > 0) parts.push(`${others.length} ${others.length === 1 ? "sound" : "sounds"} ${at(others)}`);
-  if (noise) parts.push("a loud noise");
+  if (voices.length > 0) parts.push(`${plural(voices.length, "{count} voice", "{count} voices")} ${at(voices)}`);
+  if (others.length > 0) parts.push(`${plural(others.length, "{count} sound", "{count} sounds")} ${at(others)}`);
+  if (noise) parts.push(t("a loud noise"));
   return parts.join(", ");
 }
 
 function at(marks: { azimuth: number }[]): string {
   const words = marks.map(({ azimuth }) => directionWords(azimuth));
-  const joined = words.length > 1 ? `${words.slice(0, -1).join(", ")} and ${words.at(-1)}` : words[0]!;
-  return /^\d/.test(joined) ? `at ${joined}` : joined;
+  const joined = listed(words);
+  return /^\d/.test(joined) ? t("at {angles}", { angles: joined }) : joined;
 }
 
 /** Where it is seen from the panorama's camera, so that it lies on the picture; else from its own sensor. */

@@ -1,5 +1,6 @@
 /** From what stands out around the head to what is drawn and said of it. Pure. */
 
+import { listed, t } from "../i18n";
 import type { SaliencyMap, SalientRegion, SalientRegions } from "../protocol/types";
 import { directionWords } from "./perceptMarks";
 import { type Point, place, type Strip, scale } from "./stripProjection";
@@ -43,14 +44,19 @@ export function featureWords(region: SalientRegion): string {
   const names = (Object.keys(WORDS) as (keyof typeof WORDS)[])
     .filter((name) => region[name] >= NAMED * region.saliency && region[name] > 0)
     .sort((a, b) => region[b] - region[a])
-    .map((name) => WORDS[name]);
-  return names.length > 1 ? `${names.slice(0, -1).join(", ")} and ${names.at(-1)}` : (names[0] ?? "nothing");
+    .map((name) => t(WORDS[name]));
+  return listed(names) || t("nothing");
 }
 
 /** All in words: "most salient 30° left (motion)"; empty for nothing. */
 export function saliencySummary(message: SalientRegions | null, now: number): string {
   const first = fresh(message, now) ? message!.regions[0] : undefined;
-  return first ? `most salient ${directionWords(first.azimuth)} (${featureWords(first)})` : "";
+  return first
+    ? t("most salient {direction} ({features})", {
+        direction: directionWords(first.azimuth),
+        features: featureWords(first),
+      })
+    : "";
 }
 
 /** The mark within `reach` px of a point, else none. */

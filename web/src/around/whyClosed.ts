@@ -1,5 +1,6 @@
 /** Why no people or sounds are perceived: sensors that the robot lacks, and filters that attention has closed. Pure. */
 
+import { t } from "../i18n";
 import type { Hello, LaneRow } from "../protocol/types";
 import { reasonText, sentence } from "../ui/format";
 
@@ -40,20 +41,20 @@ export function whyClosed(hello: Hello | null, rows: LaneRow[], replay: boolean,
   if (!hello.channels.panorama)
     closed.push({
       what: "picture",
-      text: replay ? "This recording has no panorama" : "This robot has no panoramic camera",
+      text: replay ? t("This recording has no panorama") : t("This robot has no panoramic camera"),
       reason: "",
     });
   else {
     const telepresence = lane("Telepresence");
     if (!fresh && !replay && telepresence && telepresence.divisor === null)
-      closed.push({ what: "picture", text: "No picture", reason: reasonOf(telepresence) });
+      closed.push({ what: "picture", text: t("No picture"), reason: reasonOf(telepresence) });
   }
   if (rows.length === 0) return closed;
   for (const { what, kind, closed: text, missing } of PERCEPTIONS) {
     const row = lane(kind);
     const served = replay || hello.classes.find(({ name }) => name === kind)?.served !== false;
-    if (!row || !served) closed.push({ what, text: missing, reason: "" });
-    else if (row.divisor === null) closed.push({ what, text, reason: reasonOf(row) });
+    if (!row || !served) closed.push({ what, text: t(missing), reason: "" });
+    else if (row.divisor === null) closed.push({ what, text: t(text), reason: reasonOf(row) });
   }
   return closed;
 }

@@ -2,6 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
+import { fromRobot, t } from "../i18n";
 import { idempotencyKey, Problem } from "../protocol/rest";
 import type { DesireClass } from "../protocol/types";
 import { useApp } from "../state/context";
@@ -37,7 +38,7 @@ export function DesireForm() {
         disabled={classes.length === 0}
         onClick={() => (open.value = true)}
       >
-        <PlusIcon /> Add a desire
+        <PlusIcon /> {t("Add a desire")}
       </button>
       {quick(classes, scale).map((one) => (
         <QuickButton key={one.title} one={one} />
@@ -53,7 +54,7 @@ function QuickButton({ one }: { one: Quick }) {
     busy.value = true;
     try {
       await session.rest.addDesire(one.desire, idempotencyKey());
-      store.notify("info", `Added a desire: ${one.title}.`);
+      store.notify("info", t("Added a desire: {title}.", { title: one.title }));
     } catch (error) {
       store.notify("error", `${one.title}: ${error instanceof Problem ? error.detail || error.title : String(error)}`);
     } finally {
@@ -66,7 +67,10 @@ function QuickButton({ one }: { one: Quick }) {
       class="kind"
       data-testid={`quick-${one.desire.class}`}
       disabled={busy.value}
-      title={`Adds a desire for ${spaced(one.desire.class)} that lasts ${one.desire.ttl} s`}
+      title={t("Adds a desire for {class} that lasts {ttl} s", {
+        class: spaced(one.desire.class),
+        ttl: one.desire.ttl,
+      })}
       onClick={() => void add()}
     >
       {one.title}
@@ -118,8 +122,10 @@ function Form({ classes, onClose }: { classes: DesireClass[]; onClose: () => voi
       if (text === "" || !Number.isFinite(value) || value < 0 || value > limit || (value === 0 && name !== "utility"))
         found[name] =
           limit === Infinity
-            ? "Seconds, more than 0."
-            : `A number ${name === "utility" ? "from 0" : "over 0"} to ${limit}.`;
+            ? t("Seconds, more than 0.")
+            : name === "utility"
+              ? t("A number from 0 to {limit}.", { limit })
+              : t("A number over 0 to {limit}.", { limit });
       return value;
     };
     const intensity = number("intensity", scale.intensity, true);
@@ -141,7 +147,7 @@ function Form({ classes, onClose }: { classes: DesireClass[]; onClose: () => voi
     try {
       await navigator.clipboard.writeText(command);
       copied.value = "";
-      store.notify("info", "The command is copied.");
+      store.notify("info", t("The command is copied."));
     } catch {
       copied.value = command; // without a secure context there is no clipboard
     }
@@ -158,10 +164,11 @@ function Form({ classes, onClose }: { classes: DesireClass[]; onClose: () => voi
     try {
       await session.rest.addDesire(desire, key.current.key);
       key.current = { body: "", key: "" };
-      store.notify("info", `Added a desire: ${spaced(desire.class)}.`);
+      store.notify("info", t("Added a desire: {class}.", { class: spaced(desire.class) }));
       onClose();
     } catch (error) {
-      const refused = error instanceof Problem ? error : new Problem(0, "The desire could not be added", String(error));
+      const refused =
+        error instanceof Problem ? error : new Problem(0, t("The desire could not be added"), String(error));
       const { byField, rest } = placeErrors(refused.errors, fields);
       problem.value = { title: refused.title, lines: [refused.detail, ...rest].filter(Boolean) };
       fail(byField);
@@ -172,8 +179,8 @@ function Form({ classes, onClose }: { classes: DesireClass[]; onClose: () => voi
 
   return (
     <form class="desire-form" ref={form} noValidate onSubmit={(event) => void submit(event)} data-testid="desire-form">
-      <h2>Add a desire</h2>
-      <Labelled name="class" title="What" hint={kind?.description ?? ""} error={errors.value["class"]}>
+      <h2>{t("Add a desire")}</h2>
+      <Labelled name="class" title={t("What")} hint={fromRobot(kind?.description ?? "")} error={errors.value["class"]}>
         {(props) => (
           <select
             {...props}
@@ -201,9 +208,9 @@ function Form({ classes, onClose }: { classes: DesireClass[]; onClose: () => voi
       <div class="form-row">
         {(
           [
-            ["intensity", "Intensity", `over 0, to ${scale.intensity}`],
-            ["utility", "Utility", `0 to ${scale.utility}; 0 inhibits`],
-            ["ttl", "Lasts", "seconds; empty: no limit"],
+            ["intensity", t("Intensity"), t("over 0, to {intensity}", { intensity: scale.intensity })],
+            ["utility", t("Utility"), t("0 to {utility}; 0 inhibits", { utility: scale.utility })],
+            ["ttl", t("Lasts"), t("seconds; empty: no limit")],
           ] as const
         ).map(([name, title, hint]) => (
           <Labelled key={name} name={name} title={title} hint={hint} error={errors.value[name]}>
@@ -228,7 +235,7 @@ function Form({ classes, onClose }: { classes: DesireClass[]; onClose: () => voi
           onChange={(event) => (security.value = event.currentTarget.checked)}
         />
         <LockIcon />
-        <span>Security: fulfill it even if other desires lose</span>
+        <span>{t("Security: fulfill it even if other desires lose")}</span>
       </label>
       {problem.value && (
         <div class="inline-note error stacked" role="alert" data-testid="form-problem">
@@ -240,22 +247,22 @@ function Form({ classes, onClose }: { classes: DesireClass[]; onClose: () => voi
       )}
       <div class="form-actions">
         <button type="submit" class="button accent" data-testid="desire-submit" disabled={busy.value}>
-          {busy.value ? "Adding…" : "Add the desire"}
+          {busy.value ? t("Adding…") : t("Add the desire")}
         </button>
         <button type="button" class="button quiet" onClick={onClose}>
-          Cancel
+          {t("Cancel")}
         </button>
         <button
           type="button"
           class="button quiet"
           data-testid="desire-curl"
-          title="The same from a shell"
+          title={t("The same from a shell")}
           onClick={() => void copy()}
         >
-          Copy as curl
+          {t("Copy as curl")}
         </button>
       </div>
-      {copied.value && <textarea class="curl" readOnly rows={4} aria-label="Command" value={copied.value} />}
+      {copied.value && <textarea class="curl" readOnly rows={4} aria-label={t("Command")} value={copied.value} />}
     </form>
   );
 }

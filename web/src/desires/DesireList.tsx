@@ -1,6 +1,7 @@
 /** The desires there are: changed in place, removed, with who asked, how long they last and what became of them. */
 
 import { useSignal } from "@preact/signals";
+import { fromRobot, named, t } from "../i18n";
 import { Problem } from "../protocol/rest";
 import type { Accomplishment, Desire, DesireReport } from "../protocol/types";
 import { useApp } from "../state/context";
@@ -15,8 +16,9 @@ interface Props {
 }
 
 export function DesireList({ desires, accomplishments }: Props) {
-  if (desires === null) return <p class="empty">Waiting for the robot's desires…</p>;
-  if (desires.length === 0) return <p class="empty">No desires. Add one to give the robot something to attend to.</p>;
+  if (desires === null) return <p class="empty">{t("Waiting for the robot's desires…")}</p>;
+  if (desires.length === 0)
+    return <p class="empty">{t("No desires. Add one to give the robot something to attend to.")}</p>;
   return (
     <ul class="desires">
       {desires.map((desire) => (
@@ -35,7 +37,7 @@ export function EndedList({ ended }: { ended: readonly DesireReport[] }) {
   const now = useApp().store.seconds.value;
   if (ended.length === 0) return null;
   return (
-    <ul class="ended-desires" aria-label="Ended" data-testid="ended-desires">
+    <ul class="ended-desires" aria-label={t("Ended")} data-testid="ended-desires">
       {ended.map((report) => (
         <li key={`${report.id}@${report.ended}`} data-id={report.id} data-outcome={report.outcome}>
           <b>{spaced(report.class)}</b>
@@ -43,7 +45,7 @@ export function EndedList({ ended }: { ended: readonly DesireReport[] }) {
           <time title={clockTime(report.ended!)}>
             {now === null ? clockTime(report.ended!) : ago(now - report.ended!)}
           </time>
-          <p class="desire-by">{[sourceWords(report.source), report.reason].filter(Boolean).join(" · ")}</p>
+          <p class="desire-by">{[sourceWords(report.source), fromRobot(report.reason)].filter(Boolean).join(" · ")}</p>
         </li>
       ))}
     </ul>
@@ -51,7 +53,7 @@ export function EndedList({ ended }: { ended: readonly DesireReport[] }) {
 }
 
 function OutcomeTag({ outcome }: { outcome: string }) {
-  return <span class={`tag ${outcome}`}>{outcome}</span>;
+  return <span class={`tag ${outcome}`}>{named(outcome)}</span>;
 }
 
 function Row({ desire, report }: { desire: Desire; report: Accomplishment | null }) {
@@ -87,9 +89,9 @@ function Row({ desire, report }: { desire: Desire; report: Accomplishment | null
       <div class="desire-head">
         <b>{name}</b>
         {desire.security && (
-          <span class="tag security" title="Security: must be fulfilled">
+          <span class="tag security" title={t("Security: must be fulfilled")}>
             <LockIcon />
-            security
+            {t("security")}
           </span>
         )}
         {report && <OutcomeTag outcome={report.outcome} />}
@@ -98,13 +100,15 @@ function Row({ desire, report }: { desire: Desire; report: Accomplishment | null
           type="button"
           class="icon-button"
           data-testid="desire-remove"
-          aria-label={`Remove the desire ${name} of ${desire.source.name}`}
+          aria-label={t("Remove the desire {name} of {source}", { name, source: desire.source.name })}
           onClick={() => void attempt(session.rest.removeDesire(desire.id))}
         >
           <TrashIcon />
         </button>
       </div>
-      <p class="desire-by">{[sourceWords(desire.source), report?.reason].filter(Boolean).join(" · ")}</p>
+      <p class="desire-by">
+        {[sourceWords(desire.source), report && fromRobot(report.reason)].filter(Boolean).join(" · ")}
+      </p>
       {params.length > 0 && (
         <p class="desire-params">
           {params
@@ -114,18 +118,18 @@ function Row({ desire, report }: { desire: Desire; report: Accomplishment | null
       )}
       <div class="desire-values">
         <Stepper
-          label="Intensity"
+          label={t("Intensity")}
           tone="intensity"
           value={desire.intensity}
           limit={scale.intensity}
           onChange={(intensity) => change({ intensity })}
         />
         <Stepper
-          label="Utility"
+          label={t("Utility")}
           tone="utility"
           value={desire.utility}
           limit={scale.utility}
-          zero="inhibits"
+          zero={t("inhibits")}
           onChange={(utility) => change({ utility })}
         />
       </div>
@@ -146,7 +150,7 @@ function TimeLeft({ expires }: { expires: number | null }) {
 }
 
 function sourceWords(source: Desire["source"]): string {
-  if (source.kind === "motivation") return `by ${spaced(source.name)}`;
-  if (source.kind === "rest") return `by ${source.name} over REST`;
-  return `by ${source.name}`;
+  if (source.kind === "motivation") return t("by {name}", { name: spaced(source.name) });
+  if (source.kind === "rest") return t("by {name} over REST", { name: source.name });
+  return t("by {name}", { name: source.name });
 }

@@ -1,5 +1,6 @@
 /** One more desire, above all else; the desires there are, and those that ended last. */
 
+import { t } from "../i18n";
 import { panel } from "../panels/panel";
 import { useApp } from "../state/context";
 import type { Message } from "../state/latest";
@@ -12,9 +13,9 @@ export const desiresPanel = panel({ type: "desires", tab: "Attention", Card: Des
 
 function Desires({ message }: { message: Message<"desires"> | null }) {
   return (
-    <section class="card" aria-label="Desires">
+    <section class="card" aria-label={t("Desires")}>
       <h2>
-        Desires <span class="count">{message?.desires.length ?? 0}</span>
+        {t("Desires")} <span class="count">{message?.desires.length ?? 0}</span>
       </h2>
       <DesireList desires={message?.desires ?? null} accomplishments={message?.accomplishments ?? []} />
       <EndedList ended={message?.ended ?? []} />
@@ -26,7 +27,7 @@ function AddDesire() {
   const { store } = useApp();
   if (store.replay.value) return null;
   return (
-    <section class="card" aria-label="Add a desire">
+    <section class="card" aria-label={t("Add a desire")}>
       <DesireForm />
     </section>
   );

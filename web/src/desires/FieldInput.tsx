@@ -2,6 +2,7 @@
 
 import type { ComponentChildren } from "preact";
 import { useId } from "preact/hooks";
+import { fromRobot, langOf, t } from "../i18n";
 import { type Field, rangeText } from "./schema";
 
 interface Wiring {
@@ -56,12 +57,18 @@ export function FieldInput({ field, value, error, onInput }: FieldProps) {
         />
         <span>
           {field.title}
-          {field.description && <span class="field-hint">{field.description}</span>}
+          {field.description && (
+            <span class="field-hint" lang={langOf(field.description)}>
+              {fromRobot(field.description)}
+            </span>
+          )}
         </span>
       </label>
     );
   }
-  const hint = [field.description, rangeText(field), field.required ? "" : "optional"].filter(Boolean).join(" · ");
+  const hint = [fromRobot(field.description), rangeText(field), field.required ? "" : t("optional")]
+    .filter(Boolean)
+    .join(" · ");
   return (
     <Labelled name={`params.${field.name}`} title={field.title} hint={hint} error={error}>
       {(props) =>

@@ -1,5 +1,6 @@
 /** Desires that one press adds, and a desire as a command for a shell. Pure. */
 
+import { type Text, t } from "../i18n";
 import type { DesireClass, NewDesire } from "../protocol/types";
 import { offered } from "./schema";
 
@@ -9,7 +10,7 @@ export interface Quick {
 }
 
 /** What people try first, for a while: as much desired as a person's wish, over what the robot wants by itself. */
-const CHOICES: readonly (readonly [cls: string, title: string, ttl: number])[] = [
+const CHOICES: readonly (readonly [cls: string, title: Text, ttl: number])[] = [
   ["LocateVoices", "Listen for voices", 30],
   ["LocateFaces", "Look for faces", 60],
   ["ClassifySounds", "Name sounds", 60],
@@ -20,7 +21,7 @@ const CHOICES: readonly (readonly [cls: string, title: string, ttl: number])[] =
 export function quick(classes: readonly DesireClass[], limit: { intensity: number; utility: number }): Quick[] {
   const served = new Set(offered(classes).map(({ name }) => name));
   return CHOICES.filter(([cls]) => served.has(cls)).map(([cls, title, ttl]) => ({
-    title: `${title}, ${ttl} s`,
+    title: `${t(title)}, ${ttl} s`,
     desire: { class: cls, intensity: limit.intensity, utility: limit.utility / 2, security: false, params: {}, ttl },
   }));
 }

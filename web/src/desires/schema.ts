@@ -1,5 +1,6 @@
 /** From a parameter model's JSON Schema to form fields, and from what was typed back to parameters. Pure. */
 
+import { named, t } from "../i18n";
 import type { DesireClass, JsonSchema } from "../protocol/types";
 
 export type FieldKind = "number" | "integer" | "boolean" | "string" | "choice" | "json";
@@ -46,7 +47,7 @@ export function paramsOf(
   for (const field of fields) {
     const text = values[field.name] ?? "";
     if (text.trim() === "" && field.kind !== "boolean") {
-      if (field.required) errors[field.name] = "Needed.";
+      if (field.required) errors[field.name] = t("Needed.");
       continue;
     }
     const read = readValue(field, text);
@@ -62,7 +63,7 @@ function fieldOf(name: string, property: JsonSchema, root: JsonSchema, required:
   const kind = choices.length > 0 ? "choice" : kindOf(schema);
   const field: Field = {
     name,
-    title: property.title ?? schema.title ?? titled(name),
+    title: named(property.title ?? schema.title ?? titled(name)),
     description: property.description ?? schema.description ?? "",
     kind,
     required,
@@ -117,13 +118,15 @@ function readValue(field: Field, text: string): { value: unknown } | { error: st
       return { value: text === "true" };
     case "choice": {
       const choice = field.choices.find(({ label }) => label === text);
-      return choice ? { value: choice.value } : { error: `One of ${field.choices.map((c) => c.label).join(", ")}.` };
+      return choice
+        ? { value: choice.value }
+        : { error: t("One of {choices}.", { choices: field.choices.map((c) => c.label).join(", ") }) };
     }
     case "json":
       try {
         return { value: JSON.parse(text) as unknown };
       } catch {
-        return { error: 'Not valid JSON, e.g. [1, 2] or {"x": 1}.' };
+        return { error: t("Not valid JSON, e.g. {one} or {other}.", { one: "[1, 2]", other: '{"x": 1}' }) };
       }
     case "string":
       return checkText(field, text);
@@ -134,21 +137,23 @@ function readValue(field: Field, text: string): { value: unknown } | { error: st
 
 function checkText(field: Field, text: string): { value: unknown } | { error: string } {
   if (field.minLength !== undefined && text.length < field.minLength)
-    return { error: `At least ${field.minLength} characters.` };
+    return { error: t("At least {minLength} characters.", { minLength: field.minLength }) };
   if (field.maxLength !== undefined && text.length > field.maxLength)
-    return { error: `At most ${field.maxLength} characters.` };
+    return { error: t("At most {maxLength} characters.", { maxLength: field.maxLength }) };
   return { value: text };
 }
 
 function checkNumber(field: Field, text: string): { value: unknown } | { error: string } {
   const value = Number(text.replace(",", ".").replace("−", "-"));
-  if (!Number.isFinite(value)) return { error: "A number is needed." };
-  if (field.kind === "integer" && !Number.isInteger(value)) return { error: "A whole number is needed." };
+  if (!Number.isFinite(value)) return { error: t("A number is needed.") };
+  if (field.kind === "integer" && !Number.isInteger(value)) return { error: t("A whole number is needed.") };
   const { minimum, maximum, exclusiveMinimum, exclusiveMaximum } = field;
-  if (minimum !== undefined && value < minimum) return { error: `At least ${minimum}.` };
-  if (maximum !== undefined && value > maximum) return { error: `At most ${maximum}.` };
-  if (exclusiveMinimum !== undefined && value <= exclusiveMinimum) return { error: `More than ${exclusiveMinimum}.` };
-  if (exclusiveMaximum !== undefined && value >= exclusiveMaximum) return { error: `Less than ${exclusiveMaximum}.` };
+  if (minimum !== undefined && value < minimum) return { error: t("At least {minimum}.", { minimum }) };
+  if (maximum !== undefined && value > maximum) return { error: t("At most {maximum}.", { maximum }) };
+  if (exclusiveMinimum !== undefined && value <= exclusiveMinimum)
+    return { error: t("More than {exclusiveMinimum}.", { exclusiveMinimum }) };
+  if (exclusiveMaximum !== undefined && value >= exclusiveMaximum)
+    return { error: t("Less than {exclusiveMaximum}.", { exclusiveMaximum }) };
   return { value };
 }
 
@@ -161,17 +166,18 @@ function titled(name: string): string {
 export function rangeText(field: Field): string {
   const low =
     field.minimum !== undefined
-      ? `from ${field.minimum}`
+      ? t("from {minimum}", { minimum: field.minimum })
       : field.exclusiveMinimum !== undefined
-        ? `more than ${field.exclusiveMinimum}`
+        ? t("more than {exclusiveMinimum}", { exclusiveMinimum: field.exclusiveMinimum })
         : "";
   const high =
     field.maximum !== undefined
-      ? `to ${field.maximum}`
+      ? t("to {maximum}", { maximum: field.maximum })
       : field.exclusiveMaximum !== undefined
-        ? `less than ${field.exclusiveMaximum}`
+        ? t("less than {exclusiveMaximum}", { exclusiveMaximum: field.exclusiveMaximum })
         : "";
-  return [low, high].filter(Boolean).join(low.startsWith("from") && high.startsWith("to") ? " " : ", ");
+  const both = field.minimum !== undefined && field.maximum !== undefined;
+  return [low, high].filter(Boolean).join(both ? " " : ", ");
 }
 
 /** The classes that a desire can come true of. */

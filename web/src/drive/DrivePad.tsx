@@ -1,5 +1,6 @@
 /** The operator's controls on screen: stick, speed, who drives, and what the wheels are given. */
 
+import { fromRobot, rich, t } from "../i18n";
 import { goalOf } from "../map/mapText";
 import type { Velocity } from "../protocol/generated";
 import { useApp } from "../state/context";
@@ -18,40 +19,38 @@ export function DrivePad() {
   const { factor, source, command } = drive.state.value;
   const status = store.of("status").value;
   const applied = status?.guard.applied;
-  const words = applied ? speedWords(applied) : "no figures";
+  const words = applied ? speedWords(applied) : t("no figures");
   const driver = status?.driver ?? null;
   const live = store.live.value;
   const { strafes } = store.body.value;
 
   return (
-    <section class="drive-pad" data-testid="drive-pad" data-source={source ?? ""} aria-label="Drive">
+    <section class="drive-pad" data-testid="drive-pad" data-source={source ?? ""} aria-label={t("Drive")}>
       <Stick drive={drive} words={words} />
       <div class="drive-side">
-        <p class="drive-speed" role="group" aria-label={`Wheels: ${words}`}>
+        <p class="drive-speed" role="group" aria-label={t("Wheels: {words}", { words })}>
           <span>
             <b>{number(live ? applied?.linear_mps : null, 2)}</b> m/s
           </span>
           {strafes && (
-            <span>
-              <b>{number(live ? applied?.lateral_mps : null, 2)}</b> m/s left
-            </span>
+            <span>{rich("{speed} m/s left", { speed: <b>{number(live ? applied?.lateral_mps : null, 2)}</b> })}</span>
           )}
           <span>
             <b>{number(live && applied ? (applied.angular_radps * 180) / Math.PI : null, 0)}</b> °/s
           </span>
         </p>
         <div class="drive-speeds">
-          <div class="segmented" role="radiogroup" aria-label="Speed">
+          <div class="segmented" role="radiogroup" aria-label={t("Speed")}>
             {PRESETS.map((preset) => (
               <button
-                key={preset.name}
+                key={t(preset.name)}
                 type="button"
                 role="radio"
                 aria-checked={factor === preset.factor}
                 data-testid={`speed-${preset.name.toLowerCase()}`}
                 onClick={() => drive.preset(preset.factor)}
               >
-                {preset.name}
+                {t(preset.name)}
               </button>
             ))}
           </div>
@@ -67,7 +66,7 @@ export function DrivePad() {
               drive.stickStrafes.value = !drive.stickStrafes.value;
             }}
           >
-            {drive.stickStrafes.value ? "Stick aside: moves sideways" : "Stick aside: turns"}
+            {drive.stickStrafes.value ? t("Stick aside: moves sideways") : t("Stick aside: turns")}
           </button>
         )}
         {driver && !driver.mine && live ? (
@@ -83,7 +82,7 @@ export function DrivePad() {
             data-testid="release-control"
             onClick={() => session.send({ type: "release_control" })}
           >
-            Release control
+            {t("Release control")}
           </button>
         ) : (
           <Hint />
@@ -99,7 +98,7 @@ export function DrivePad() {
 function Hint() {
   const { drive, store } = useApp();
   const guard = store.of("status").value?.guard;
-  const refusal = drive.refusal.value ?? (guard?.state === "sensor_failure" ? guard.reason : null);
+  const refusal = drive.refusal.value ?? (guard?.state === "sensor_failure" ? fromRobot(guard.reason) : null);
   const { source, keys } = drive.state.value;
   if (refusal) return <p class="drive-hint warn">{refusal}</p>;
   if (source) {
@@ -121,37 +120,42 @@ function Hint() {
           window.focus();
         }}
       >
-        <KeyboardIcon /> Click here to drive with the keyboard
+        <KeyboardIcon /> {t("Click here to drive with the keyboard")}
       </button>
     );
   }
   return (
     <p class="drive-hint">
       <span class="only-wide">
-        Hold <kbd>W</kbd> <kbd>A</kbd> <kbd>S</kbd> <kbd>D</kbd> or arrows
-        {store.body.value.strafes && (
-          <>
-            , <kbd>Q</kbd> <kbd>E</kbd> sideways
-          </>
-        )}
-        {store.body.value.turnsHead && (
-          <>
-            ; head: <kbd>I</kbd> <kbd>J</kbd> <kbd>K</kbd> <kbd>L</kbd>
-          </>
-        )}
+        {rich("Hold {keys} or arrows", { keys: <Keys names="WASD" /> })}
+        {store.body.value.strafes && rich(", {keys} sideways", { keys: <Keys names="QE" /> })}
+        {store.body.value.turnsHead && rich("; head: {keys}", { keys: <Keys names="IJKL" /> })}
       </span>
-      <span class="only-narrow">Hold and push the stick</span>
+      <span class="only-narrow">{t("Hold and push the stick")}</span>
     </p>
   );
 }
 
+function Keys({ names }: { names: string }) {
+  return [...names].map((name, at) => [at > 0 && " ", <kbd key={name}>{name}</kbd>]);
+}
+
 function speedWords({ linear_mps: linear, angular_radps: angular, lateral_mps: lateral = 0 }: Velocity): string {
   const moves = (speed: number) => Math.abs(speed) >= 0.005;
+  const said = (speed: number) => ({ speed: number(Math.abs(speed), 2) });
   const words: string[] = [];
   if (moves(linear) || (moves(angular) && !moves(lateral)))
-    words.push(`${linear < 0 ? "backward" : "forward"} ${number(Math.abs(linear), 2)} metres per second`);
-  if (moves(lateral)) words.push(`${lateral > 0 ? "left" : "right"} ${number(Math.abs(lateral), 2)} metres per second`);
+    words.push(
+      t(linear < 0 ? "backward {speed} metres per second" : "forward {speed} metres per second", said(linear)),
+    );
+  if (moves(lateral))
+    words.push(t(lateral > 0 ? "left {speed} metres per second" : "right {speed} metres per second", said(lateral)));
   if (moves(angular))
-    words.push(`turning ${angular > 0 ? "left" : "right"} ${number(Math.abs(angular), 2)} radians per second`);
-  return words.join(", ") || "standing";
+    words.push(
+      t(
+        angular > 0 ? "turning left {speed} radians per second" : "turning right {speed} radians per second",
+        said(angular),
+      ),
+    );
+  return words.join(", ") || t("standing");
 }

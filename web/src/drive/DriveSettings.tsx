@@ -1,12 +1,13 @@
 /** How one drives: the style of keys and stick, and what a gamepad's sticks and buttons do. */
 
+import { type Text, t } from "../i18n";
 import { useApp } from "../state/context";
 import { SlidersIcon } from "../ui/icons";
 import { usePopup } from "../ui/usePopup";
 import { STYLES, type Style } from "./driveStyle";
 import { PadEditor } from "./PadEditor";
 
-const STYLE_WORDS: Record<Style, readonly [string, string]> = {
+const STYLE_WORDS: Record<Style, readonly [Text, Text]> = {
   hold: ["Hold", "The robot moves while a key or the stick is held"],
   step: ["Step", "Each press moves it for a moment, then it stops"],
   click: ["Click", "One press sets it going, any next stops it"],
@@ -21,10 +22,10 @@ export function DriveSettings() {
         type="button"
         ref={button}
         class="icon-button drive-settings"
-        aria-label={`How you drive: ${STYLE_WORDS[drive.style.value][0]}`}
+        aria-label={t("How you drive: {style}", { style: t(STYLE_WORDS[drive.style.value][0]) })}
         aria-expanded={open.value}
         aria-haspopup="dialog"
-        title="How you drive: hold, step or click; gamepads"
+        title={t("How you drive: hold, step or click; gamepads")}
         data-testid="drive-settings"
         onClick={() => (open.value = !open.value)}
       >
@@ -35,11 +36,11 @@ export function DriveSettings() {
           class="drive-box"
           ref={box}
           role="dialog"
-          aria-label="How you drive"
+          aria-label={t("How you drive")}
           data-testid="drive-box"
           data-own-arrows
         >
-          <div class="segmented" role="radiogroup" aria-label="Keys and stick">
+          <div class="segmented" role="radiogroup" aria-label={t("Keys and stick")}>
             {STYLES.map((style) => (
               <button
                 key={style}
@@ -47,15 +48,16 @@ export function DriveSettings() {
                 role="radio"
                 aria-checked={drive.style.value === style}
                 data-testid={`style-${style}`}
-                title={STYLE_WORDS[style][1]}
+                title={t(STYLE_WORDS[style][1])}
                 onClick={() => drive.choose(style)}
               >
-                {STYLE_WORDS[style][0]}
+                {t(STYLE_WORDS[style][0])}
               </button>
             ))}
           </div>
           <p class="small">
-            {STYLE_WORDS[drive.style.value][1]}. In each, a lost link, a hidden page and another window stop it.
+            {t(STYLE_WORDS[drive.style.value][1])}.{" "}
+            {t("In each, a lost link, a hidden page and another window stop it.")}
           </p>
           <PadEditor />
         </div>

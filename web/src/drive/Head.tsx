@@ -1,5 +1,6 @@
 /** Turning the head by hand: its stick, and what the head does where that is not what was commanded. */
 
+import { t } from "../i18n";
 import { useApp } from "../state/context";
 import { headWords } from "./driveText";
 import { HeadStick } from "./Stick";
@@ -15,7 +16,7 @@ export function Head() {
     <div class="head-control">
       <HeadStick drive={drive} words={words.text} />
       <span class="head-label" aria-hidden="true">
-        Head
+        {t("Head")}
       </span>
     </div>
   );

@@ -1,12 +1,14 @@
 /** Why the robot drives slower than commanded, in words; and the button that overrides the collision monitor while held. */
 
+import { fromRobot, langOf, t } from "../i18n";
 import { useApp } from "../state/context";
 import { overrides } from "./machine";
 
 export function Limited() {
   const { ahead, drive, store } = useApp();
   const status = store.live.value ? store.of("status").value : null;
-  const limited = status?.limited ?? "";
+  const said = status?.limited ?? "";
+  const limited = fromRobot(said);
   const { source, screenOverride } = drive.state.value;
   const held = overrides(drive.state.value);
   const mine = store.of("status").value?.driver?.mine ?? false;
@@ -17,17 +19,19 @@ export function Limited() {
   if (!limited && !offered && late) {
     return (
       <div class="drive-limited" data-testid="slowed">
-        <p role="status">{late}</p>
+        <p role="status" lang={langOf(late)}>
+          {fromRobot(late)}
+        </p>
       </div>
     );
   }
   if (!limited && !offered) return null;
   return (
     <div class="drive-limited" data-testid="limited" data-override={held}>
-      <p role="status">
+      <p role="status" lang={langOf(said)}>
         {limited
           ? `${limited[0]!.toUpperCase()}${limited.slice(1)}.`
-          : "The collision monitor is off while you hold this."}
+          : t("The collision monitor is off while you hold this.")}
       </p>
       {offered && (
         <button
@@ -35,7 +39,7 @@ export function Limited() {
           class={`button quiet hold ${held ? "held" : ""}`}
           data-testid="override"
           aria-pressed={screenOverride}
-          title="Hold this, O or a gamepad trigger while driving: the robot crawls and does not stop for obstacles"
+          title={t("Hold this, O or a gamepad trigger while driving: the robot crawls and does not stop for obstacles")}
           onPointerDown={(event) => {
             if (event.button !== 0) return;
             event.preventDefault(); // the keys go on driving
@@ -47,7 +51,7 @@ export function Limited() {
           onLostPointerCapture={() => hold(false)}
           onContextMenu={(event) => event.preventDefault()}
         >
-          Hold to crawl <kbd class="only-wide">O</kbd>
+          {t("Hold to crawl")} <kbd class="only-wide">O</kbd>
         </button>
       )}
     </div>

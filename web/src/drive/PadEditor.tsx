@@ -3,6 +3,7 @@
 import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect } from "preact/hooks";
+import { t } from "../i18n";
 import { useApp } from "../state/context";
 import { checked, movedAxis, type PadMapping, pressedButton, STANDARD } from "./padMapping";
 
@@ -35,7 +36,7 @@ export function PadEditor() {
     return () => clearInterval(timer);
   }, []);
 
-  if (!pad.value) return <p class="muted small">Press a button of a gamepad to change what it does.</p>;
+  if (!pad.value) return <p class="muted small">{t("Press a button of a gamepad to change what it does.")}</p>;
   const { id } = pad.value;
   const { strafes } = store.body.value;
   return (
@@ -46,17 +47,17 @@ export function PadEditor() {
         .map((name) => axisLine(name, ([] as number[]).concat(mapping.value[name])))}
       {(Object.keys(BUTTONS) as ButtonName[]).map((name) => {
         const buttons = ([] as number[]).concat(mapping.value[name]);
-        return line(name, BUTTONS[name], buttons.map((button) => `button ${button}`).join(", "));
+        return line(name, t(BUTTONS[name]), buttons.map((button) => t("button {button}", { button })).join(", "));
       })}
-      {slide("deadband", "Deadband", 0.5)}
-      {slide("expo", "Gentle middle", 1)}
+      {slide("deadband", t("Deadband"), 0.5)}
+      {slide("expo", t("Gentle middle"), 1)}
       {problem.value && (
         <p class="inline-note error" role="alert">
           {problem.value}
         </p>
       )}
       <button type="button" class="button small" onClick={() => put(STANDARD)}>
-        Standard mapping
+        {t("Standard mapping")}
       </button>
     </fieldset>
   );
@@ -69,10 +70,10 @@ export function PadEditor() {
           checked={axes.every((axis) => mapping.value.inverted.includes(axis))}
           onChange={(event) => invert(axes, event.currentTarget.checked)}
         />
-        inverted
+        {t("inverted")}
       </label>
     );
-    return line(name, AXES[name], axes.map((axis) => `axis ${axis}`).join(", "), inverted);
+    return line(name, t(AXES[name]), axes.map((axis) => t("axis {axis}", { axis })).join(", "), inverted);
   }
 
   function line(name: AxisName | ButtonName, title: string, is: string, more: ComponentChildren = null) {
@@ -84,10 +85,10 @@ export function PadEditor() {
           type="button"
           class={`button small ${waits ? "accent" : ""}`}
           data-testid={`pad-${name}`}
-          aria-label={`${title}: ${is}. Change`}
+          aria-label={t("{title}: {is}. Change", { title, is })}
           onClick={() => ask(name)}
         >
-          {waits ? (name in AXES ? "Push it…" : "Press it…") : is}
+          {waits ? (name in AXES ? t("Push it…") : t("Press it…")) : is}
         </button>
         {more}
       </div>
@@ -139,7 +140,7 @@ export function PadEditor() {
   function put(next: PadMapping): void {
     if (!pad.peek()) return;
     if (!checked(next)) {
-      problem.value = "The buttons that are held to drive can do nothing else.";
+      problem.value = t("The buttons that are held to drive can do nothing else.");
       return;
     }
     problem.value = "";

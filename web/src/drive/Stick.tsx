@@ -1,6 +1,7 @@
 /** A touch stick: held while a finger or the mouse holds it, on Pointer Events. It also shows what other inputs do. */
 
 import { useRef } from "preact/hooks";
+import { t } from "../i18n";
 import type { DriveController } from "./driveController";
 
 const DEADBAND = 0.08;
@@ -23,7 +24,7 @@ export function Stick({ drive, words }: { drive: DriveController; words: string 
   return (
     <Disc
       testid="stick"
-      label="Drive stick: hold and push, or hold the arrow keys"
+      label={t("Drive stick: hold and push, or hold the arrow keys")}
       words={words}
       held={command.held}
       refused={drive.refusal.value !== null}
@@ -44,8 +45,8 @@ export function HeadStick({ drive, words }: { drive: DriveController; words: str
   return (
     <Disc
       testid="head-stick"
-      label="Head stick: hold and push, or hold the keys I, J, K and L"
-      words={words || "held"}
+      label={t("Head stick: hold and push, or hold the keys I, J, K and L")}
+      words={words || t("held")}
       held={command.head_held}
       refused={drive.refusal.value !== null}
       at={{ up: command.tilt, left: command.pan }}

@@ -1,6 +1,7 @@
 /** Asking for the wheel, and being asked for it: shown over every layout, on every tab. */
 
 import { useEffect, useRef } from "preact/hooks";
+import { t } from "../i18n";
 import { useApp } from "../state/context";
 import { WheelIcon } from "../ui/icons";
 
@@ -22,7 +23,7 @@ export function WheelAsked() {
       <div class="wheel-asked" role="status" data-testid="wheel-waits">
         <WheelIcon />
         <p>
-          <b>Asking {driver.operator} for the wheel…</b>
+          <b>{t("Asking {name} for the wheel…", { name: driver.operator })}</b>
           <span aria-hidden="true">{left} s</span>
         </p>
       </div>
@@ -32,19 +33,19 @@ export function WheelAsked() {
     <div
       class="wheel-asked"
       role="alertdialog"
-      aria-label={`${asker.operator} asks for the wheel`}
+      aria-label={t("{operator} asks for the wheel", { operator: asker.operator })}
       data-testid="wheel-asked"
     >
       <WheelIcon />
       <p>
-        <b>{asker.operator} asks for the wheel.</b>
-        <span>{driver.holds ? "While you hold on, you keep it." : "Without an answer it is theirs."}</span>
+        <b>{t("{operator} asks for the wheel", { operator: asker.operator })}.</b>
+        <span>{driver.holds ? t("While you hold on, you keep it.") : t("Without an answer it is theirs.")}</span>
       </p>
       <button type="button" class="button" ref={given} data-testid="wheel-give" onClick={answer(true)}>
-        Give it
+        {t("Give it")}
       </button>
       <button type="button" class="button accent" data-testid="wheel-keep" onClick={answer(false)}>
-        Keep it <span aria-hidden="true">({left} s)</span>
+        {t("Keep it")} <span aria-hidden="true">({left} s)</span>
       </button>
     </div>
   );
@@ -55,7 +56,7 @@ export function WheelOfAnother({ name }: { name: string }) {
   const { store, session } = useApp();
   const { role } = store;
   const asks = store.of("status").value?.asker?.mine === true;
-  if (role.value === "spectator") return <p class="drive-hint">{name} has the wheel.</p>;
+  if (role.value === "spectator") return <p class="drive-hint">{t("{name} has the wheel.", { name })}</p>;
   return (
     <div class="wheel-buttons">
       <button
@@ -65,7 +66,7 @@ export function WheelOfAnother({ name }: { name: string }) {
         disabled={asks}
         onClick={() => session.send({ type: "ask_control" })}
       >
-        <WheelIcon /> {asks ? `Asking ${name}…` : `Ask ${name} for the wheel`}
+        <WheelIcon /> {asks ? t("Asking {name}…", { name }) : t("Ask {name} for the wheel", { name })}
       </button>
       {role.value === "supervisor" && (
         <button
@@ -74,7 +75,7 @@ export function WheelOfAnother({ name }: { name: string }) {
           data-testid="take-control"
           onClick={() => session.send({ type: "take_control" })}
         >
-          Take over
+          {t("Take over")}
         </button>
       )}
     </div>

@@ -1,6 +1,7 @@
 /** Joins the browser's inputs (keys, stick, gamepads, focus) to the state machine, and its commands to the socket. */
 
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
+import { fromRobot, t } from "../i18n";
 import type { PlaybackController } from "../playback/playbackController";
 import type { Session } from "../state/session";
 import type { Store } from "../state/store";
@@ -300,18 +301,18 @@ export class DriveController {
 
 function whyNot(store: Store): string | null {
   const phase = store.link.value.phase;
-  if (store.replay.value) return "This is a recording: it cannot be driven.";
-  if (!store.body.value.drives) return "This robot cannot be driven.";
-  if (phase === "stale") return "The page's data is old. You can drive when the robot answers again.";
-  if (phase !== "live") return "Not connected to the robot.";
+  if (store.replay.value) return t("This is a recording: it cannot be driven.");
+  if (!store.body.value.drives) return t("This robot cannot be driven.");
+  if (phase === "stale") return t("The page's data is old. You can drive when the robot answers again.");
+  if (phase !== "live") return t("Not connected to the robot.");
   const status = store.of("status").value;
   if (store.role.value === "spectator")
-    return "You are logged in as a spectator: you see everything, and can stop the robot, but not drive it.";
-  if (status?.guard.e_stopped) return "The emergency stop is latched. Release it to drive.";
-  if (status?.guard.state === "silent") return status.guard.reason;
+    return t("You are logged in as a spectator: you see everything, and can stop the robot, but not drive it.");
+  if (status?.guard.e_stopped) return t("The emergency stop is latched. Release it to drive.");
+  if (status?.guard.state === "silent") return fromRobot(status.guard.reason);
   if (status?.waits) return status.waits;
   if (status?.driver && !status.driver.mine)
-    return `${status.driver.operator} is driving. Ask for the wheel to drive yourself.`;
+    return t("{operator} is driving. Ask for the wheel to drive yourself.", { operator: status.driver.operator });
   return null;
 }
 

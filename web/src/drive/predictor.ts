@@ -1,6 +1,7 @@
 /** Where the robot will be when a command given now arrives, from its last report and the commands sent; and how wrong
  * that was. Pure but for what it remembers. */
 
+import { decimals, t } from "../i18n";
 import type { BaseLimits } from "../protocol/types";
 import type { Axes } from "./axes";
 import { type Commanded, type Motion, predicted, type Velocity } from "./prediction";
@@ -59,8 +60,8 @@ export class Predictor {
     const degrees = Math.round((180 / Math.PI) * turned);
     this.wrong =
       off > WRONG.m
-        ? `The robot is ${off.toFixed(1)} m from where it was expected.`
-        : `The robot is turned ${degrees}° from where it was expected.`;
+        ? t("The robot is {metres} m from where it was expected.", { metres: decimals(off.toFixed(1)) })
+        : t("The robot is turned {degrees}° from where it was expected.", { degrees });
   }
 
   /** Where it will be at `arrives`, in `odom`; null: where it was measured, or nothing is known. */

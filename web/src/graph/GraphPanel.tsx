@@ -2,6 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
+import { named, type Text, t, within } from "../i18n";
 import { filterWords } from "../panels/attentionText";
 import { panel } from "../panels/panel";
 import type { Load } from "../protocol/types";
@@ -21,7 +22,7 @@ import {
   type Role,
 } from "./graphModel";
 
-const COLUMNS: Record<Role, string> = {
+const COLUMNS: Record<Role, Text> = {
   sensors: "Sensors",
   perception: "Perception",
   motivations: "Motivations",
@@ -48,9 +49,13 @@ function GraphCard({ message: load }: { message: Load | null }) {
   const graph = whole && (all.value ? whole : activeOf(whole));
   const attended = new Set(Object.keys(store.of("intention").value?.filters ?? {}));
   return (
-    <section class={`card graph ${large.value ? "large" : ""}`} aria-label="Modules and channels" data-testid="graph">
+    <section
+      class={`card graph ${large.value ? "large" : ""}`}
+      aria-label={t("Modules and channels")}
+      data-testid="graph"
+    >
       <div class="card-head">
-        <h2>Modules and channels</h2>
+        <h2>{t("Modules and channels")}</h2>
         <label class="small">
           <input
             type="checkbox"
@@ -58,13 +63,13 @@ function GraphCard({ message: load }: { message: Load | null }) {
             data-testid="graph-all"
             onChange={(event) => (all.value = event.currentTarget.checked)}
           />
-          Also what rests
+          {t("Also what rests")}
         </label>
         <button
           type="button"
           class="icon-button"
           data-testid="graph-large"
-          aria-label={large.value ? "Shrink the graph" : "Enlarge the graph"}
+          aria-label={large.value ? t("Shrink the graph") : t("Enlarge the graph")}
           aria-pressed={large.value}
           onClick={() => (large.value = !large.value)}
         >
@@ -72,7 +77,7 @@ function GraphCard({ message: load }: { message: Load | null }) {
         </button>
       </div>
       {!graph ? (
-        <p class="empty">Waiting for the next figures (once a second)…</p>
+        <p class="empty">{t("Waiting for the next figures (once a second)…")}</p>
       ) : (
         <div class="graph-area">
           <Drawing
@@ -87,8 +92,9 @@ function GraphCard({ message: load }: { message: Load | null }) {
         <Explained graph={whole} name={chosen.value} close={() => (chosen.value = null)} />
       )}
       <p class="muted small">
-        Lines are what attention filters: thinner, and with “1 of n”, where messages are left out. Press a box for all
-        its channels and what it does. The bar in a box is its share of a core.
+        {t(
+          "Lines are what attention filters: thinner, and with “1 of n”, where messages are left out. Press a box for all its channels and what it does. The bar in a box is its share of a core.",
+        )}
       </p>
     </section>
   );
@@ -108,10 +114,16 @@ function Drawing(props: {
     (edge) => touches(edge) || (chosen === null && attended.has(`${edge.to}.${edge.port}`)),
   );
   return (
-    <svg viewBox={`0 0 ${width} ${height}`} width={width} height={height} role="group" aria-label="Modules by layer">
+    <svg
+      viewBox={`0 0 ${width} ${height}`}
+      width={width}
+      height={height}
+      role="group"
+      aria-label={t("Modules by layer")}
+    >
       {columns.map(({ role, x }) => (
         <text key={role} class="graph-column" x={x} y={18}>
-          {COLUMNS[role]}
+          {t(COLUMNS[role])}
         </text>
       ))}
       {drawn.map((edge) => (
@@ -136,11 +148,11 @@ function Line(props: { edge: GraphEdge; boxes: ReadonlyMap<string, { x: number; 
   return (
     <g class={`graph-line ${phi === null ? "closed" : ""} ${related ? "related" : ""}`}>
       <path d={pathOf(from, to)} style={{ strokeWidth: phi === null ? 1 : 0.8 + 1.8 / phi }}>
-        <title>{edge.hz === null ? words : `${words}, ${number(edge.hz)} a second`}</title>
+        <title>{edge.hz === null ? words : t("{words}, {rate} a second", { words, rate: number(edge.hz) })}</title>
       </path>
       {phi !== null && phi > 1 && (
         <text x={to.x - 6} y={to.y + BOX.height / 2 - 4} text-anchor="end">
-          {`1 of ${number(phi)}`}
+          {t("1 of {phi}", { phi: number(phi) })}
         </text>
       )}
     </g>
@@ -163,7 +175,11 @@ function Box(props: {
       role="button"
       tabIndex={0}
       aria-pressed={chosen}
-      aria-label={`${node.title}, ${node.state}, ${number(node.cpu)} % of a core`}
+      aria-label={t("{title}, {state}, {share} % of a core", {
+        title: node.title,
+        state: node.state,
+        share: number(node.cpu),
+      })}
       data-testid={`graph-${node.name}`}
       onClick={() => choose(node.name)}
       onKeyDown={(event) => {
@@ -178,7 +194,7 @@ function Box(props: {
         {node.title.length > 20 ? `${node.title.slice(0, 19)}…` : node.title}
       </text>
       <text x="8" y="33" class="graph-cpu">
-        {wrong ? node.state : node.cpu >= 0.05 ? `${number(node.cpu)} %` : ""}
+        {wrong ? named(node.state) : node.cpu >= 0.05 ? t("{share} %", { share: number(node.cpu) }) : ""}
       </text>
       <rect class="graph-bar" x="8" y="37" height="3" width={Math.min(full, (full * node.cpu) / 30)} />
     </g>
@@ -199,28 +215,38 @@ function Explained({ graph, name, close }: { graph: Graph; name: string; close: 
     <div class="graph-explained" data-testid="graph-explained">
       <div class="card-head">
         <h3>{node.title}</h3>
-        <button type="button" class="icon-button" aria-label="Close" onClick={close}>
+        <button type="button" class="icon-button" aria-label={t("Close")} onClick={close}>
           <CloseIcon />
         </button>
       </div>
       <p class="small">
-        <code>{name}</code>: {COLUMNS[node.role].toLowerCase()}, {node.state}, {number(node.cpu, 2)} % of a core
-        {node.budget !== null && ` (expected: under ${number(node.budget)} %)`}
+        <code>{name}</code>: {within(t(COLUMNS[node.role]))}, {named(node.state)},{" "}
+        {t("{share} % of a core", { share: number(node.cpu, 2) })}
+        {node.budget !== null && t(" (expected: under {budget} %)", { budget: number(node.budget) })}
         {serves.length > 0 &&
-          `. At work for ${[...new Set(serves.map((strategy) => spaced(strategy.class)))].join(", ")}`}
+          t(". At work for {classes}", {
+            classes: [...new Set(serves.map((strategy) => spaced(strategy.class)))].join(", "),
+          })}
         .
       </p>
       {into.length > 0 && (
         <ul class="small">
           {into.map((edge) => (
             <li key={keyOf(edge)}>
-              from {titles.get(edge.from)}: {filterWords(edge.port, edge.phi)}
-              {edge.hz !== null && <span class="muted"> ({number(edge.hz)} a second come)</span>}
+              {t("from {source}: {filter}", {
+                source: titles.get(edge.from) ?? edge.from,
+                filter: filterWords(edge.port, edge.phi),
+              })}
+              {edge.hz !== null && <span class="muted"> {t("({rate} a second come)", { rate: number(edge.hz) })}</span>}
             </li>
           ))}
         </ul>
       )}
-      {out.length > 0 && <p class="small">to {[...new Set(out.map((edge) => titles.get(edge.to)))].join(", ")}</p>}
+      {out.length > 0 && (
+        <p class="small">
+          {t("to {names}", { names: [...new Set(out.map((edge) => titles.get(edge.to)))].join(", ") })}
+        </p>
+      )}
     </div>
   );
 }

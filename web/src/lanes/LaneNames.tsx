@@ -1,5 +1,6 @@
 /** The names beside the lanes, with the present figures; below them what is folded. */
 
+import { t } from "../i18n";
 import type { LaneRow } from "../protocol/types";
 import { divisor, divisorLines, number, spaced } from "../ui/format";
 import { ChevronIcon, StateMark } from "../ui/icons";
@@ -17,18 +18,18 @@ export function LaneNames({ rows, at, scale, gauges }: Props) {
   return (
     <ol aria-hidden="true">
       <li class="lane-heads">
-        <b>intensity</b>
-        <em>utility</em>
-        <i>let through</i>
+        <b>{t("intensity")}</b>
+        <em>{t("utility")}</em>
+        <i>{t("let through")}</i>
       </li>
       {rows.map((row) => (
         <li key={row.class} class={`lane-name ${row.state} ${at === row.class ? "at" : ""}`}>
           <StateMark state={row.state} />
           <span class="lane-title">{spaced(row.class)}</span>
           <span class="lane-figures">
-            <b title="Intensity">{number(row.intensity)}</b>
-            <em title="Desired utility">{number(row.utility)}</em>
-            <i title={["Messages let through", ...divisorLines(row.divisors)].join("\n")}>{divisor(row.divisor)}</i>
+            <b title={t("Intensity")}>{number(row.intensity)}</b>
+            <em title={t("Desired utility")}>{number(row.utility)}</em>
+            <i title={[t("Messages let through"), ...divisorLines(row.divisors)].join("\n")}>{divisor(row.divisor)}</i>
           </span>
           <span class="lane-scale">
             <i>{scale}</i>

@@ -3,6 +3,7 @@
 import { type Signal, useSignal } from "@preact/signals";
 import type { RefObject } from "preact";
 import { useEffect, useRef } from "preact/hooks";
+import { t } from "../i18n";
 import { useApp } from "../state/context";
 import { clockSpan, clockTime } from "../ui/format";
 import { Axis, TimeLines } from "./Axis";
@@ -100,7 +101,7 @@ export function LaneSpan({ span, shown, rowHeight, pin, came }: Props) {
         tabIndex={0}
         data-own-arrows
         role="group"
-        aria-label={`${suffix ? "Second range of time" : "Lanes over time"}. Arrow keys move a cursor that shows values and reasons, Enter pins the instant, plus and minus zoom, P pauses.`}
+        aria-label={`${suffix ? t("Second range of time") : t("Lanes over time")}. ${t("Arrow keys move a cursor that shows values and reasons, Enter pins the instant, plus and minus zoom, P pauses.")}`}
       >
         <TimeLines ticks={marks} />
         <div class="lane-events">
@@ -130,7 +131,7 @@ function useEdgeWord(heldAt: number | null): string {
   const { store } = useApp();
   const playback = store.playback.value;
   if (playback) return clockSpan((heldAt ?? store.now.value ?? playback.begin) - playback.begin);
-  return heldAt === null ? "now" : clockTime(heldAt);
+  return heldAt === null ? t("now") : clockTime(heldAt);
 }
 
 function Cursor({ hit }: { hit: Hit }) {

@@ -1,5 +1,6 @@
 /** The lanes' present values as a table: for screen readers and tests always, for eyes on demand. */
 
+import { langOf, t } from "../i18n";
 import type { LaneRow } from "../protocol/types";
 import { divisor, divisorLines, number, percent, reasonText, spaced, stateWord } from "../ui/format";
 import { StateMark } from "../ui/icons";
@@ -8,15 +9,15 @@ export function LaneTable({ rows, visible }: { rows: readonly LaneRow[]; visible
   return (
     <div class={visible ? "lane-table" : "visually-hidden"}>
       <table>
-        <caption class="visually-hidden">Desire classes now</caption>
+        <caption class="visually-hidden">{t("Desire classes now")}</caption>
         <thead>
           <tr>
-            <th scope="col">Class</th>
-            <th scope="col">Intensity</th>
-            <th scope="col">Utility</th>
-            <th scope="col">Rate</th>
+            <th scope="col">{t("Class")}</th>
+            <th scope="col">{t("Intensity")}</th>
+            <th scope="col">{t("Utility")}</th>
+            <th scope="col">{t("Rate")}</th>
             <th scope="col">φ</th>
-            <th scope="col">State and reason</th>
+            <th scope="col">{t("State and reason")}</th>
           </tr>
         </thead>
         <tbody>
@@ -38,7 +39,7 @@ export function LaneTable({ rows, visible }: { rows: readonly LaneRow[]; visible
               <td title={divisorLines(row.divisors).join("\n")}>{divisor(row.divisor)}</td>
               <td>
                 <StateMark state={row.state} /> <b class="state-word">{stateWord(row.state)}</b>.{" "}
-                {reasonText(row.state, row.text)}
+                <span lang={langOf(row.text)}>{reasonText(row.state, row.text)}</span>
               </td>
             </tr>
           ))}

@@ -1,6 +1,7 @@
 /** What the lanes are steered with, and what their lines and patterns mean. */
 
 import type { Signal } from "@preact/signals";
+import { t } from "../i18n";
 import { useApp } from "../state/context";
 import { CompareIcon, EnlargeIcon, MinusIcon, PauseIcon, PlayIcon, PlusIcon, ShrinkIcon, TableIcon } from "../ui/icons";
 import { type Span, showSpan } from "./LaneSpan";
@@ -17,7 +18,12 @@ export function SpanTools({ span: of, classes }: { span: Span; classes: readonly
   const show = (next: Viewport) => showSpan(of, next);
   return (
     <>
-      <button type="button" class="icon-button" aria-label="Show a longer time" onClick={() => show(stepZoom(view, 1))}>
+      <button
+        type="button"
+        class="icon-button"
+        aria-label={t("Show a longer time")}
+        onClick={() => show(stepZoom(view, 1))}
+      >
         <MinusIcon />
       </button>
       <output class="lanes-window" data-testid={`lanes-window${suffix}`}>
@@ -26,7 +32,7 @@ export function SpanTools({ span: of, classes }: { span: Span; classes: readonly
       <button
         type="button"
         class="icon-button"
-        aria-label="Show a shorter time"
+        aria-label={t("Show a shorter time")}
         onClick={() => show(stepZoom(view, -1))}
       >
         <PlusIcon />
@@ -40,7 +46,7 @@ export function SpanTools({ span: of, classes }: { span: Span; classes: readonly
           onClick={() => show(togglePause(view, chart.current?.now() ?? 0))}
         >
           {paused ? <PlayIcon /> : <PauseIcon />}
-          {!paused ? "Pause" : replay ? "Follow" : "Live"}
+          {!paused ? t("Pause") : replay ? t("Follow") : t("Live")}
         </button>
       )}
       <SaveLanes chart={chart} classes={classes} suffix={suffix} />
@@ -64,8 +70,8 @@ export function LaneTools({ asTable, compare, toggleCompare }: Props) {
         <button
           type="button"
           class={`icon-button ${compare.value ? "on" : ""}`}
-          aria-label="Two ranges of time side by side"
-          title="Two ranges of time side by side"
+          aria-label={t("Two ranges of time side by side")}
+          title={t("Two ranges of time side by side")}
           aria-pressed={compare.value}
           data-testid="lanes-compare"
           onClick={toggleCompare}
@@ -76,7 +82,7 @@ export function LaneTools({ asTable, compare, toggleCompare }: Props) {
       <button
         type="button"
         class={`icon-button ${asTable.value ? "on" : ""}`}
-        aria-label="Show as a table"
+        aria-label={t("Show as a table")}
         aria-pressed={asTable.value}
         data-testid="lanes-table-toggle"
         onClick={() => (asTable.value = !asTable.value)}
@@ -86,8 +92,8 @@ export function LaneTools({ asTable, compare, toggleCompare }: Props) {
       <button
         type="button"
         class="icon-button"
-        aria-label={large ? "Lanes below the view (T)" : "Lanes over the whole window (T)"}
-        title={large ? "Below the view (T)" : "Over the whole window (T)"}
+        aria-label={large ? t("Lanes below the view (T)") : t("Lanes over the whole window (T)")}
+        title={large ? t("Below the view (T)") : t("Over the whole window (T)")}
         aria-pressed={large}
         data-testid="lanes-large"
         onClick={() => (store.lanesLarge.value = !large)}
@@ -118,13 +124,13 @@ export function Legend() {
       {SERIES.map(([name, words]) => (
         <li key={name}>
           <i class={`key-${name}`} />
-          {words}
+          {t(words)}
         </li>
       ))}
       {STATES.map(([name, words]) => (
         <li key={name} class="legend-state">
           <i class={`key-${name}`} />
-          {words}
+          {t(words)}
         </li>
       ))}
     </ul>

@@ -3,6 +3,7 @@
 import { useSignal } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import { typesText } from "../drive/driveController";
+import { plural, t } from "../i18n";
 import { shownTheme } from "../layout/theme";
 import { panel } from "../panels/panel";
 import { useApp } from "../state/context";
@@ -119,19 +120,19 @@ export function Lanes() {
   return (
     <section
       class={`lanes panel ${large ? "large" : ""}`}
-      aria-label="Lanes of desires"
+      aria-label={t("Lanes of desires")}
       data-testid="lanes"
       style={variables(palette)}
     >
       <header class="lanes-head">
-        <h2>Desires and attention</h2>
+        <h2>{t("Desires and attention")}</h2>
         <Legend />
         <div class="lanes-tools">
           {spans.length === 1 && tools(first)}
           <LaneTools asTable={asTable} compare={drawn && roomy.value ? compare : null} toggleCompare={toggleCompare} />
         </div>
       </header>
-      {empty && <p class="empty">Waiting for the robot's desire classes…</p>}
+      {empty && <p class="empty">{t("Waiting for the robot's desire classes…")}</p>}
       <div class="lanes-main" ref={main}>
         {drawn && (
           <div
@@ -152,14 +153,18 @@ export function Lanes() {
                   <Fold
                     id="lanes-undesired"
                     open={undesiredShown.value}
-                    words={undesiredShown.value ? "Not desired" : `${folded} not desired`}
+                    words={
+                      undesiredShown.value
+                        ? t("Not desired")
+                        : plural(folded, "{count} not desired", "{count} not desired")
+                    }
                     toggle={() => (undesiredShown.value = !undesiredShown.value)}
                   />
                 )}
                 <Fold
                   id="lanes-budgets"
                   open={gaugesShown.value}
-                  words="Ω and budgets"
+                  words={t("Ω and budgets")}
                   toggle={() => (gaugesShown.value = !gaugesShown.value)}
                 />
               </div>

@@ -2,6 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
+import { langOf, named, t } from "../i18n";
 import type { StrategyReport } from "../protocol/types";
 import { useApp } from "../state/context";
 import { clockTime, number, reasonText, spaced, stateWord } from "../ui/format";
@@ -26,25 +27,25 @@ export function Pinned({ pin, close }: { pin: Pin; close: () => void }) {
     );
   }, []);
   const use = Object.entries(pin.intention?.use ?? {});
-  const unit = (name: string) => store.of("intention").value?.use[name]?.unit ?? "";
+  const unit = (name: string) => named(store.of("intention").value?.use[name]?.unit ?? "");
   const costs = (name: string) => strategies.value.find((strategy) => strategy.name === name);
   const selected = (cls: string) =>
     (pin.intention?.strategies ?? []).map(costs).filter((strategy) => strategy?.class === cls) as StrategyReport[];
   return (
-    <aside class="lane-pin" aria-label="Intention at the pinned instant" data-testid="lane-pin">
+    <aside class="lane-pin" aria-label={t("Intention at the pinned instant")} data-testid="lane-pin">
       <header>
         <h3>{clockTime(pin.stamp)}</h3>
         {pin.intention && (
           <span>
             Ω {number(pin.intention.omega)}
-            {pin.intention.proven ? ", proven" : ""}
+            {pin.intention.proven && t(", proven")}
           </span>
         )}
-        <button type="button" class="icon-button" aria-label="Close the pinned instant" onClick={close}>
+        <button type="button" class="icon-button" aria-label={t("Close the pinned instant")} onClick={close}>
           <CloseIcon />
         </button>
       </header>
-      {!pin.intention && <p class="muted">The intention of then is not known; the reasons are.</p>}
+      {!pin.intention && <p class="muted">{t("The intention of then is not known; the reasons are.")}</p>}
       {use.length > 0 && (
         <dl class="lane-pin-use">
           {use.map(([name, used]) => (
@@ -64,17 +65,23 @@ export function Pinned({ pin, close }: { pin: Pin; close: () => void }) {
               <StateMark state={sample.state} />
               <b>{spaced(name)}</b>
               <span>
-                intensity {number(sample.intensity)}, utility {number(sample.utility)}
+                {t("intensity {intensity}, utility {utility}", {
+                  intensity: number(sample.intensity),
+                  utility: number(sample.utility),
+                })}
               </span>
             </p>
             <p>
               <b class="state-word">{stateWord(sample.state)}</b>
-              {exploited ? ", exploited" : ""}. {reasonText(sample.state, sample.text)}
+              {exploited && t(", exploited")}.{" "}
+              <span lang={langOf(sample.text)}>{reasonText(sample.state, sample.text)}</span>
             </p>
             {selected(name).map((strategy) => (
               <p key={strategy.name} class="muted">
-                {strategy.name}: utility {number(strategy.utility)}
-                {Object.entries(strategy.costs).map(([cost, value]) => `, ${number(value)} ${unit(cost)} ${cost}`)}
+                {strategy.name}: {t("utility {utility}", { utility: number(strategy.utility) })}
+                {Object.entries(strategy.costs).map(
+                  ([cost, value]) => `, ${number(value)} ${unit(cost)} ${named(cost)}`,
+                )}
               </p>
             ))}
           </li>

@@ -2,6 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import type { RefObject } from "preact";
+import { t } from "../i18n";
 import { useApp } from "../state/context";
 import { DownloadIcon } from "../ui/icons";
 import type { LaneChart } from "./chart";
@@ -36,8 +37,8 @@ export function SaveLanes({ chart, classes, suffix }: Props) {
       <button
         type="button"
         class={`icon-button ${open.value ? "on" : ""}`}
-        aria-label="Save what the lanes show"
-        title="Save as a picture or a table"
+        aria-label={t("Save what the lanes show")}
+        title={t("Save as a picture or a table")}
         aria-expanded={open.value}
         data-testid={`lanes-save${suffix}`}
         onClick={() => (open.value = !open.value)}

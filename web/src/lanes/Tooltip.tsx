@@ -1,6 +1,7 @@
 /** What a lane showed at the time under the cursor, and why. */
 
 import { useLayoutEffect, useRef, useState } from "preact/hooks";
+import { fromRobot, langOf, t } from "../i18n";
 import { clockTime, divisor, divisorLines, number, percent, reasonText, spaced, stateWord } from "../ui/format";
 import { StateMark } from "../ui/icons";
 import type { Hit } from "./chart";
@@ -33,7 +34,7 @@ export function Tooltip({ hit, area, top, now }: { hit: Hit; area: DOMRect; top:
       style={{ left: `${x}px`, top: `${y}px`, width: `${wide}px` }}
     >
       <p class="tooltip-head">
-        <b>{hit.name ? spaced(hit.name) : "Events"}</b>
+        <b>{hit.name ? spaced(hit.name) : t("Events")}</b>
         <span>
           {clockTime(hit.stamp)} · {number(hit.stamp - now, 1)} s
         </span>
@@ -44,21 +45,21 @@ export function Tooltip({ hit, area, top, now }: { hit: Hit; area: DOMRect; top:
             <div>
               <dt>
                 <i class="key-intensity" />
-                Intensity
+                {t("Intensity")}
               </dt>
               <dd>{number(sample.intensity)}</dd>
             </div>
             <div>
               <dt>
                 <i class="key-utility" />
-                Utility
+                {t("Utility")}
               </dt>
               <dd>{number(sample.utility)}</dd>
             </div>
             <div>
               <dt>
                 <i class="key-measured" />
-                Measured
+                {t("Measured")}
               </dt>
               <dd>{percent(sample.rate)}</dd>
             </div>
@@ -70,7 +71,7 @@ export function Tooltip({ hit, area, top, now }: { hit: Hit; area: DOMRect; top:
             </div>
           </dl>
           {divisorLines(sample.divisors).length > 0 && (
-            <ul class="tooltip-filters" aria-label="φ of each input">
+            <ul class="tooltip-filters" aria-label={t("φ of each input")}>
               {divisorLines(sample.divisors).map((line) => (
                 <li key={line}>{line}</li>
               ))}
@@ -80,24 +81,27 @@ export function Tooltip({ hit, area, top, now }: { hit: Hit; area: DOMRect; top:
             <StateMark state={sample.state} />
             <span>
               <b class="state-word">{stateWord(sample.state)}</b>
-              {hit.exploited ? ", exploited" : ""}. {reasonText(sample.state, sample.text)}
+              {hit.exploited && t(", exploited")}.{" "}
+              <span lang={langOf(sample.text)}>{reasonText(sample.state, sample.text)}</span>
             </span>
           </p>
         </>
       ) : (
-        hit.name && <p class="muted">No data here.</p>
+        hit.name && <p class="muted">{t("No data here.")}</p>
       )}
-      {!hit.name && hit.folded.length === 0 && <p class="muted">Nothing here.</p>}
+      {!hit.name && hit.folded.length === 0 && <p class="muted">{t("Nothing here.")}</p>}
       {hit.folded.slice(-4).map((mark) => (
         <p key={`${mark.kind} ${mark.subject}`} class="tooltip-event">
           <i class="key-mark" />
-          {mark.count > 1 ? `${mark.count}×, the last: ${mark.text}` : mark.text}
+          {mark.count > 1
+            ? t("{count}×, the last: {text}", { count: mark.count, text: fromRobot(mark.text) })
+            : fromRobot(mark.text)}
         </p>
       ))}
       {events.slice(-3).map((event) => (
         <p key={event.id} class="tooltip-event">
           <i class="key-mark" />
-          {event.text}
+          <span lang={langOf(event.text)}>{fromRobot(event.text)}</span>
         </p>
       ))}
     </div>

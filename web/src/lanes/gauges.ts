@@ -1,5 +1,6 @@
 /** Ω and the budgets as lanes, from the intention in force. Pure. */
 
+import { named, t } from "../i18n";
 import type { Intention } from "../protocol/types";
 import { number, spaced } from "../ui/format";
 import type { Gauge } from "./drawLanes";
@@ -18,7 +19,11 @@ export function gaugesOf(intention: Intention, best: number): Gauge[] {
   const budgets = Object.entries(intention.use).map(([name, use]) => ({
     name,
     title: name.length <= 3 ? name.toUpperCase() : spaced(name),
-    figure: `${number(use.used)} of ${number(use.capacity)} ${use.unit}`,
+    figure: t("{used} of {capacity} {unit}", {
+      used: number(use.used),
+      capacity: number(use.capacity),
+      unit: named(use.unit),
+    }),
     most: Math.max(use.capacity, use.used) * 1.05 || 1,
     budget: use.capacity,
     value: (step: IntentionStep) => step.use[name] ?? 0,

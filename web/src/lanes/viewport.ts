@@ -1,5 +1,7 @@
 /** Which stretch of time the lanes show: pure functions for zoom, pan and pause. */
 
+import { t } from "../i18n";
+
 export const SHORTEST_S = 10;
 export const LONGEST_S = 3600;
 export const DEFAULT_S = 30;
@@ -53,7 +55,7 @@ export function tickStep(windowS: number, most: number): number {
 }
 
 export function span(seconds: number): string {
-  return seconds < 60 ? `${Math.round(seconds)} s` : `${Number((seconds / 60).toFixed(1))} min`;
+  return seconds < 60 ? `${Math.round(seconds)} s` : t("{minutes} min", { minutes: Number((seconds / 60).toFixed(1)) });
 }
 
 function clamp(value: number, low: number, high: number): number {
@@ -82,7 +84,8 @@ export function ticks(windowS: number, width: number, edge: string): Tick[] {
   for (let s = every; s <= windowS; s += every) {
     const share = 1 - s / windowS;
     // The label is centred on its line, and has to have room on its left.
-    if (share * width >= 20) found.push({ share, label: every >= 60 ? `−${s / 60} min` : `−${s} s` });
+    if (share * width >= 20)
+      found.push({ share, label: every >= 60 ? t("−{minutes} min", { minutes: s / 60 }) : `−${s} s` });
   }
   return found;
 }

@@ -1,13 +1,20 @@
 /** The page's layout: presets, what is shown, where, its colours, and the link to it. */
 
+import { type Text, t } from "../i18n";
+import { LanguageChoice } from "../i18n/LanguageChoice";
 import { useApp } from "../state/context";
 import { LayoutIcon } from "../ui/icons";
 import { usePopup } from "../ui/usePopup";
 import { PRESETS, type Preset } from "./layout";
 import { THEMES, theme } from "./theme";
 
-const NAMES: Record<Preset, string> = { drive: "Drive", tour: "Tour", attention: "Attention", debug: "Debug" };
-const WORDS: Record<Preset, string> = {
+const NAMES: Record<Preset, Text> = {
+  drive: "Drive|preset",
+  tour: "Tour",
+  attention: "Attention",
+  debug: "Debug",
+};
+const WORDS: Record<Preset, Text> = {
   drive: "The view, with the map beside it",
   tour: "The map, with the stops beside it",
   attention: "The view, the lanes and why",
@@ -29,15 +36,22 @@ export function LayoutMenu() {
         data-testid="layout"
         aria-haspopup="dialog"
         aria-expanded={open.value}
-        aria-label={`Layout: ${NAMES[layout.preset.value]}`}
-        title="What the page shows, and where"
+        aria-label={t("Layout: {preset}", { preset: t(NAMES[layout.preset.value]) })}
+        title={t("What the page shows, and where")}
         onClick={() => (open.value = !open.value)}
       >
-        <LayoutIcon /> <span class="layout-name">{NAMES[layout.preset.value]}</span>
+        <LayoutIcon /> <span class="layout-name">{t(NAMES[layout.preset.value])}</span>
       </button>
       {open.value && (
-        <div class="layout-box" ref={box} role="dialog" aria-label="Layout" data-testid="layout-box" data-own-arrows>
-          <div role="radiogroup" aria-label="Preset" class="layout-presets">
+        <div
+          class="layout-box"
+          ref={box}
+          role="dialog"
+          aria-label={t("Layout")}
+          data-testid="layout-box"
+          data-own-arrows
+        >
+          <div role="radiogroup" aria-label={t("Preset")} class="layout-presets">
             {presets.map((preset) => (
               <button
                 key={preset}
@@ -50,24 +64,24 @@ export function LayoutMenu() {
                   close();
                 }}
               >
-                <b>{NAMES[preset]}</b>
-                <span>{WORDS[preset]}</span>
+                <b>{t(NAMES[preset])}</b>
+                <span>{t(WORDS[preset])}</span>
               </button>
             ))}
           </div>
           <fieldset>
-            <legend>Shown</legend>
-            <Check name="Panels" on={sideShown} id="side" put={(on) => layout.change({ sideShown: on })} />
-            <Check name="Lanes" on={lanesShown} id="lanes" put={(on) => layout.change({ lanesShown: on })} />
+            <legend>{t("Shown")}</legend>
+            <Check name={t("Panels")} on={sideShown} id="side" put={(on) => layout.change({ sideShown: on })} />
+            <Check name={t("Lanes")} on={lanesShown} id="lanes" put={(on) => layout.change({ lanesShown: on })} />
             <Check
-              name="Panels on the left"
+              name={t("Panels on the left")}
               on={edge === "left"}
               id="left"
               put={(on) => layout.change({ edge: on ? "left" : "right" })}
             />
           </fieldset>
           <label class="layout-theme">
-            Colours
+            {t("Colours")}
             <select
               value={theme.value}
               data-testid="theme"
@@ -75,14 +89,15 @@ export function LayoutMenu() {
             >
               {THEMES.map((each) => (
                 <option key={each} value={each}>
-                  {THEME_NAMES[each]}
+                  {t(THEME_NAMES[each])}
                 </option>
               ))}
             </select>
           </label>
+          <LanguageChoice />
           <div class="layout-actions">
             <button type="button" class="button small" data-testid="layout-link" onClick={() => void copy()}>
-              Copy link
+              {t("Copy link")}
             </button>
             <button
               type="button"
@@ -91,7 +106,7 @@ export function LayoutMenu() {
               disabled={!layout.changed.value}
               onClick={() => layout.reset()}
             >
-              Reset
+              {t("Reset")}
             </button>
           </div>
         </div>
@@ -103,11 +118,11 @@ export function LayoutMenu() {
     const link = layout.link(location.href);
     try {
       await navigator.clipboard.writeText(link);
-      store.notify("info", "The link to this layout is copied.");
+      store.notify("info", t("The link to this layout is copied."));
     } catch {
       // Without a secure context there is no clipboard: the address bar has it.
       history.replaceState(null, "", link);
-      store.notify("info", "The browser's address is the link to this layout now.");
+      store.notify("info", t("The browser's address is the link to this layout now."));
     }
   }
 }

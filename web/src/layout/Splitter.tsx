@@ -1,6 +1,7 @@
 /** A separator between two parts of the page: dragged, moved by arrow keys, put back by a double click. */
 
 import { useRef } from "preact/hooks";
+import { type Text, t } from "../i18n";
 import { useApp } from "../state/context";
 import { DEFAULTS, LANES_SHARES, SIDE_SHARES } from "./layout";
 
@@ -8,7 +9,7 @@ import { DEFAULTS, LANES_SHARES, SIDE_SHARES } from "./layout";
 const STEP = 0.02;
 
 interface Part {
-  name: string;
+  name: Text;
   key: "side" | "lanes";
   shares: { least: number; most: number };
 }
@@ -39,12 +40,12 @@ function Splitter({ part }: { part: Part }) {
       role="separator"
       tabIndex={0}
       data-own-arrows
-      aria-label={part.name}
+      aria-label={t(part.name)}
       aria-orientation={part.key === "lanes" ? "horizontal" : "vertical"}
       aria-valuenow={Math.round(100 * share)}
       aria-valuemin={Math.round(100 * part.shares.least)}
       aria-valuemax={Math.round(100 * part.shares.most)}
-      title="Drag, or use the arrow keys; a double click puts it back"
+      title={t("Drag, or use the arrow keys; a double click puts it back")}
       onPointerDown={(event) => {
         if (event.button !== 0) return;
         event.preventDefault();

@@ -1,5 +1,7 @@
 /** Asks once more before something is lost. */
 
+import { t } from "../i18n";
+
 export function Confirm(props: { words: string; yes: string; no?: string; onYes: () => void; onNo: () => void }) {
   return (
     <div class="recording-confirm" role="group" aria-label={props.words}>
@@ -8,7 +10,7 @@ export function Confirm(props: { words: string; yes: string; no?: string; onYes:
         {props.yes}
       </button>
       <button type="button" class="button small" data-testid="map-keep" ref={focused} onClick={props.onNo}>
-        {props.no ?? "Keep"}
+        {props.no ?? t("Keep")}
       </button>
     </div>
   );

@@ -1,6 +1,7 @@
 /** The map with its tools and the words of the way: in its tab, or over all of the view. */
 
 import type { ComponentChildren } from "preact";
+import { t } from "../i18n";
 import { panel } from "../panels/panel";
 import { useApp } from "../state/context";
 import { CloseIcon, FlagIcon, HomeIcon, KeepOutIcon, PlaceIcon, SearchIcon, SlowIcon, WarnIcon } from "../ui/icons";
@@ -32,7 +33,7 @@ export function MapPanel({ place }: { place: "tab" | "view" }) {
       data-testid="map"
       data-place={place}
       data-state={grid.map.picture.value?.known ? "shown" : "empty"}
-      aria-label="Map"
+      aria-label={t("Map")}
     >
       <div class="map-head">
         {!store.replay.value && <Tools />}
@@ -63,13 +64,13 @@ function Tools() {
   const known = store.of("localization").value !== null;
   const { goes } = store.body.value;
   return (
-    <div class="map-tools" role="toolbar" aria-label="Tools on the map" data-own-arrows>
+    <div class="map-tools" role="toolbar" aria-label={t("Tools on the map")} data-own-arrows>
       {goes && (
         <>
           <ToolButton
             tool="goal"
-            label="Go to"
-            hint="Press on the goal, drag to set the heading (G)"
+            label={t("Go to")}
+            hint={t("Press on the goal, drag to set the heading (G)")}
             disabled={!allowed}
           >
             <FlagIcon />
@@ -78,19 +79,19 @@ function Tools() {
             type="button"
             class="map-tool"
             data-testid="map-return"
-            title="Return to the start of the map; gamepad: button 3 (Y, △)"
+            title={t("Return to the start of the map; gamepad: button 3 (Y, △)")}
             disabled={!allowed}
             onClick={() => void map.returnToStart()}
           >
             <HomeIcon />
-            <span>To start</span>
+            <span>{t("To start")}</span>
           </button>
         </>
       )}
       <ToolButton
         tool="pose"
-        label="Set pose"
-        hint="Press on the robot's place, drag to set its heading"
+        label={t("Set pose")}
+        hint={t("Press on the robot's place, drag to set its heading")}
         disabled={!allowed || !known}
       >
         <PlaceIcon />
@@ -99,22 +100,27 @@ function Tools() {
         type="button"
         class="map-tool"
         data-testid="map-search"
-        title="Search for the robot's pose on the map"
+        title={t("Search for the robot's pose on the map")}
         disabled={!allowed || !known}
         onClick={() => void map.search()}
       >
         <SearchIcon />
-        <span>Search</span>
+        <span>{t("Search")}</span>
       </button>
       <ToolButton
         tool="keep_out"
-        label="Keep out"
-        hint="Drag a rectangle, or click corner after corner"
+        label={t("Keep out")}
+        hint={t("Drag a rectangle, or click corner after corner")}
         disabled={!allowed}
       >
         <KeepOutIcon />
       </ToolButton>
-      <ToolButton tool="slow" label="Slow" hint="Drag a rectangle, or click corner after corner" disabled={!allowed}>
+      <ToolButton
+        tool="slow"
+        label={t("Slow|zone")}
+        hint={t("Drag a rectangle, or click corner after corner")}
+        disabled={!allowed}
+      >
         <SlowIcon />
       </ToolButton>
     </div>
@@ -177,7 +183,7 @@ function Way() {
           </span>
           {canCancel && (
             <button type="button" class="button small" data-testid="map-cancel" onClick={() => void map.cancelGoal()}>
-              Cancel
+              {t("Cancel")}
             </button>
           )}
           {words.over && map.allowed.value && (
@@ -185,7 +191,7 @@ function Way() {
               type="button"
               class="icon-button"
               data-testid="map-dismiss"
-              aria-label="Dismiss"
+              aria-label={t("Dismiss")}
               onClick={() => void map.cancelGoal()}
             >
               <CloseIcon />
@@ -197,7 +203,7 @@ function Way() {
         <p class="map-way bad" role="alert" data-testid="map-problem">
           <WarnIcon />
           <span>{problem}</span>
-          <button type="button" class="icon-button" aria-label="Dismiss" onClick={() => (map.problem.value = "")}>
+          <button type="button" class="icon-button" aria-label={t("Dismiss")} onClick={() => (map.problem.value = "")}>
             <CloseIcon />
           </button>
         </p>
@@ -208,7 +214,7 @@ function Way() {
           <span>{hint}</span>
           {tool !== "look" && (
             <button type="button" class="button small" data-testid="map-tool-done" onClick={() => map.choose("look")}>
-              Done
+              {t("Done")}
             </button>
           )}
         </p>
@@ -224,10 +230,10 @@ function Asleep() {
   if (lane?.state !== "undesired" || !grid.map.picture.value?.known || store.replay.value) return null;
   return (
     <p class="map-way warn" data-testid="map-asleep">
-      <span>SLAM is not running: there is no desire for it.</span>
+      <span>{t("SLAM is not running: there is no desire for it.")}</span>
       {map.allowed.value && (
         <button type="button" class="button small" data-testid="map-desire" onClick={() => void map.desireMap()}>
-          Start SLAM
+          {t("Start SLAM")}
         </button>
       )}
     </p>

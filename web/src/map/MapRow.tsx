@@ -2,6 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { useId } from "preact/hooks";
+import { fromRobot, t } from "../i18n";
 import type { KeptMap } from "../protocol/types";
 import { useApp } from "../state/context";
 import { dayTime, number } from "../ui/format";
@@ -24,17 +25,17 @@ export function MapRow({ kept }: { kept: KeptMap }) {
         <img
           class="map-thumb"
           src={session.rest.mapPicture(name, kept.saved)}
-          alt={`Map ${name} from above`}
+          alt={t("Map {name} from above", { name })}
           loading="lazy"
         />
       )}
       <div class="map-facts">
         <p class="recording-head">
           <b>{name}</b>
-          {inUse && <span class="tag in-use">in use</span>}
+          {inUse && <span class="tag in-use">{t("in use")}</span>}
         </p>
-        <p class="muted small">{kept.problem ?? factsOf(kept)}</p>
-        <p class="muted small">saved {dayTime(kept.saved)}</p>
+        <p class="muted small">{kept.problem === null ? factsOf(kept) : fromRobot(kept.problem)}</p>
+        <p class="muted small">{t("saved {time}", { time: dayTime(kept.saved) })}</p>
         <div class="recording-actions">
           <button
             type="button"
@@ -44,14 +45,14 @@ export function MapRow({ kept }: { kept: KeptMap }) {
             disabled={busy || kept.problem !== null || !maps.available.value}
             onClick={() => toggle("load")}
           >
-            Load…
+            {t("Load…")}
           </button>
           <button
             type="button"
             class="icon-button"
             data-testid="map-rename"
-            aria-label={`Rename ${name}…`}
-            title="Rename…"
+            aria-label={t("Rename {name}…", { name })}
+            title={t("Rename…")}
             disabled={busy}
             onClick={() => toggle("rename")}
           >
@@ -61,8 +62,8 @@ export function MapRow({ kept }: { kept: KeptMap }) {
             type="button"
             class="icon-button"
             data-testid="map-delete"
-            aria-label={`Delete ${name}…`}
-            title={inUse ? "The map in use cannot be deleted" : "Delete…"}
+            aria-label={t("Delete {name}…", { name })}
+            title={inUse ? t("The map in use cannot be deleted") : t("Delete…")}
             disabled={busy || inUse}
             onClick={() => toggle("delete")}
           >
@@ -74,8 +75,8 @@ export function MapRow({ kept }: { kept: KeptMap }) {
       {open.value === "rename" && <RenameForm name={name} onDone={() => (open.value = null)} />}
       {open.value === "delete" && (
         <Confirm
-          words={`Delete ${name} for good?`}
-          yes="Delete"
+          words={t("Delete {name} for good?", { name })}
+          yes={t("Delete")}
           onYes={() => void maps.remove(name)}
           onNo={() => (open.value = null)}
         />
@@ -100,9 +101,9 @@ function LoadForm({ kept, onDone }: { kept: KeptMap; onDone: () => void }) {
       }}
     >
       <fieldset>
-        <legend>The map</legend>
+        <legend>{t("The map")}</legend>
         <Choice group={`${id}-map`} id="map-localize" checked={!extend.value} onChoose={() => (extend.value = false)}>
-          is not changed: only localize on it
+          {t("is not changed: only localize on it")}
         </Choice>
         <Choice
           group={`${id}-map`}
@@ -111,18 +112,18 @@ function LoadForm({ kept, onDone }: { kept: KeptMap; onDone: () => void }) {
           disabled={!kept.extendable}
           onChoose={() => (extend.value = true)}
         >
-          {kept.extendable ? "is extended: continue mapping" : "cannot be extended: it has no pose graph"}
+          {kept.extendable ? t("is extended: continue mapping") : t("cannot be extended: it has no pose graph")}
         </Choice>
       </fieldset>
       <fieldset>
-        <legend>The robot</legend>
+        <legend>{t("The robot")}</legend>
         <Choice
           group={`${id}-robot`}
           id="map-anywhere"
           checked={where.value === "anywhere"}
           onChoose={() => (where.value = "anywhere")}
         >
-          is somewhere on it: search for its pose
+          {t("is somewhere on it: search for its pose")}
         </Choice>
         <Choice
           group={`${id}-robot`}
@@ -130,10 +131,10 @@ function LoadForm({ kept, onDone }: { kept: KeptMap; onDone: () => void }) {
           checked={where.value === "start"}
           onChoose={() => (where.value = "start")}
         >
-          is at the start of the map
+          {t("is at the start of the map")}
         </Choice>
       </fieldset>
-      {unsaved && <p class="inline-note warn">The map in use is not saved. Loading another one discards it.</p>}
+      {unsaved && <p class="inline-note warn">{t("The map in use is not saved. Loading another one discards it.")}</p>}
       <div class="form-actions">
         <button
           type="submit"
@@ -141,10 +142,10 @@ function LoadForm({ kept, onDone }: { kept: KeptMap; onDone: () => void }) {
           data-testid="map-load-confirm"
           disabled={maps.doing.value !== ""}
         >
-          Load {kept.name}
+          {t("Load {name}", { name: kept.name })}
         </button>
         <button type="button" class="button small" onClick={onDone}>
-          Not now
+          {t("Not now")}
         </button>
       </div>
     </form>
@@ -180,7 +181,7 @@ function RenameForm({ name, onDone }: { name: string; onDone: () => void }) {
   const others = maps.list.value?.maps.map((one) => one.name) ?? [];
   const typed = to.value.trim();
   const wrong =
-    typed === name ? "" : nameProblem(typed) || (others.includes(typed) ? "Another map has this name." : "");
+    typed === name ? "" : nameProblem(typed) || (others.includes(typed) ? t("Another map has this name.") : "");
   return (
     <form
       class="map-form"
@@ -192,7 +193,7 @@ function RenameForm({ name, onDone }: { name: string; onDone: () => void }) {
     >
       <div class={`field ${wrong ? "wrong" : ""}`}>
         <input
-          aria-label={`New name of ${name}`}
+          aria-label={t("New name of {name}", { name })}
           data-testid="map-new-name"
           value={to.value}
           autocomplete="off"
@@ -210,10 +211,10 @@ function RenameForm({ name, onDone }: { name: string; onDone: () => void }) {
           data-testid="map-rename-confirm"
           disabled={wrong !== "" || typed === name}
         >
-          Rename
+          {t("Rename")}
         </button>
         <button type="button" class="button small" onClick={onDone}>
-          Keep
+          {t("Keep")}
         </button>
       </div>
     </form>
@@ -222,6 +223,10 @@ function RenameForm({ name, onDone }: { name: string; onDone: () => void }) {
 
 /** "12 × 9 m, 85 m² known, 2 zones". */
 function factsOf({ size_m, known_m2, zones }: KeptMap): string {
-  const size = `${number(size_m[0], 0)} × ${number(size_m[1], 0)} m, ${number(known_m2, 0)} m² known`;
+  const size = t("{width} × {depth} m, {known} m² known", {
+    width: number(size_m[0], 0),
+    depth: number(size_m[1], 0),
+    known: number(known_m2, 0),
+  });
   return zones === 0 ? size : `${size}, ${zones} ${zones === 1 ? "zone" : "zones"}`;
 }

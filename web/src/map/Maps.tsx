@@ -2,6 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { useId } from "preact/hooks";
+import { rich, t } from "../i18n";
 import { panel } from "../panels/panel";
 import { useApp } from "../state/context";
 import { PlusIcon, WarnIcon } from "../ui/icons";
@@ -23,9 +24,9 @@ function Maps() {
   const doing = maps.doing.value;
   const present = store.of("localization").value !== null;
   return (
-    <section class="card" aria-label="Maps" data-testid="maps">
+    <section class="card" aria-label={t("Maps")} data-testid="maps">
       <h2 class="card-head">
-        Maps <span class="count">{list?.maps.length ?? ""}</span>
+        {t("Maps")} <span class="count">{list?.maps.length ?? ""}</span>
       </h2>
       {doing && (
         <p class="maps-doing" role="status" data-testid="maps-doing">
@@ -40,15 +41,15 @@ function Maps() {
       )}
       {list && !maps.available.value && (
         <p class="maps-doing" role="status" data-testid="maps-waiting">
-          Maps are not available: the module SLAM2D is not running yet. See Load.
+          {t("Maps are not available: the module SLAM2D is not running yet. See Load.")}
         </p>
       )}
       {present && maps.available.value && <Present />}
       {list === null ? (
-        <p class="empty">{maps.unread.value ? "The list could not be read." : "Reading the list…"}</p>
+        <p class="empty">{maps.unread.value ? t("The list could not be read.") : t("Reading the list…")}</p>
       ) : list.maps.length === 0 ? (
         <p class="empty" data-testid="maps-empty">
-          No maps saved yet. Drive the robot around, then save the map.
+          {t("No maps saved yet. Drive the robot around, then save the map.")}
         </p>
       ) : (
         <ul class="maps">
@@ -60,7 +61,7 @@ function Maps() {
       {list && (
         <p class="recordings-room muted small">
           <span class="recordings-folder" title={list.folder}>
-            in <bdi>{list.folder}</bdi>
+            {rich("in {folder}", { folder: <bdi>{list.folder}</bdi> })}
           </span>
         </p>
       )}
@@ -96,7 +97,7 @@ function Present() {
         }}
       >
         <div class={`field ${wrong ? "wrong" : ""}`}>
-          <label for={id}>{inUse ? "Save the map in use as" : "Save this new map as"}</label>
+          <label for={id}>{inUse ? t("Save the map in use as") : t("Save this new map as")}</label>
           <input
             id={id}
             data-testid="map-name"
@@ -111,31 +112,31 @@ function Present() {
           {wrong && <span class="field-error">{wrong}</span>}
         </div>
         <button type="submit" class="button" data-testid="map-save" disabled={busy || nameProblem(name) !== ""}>
-          Save
+          {t("Save")}
         </button>
         <button
           type="button"
           class="button"
           data-testid="map-begin"
-          title="Start an empty map"
+          title={t("Start an empty map")}
           disabled={busy}
           onClick={() => (asking.value = asking.value === "begin" ? null : "begin")}
         >
-          <PlusIcon /> New
+          <PlusIcon /> {t("New")}
         </button>
       </form>
       {asking.value === "replace" && (
         <Confirm
-          words={`A map ${name} exists. Replace it?`}
-          yes="Replace"
+          words={t("A map {name} exists. Replace it?", { name })}
+          yes={t("Replace")}
           onYes={() => void save()}
           onNo={() => (asking.value = null)}
         />
       )}
       {asking.value === "begin" && (
         <Confirm
-          words="Start an empty map here? Unsaved changes of this map are lost."
-          yes="Begin"
+          words={t("Start an empty map here? Unsaved changes of this map are lost.")}
+          yes={t("Begin")}
           onYes={() => {
             asking.value = null;
             void maps.begin();

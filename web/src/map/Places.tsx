@@ -1,6 +1,7 @@
 /** The places of the map: to go to, rename and delete, and to make where the robot is. */
 
 import { useSignal } from "@preact/signals";
+import { t } from "../i18n";
 import { panel } from "../panels/panel";
 import type { Place } from "../protocol/types";
 import { useApp } from "../state/context";
@@ -18,27 +19,27 @@ function Places({ message }: { message: Message<"places"> | null }) {
   const replay = store.replay.value;
   const known = store.of("localization").value !== null;
   return (
-    <section class="card" aria-label="Places" data-testid="places">
+    <section class="card" aria-label={t("Places")} data-testid="places">
       <h2 class="card-head">
-        Places <span class="count">{all.length}</span>
+        {t("Places")} <span class="count">{all.length}</span>
         {!replay && (
           <button
             type="button"
             class="button small quiet"
             data-testid="place-here"
-            title="Make a place where the robot is now"
+            title={t("Make a place where the robot is now")}
             disabled={!map.allowed.value || !known || places.busy.value}
             onClick={() => void places.addHere()}
           >
-            <PlaceIcon /> Here
+            <PlaceIcon /> {t("Here")}
           </button>
         )}
       </h2>
       {all.length === 0 ? (
         <p class="empty">
           {replay
-            ? "None at this time of the recording."
-            : "None. Press Here to name where the robot is, or Place at a code in Found to stand before that."}
+            ? t("None at this time of the recording.")
+            : t("None. Press Here to name where the robot is, or Place at a code in Found to stand before that.")}
         </p>
       ) : (
         <ul class="places">
@@ -61,7 +62,7 @@ function Row({ place }: { place: Place }) {
     <li class="place" data-testid="place" data-id={id} data-name={name} data-source={source} data-problem={problem}>
       <div class="place-head">
         {source === "poster" ? <QrIcon /> : <PlaceIcon />}
-        <b title={source === "poster" ? `${id}: in front of ${place.poster}` : id}>{name}</b>
+        <b title={source === "poster" ? t("{id}: in front of {poster}", { id, poster: place.poster }) : id}>{name}</b>
         {allowed && (
           <span class="place-actions">
             {store.body.value.goes && (
@@ -69,18 +70,18 @@ function Row({ place }: { place: Place }) {
                 type="button"
                 class="button small"
                 data-testid="place-go"
-                aria-label={`Go to ${name}`}
+                aria-label={t("Go to {name}", { name })}
                 onClick={() => void map.goToPlace(id)}
               >
-                Go
+                {t("Go")}
               </button>
             )}
             <button
               type="button"
               class="icon-button"
               data-testid="place-rename"
-              aria-label={`Rename ${name}…`}
-              title="Rename…"
+              aria-label={t("Rename {name}…", { name })}
+              title={t("Rename…")}
               aria-expanded={open.value === "rename"}
               onClick={() => toggle("rename")}
             >
@@ -90,8 +91,8 @@ function Row({ place }: { place: Place }) {
               type="button"
               class="icon-button"
               data-testid="place-delete"
-              aria-label={`Delete ${name}…`}
-              title="Delete…"
+              aria-label={t("Delete {name}…", { name })}
+              title={t("Delete…")}
               aria-expanded={open.value === "delete"}
               onClick={() => toggle("delete")}
             >
@@ -104,8 +105,8 @@ function Row({ place }: { place: Place }) {
       {open.value === "rename" && allowed && <RenameForm place={place} onDone={() => (open.value = null)} />}
       {open.value === "delete" && allowed && (
         <Confirm
-          words={`Delete the place ${name}?`}
-          yes="Delete"
+          words={t("Delete the place {name}?", { name })}
+          yes={t("Delete")}
           onYes={() => void places.remove(place)}
           onNo={() => (open.value = null)}
         />
@@ -135,7 +136,7 @@ function RenameForm({ place, onDone }: { place: Place; onDone: () => void }) {
     >
       <div class={`field ${wrong ? "wrong" : ""}`}>
         <input
-          aria-label={`New name of ${place.name}`}
+          aria-label={t("New name of {name}", { name: place.name })}
           data-testid="place-name"
           value={name.value}
           maxLength={60}
@@ -151,10 +152,10 @@ function RenameForm({ place, onDone }: { place: Place; onDone: () => void }) {
           data-testid="place-rename-confirm"
           disabled={wrong !== "" || typed === place.name || places.busy.value}
         >
-          Rename
+          {t("Rename")}
         </button>
         <button type="button" class="button small" onClick={onDone}>
-          Keep
+          {t("Keep")}
         </button>
       </div>
     </form>

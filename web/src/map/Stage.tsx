@@ -3,6 +3,7 @@
 import { effect, useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
+import { t } from "../i18n";
 import { useApp } from "../state/context";
 import type { MapPlace } from "../state/store";
 import {
@@ -62,7 +63,7 @@ export function Stage({ place, buttons, children }: Props) {
         data-robot={robot ? [robot.x, robot.y, robot.theta].map((value) => value.toFixed(3)).join(" ") : ""}
         tabIndex={0}
         role="application"
-        aria-label="Map. Arrow keys move a cursor, Enter sets a goal there, plus and minus zoom."
+        aria-label={t("Map. Arrow keys move a cursor, Enter sets a goal there, plus and minus zoom.")}
       />
       <div class="map-over">
         <Where />
@@ -105,18 +106,18 @@ export function ViewButtons() {
   const { map, store, grid } = useApp();
   const large = store.mapPlace.value === "view";
   const toggles = [
-    { id: "follow", label: "Follow the robot", icon: <FollowIcon />, state: map.follow },
-    { id: "robot-up", label: "Robot's heading up instead of north", icon: <CompassIcon />, state: map.robotUp },
-    { id: "costmap", label: "Show the local costmap", icon: <LayersIcon />, state: map.costmap },
+    { id: "follow", label: t("Follow the robot"), icon: <FollowIcon />, state: map.follow },
+    { id: "robot-up", label: t("Robot's heading up instead of north"), icon: <CompassIcon />, state: map.robotUp },
+    { id: "costmap", label: t("Show the local costmap"), icon: <LayersIcon />, state: map.costmap },
   ];
   return (
-    <div class="map-view-buttons" role="group" aria-label="Map view">
+    <div class="map-view-buttons" role="group" aria-label={t("Map view")}>
       <button
         type="button"
         class="icon-button"
         data-testid="map-enlarge"
-        title={large ? "Back beside the view (M)" : "Map over the whole view (M)"}
-        aria-label={large ? "Shrink the map" : "Enlarge the map"}
+        title={large ? t("Back beside the view (M)") : t("Map over the whole view (M)")}
+        aria-label={large ? t("Shrink the map") : t("Enlarge the map")}
         aria-pressed={large}
         onClick={() => store.showMap(large ? "tab" : "view")}
       >
@@ -142,8 +143,8 @@ export function ViewButtons() {
         type="button"
         class="icon-button"
         data-testid="map-fit"
-        title="All of the map"
-        aria-label="Show all of the map"
+        title={t("All of the map")}
+        aria-label={t("Show all of the map")}
         onClick={() => map.fit(grid.map.picture.value)}
       >
         <FitIcon />
@@ -152,8 +153,8 @@ export function ViewButtons() {
         type="button"
         class="icon-button map-zoom"
         data-testid="map-closer"
-        aria-label="Closer"
-        title="Closer (+)"
+        aria-label={t("Closer")}
+        title={t("Closer (+)")}
         onClick={() => map.zoom(1.4)}
       >
         <PlusIcon />
@@ -162,8 +163,8 @@ export function ViewButtons() {
         type="button"
         class="icon-button map-zoom"
         data-testid="map-farther"
-        aria-label="Farther"
-        title="Farther (−)"
+        aria-label={t("Farther")}
+        title={t("Farther (−)")}
         onClick={() => map.zoom(1 / 1.4)}
       >
         <MinusIcon />
@@ -184,7 +185,7 @@ function Empty() {
       {more && <p class="muted">{more}</p>}
       {desire && map.allowed.value && (
         <button type="button" class="button small" data-testid="map-desire" onClick={() => void map.desireMap()}>
-          Start mapping
+          {t("Start mapping")}
         </button>
       )}
     </div>

@@ -2,6 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { useId } from "preact/hooks";
+import { t } from "../i18n";
 import { panel } from "../panels/panel";
 import type { Zone } from "../protocol/types";
 import { useApp } from "../state/context";
@@ -21,9 +22,9 @@ function Zones() {
   const replay = store.replay.value;
   const zones = map.zones.value;
   return (
-    <section class="card" aria-label="Zones" data-testid="zones">
+    <section class="card" aria-label={t("Zones")} data-testid="zones">
       <h2 class="card-head">
-        Zones <span class="count">{zones.length}</span>
+        {t("Zones")} <span class="count">{zones.length}</span>
         {!replay && (
           <button
             type="button"
@@ -32,15 +33,15 @@ function Zones() {
             disabled={!map.canUndo || !map.allowed.value}
             onClick={() => void map.undo()}
           >
-            <UndoIcon /> Undo
+            <UndoIcon /> {t("Undo")}
           </button>
         )}
       </h2>
       {zones.length === 0 ? (
         <p class="empty">
           {replay
-            ? "None at this time of the recording."
-            : "None. Draw one with Keep out (the robot stays out) or Slow (it drives slowly)."}
+            ? t("None at this time of the recording.")
+            : t("None. Draw one with Keep out (the robot stays out) or Slow (it drives slowly).")}
         </p>
       ) : (
         <ul class="zones">
@@ -72,7 +73,9 @@ function Row({ zone }: { zone: Zone }) {
       >
         {zone.kind === "slow" ? <SlowIcon /> : <KeepOutIcon />}
         <b>{zone.name}</b>
-        <span class="muted">{zone.kind === "slow" ? `slow, ${Math.round(zone.speed * 100)} %` : "keep out"}</span>
+        <span class="muted">
+          {zone.kind === "slow" ? t("slow, {share} %", { share: Math.round(zone.speed * 100) }) : t("keep out")}
+        </span>
       </button>
       {open && map.allowed.value && <ZoneEditor zone={zone} />}
     </li>
@@ -98,7 +101,7 @@ export function ZoneEditor({ zone, onDone }: { zone: Zone; onDone?: () => void }
   return (
     <div class="zone-editor">
       <div class={`field ${wrong ? "wrong" : ""}`}>
-        <label for={`${id}-name`}>Name</label>
+        <label for={`${id}-name`}>{t("Name")}</label>
         <input
           id={`${id}-name`}
           data-testid="zone-name"
@@ -111,7 +114,7 @@ export function ZoneEditor({ zone, onDone }: { zone: Zone; onDone?: () => void }
         {wrong && <span class="field-error">{wrong}</span>}
       </div>
       <div class="field">
-        <label for={`${id}-kind`}>The robot</label>
+        <label for={`${id}-kind`}>{t("The robot")}</label>
         <select
           id={`${id}-kind`}
           data-testid="zone-kind"
@@ -120,13 +123,13 @@ export function ZoneEditor({ zone, onDone }: { zone: Zone; onDone?: () => void }
             edit({ kind: event.currentTarget.value as Zone["kind"], speed: zone.kind === "slow" ? 1 : 0.4 })
           }
         >
-          <option value="keep_out">keeps out</option>
-          <option value="slow">goes slowly</option>
+          <option value="keep_out">{t("keeps out")}</option>
+          <option value="slow">{t("goes slowly")}</option>
         </select>
       </div>
       {zone.kind === "slow" && (
         <div class="zone-speed">
-          <label for={`${id}-speed`}>At most</label>
+          <label for={`${id}-speed`}>{t("At most")}</label>
           <input
             id={`${id}-speed`}
             data-testid="zone-speed"
@@ -150,11 +153,11 @@ export function ZoneEditor({ zone, onDone }: { zone: Zone; onDone?: () => void }
           data-testid="zone-delete"
           onClick={() => void map.editZones(removed(zones, zone.name))}
         >
-          <TrashIcon /> Delete
+          <TrashIcon /> {t("Delete")}
         </button>
         {onDone && (
           <button type="button" class="button small" onClick={onDone}>
-            Done
+            {t("Done")}
           </button>
         )}
       </div>

@@ -1,5 +1,6 @@
 /** Draws what stands on the map: the robot and how sure it is, goals, the start, people, posters, the cursor. */
 
+import { t } from "../i18n";
 import { type Context, disc, FONT, outlined, stroke, trace } from "./canvas";
 import * as colors from "./colors";
 import { type MapView, type Point, type Pose, screenAngle } from "./mapProjection";
@@ -259,7 +260,7 @@ export function drawNamedPerson(
   context.font = "600 11px system-ui, 'DejaVu Sans', sans-serif";
   context.textAlign = "center";
   context.textBaseline = "bottom";
-  const text = speaking ? `${name}, speaking` : name;
+  const text = speaking ? t("{name}, speaking", { name }) : name;
   context.lineWidth = 3;
   context.strokeStyle = "rgb(0 0 0 / 0.7)";
   context.strokeText(text, x, y - 9);

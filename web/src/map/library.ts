@@ -1,6 +1,7 @@
 /** The kept maps: read, saved, loaded, renamed, deleted, started. */
 
 import { batch, computed, effect, type ReadonlySignal, signal } from "@preact/signals";
+import { t } from "../i18n";
 import { inWords, type Rest } from "../protocol/rest";
 import type { KeptMaps, PoseReport } from "../protocol/types";
 import type { Store } from "../state/store";
@@ -61,23 +62,35 @@ export class MapLibrary {
   }
 
   save(name: string): Promise<boolean> {
-    return this.ask(`Saving ${name}…`, () => this.rest.saveMap(name), `Saved as ${name}.`);
+    return this.ask(t("Saving {name}…", { name }), () => this.rest.saveMap(name), t("Saved as {name}.", { name }));
   }
 
   load(name: string, options: { pose?: PoseReport; extend: boolean }): Promise<boolean> {
-    return this.ask(`Loading ${name}…`, () => this.awake(this.rest.loadMap(name, options)), `${name} is in use.`);
+    return this.ask(
+      t("Loading {name}…", { name }),
+      () => this.awake(this.rest.loadMap(name, options)),
+      t("{name} is in use.", { name }),
+    );
   }
 
   rename(name: string, to: string): Promise<boolean> {
-    return this.ask(`Renaming ${name}…`, () => this.rest.renameMap(name, to), `${name} is called ${to} now.`);
+    return this.ask(
+      t("Renaming {name}…", { name }),
+      () => this.rest.renameMap(name, to),
+      t("{name} is called {to} now.", { name, to }),
+    );
   }
 
   remove(name: string): Promise<boolean> {
-    return this.ask(`Deleting ${name}…`, () => this.rest.deleteMap(name), `${name} is deleted.`);
+    return this.ask(
+      t("Deleting {name}…", { name }),
+      () => this.rest.deleteMap(name),
+      t("{name} is deleted.", { name }),
+    );
   }
 
   begin(): Promise<boolean> {
-    return this.ask("Starting a new map…", () => this.awake(this.rest.beginMap()), "A new map has started.");
+    return this.ask(t("Starting a new map…"), () => this.awake(this.rest.beginMap()), t("A new map has started."));
   }
 
   /** Resolves when a list is there that was asked for no earlier than now. */
@@ -134,9 +147,9 @@ export class MapLibrary {
 
 /** What is wrong with a map's name; empty: nothing. */
 export function nameProblem(name: string): string {
-  if (name === "") return "A name is needed.";
+  if (name === "") return t("A name is needed.");
   if (NAME.test(name)) return "";
-  if (!/^[A-Za-z0-9]/.test(name)) return "Begins with a letter or a digit.";
-  if (name.length > 100) return "At most 100 characters.";
-  return "Letters, digits, dots, - and _ only.";
+  if (!/^[A-Za-z0-9]/.test(name)) return t("Begins with a letter or a digit.");
+  if (name.length > 100) return t("At most 100 characters.");
+  return t("Letters, digits, dots, - and _ only.");
 }

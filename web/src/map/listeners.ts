@@ -1,5 +1,6 @@
 /** Joins the browser's pointers, wheel and keys to the tools of the map. */
 
+import { t } from "../i18n";
 import { number } from "../ui/format";
 import { handleAt, type MapControl } from "./mapControl";
 import { type Point, toScreen } from "./mapProjection";
@@ -61,11 +62,13 @@ export function listen(canvas: HTMLCanvasElement, map: MapControl, say: (words: 
 function cursorWords(map: MapControl): string {
   const { cursor, act, corners } = map.tools.peek();
   if (!cursor) return "";
-  const where = `${number(cursor.x, 1)}, ${number(cursor.y, 1)} metres`;
+  const where = t("{x}, {y} metres", { x: number(cursor.x, 1), y: number(cursor.y, 1) });
   if (act.kind === "aim") {
     const heading =
-      act.heading === null ? "no heading yet" : `heading ${number((act.heading * 180) / Math.PI, 0)} degrees`;
-    return `Place ${where}, ${heading}. Arrows turn it, Enter sends it, Escape cancels.`;
+      act.heading === null
+        ? t("no heading yet")
+        : t("heading {degrees} degrees", { degrees: number((act.heading * 180) / Math.PI, 0) });
+    return t("Place {where}, {heading}. Arrows turn it, Enter sends it, Escape cancels.", { where, heading });
   }
-  return corners.length > 0 ? `Corner ${corners.length + 1} at ${where}` : where;
+  return corners.length > 0 ? t("Corner {number} at {where}", { number: corners.length + 1, where }) : where;
 }

@@ -2,6 +2,7 @@
 
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
 import { typesText } from "../drive/driveController";
+import { t } from "../i18n";
 import { inWords } from "../protocol/rest";
 import type { Desire, GoalRequest, LocalizationReport, PoseReport, Zone } from "../protocol/types";
 import type { Session } from "../state/session";
@@ -206,7 +207,7 @@ export class MapControl {
       await rest.cancelGoal();
       for (const trip of trips) if (!isAsked(trip)) await rest.removeDesire(trip.id);
     });
-    if (ended) this.store.notify("info", "The goal is cancelled.");
+    if (ended) this.store.notify("info", t("The goal is cancelled."));
   }
 
   async place(pose: PoseReport): Promise<void> {

@@ -1,5 +1,6 @@
 /** Where the robot is, where it goes and why not, in plain words. Pure. */
 
+import { decimals, t } from "../i18n";
 import type { Desire, GoalPlace, LaneRow, LocalizationReport, Navigation, Place } from "../protocol/types";
 import { number, reasonText, sentence } from "../ui/format";
 import type { Tools } from "./mapTools";
@@ -63,7 +64,9 @@ export function placeWords(
   if (goal?.name && apart(at, goal) <= NEAR_M) return goal.name;
   const place = places.find((one) => apart(at, one) < START_M);
   if (place) return place.name;
-  return Math.hypot(at.x, at.y) < START_M ? "the start" : `(${coordinate(at.x)}, ${coordinate(at.y)})`;
+  return Math.hypot(at.x, at.y) < START_M
+    ? t("the start")
+    : t("({x}, {y})", { x: coordinate(at.x), y: coordinate(at.y) });
 }
 
 /**
@@ -81,8 +84,8 @@ export function wayWords(
 ): Phrase | null {
   if (!goal && navigation?.given_up) {
     const { goal: place, reason } = navigation.given_up;
-    const why = sentence(reason) || "It cannot be reached.";
-    return { tone: "bad", text: `Gave up on ${placeWords(place, places)}`, more: why, over: true };
+    const why = sentence(reason) || t("It cannot be reached.");
+    return { tone: "bad", text: t("Gave up on {place}", { place: placeWords(place, places) }), more: why, over: true };
   }
   const lane = rows.find((row) => row.class === CLASS);
   const past = navigation?.state === "idle" || (navigation?.state === "arrived" && !goal && isOld(navigation, now));
@@ -95,35 +98,49 @@ export function wayWords(
     if (lane && (lane.state === "unfulfilled" || lane.state === "inhibited"))
       return {
         tone: "warn",
-        text: `Not going to ${placeWords(goal, places, goal)}`,
+        text: t("Not going to {goal}", { goal: placeWords(goal, places, goal) }),
         more: sentence(reasonText(lane.state, lane.text)),
       };
-    return { tone: "busy", text: `Setting out for ${placeWords(goal, places, goal)}…`, more: "" };
+    return { tone: "busy", text: t("Setting out for {goal}…", { goal: placeWords(goal, places, goal) }), more: "" };
   }
   if (!current) return null;
   const reason = sentence(current.reason);
   const away = current.target ? apart(current.target, to) : 0;
   const nearest =
-    away > NEAR_M ? `The goal itself cannot be reached: the robot stops ${number(away, 1)} m from it.` : "";
+    away > NEAR_M
+      ? t("The goal itself cannot be reached: the robot stops {away} m from it.", { away: number(away, 1) })
+      : "";
   switch (current.state) {
     case "planning":
-      return { tone: "busy", text: `Planning a path to ${where}…`, more: "" };
+      return { tone: "busy", text: t("Planning a path to {where}…", { where }), more: "" };
     case "following":
-      return { tone: "good", text: `Going to ${where}${leftWords(current.remaining_m)}`, more: reason || nearest };
+      return {
+        tone: "good",
+        text: t("Going to {where}{left}", { where, left: leftWords(current.remaining_m) }),
+        more: reason || nearest,
+      };
     case "recovering":
       // While it is freeing itself, it has counted that.
       if (place?.state === "lost" || place?.state === "searching" || current.recoveries === 0)
-        return { tone: "warn", text: `Localizing, then going to ${where}`, more: reason };
-      return { tone: "warn", text: `Stuck on the way to ${where}${attempts(current.recoveries)}`, more: reason };
+        return { tone: "warn", text: t("Localizing, then going to {where}", { where }), more: reason };
+      return {
+        tone: "warn",
+        text: t("Stuck on the way to {where}{attempts}", { where, attempts: attempts(current.recoveries) }),
+        more: reason,
+      };
     case "waiting":
-      return { tone: "warn", text: `Waiting on the way to ${where}${leftWords(current.remaining_m)}`, more: reason };
+      return {
+        tone: "warn",
+        text: t("Waiting on the way to {where}{left}", { where, left: leftWords(current.remaining_m) }),
+        more: reason,
+      };
     case "unreachable":
-      return { tone: "bad", text: `No path to ${where}`, more: reason };
+      return { tone: "bad", text: t("No path to {where}", { where }), more: reason };
     case "arrived":
       return {
         tone: "good",
-        text: `Arrived at ${where}`,
-        more: nearest && `${number(away, 1)} m from the goal, which cannot be reached.`,
+        text: t("Arrived at {where}", { where }),
+        more: nearest && t("{away} m from the goal, which cannot be reached.", { away: number(away, 1) }),
       };
     case "idle":
       return null;
@@ -135,31 +152,35 @@ export function wayWords(
  * the map in use, where it is known better than by the last scan.
  */
 export function poseWords(localization: LocalizationReport, slam?: LaneRow, name: string = localization.map): Phrase {
-  const map = name || "a new map";
+  const map = name || t("a new map");
   if (slam && slam.divisor === null)
-    return { tone: "warn", text: `Last pose on ${map}`, more: "SLAM is off: the pose comes from odometry alone." };
+    return {
+      tone: "warn",
+      text: t("Last pose on {map}", { map }),
+      more: t("SLAM is off: the pose comes from odometry alone."),
+    };
   const [sx, sy, st] = localization.sigma;
   const unsure = `±${lengthWords(Math.max(sx, sy))}, ±${number((st * 180) / Math.PI, 1)}°`;
   switch (localization.state) {
     case "mapping":
       return {
         tone: "good",
-        text: name ? `Extending ${map}` : "Mapping, not saved yet",
+        text: name ? t("Extending {map}", { map }) : t("Mapping, not saved yet"),
         more: unsure,
       };
     case "tracking":
-      return { tone: "good", text: `On the map ${map}`, more: unsure };
+      return { tone: "good", text: t("On the map {map}", { map }), more: unsure };
     case "searching":
       return {
         tone: "warn",
-        text: `Searching for its pose on ${map}`,
-        more: "Drive it around a little, or set its pose.",
+        text: t("Searching for its pose on {map}", { map }),
+        more: t("Drive it around a little, or set its pose."),
       };
     case "lost":
       return {
         tone: "bad",
-        text: `Lost on ${map}`,
-        more: "The laser scan does not fit the map. Set its pose, or press Search.",
+        text: t("Lost on {map}", { map }),
+        more: t("The laser scan does not fit the map. Set its pose, or press Search."),
       };
   }
 }
@@ -171,48 +192,53 @@ export function emptyWords(
   slam: LaneRow | undefined,
   localization: LocalizationReport | null,
 ): { text: string; more: string; desire: boolean } {
-  if (replay && !localization) return { text: "No map at this time of the recording.", more: "", desire: false };
-  if (!live) return { text: "No map yet.", more: "The robot does not answer.", desire: false };
+  if (replay && !localization) return { text: t("No map at this time of the recording."), more: "", desire: false };
+  if (!live) return { text: t("No map yet."), more: t("The robot does not answer."), desire: false };
   if (!slam)
     return {
-      text: "No map: this program does no mapping.",
-      more: "Its configuration has no strategy for SLAM.",
+      text: t("No map: this program does no mapping."),
+      more: t("Its configuration has no strategy for SLAM."),
       desire: false,
     };
   if (slam.divisor === null && slam.state !== "fulfilled" && slam.state !== "degraded")
     return {
-      text: "No map yet: SLAM is not running.",
+      text: t("No map yet: SLAM is not running."),
       more:
         slam.state === "undesired"
-          ? "There is no desire for it. Press Start mapping, or set a goal."
+          ? t("There is no desire for it. Press Start mapping, or set a goal.")
           : sentence(reasonText(slam.state, slam.text)),
       desire: slam.state === "undesired",
     };
-  return { text: "Waiting for the first map…", more: "", desire: false };
+  return { text: t("Waiting for the first map…"), more: "", desire: false };
 }
 
 /** What the tool in hand does, and what the keys do while the cursor is theirs; `stands`: Escape stops nothing. */
 export function hintWords({ tool, act, cursor, corners }: Tools, stands: boolean): string {
-  const up = stands ? "Esc cancels" : "⌫ cancels";
-  const away = stands && tool !== "look" ? ", Esc puts the tool away" : "";
+  const up = stands ? t("Esc cancels") : t("⌫ cancels");
+  const away = stands && tool !== "look" ? t(", Esc puts the tool away") : "";
   if (act.kind === "aim" && act.by === "keys") {
-    const turn = act.heading === null ? "Arrows set the heading" : "← → turn it";
-    return `${turn}, Enter ${tool === "pose" ? "sets it" : "sends it"}, ${up}.`;
+    const turn = act.heading === null ? t("Arrows set the heading") : t("← → turn it");
+    return `${turn}, ${tool === "pose" ? t("Enter sets it") : t("Enter sends it")}, ${up}.`;
   }
   if (tool === "keep_out" || tool === "slow") {
-    if (!cursor) return "Drag a rectangle, or click corner after corner.";
-    const close = corners.length >= 3 ? ", the first corner again closes the zone" : "";
-    return `Arrows move the cursor, Enter sets a corner${close}, ${corners.length > 0 ? "⌫ removes the last one" : up}.`;
+    if (!cursor) return t("Drag a rectangle, or click corner after corner.");
+    const close = corners.length >= 3 ? t(", the first corner again closes the zone") : "";
+    const back = corners.length > 0 ? t("⌫ removes the last one") : up;
+    return t("Arrows move the cursor, Enter sets a corner{close}, {back}.", { close, back });
   }
-  if (tool === "point") return cursor ? `Arrows move the cursor, Enter takes the point${away}.` : "Click on the point.";
-  if (cursor) return `Arrows move the cursor, Enter puts ${tool === "pose" ? "the robot" : "a goal"} there${away}.`;
-  if (tool === "goal") return "Press on the goal, drag to set the heading.";
-  return tool === "pose" ? "Press on the robot's place, drag to set its heading." : "";
+  if (tool === "point")
+    return cursor ? t("Arrows move the cursor, Enter takes the point{away}.", { away }) : t("Click on the point.");
+  if (cursor)
+    return tool === "pose"
+      ? t("Arrows move the cursor, Enter puts the robot there{away}.", { away })
+      : t("Arrows move the cursor, Enter puts a goal there{away}.", { away });
+  if (tool === "goal") return t("Press on the goal, drag to set the heading.");
+  return tool === "pose" ? t("Press on the robot's place, drag to set its heading.") : "";
 }
 
 /** "4 cm", "1.2 m". */
 export function lengthWords(metres: number): string {
-  return metres < 0.995 ? `${number(metres * 100, 0)} cm` : `${number(metres, 1)} m`;
+  return metres < 0.995 ? t("{centimetres} cm", { centimetres: number(metres * 100, 0) }) : `${number(metres, 1)} m`;
 }
 
 function isOld(navigation: Navigation, now: number | null): boolean {
@@ -220,15 +246,15 @@ function isOld(navigation: Navigation, now: number | null): boolean {
 }
 
 function leftWords(metres: number | null): string {
-  return metres === null ? "" : `, ${metres.toFixed(1)} m left`;
+  return metres === null ? "" : t(", {metres} m left", { metres: decimals(metres.toFixed(1)) });
 }
 
 function coordinate(metres: number): string {
-  return metres.toFixed(1).replace("-", "−");
+  return decimals(metres.toFixed(1)).replace("-", "−");
 }
 
 function attempts(count: number): string {
-  return count > 1 ? `: recovery ${count}` : ": recovering";
+  return count > 1 ? t(": recovery {count}", { count }) : t(": recovering");
 }
 
 function apart(a: { x: number; y: number }, b: { x: number; y: number }): number {

@@ -1,5 +1,6 @@
 /** Persons with their numbers, filled while they speak; faint while they are lost. */
 
+import { t } from "../i18n";
 import type { Person } from "../protocol/types";
 import { drawNamedPerson } from "./drawMarks";
 import { layer } from "./layer";
@@ -17,5 +18,5 @@ export const personsLayer = layer({
 
 /** "Person 3", or "Person ?" while it is not known which. */
 export function nameOf({ person }: Pick<Person, "person">): string {
-  return `Person ${person ?? "?"}`;
+  return t("Person {track}", { track: person ?? "?" });
 }

@@ -1,6 +1,7 @@
 /** The places of the map: made, renamed and deleted. */
 
 import { computed, type ReadonlySignal, signal } from "@preact/signals";
+import { t } from "../i18n";
 import { inWords, type Rest } from "../protocol/rest";
 import type { Landmark, NewPlace, Place } from "../protocol/types";
 import type { Store } from "../state/store";
@@ -42,8 +43,9 @@ export class PlaceControl {
   private add(place: NewPlace): Promise<boolean> {
     return this.ask(async () => {
       const { name, problem } = await this.rest.addPlace(place);
-      if (problem) this.store.notify("warning", `New place: ${name}. ${sentence(problem)}`);
-      else this.store.notify("info", `New place: ${name}.`);
+      if (problem)
+        this.store.notify("warning", t("New place: {name}. {problem}", { name, problem: sentence(problem) }));
+      else this.store.notify("info", t("New place: {name}.", { name }));
     });
   }
 
@@ -64,8 +66,8 @@ export class PlaceControl {
 
 /** Why no place can be made in front of a poster; empty: one can. */
 export function posterLack({ frame, heading }: Pick<Landmark, "frame" | "heading">): string {
-  if (frame !== "map") return "Where it hangs on the map is not known: start SLAM.";
-  return heading === null ? "Which way it faces is not known yet: look at it from nearer by." : "";
+  if (frame !== "map") return t("Where it hangs on the map is not known: start SLAM.");
+  return heading === null ? t("Which way it faces is not known yet: look at it from nearer by.") : "";
 }
 
 /** The place that is in front of a poster, if there is one. */
@@ -76,8 +78,8 @@ export function placeOf(places: readonly Place[], { id, text }: Pick<Landmark, "
 /** What is wrong with a place's new name; empty: nothing. */
 export function placeNameProblem(places: readonly Place[], name: string, of: Place): string {
   const trimmed = name.trim();
-  if (trimmed === "") return "A name is needed.";
-  if (trimmed.length > 60) return "At most 60 characters.";
-  if (places.some((place) => place.name === trimmed && place.id !== of.id)) return "Another place has this name.";
+  if (trimmed === "") return t("A name is needed.");
+  if (trimmed.length > 60) return t("At most 60 characters.");
+  if (places.some((place) => place.name === trimmed && place.id !== of.id)) return t("Another place has this name.");
   return "";
 }

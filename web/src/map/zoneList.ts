@@ -1,5 +1,6 @@
 /** Keep-out and speed zones as a list that is edited: every function returns a new list. Pure. */
 
+import { t } from "../i18n";
 import type { Zone } from "../protocol/types";
 import type { Point } from "./mapProjection";
 
@@ -22,7 +23,10 @@ export const NO_HISTORY: History = { past: [], made: null };
 export function added(zones: readonly Zone[], kind: ZoneKind, polygon: readonly Point[]): Zone[] {
   const corners = polygon.map(({ x, y }): [number, number] => [round(x), round(y)]);
   const speed = kind === "slow" ? FIRST_SPEED : 1;
-  return [...zones, { name: freeName(zones, kind === "slow" ? "Slow" : "Keep out"), kind, polygon: corners, speed }];
+  return [
+    ...zones,
+    { name: freeName(zones, kind === "slow" ? t("Slow|name") : t("Keep out|name")), kind, polygon: corners, speed },
+  ];
 }
 
 export function removed(zones: readonly Zone[], name: string): Zone[] {
@@ -42,17 +46,17 @@ export function cornerMoved(zones: readonly Zone[], name: string, index: number,
 /** What is wrong with a zone's new name; empty: nothing. */
 export function nameProblem(zones: readonly Zone[], name: string, before: string): string {
   const trimmed = name.trim();
-  if (trimmed === "") return "A name is needed.";
-  if (trimmed.length > 60) return "At most 60 characters.";
-  if (trimmed !== before && zones.some((zone) => zone.name === trimmed)) return "Another zone has this name.";
+  if (trimmed === "") return t("A name is needed.");
+  if (trimmed.length > 60) return t("At most 60 characters.");
+  if (trimmed !== before && zones.some((zone) => zone.name === trimmed)) return t("Another zone has this name.");
   return "";
 }
 
 /** What is wrong with corners; empty: nothing. */
 export function polygonProblem(polygon: readonly Point[]): string {
-  if (polygon.length < 3) return "A zone needs three corners at least.";
-  if (Math.abs(area(polygon)) < LEAST_AREA) return "That is too small for a zone.";
-  if (crossesItself(polygon)) return "The zone's border crosses itself: move its corners.";
+  if (polygon.length < 3) return t("A zone needs three corners at least.");
+  if (Math.abs(area(polygon)) < LEAST_AREA) return t("That is too small for a zone.");
+  if (crossesItself(polygon)) return t("The zone's border crosses itself: move its corners.");
   return "";
 }
 

@@ -1,6 +1,7 @@
 /** One resource that attention shares out: how much is promised, of how much; its budget can be changed here. */
 
 import { useSignal } from "@preact/signals";
+import { named, t } from "../i18n";
 import { Problem } from "../protocol/rest";
 import type { Intention } from "../protocol/types";
 import { useApp } from "../state/context";
@@ -28,13 +29,16 @@ export function Budget({ name, label, use }: Props) {
   const set = async (capacity: number) => {
     problem.value = "";
     if (!Number.isFinite(capacity) || capacity < 0) {
-      problem.value = `A number from 0 on, in ${use.unit}.`;
+      problem.value = t("A number from 0 on, in {unit}.", { unit: named(use.unit) });
       return;
     }
     try {
       await session.rest.changeBudget(name, capacity);
       open.value = false;
-      store.notify("info", `The budget is ${number(capacity, 2)} ${use.unit} now.`);
+      store.notify(
+        "info",
+        t("The budget is {capacity} {unit} now.", { capacity: number(capacity, 2), unit: named(use.unit) }),
+      );
     } catch (error) {
       problem.value = error instanceof Problem ? error.detail || error.title : String(error);
     }
@@ -45,7 +49,11 @@ export function Budget({ name, label, use }: Props) {
         label={label}
         value={use.used}
         limit={use.capacity}
-        text={`${number(use.used)} of ${number(use.capacity)} ${use.unit}`}
+        text={t("{used} of {capacity} {unit}", {
+          used: number(use.used),
+          capacity: number(use.capacity),
+          unit: named(use.unit),
+        })}
       />
       {!store.replay.value && (
         <button
@@ -53,10 +61,10 @@ export function Budget({ name, label, use }: Props) {
           class="link-button"
           aria-expanded={open.value}
           data-testid={`budget-edit-${name}`}
-          aria-label={`Change the budget: ${label}`}
+          aria-label={t("Change the budget: {label}", { label })}
           onClick={() => void edit()}
         >
-          Change
+          {t("Change")}
         </button>
       )}
       {open.value && (
@@ -68,7 +76,7 @@ export function Budget({ name, label, use }: Props) {
           }}
         >
           <label>
-            Budget
+            {t("Budget")}
             <input
               inputMode="decimal"
               autocomplete="off"
@@ -78,14 +86,14 @@ export function Budget({ name, label, use }: Props) {
               aria-invalid={problem.value !== ""}
               onInput={(event) => (text.value = event.currentTarget.value)}
             />
-            {use.unit}
+            {named(use.unit)}
           </label>
           <button type="submit" class="button small accent" data-testid={`budget-set-${name}`}>
-            Set
+            {t("Set")}
           </button>
           {declared.value !== null && declared.value !== use.capacity && (
             <button type="button" class="button small" onClick={() => void set(declared.value!)}>
-              Back to {number(declared.value)}
+              {t("Back to {value}", { value: number(declared.value) })}
             </button>
           )}
           {problem.value && (

@@ -2,9 +2,11 @@
 
 import { useEffect, useRef } from "preact/hooks";
 import uPlot from "uplot";
+import { t } from "../i18n";
 import "uplot/dist/uPlot.min.css";
 import { shownTheme } from "../layout/theme";
 import { useApp } from "../state/context";
+import { clockTime } from "../ui/format";
 
 const HEIGHT = 110;
 /** A colour of the page's theme. */
@@ -35,7 +37,7 @@ export function CpuPlot() {
           {
             ...AXIS,
             size: 22,
-            values: (_, at) => at.map((stamp) => new Date(stamp * 1000).toLocaleTimeString([], { hour12: false })),
+            values: (_, at) => at.map((stamp) => clockTime(stamp)),
             space: 70,
           },
           { ...AXIS, size: 40, values: (_, at) => at.map((v) => `${v} %`), space: 28 },
@@ -70,9 +72,10 @@ export function CpuPlot() {
 
   return (
     <figure class="cpu-plot">
-      <div ref={place} role="img" aria-label="CPU over the last minutes" />
+      <div ref={place} role="img" aria-label={t("CPU over the last minutes")} />
       <figcaption class="muted small">
-        <i class="key-process" /> whole process <i class="key-cpu" /> governed <i class="key-budget" /> budget
+        <i class="key-process" /> {t("whole process")} <i class="key-cpu" /> {t("governed")} <i class="key-budget" />{" "}
+        {t("budget")}
       </figcaption>
     </figure>
   );

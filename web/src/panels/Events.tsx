@@ -1,6 +1,7 @@
 /** What happened: every event of the robot's timeline, newest first, by kind. */
 
 import { useSignal } from "@preact/signals";
+import { fromRobot, langOf, named, t } from "../i18n";
 import { useApp } from "../state/context";
 import { ago, clockTime } from "../ui/format";
 import { panel } from "./panel";
@@ -25,10 +26,10 @@ function Events() {
     off.value = next;
   };
   return (
-    <section class="card" aria-label="Events" data-testid="events">
-      <h2>Events</h2>
+    <section class="card" aria-label={t("Events")} data-testid="events">
+      <h2>{t("Events")}</h2>
       {kinds.length > 1 && (
-        <div class="kinds" role="group" aria-label="Kinds shown">
+        <div class="kinds" role="group" aria-label={t("Kinds shown")}>
           {kinds.map((kind) => (
             <button
               key={kind}
@@ -38,7 +39,7 @@ function Events() {
               data-kind={kind}
               onClick={() => toggle(kind)}
             >
-              {kind.replace(/_/g, " ")}
+              {named(kind.replace(/_/g, " "))}
             </button>
           ))}
         </div>
@@ -46,10 +47,10 @@ function Events() {
       {shown.length === 0 && (
         <p class="empty">
           {events.length > 0
-            ? "All kinds are turned off."
+            ? t("All kinds are turned off.")
             : store.eventsKnown.value
-              ? "No events yet."
-              : "Reading the timeline…"}
+              ? t("No events yet.")
+              : t("Reading the timeline…")}
         </p>
       )}
       <ol class="events">
@@ -62,8 +63,8 @@ function Events() {
             data-subject={event.subject}
           >
             <time title={clockTime(event.stamp)}>{now === null ? clockTime(event.stamp) : ago(now - event.stamp)}</time>
-            <span class="event-kind">{event.kind.replace(/_/g, " ")}</span>
-            <p>{event.text}</p>
+            <span class="event-kind">{named(event.kind.replace(/_/g, " "))}</span>
+            <p lang={langOf(event.text)}>{fromRobot(event.text)}</p>
           </li>
         ))}
       </ol>

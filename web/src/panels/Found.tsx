@@ -1,5 +1,6 @@
 /** The QR codes found so far: what they say, where they are from here, how sure and how fresh. */
 
+import { plural, type Text, t } from "../i18n";
 import { robotOn } from "../map/mapControl";
 import type { Pose } from "../map/mapProjection";
 import { placeOf, posterLack } from "../map/placeControl";
@@ -24,9 +25,9 @@ function Found({ message }: { message: Message<"landmarks"> | null }) {
   const { store } = useApp();
   const landmarks = message?.landmarks ?? [];
   return (
-    <section class="card" aria-label="Found QR codes" data-testid="found">
+    <section class="card" aria-label={t("Found QR codes")} data-testid="found">
       <h2>
-        QR codes found <span class="count">{landmarks.length}</span>
+        {t("QR codes found")} <span class="count">{landmarks.length}</span>
       </h2>
       {landmarks.length === 0 ? (
         <p class="empty">{noneFound(store.body.value, store.replay.value)}</p>
@@ -62,11 +63,16 @@ function Row({ landmark }: { landmark: Landmark }) {
         <p class="landmark-text">{text}</p>
         <p class="muted small">
           {bearing(landmark, robot)}
-          {`at (${number(x, 2)}, ${number(y, 2)}, ${number(z, 2)}) m ± ${number(sigma_m * 100, 0)} cm`}
+          {t("at ({x}, {y}, {z}) m ± {sigma} cm", {
+            x: number(x, 2),
+            y: number(y, 2),
+            z: number(z, 2),
+            sigma: number(sigma_m * 100, 0),
+          })}
         </p>
         <p class="muted small">
-          {sightings === 1 ? "seen once" : `seen ${sightings} times`}
-          {now !== null && `, last ${ago(now - last_seen)}`}
+          {plural(sightings, "seen once", "seen {count} times")}
+          {now !== null && t(", last {ago}", { ago: ago(now - last_seen) })}
         </p>
       </div>
       <PlaceButton landmark={landmark} />
@@ -84,11 +90,11 @@ function PlaceButton({ landmark }: { landmark: Landmark }) {
         type="button"
         class="button small accent"
         data-testid="landmark-stop"
-        title={stops.lack(landmark) || "Make a stop of the tour before it"}
+        title={stops.lack(landmark) || t("Make a stop of the tour before it")}
         disabled={stops.lack(landmark) !== ""}
         onClick={() => void stops.fromPoster(landmark)}
       >
-        Make a stop
+        {t("Make a stop")}
       </button>
     );
   const place = placeOf(places.all.value, landmark);
@@ -98,10 +104,10 @@ function PlaceButton({ landmark }: { landmark: Landmark }) {
         type="button"
         class="button small"
         data-testid="landmark-go"
-        title={`Go to ${place.name}`}
+        title={t("Go to {name}", { name: place.name })}
         onClick={() => void map.goToPlace(place.id)}
       >
-        Go
+        {t("Go")}
       </button>
     ) : null;
   const lack = posterLack(landmark);
@@ -110,11 +116,11 @@ function PlaceButton({ landmark }: { landmark: Landmark }) {
       type="button"
       class="button small quiet"
       data-testid="landmark-place"
-      title={lack || "Make a place in front of it"}
+      title={lack || t("Make a place in front of it")}
       disabled={lack !== "" || places.busy.value}
       onClick={() => void places.addBefore(landmark)}
     >
-      Place
+      {t("Place")}
     </button>
   );
 }
@@ -125,8 +131,15 @@ function bearing(landmark: Landmark, robot: Pose | null): string {
   const [dx, dy] = [landmark.x - robot.x, landmark.y - robot.y];
   const turn = Math.atan2(dy, dx) - robot.theta;
   const angle = Math.atan2(Math.sin(turn), Math.cos(turn));
-  const side = angle > 0 ? "left" : "right";
+  const metres = number(Math.hypot(dx, dy), 1);
+  return `${t("{metres} m away, {where}", { metres, where: t(sideOf(angle)) })}, `;
+}
+
+/** `angle`: rad, from straight ahead, over 0 on the left. */
+function sideOf(angle: number): Text {
   const size = Math.abs(angle);
-  const where = size < 0.26 ? "ahead" : size < 1.05 ? `ahead on the ${side}` : size < 2.1 ? `on the ${side}` : "behind";
-  return `${number(Math.hypot(dx, dy), 1)} m away, ${where}, `;
+  if (size < 0.26) return "ahead";
+  if (size < 1.05) return angle > 0 ? "ahead on the left" : "ahead on the right";
+  if (size < 2.1) return angle > 0 ? "on the left" : "on the right";
+  return "behind";
 }

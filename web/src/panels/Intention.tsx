@@ -1,6 +1,7 @@
 /** What the robot gave up and why, first; then what it attends to in full. Names, filters and costs on demand. */
 
 import { signal } from "@preact/signals";
+import { langOf, type Text, t } from "../i18n";
 import type { Intention as IntentionMessage, SelectedStrategy } from "../protocol/types";
 import type { Message } from "../state/latest";
 import { divisor, number, reasonText, small, spaced, stateWord } from "../ui/format";
@@ -16,23 +17,23 @@ const named = signal(false);
 
 function Intention({ message }: { message: Message<"intention"> | null }) {
   return (
-    <section class="card" aria-label="Intention" data-testid="intention">
+    <section class="card" aria-label={t("Intention")} data-testid="intention">
       <div class="card-head">
-        <h2>What the robot attends to, and why</h2>
+        <h2>{t("What the robot attends to, and why")}</h2>
         {message && (
           <button
             type="button"
             class="link-button"
             aria-pressed={named.value}
             data-testid="intention-names"
-            title="Strategies, filters and costs by their names in the program"
+            title={t("Strategies, filters and costs by their names in the program")}
             onClick={() => (named.value = !named.value)}
           >
-            {named.value ? "Plain words" : "Names"}
+            {named.value ? t("Plain words") : t("Names")}
           </button>
         )}
       </div>
-      {message ? <Body intention={message} /> : <p class="empty">No intention yet.</p>}
+      {message ? <Body intention={message} /> : <p class="empty">{t("No intention yet.")}</p>}
     </section>
   );
 }
@@ -54,13 +55,17 @@ function Body({ intention }: { intention: IntentionMessage }) {
       {intention.relaxed.length > 0 && (
         <p class="inline-note warn">
           <WarnIcon />
-          <span>Security desires that could not all be met: {intention.relaxed.map(spaced).join(", ")}.</span>
+          <span>
+            {t("Security desires that could not all be met: {classes}.", {
+              classes: intention.relaxed.map(spaced).join(", "),
+            })}
+          </span>
         </p>
       )}
       {best.length + others.length > 0 && (
         <details class="attention-best" open={named.value} data-testid="attention-best">
           <summary>
-            {given.length > 0 ? "In full: " : ""}
+            {given.length > 0 && t("In full: ")}
             {[...best.map(([name]) => name), ...others.map((strategy) => strategy.class)].map(spaced).join(", ")}
           </summary>
           <ul class="reasons">
@@ -73,7 +78,7 @@ function Body({ intention }: { intention: IntentionMessage }) {
                 <div>
                   <p class="reason-head">
                     <b>{spaced(strategy.class)}</b>
-                    <span class="state-word">needed by another</span>
+                    <span class="state-word">{t("needed by another")}</span>
                   </p>
                   <Taken strategies={[strategy]} />
                 </div>
@@ -84,17 +89,18 @@ function Body({ intention }: { intention: IntentionMessage }) {
       )}
       <div class="resources">
         {Object.entries(intention.use).map(([name, use]) => (
-          <Budget key={name} name={name} label={RESOURCES[name]?.label ?? capital(spaced(name))} use={use} />
+          <Budget key={name} name={name} label={resourceLabel(name)} use={use} />
         ))}
       </div>
       <p
         class="muted small"
         data-testid="omega"
         data-omega={intention.omega}
-        title="Ω, the worth of what was chosen (the higher, the more of what is desired is served)"
+        title={t("Ω, the worth of what was chosen (the higher, the more of what is desired is served)")}
       >
-        {intention.proven ? "No better choice exists" : "The best choice found; a better one may exist"}
-        {named.value && ` · Ω = ${number(intention.omega, 2)} in ${number(intention.solve_ms, 1)} ms`}
+        {intention.proven ? t("No better choice exists") : t("The best choice found; a better one may exist")}
+        {named.value &&
+          ` · ${t("Ω = {omega} in {time} ms", { omega: number(intention.omega, 2), time: number(intention.solve_ms, 1) })}`}
       </p>
     </>
   );
@@ -111,11 +117,18 @@ function Row({ name, reason, strategies }: { name: string; reason: Reason; strat
           <span class="state-word">{shortfall(reason) || stateWord(reason.state)}</span>
           {named.value && (
             <span class="muted">
-              utility {number(reason.utility)}, {number(reason.wanted)} wanted
+              {t("utility {utility}, {wanted} wanted", {
+                utility: number(reason.utility),
+                wanted: number(reason.wanted),
+              })}
             </span>
           )}
         </p>
-        {why && <p class="reason-text">{reasonText(reason.state, why)}</p>}
+        {why && (
+          <p class="reason-text" lang={langOf(why)}>
+            {reasonText(reason.state, why)}
+          </p>
+        )}
         <Taken strategies={strategies} />
       </div>
     </li>
@@ -130,11 +143,15 @@ function Taken({ strategies }: { strategies: SelectedStrategy[] }) {
 }
 
 /** The lab's resources in words: the meter's label, and the unit of a strategy's cost. Others go by their names. */
-const RESOURCES: Record<string, { label: string; unit: string }> = {
+const RESOURCES: Record<string, { label: Text; unit: Text }> = {
   cpu: { label: "CPU promised", unit: "% CPU" },
   recording: { label: "CPU for recording", unit: "% CPU to record" },
   power: { label: "Power promised", unit: "W" },
 };
+
+function resourceLabel(name: string): string {
+  return RESOURCES[name] ? t(RESOURCES[name].label) : capital(spaced(name));
+}
 
 function capital(words: string): string {
   return words.charAt(0).toUpperCase() + words.slice(1);
@@ -146,7 +163,7 @@ function Strategy({ strategy }: { strategy: SelectedStrategy }) {
     <p class="strategy" data-testid={`strategy-${strategy.name}`}>
       <span class="strategy-name">{strategy.name}</span>
       {filters.map(([port, phi]) => (
-        <span key={port} class="filter" data-filter={port} data-divisor={phi ?? ""} title={`φ of ${port}`}>
+        <span key={port} class="filter" data-filter={port} data-divisor={phi ?? ""} title={t("φ of {port}", { port })}>
           {port} <b>{divisor(phi)}</b>
         </span>
       ))}
@@ -154,7 +171,7 @@ function Strategy({ strategy }: { strategy: SelectedStrategy }) {
         .filter(([, cost]) => cost > 0)
         .map(([resource, cost]) => (
           <span key={resource} class="cost">
-            {small(cost)} {RESOURCES[resource]?.unit ?? resource}
+            {small(cost)} {RESOURCES[resource] ? t(RESOURCES[resource].unit) : resource}
           </span>
         ))}
     </p>

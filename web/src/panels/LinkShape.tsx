@@ -1,6 +1,7 @@
 /** The link to the robot made worse on purpose, for tests: what it is now, and a form that changes it. */
 
 import { signal } from "@preact/signals";
+import { t } from "../i18n";
 import { inWords } from "../protocol/rest";
 import type { LinkReport } from "../protocol/types";
 import { useApp } from "../state/context";
@@ -23,10 +24,16 @@ export function ShapedLink() {
   const text = useApp().store.of("link").value?.text;
   if (!text) return null;
   return (
-    <p class="chip warn link-shaped" role="status" data-testid="link-shaped" title={`Link shaped for tests: ${text}`}>
+    <p
+      class="chip warn link-shaped"
+      role="status"
+      data-testid="link-shaped"
+      title={t("Link shaped for tests: {text}", { text })}
+    >
       <WarnIcon />
       <span>
-        Link shaped<span class="roomy">: {text}</span>
+        {t("Link shaped")}
+        <span class="roomy">: {text}</span>
       </span>
     </p>
   );
@@ -43,12 +50,12 @@ function LinkShape({ message: link }: { message: LinkReport | null }) {
     }
   };
   return (
-    <section class="card" aria-label="Shaped link" data-testid="link-shape">
-      <h2>Shaped link</h2>
+    <section class="card" aria-label={t("Shaped link")} data-testid="link-shape">
+      <h2>{t("Shaped link")}</h2>
       <p class="muted small">
         {link?.shaped
-          ? `Every stream to the pages: ${link.text}.`
-          : "For tests: every stream between the robot and its pages delayed and bounded, as by a bad network."}
+          ? t("Every stream to the pages: {text}.", { text: link.text })
+          : t("For tests: every stream between the robot and its pages delayed and bounded, as by a bad network.")}
       </p>
       <form
         key={link?.text}
@@ -62,7 +69,7 @@ function LinkShape({ message: link }: { message: LinkReport | null }) {
         <div class="form-row two">
           {FIELDS.map(({ name, label, most }) => (
             <div key={name} class="field">
-              <label for={`link-${name}`}>{label}</label>
+              <label for={`link-${name}`}>{t(label)}</label>
               <input
                 id={`link-${name}`}
                 name={name}
@@ -70,7 +77,7 @@ function LinkShape({ message: link }: { message: LinkReport | null }) {
                 min="0"
                 max={most}
                 step="any"
-                placeholder={name === "rate_mbit" ? "not bounded" : "0"}
+                placeholder={name === "rate_mbit" ? t("not bounded") : "0"}
                 value={link?.[name] || ""}
               />
             </div>
@@ -83,10 +90,10 @@ function LinkShape({ message: link }: { message: LinkReport | null }) {
         )}
         <div class="form-actions">
           <button type="submit" class="button" data-testid="link-apply">
-            Shape
+            {t("Shape")}
           </button>
           <button type="button" class="button quiet" disabled={!link?.shaped} onClick={() => void shape({})}>
-            Off
+            {t("Off")}
           </button>
         </div>
       </form>

@@ -1,5 +1,6 @@
 /** CPU by module against the budget, and how each module is. */
 
+import { fromRobot, langOf, named, plural, t } from "../i18n";
 import type { Load as LoadMessage, ModuleLoad } from "../protocol/types";
 import { useApp } from "../state/context";
 import { attendedCpu } from "../state/load";
@@ -20,9 +21,9 @@ export const loadPanel = panel({
 
 function Load({ message: load }: { message: LoadMessage | null }) {
   return (
-    <section class="card" aria-label="Load" data-testid="load">
-      <h2>Load</h2>
-      {load ? <Body load={load} /> : <p class="empty">Waiting for the next figures (once a second)…</p>}
+    <section class="card" aria-label={t("Load")} data-testid="load">
+      <h2>{t("Load")}</h2>
+      {load ? <Body load={load} /> : <p class="empty">{t("Waiting for the next figures (once a second)…")}</p>}
     </section>
   );
 }
@@ -37,18 +38,21 @@ function Body({ load }: { load: LoadMessage }) {
     <>
       {budget !== null && (
         <Meter
-          label="Governed by attention"
+          label={t("Governed by attention")}
           value={attended}
           limit={budget}
           full={Math.max(budget, attended) * 1.1}
-          text={`${number(attended, 1)} % of a core · budget ${number(budget, 1)} %`}
+          text={t("{attended} % of a core · budget {budget} %", {
+            attended: number(attended, 1),
+            budget: number(budget, 1),
+          })}
         />
       )}
       <Meter
-        label="Whole process"
+        label={t("Whole process")}
         value={load.process_cpu}
         limit={Math.max(100, load.process_cpu)}
-        text={`${number(load.process_cpu, 0)} % of a core`}
+        text={t("{share} % of a core", { share: number(load.process_cpu, 0) })}
       />
       <CpuPlot />
       <ul class="modules">
@@ -79,13 +83,17 @@ function Row({ module, full }: { module: ModuleLoad; full: number }) {
     >
       <details>
         <summary>
-          <span class="module-name">{module.title || spaced(module.name)}</span>
-          {module.state !== "running" && <span class={`tag ${module.state}`}>{module.state}</span>}
+          <span class="module-name">{named(module.title) || spaced(module.name)}</span>
+          {module.state !== "running" && <span class={`tag ${module.state}`}>{named(module.state)}</span>}
           <span class="module-cpu">{number(module.cpu, 1)} %</span>
           <ChevronIcon />
           <span
             class={`module-bar ${module.cpu_budget != null && module.cpu > module.cpu_budget ? "over" : ""}`}
-            title={module.cpu_budget != null ? `expected under ${number(module.cpu_budget)} %` : ""}
+            title={
+              module.cpu_budget != null
+                ? t("expected under {cpuBudget} %", { cpuBudget: number(module.cpu_budget) })
+                : ""
+            }
           >
             <span style={{ width: `${Math.min(100, (100 * module.cpu) / full)}%` }} />
             {module.cpu_budget != null && <i style={{ left: `${Math.min(100, (100 * module.cpu_budget) / full)}%` }} />}
@@ -96,7 +104,7 @@ function Row({ module, full }: { module: ModuleLoad; full: number }) {
       {module.problem && (
         <p class="inline-note error">
           <WarnIcon />
-          <span>{module.problem}</span>
+          <span lang={langOf(module.problem)}>{fromRobot(module.problem)}</span>
         </p>
       )}
     </li>
@@ -108,21 +116,22 @@ function Inputs({ module }: { module: ModuleLoad }) {
     <div class="module-detail">
       <p class="muted small">
         {module.name}
-        {module.message_cpu_us !== null && ` · ${number(module.message_cpu_us / 1000, 2)} ms of CPU per message`}
-        {module.restarts > 0 && ` · restarted ${module.restarts === 1 ? "once" : `${module.restarts} times`}`}
+        {module.message_cpu_us !== null &&
+          ` · ${t("{time} ms of CPU per message", { time: number(module.message_cpu_us / 1000, 2) })}`}
+        {module.restarts > 0 && ` · ${plural(module.restarts, "restarted once", "restarted {count} times")}`}
       </p>
       {module.inputs.length === 0 ? (
-        <p class="muted small">No inputs: a source.</p>
+        <p class="muted small">{t("No inputs: a source.")}</p>
       ) : (
         <table>
           <thead>
             <tr>
-              <th scope="col">Input</th>
+              <th scope="col">{t("Input")}</th>
               <th scope="col">φ</th>
-              <th scope="col">Passed</th>
-              <th scope="col">Decimated</th>
-              <th scope="col">Dropped</th>
-              <th scope="col">Age ms</th>
+              <th scope="col">{t("Passed")}</th>
+              <th scope="col">{t("Decimated")}</th>
+              <th scope="col">{t("Dropped")}</th>
+              <th scope="col">{t("Age ms")}</th>
             </tr>
           </thead>
           <tbody>

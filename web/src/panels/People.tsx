@@ -2,6 +2,7 @@
 
 import { directionWords, faceMarks, soundMarks } from "../around/perceptMarks";
 import { whyClosed } from "../around/whyClosed";
+import { decimals, t } from "../i18n";
 import type { RobotEvent } from "../protocol/types";
 import { useApp } from "../state/context";
 import type { Message } from "../state/latest";
@@ -35,11 +36,11 @@ function People({ message: perceived }: { message: Message<"perceived"> | null }
     ({ what }) => what !== "picture",
   );
   return (
-    <section class="card" aria-label="People and sounds" data-testid="people">
+    <section class="card" aria-label={t("People and sounds")} data-testid="people">
       <h2>
-        People and sounds now <span class="count">{faces.length + sounds.length}</span>
+        {t("People and sounds now")} <span class="count">{faces.length + sounds.length}</span>
       </h2>
-      {faces.length + sounds.length === 0 && <p class="empty">No people seen, no sounds heard.</p>}
+      {faces.length + sounds.length === 0 && <p class="empty">{t("No people seen, no sounds heard.")}</p>}
       {faces.length + sounds.length > 0 && (
         <ul class="percepts">
           {faces.map((face) => (
@@ -47,9 +48,9 @@ function People({ message: perceived }: { message: Message<"perceived"> | null }
               <span class="percept-icon face">
                 <PersonIcon />
               </span>
-              <b>{`Person ${face.track}`}</b>
+              <b>{t("Person {track}", { track: face.track })}</b>
               <span>{directionWords(face.azimuth)}</span>
-              <span class="percept-range">{face.range === null ? "" : `${face.range.toFixed(1)} m`}</span>
+              <span class="percept-range">{face.range === null ? "" : `${decimals(face.range.toFixed(1))} m`}</span>
             </li>
           ))}
           {sounds.map((sound) => (
@@ -62,7 +63,7 @@ function People({ message: perceived }: { message: Message<"perceived"> | null }
               <span class={`percept-icon ${sound.kind}`}>
                 <SoundIcon />
               </span>
-              <b>{sound.kind === "voice" ? "Voice" : "Sound"}</b>
+              <b>{sound.kind === "voice" ? t("Voice") : t("Sound")}</b>
               <span>{directionWords(sound.azimuth)}</span>
               <span class="percept-range">{/, (.*)/.exec(sound.text)?.[1] ?? ""}</span>
             </li>
@@ -71,12 +72,12 @@ function People({ message: perceived }: { message: Message<"perceived"> | null }
       )}
       {others.length > 0 && (
         <p class="muted small" data-testid="noticed">
-          Noticed: {others.join(", ")}.
+          {t("Noticed: {things}.", { things: others.join(", ") })}
         </p>
       )}
       {closed.map(({ what, text, reason }) => (
         <p key={what} class="muted small">
-          {reason ? `${text}: ${reason}` : `${text}.`}
+          {reason ? t("{what}: {which}", { what: text, which: reason }) : `${text}.`}
         </p>
       ))}
     </section>

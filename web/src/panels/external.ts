@@ -9,6 +9,7 @@
 import { signal } from "@preact/signals";
 import { h } from "preact";
 import { useEffect, useRef } from "preact/hooks";
+import { t } from "../i18n";
 import type { FromRobot } from "../protocol/types";
 import type { Session } from "../state/session";
 import type { Store } from "../state/store";
@@ -92,7 +93,8 @@ function follow(session: Session, store: Store): void {
         frames.want(found.flatMap((entry) => entry.kinds));
         entries.value = found;
       },
-      (problem: Error) => store.notify("warning", `The panels of packages cannot be listed: ${problem.message}`),
+      (problem: Error) =>
+        store.notify("warning", t("The panels of packages cannot be listed: {problem}", { problem: problem.message })),
     );
   session.onHello.add(list);
   if (store.hello.peek()) list();
@@ -105,7 +107,7 @@ function address(url: string): string {
 
 async function listed(): Promise<PanelEntry[]> {
   const answer = await fetch(address("panels/index.json"), { credentials: "same-origin" });
-  if (!answer.ok) throw new Error(`the console answered ${answer.status}`);
+  if (!answer.ok) throw new Error(t("the console answered {status}", { status: answer.status }));
   return (await answer.json()) as PanelEntry[];
 }
 
@@ -119,7 +121,12 @@ function ExternalPanel({ entry, store }: { entry: PanelEntry; store: Store }) {
       .then((mount) => {
         if (!closed) unmount = mount(place.current!, { on: context.on });
       })
-      .catch((problem: Error) => store.notify("error", `The panel ${entry.title} cannot be shown: ${problem.message}`));
+      .catch((problem: Error) =>
+        store.notify(
+          "error",
+          t("The panel {title} cannot be shown: {problem}", { title: entry.title, problem: problem.message }),
+        ),
+      );
     return () => {
       closed = true;
       context.end();

@@ -2,6 +2,7 @@
 
 import { computed, type ReadonlySignal } from "@preact/signals";
 import type { ComponentType } from "preact";
+import { type Text, t } from "../i18n";
 import type { App } from "../state/context";
 import type { Message, MessageType } from "../state/latest";
 
@@ -9,7 +10,7 @@ import type { Message, MessageType } from "../state/latest";
 export interface PanelOf<T extends MessageType> {
   type: T;
   /** Title of its tab. Cards of one tab stand in the registry's order, tabs in that of their first cards. */
-  tab: string;
+  tab: Text;
   /** Null: no message has come yet. */
   Card: ComponentType<{ message: Message<T> | null }>;
   /** Whether it is there at all; without it: once a message has come. */
@@ -62,9 +63,9 @@ export function tabsOf(panels: readonly Panel[], app: App, phone: boolean): Tab[
   for (const one of panels) {
     const message = app.store.of(one.type).value;
     if (!(one.offered ? one.offered(app, phone) : message !== null)) continue;
-    const title = one.tab;
-    const tab = tabs.get(title) ?? { id: title.toLowerCase(), title, badge: 0, alarm: false, panels: [] };
-    tabs.set(title, tab);
+    const id = one.tab.toLowerCase();
+    const tab = tabs.get(id) ?? { id, title: t(one.tab), badge: 0, alarm: false, panels: [] };
+    tabs.set(id, tab);
     tab.panels.push(one);
     tab.badge ||= one.badge?.(message) ?? 0;
     tab.alarm ||= one.alarm?.(message) ?? false;

@@ -1,6 +1,7 @@
 /** The transport of a recording: play, step, speed, and the timeline to be dragged. */
 
 import type { ComponentChildren } from "preact";
+import { t } from "../i18n";
 import { useApp } from "../state/context";
 import { clockSpan, clockTime, number } from "../ui/format";
 import { BackIcon, PauseIcon, PlayIcon, ReplayIcon, StepIcon } from "../ui/icons";
@@ -16,11 +17,11 @@ export function Transport() {
   const whole = Math.max(0.01, end - begin);
   const rate = store.clock.rate;
   const ended = phase === "ended" && playback.wanted.value === null;
-  const play = playing ? "Pause" : ended ? "Play again" : "Play";
+  const play = playing ? t("Pause") : ended ? t("Play again") : t("Play");
   return (
     <section
       class={`transport panel ${phase}`}
-      aria-label="Recording"
+      aria-label={t("Recording")}
       data-testid="transport"
       data-phase={playback.wanted.value === null ? phase : "seeking"}
       data-playing={playing}
@@ -29,21 +30,21 @@ export function Transport() {
       data-end={end}
       data-speed={state.speed ?? "max"}
     >
-      <div class="transport-buttons" role="group" aria-label="Playback">
-        <Button id="back" label="Step back" keys="," onPress={() => playback.act("back")}>
+      <div class="transport-buttons" role="group" aria-label={t("Playback")}>
+        <Button id="back" label={t("Step back")} keys="," onPress={() => playback.act("back")}>
           <BackIcon />
         </Button>
         <Button id="play" label={play} keys="Space" main onPress={() => playback.act("toggle")}>
           {playing ? <PauseIcon /> : ended ? <ReplayIcon /> : <PlayIcon />}
         </Button>
-        <Button id="step" label="Step forward" keys="." onPress={() => playback.act("step")}>
+        <Button id="step" label={t("Step forward")} keys="." onPress={() => playback.act("step")}>
           <StepIcon />
         </Button>
       </div>
       <p class="transport-position">
         <b data-testid="playback-position">{clockSpan(at, playing ? 0 : 1)}</b>
         {isDated(begin) && (
-          <span class="muted" title="Your local time when this was recorded">
+          <span class="muted" title={t("Your local time when this was recorded")}>
             {clockTime(position)}
           </span>
         )}
@@ -53,8 +54,8 @@ export function Transport() {
         type="range"
         data-playback-keys
         data-testid="timeline"
-        aria-label="Position in the recording"
-        aria-valuetext={`${spokenSpan(at)} of ${spokenSpan(whole)}`}
+        aria-label={t("Position in the recording")}
+        aria-valuetext={t("{at} of {whole}", { at: spokenSpan(at), whole: spokenSpan(whole) })}
         aria-keyshortcuts="ArrowLeft ArrowRight Home End"
         min={0}
         max={whole}
@@ -68,7 +69,7 @@ export function Transport() {
         {isDated(begin) && <span class="muted">{clockTime(end)}</span>}
       </p>
       <label class="transport-speed">
-        <span class="visually-hidden">Speed</span>
+        <span class="visually-hidden">{t("Speed")}</span>
         <select
           data-testid="playback-speed"
           value={state.speed ?? "max"}
@@ -88,7 +89,7 @@ export function Transport() {
       </label>
       {state.problem && (
         <p class="transport-problem" role="status" data-testid="playback-problem">
-          The recording is damaged: {state.problem}.
+          {t("The recording is damaged: {problem}.", { problem: state.problem })}
         </p>
       )}
     </section>
@@ -101,9 +102,9 @@ function Pace({ asked, slow, rate }: { asked: number | null; slow: boolean; rate
   return (
     <span
       class={`transport-pace ${slow ? "slow" : ""}`}
-      title={slow ? "This computer cannot play the recording any faster" : "As fast as this computer can"}
+      title={slow ? t("This computer cannot play the recording any faster") : t("As fast as this computer can")}
     >
-      {shown ? `runs at ${number(rate, rate < 10 ? 1 : 0)}×` : ""}
+      {shown ? t("runs at {rate}×", { rate: number(rate, rate < 10 ? 1 : 0) }) : ""}
     </span>
   );
 }

@@ -1,5 +1,6 @@
 /** What can be done with a recording that is shown: keys and figures, pure. */
 
+import { decimals, plural, t } from "../i18n";
 import type { Playback } from "../protocol/types";
 
 export const SPEEDS = [0.25, 0.5, 1, 2, 4, 8] as const;
@@ -60,12 +61,16 @@ export function target(
 export function spokenSpan(seconds: number): string {
   const whole = Math.max(0, Math.round(seconds));
   const [h, m, s] = [Math.floor(whole / 3600), Math.floor((whole % 3600) / 60), whole % 60];
-  const part = (n: number, name: string) => (n > 0 ? `${n} ${name}${n === 1 ? "" : "s"}` : "");
-  return [part(h, "hour"), part(m, "minute"), part(s, "second")].filter(Boolean).join(" ") || "the beginning";
+  const parts = [
+    h > 0 && plural(h, "{count} hour", "{count} hours"),
+    m > 0 && plural(m, "{count} minute", "{count} minutes"),
+    s > 0 && plural(s, "{count} second", "{count} seconds"),
+  ];
+  return parts.filter(Boolean).join(" ") || t("the beginning");
 }
 
 export function speedWord(speed: number | null): string {
-  return speed === null ? "max" : `${speed}×`;
+  return speed === null ? "max" : `${decimals(String(speed))}×`;
 }
 
 /** The pace a recording has, where it is not the one asked for: the computer cannot do more. */

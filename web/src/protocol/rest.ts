@@ -1,5 +1,6 @@
 /** REST under `api/v1`: JSON in and out, errors as problem details (RFC 9457). */
 
+import { t } from "../i18n";
 import { sentence } from "../ui/format";
 import type {
   CameraClick,
@@ -404,8 +405,8 @@ export class Rest {
     } catch {
       throw new Problem(
         0,
-        "No answer",
-        "The robot did not answer. Check that its program runs and that you are on its network.",
+        t("No answer"),
+        t("The robot did not answer. Check that its program runs and that you are on its network."),
       );
     }
     if (!response.ok) throw await readProblem(response);
@@ -427,7 +428,8 @@ function placePath(id: string): string {
 
 async function readProblem(response: Response): Promise<Problem> {
   const body = (await response.json().catch(() => null)) as Partial<Problem> | null;
-  const title = typeof body?.title === "string" ? body.title : `The robot answered ${response.status}`;
+  const title =
+    typeof body?.title === "string" ? body.title : t("The robot answered {status}", { status: response.status });
   const detail = typeof body?.detail === "string" ? body.detail : "";
   const errors = Array.isArray(body?.errors) ? body.errors.filter((e) => e && typeof e.message === "string") : [];
   return new Problem(response.status, title, detail, errors);

@@ -1,5 +1,6 @@
 /** The Recorder in the bar: one press records, one press stops or saves; what is being written is seen at any time. */
 
+import { t } from "../i18n";
 import { useApp } from "../state/context";
 import { clockSpan, sentence, size } from "../ui/format";
 import { RecordIcon, RingIcon, SquareIcon, WarnIcon } from "../ui/icons";
@@ -16,7 +17,7 @@ export function RecordButton() {
   if (pending === "start" || pending === "stop")
     return (
       <button {...common} class="record pending" disabled>
-        <span class="spinner" aria-hidden="true" /> {pending === "start" ? "Starting…" : "Stopping…"}
+        <span class="spinner" aria-hidden="true" /> {pending === "start" ? t("Starting…") : t("Stopping…")}
       </button>
     );
   if (recorder.state === "recording")
@@ -25,8 +26,8 @@ export function RecordButton() {
         {...common}
         class="record recording"
         disabled={!live}
-        aria-label={`Stop recording. ${length} recorded, ${size(recorder.bytes)}`}
-        title="Stop recording"
+        aria-label={t("Stop recording. {length} recorded, {size}", { length, size: size(recorder.bytes) })}
+        title={t("Stop recording")}
         onClick={(event) => {
           leave(event);
           void recordings.stop();
@@ -44,15 +45,15 @@ export function RecordButton() {
         {...common}
         class="record ring"
         disabled={!live || pending === "save"}
-        aria-label={`Save the last ${length}`}
-        title="Save the ring as a recording"
+        aria-label={t("Save the last {length}", { length })}
+        title={t("Save the ring as a recording")}
         onClick={(event) => {
           leave(event);
           void recordings.save();
         }}
       >
         <RingIcon />
-        <span class="record-word">{pending === "save" ? "Saving…" : "Save last"}</span>
+        <span class="record-word">{pending === "save" ? t("Saving…") : t("Save last")}</span>
         <span data-testid="record-time">{length}</span>
       </button>
     );
@@ -67,8 +68,8 @@ export function RecordButton() {
           store.tab.value = "recordings";
         }}
       >
-        <WarnIcon /> <span class="record-word">Not recording</span>
-        <span class="only-narrow">Stopped</span>
+        <WarnIcon /> <span class="record-word">{t("Not recording")}</span>
+        <span class="only-narrow">{t("Stopped")}</span>
       </button>
     );
   return (
@@ -76,14 +77,14 @@ export function RecordButton() {
       {...common}
       class="record"
       disabled={!live}
-      aria-label="Record"
-      title="Record what the robot perceives and does"
+      aria-label={t("Record")}
+      title={t("Record what the robot perceives and does")}
       onClick={(event) => {
         leave(event);
         void recordings.record({});
       }}
     >
-      <RecordIcon /> Record
+      <RecordIcon /> <span>{t("Record")}</span>
     </button>
   );
 }

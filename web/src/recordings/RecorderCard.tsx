@@ -2,6 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { Labelled } from "../desires/FieldInput";
+import { t } from "../i18n";
 import type { Recorder } from "../protocol/types";
 import { useApp } from "../state/context";
 import { clockSpan, number, sentence, size } from "../ui/format";
@@ -14,20 +15,20 @@ export function RecorderCard() {
   const recorder = store.of("recorder").value;
   if (!recorder?.available)
     return (
-      <section class="card" aria-label="Recorder">
-        <p class="empty">{store.live.value ? "No Recorder is running." : "Waiting for the robot…"}</p>
+      <section class="card" aria-label={t("Recorder")}>
+        <p class="empty">{store.live.value ? t("No Recorder is running.") : t("Waiting for the robot…")}</p>
       </section>
     );
   const { state } = recorder;
   const form = state === "idle" && (!recorder.desired || recordings.pending.value === "start");
   return (
-    <section class="card recorder" aria-label="Recorder" data-testid="recorder" data-state={state}>
+    <section class="card recorder" aria-label={t("Recorder")} data-testid="recorder" data-state={state}>
       {(state === "recording" || state === "ring") && <Running recorder={recorder} />}
       {state === "stopped" && (
         <p class="inline-note error recorder-stopped" role="alert">
           <WarnIcon />
           <span>
-            <b>Recording has stopped.</b> {sentence(recorder.reason)}
+            <b>{t("Recording has stopped.")}</b> {sentence(recorder.reason)}
           </span>
         </p>
       )}
@@ -35,7 +36,7 @@ export function RecorderCard() {
         <p class="inline-note warn recorder-stopped" data-testid="recorder-reason">
           <WarnIcon />
           <span>
-            <b>Not recording, although desired.</b> {sentence(recorder.reason)}
+            <b>{t("Not recording, although desired.")}</b> {sentence(recorder.reason)}
           </span>
         </p>
       )}
@@ -51,24 +52,28 @@ function Running({ recorder }: { recorder: Recorder }) {
     <div class={`recorder-now ${recorder.state}`}>
       <p class="recorder-title">
         {ring ? <RingIcon /> : <RecordIcon />}
-        <b>{ring ? `Keeping the last ${number(recorder.keep_minutes)} min` : "Recording"}</b>
+        <b>
+          {ring
+            ? t("Keeping the last {keepMinutes} min", { keepMinutes: number(recorder.keep_minutes) })
+            : t("Recording")}
+        </b>
         {recorder.name && <span class="muted">{recorder.name}</span>}
       </p>
       <dl class="recorder-figures">
         <div>
-          <dt>{ring ? "Kept" : "Length"}</dt>
+          <dt>{ring ? t("Kept") : t("Length")}</dt>
           <dd>{clockSpan(recordedFor(recorder, store.now.value))}</dd>
         </div>
         <div>
-          <dt>Size</dt>
+          <dt>{t("Size")}</dt>
           <dd>{size(recorder.bytes)}</dd>
         </div>
         <div>
-          <dt>Messages</dt>
+          <dt>{t("Messages")}</dt>
           <dd>{number(recorder.messages, 0)}</dd>
         </div>
-        <div class={recorder.dropped > 0 ? "some" : ""} title="Messages lost because the disk was too slow">
-          <dt>Lost</dt>
+        <div class={recorder.dropped > 0 ? "some" : ""} title={t("Messages lost because the disk was too slow")}>
+          <dt>{t("Lost|messages")}</dt>
           <dd data-testid="recorder-dropped">{number(recorder.dropped, 0)}</dd>
         </div>
       </dl>
@@ -85,7 +90,7 @@ function Actions({ recorder }: { recorder: Recorder }) {
   return (
     <div class="recorder-actions">
       {ring && (
-        <Labelled name="save-name" title="Save as" hint="empty: named by the time" error={wrong || undefined}>
+        <Labelled name="save-name" title={t("Save as")} hint={t("empty: named by the time")} error={wrong || undefined}>
           {(props) => (
             <input
               {...props}
@@ -108,7 +113,9 @@ function Actions({ recorder }: { recorder: Recorder }) {
               void recordings.save(name.value.trim() || undefined).then((kept) => kept && (name.value = ""))
             }
           >
-            {pending === "save" ? "Saving…" : `Save the last ${clockSpan(recordedFor(recorder, store.now.value))}`}
+            {pending === "save"
+              ? t("Saving…")
+              : t("Save the last {length}", { length: clockSpan(recordedFor(recorder, store.now.value)) })}
           </button>
         )}
         <button
@@ -126,9 +133,9 @@ function Actions({ recorder }: { recorder: Recorder }) {
 }
 
 function stopWord(state: Recorder["state"], pending: Pending): string {
-  if (pending === "stop") return "Stopping…";
-  if (state === "ring") return "Stop keeping";
-  return state === "recording" ? "Stop" : "Stop trying";
+  if (pending === "stop") return t("Stopping…");
+  if (state === "ring") return t("Stop keeping");
+  return state === "recording" ? t("Stop") : t("Stop trying");
 }
 
 function Form() {
@@ -150,9 +157,14 @@ function Form() {
   };
   return (
     <form class="recorder-form" noValidate onSubmit={(event) => void submit(event)} data-testid="recorder-form">
-      <h2>Record</h2>
+      <h2>{t("Record")}</h2>
       <div class="recorder-fields">
-        <Labelled name="record-name" title="Name" hint="empty: named by the time" error={wrongName || undefined}>
+        <Labelled
+          name="record-name"
+          title={t("Name")}
+          hint={t("empty: named by the time")}
+          error={wrongName || undefined}
+        >
           {(props) => (
             <input
               {...props}
@@ -165,8 +177,8 @@ function Form() {
         </Labelled>
         <Labelled
           name="record-keep"
-          title="Keep only the last"
-          hint="minutes; empty: all of it"
+          title={t("Keep only the last")}
+          hint={t("minutes; empty: all of it")}
           error={wrongKeep || undefined}
         >
           {(props) => (
@@ -188,7 +200,7 @@ function Form() {
         disabled={!store.live.value || pending !== null || wrongName !== "" || wrongKeep !== ""}
       >
         {minutes === null ? <RecordIcon /> : <RingIcon />}
-        {pending === "start" ? "Starting…" : minutes === null ? "Record" : "Keep the last minutes"}
+        {pending === "start" ? t("Starting…") : minutes === null ? t("Record") : t("Keep the last minutes")}
       </button>
     </form>
   );

@@ -2,6 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
+import { t } from "../i18n";
 import type { Recording } from "../protocol/types";
 import { useApp } from "../state/context";
 import type { Store } from "../state/store";
@@ -37,17 +38,17 @@ export function RecordingRow({ recording, onGone }: { recording: Recording; onGo
       <p class="recording-head">
         <b>{name}</b>
         {tag && (
-          <span class={`tag ${state === "recording" ? "being-recorded" : state}`} title={tag.hint}>
-            {tag.word}
+          <span class={`tag ${state === "recording" ? "being-recorded" : state}`} title={tag.hint && t(tag.hint)}>
+            {t(tag.word)}
           </span>
         )}
       </p>
       <p class="recording-facts">
         <span>{facts.join(" · ")}</span>
-        <span data-testid="recording-length">{seconds === null ? "length unknown" : clockSpan(seconds)}</span>
+        <span data-testid="recording-length">{seconds === null ? t("length unknown") : clockSpan(seconds)}</span>
         <span data-testid="recording-size">{size(bytes)}</span>
       </p>
-      {state === "unfinished" && <p class="muted small">{`${tag!.hint} ${name}`}</p>}
+      {state === "unfinished" && <p class="muted small">{`${t(STATES.unfinished.hint)} ${name}`}</p>}
       {state !== "recording" &&
         (asking.value ? (
           <Confirm name={name} onGone={onGone} onKeep={() => (asking.value = false)} />
@@ -59,16 +60,16 @@ export function RecordingRow({ recording, onGone }: { recording: Recording; onGo
               href={session.rest.recordingAddress(name)}
               download={`${name}.mcap`}
               data-testid="recording-download"
-              aria-label={`Download ${name}`}
+              aria-label={t("Download {name}", { name })}
             >
-              <DownloadIcon /> Download
+              <DownloadIcon /> {t("Download")}
             </a>
             <button
               type="button"
               class="icon-button"
               data-testid="recording-delete"
-              aria-label={`Delete ${name}…`}
-              title="Delete…"
+              aria-label={t("Delete {name}…", { name })}
+              title={t("Delete…")}
               onClick={() => (asking.value = true)}
             >
               <TrashIcon />
@@ -96,11 +97,11 @@ function ReplayButton({ name }: { name: string }) {
       type="button"
       class="button small"
       data-testid="recording-replay"
-      aria-label={`Replay ${name} in a new tab`}
+      aria-label={t("Replay {name} in a new tab", { name })}
       disabled={busy}
       onClick={() => void recordings.replay(name)}
     >
-      {busy ? <span class="spinner" aria-hidden="true" /> : <PlayIcon />} {busy ? "Starting…" : "Replay"}
+      {busy ? <span class="spinner" aria-hidden="true" /> : <PlayIcon />} {busy ? t("Starting…") : t("Replay")}
     </button>
   );
 }
@@ -120,18 +121,18 @@ function ReplayNote({ name }: { name: string }) {
   if (replay?.state === "starting")
     return (
       <p class="replay-note" role="status" data-testid="replay-state" data-state="starting">
-        The replay is starting in a new tab. This takes some seconds.
+        {t("The replay is starting in a new tab. This takes some seconds.")}
       </p>
     );
   if (!running) return null;
   return (
     <p class="replay-note" data-testid="replay-state" data-state="running">
-      <span>The replay runs.</span>
+      <span>{t("The replay runs.")}</span>
       <a href={recordings.address(running.url)} target="_blank" rel="noopener" data-testid="replay-link">
-        Open it
+        {t("Open it")}
       </a>
       <button type="button" class="link" data-testid="replay-end" onClick={() => void recordings.endReplay(name)}>
-        End it
+        {t("End it")}
       </button>
     </p>
   );
@@ -150,8 +151,8 @@ function Confirm({ name, onGone, onKeep }: { name: string; onGone: () => void; o
     if (!problem.peek()) onGone();
   };
   return (
-    <div class="recording-confirm" role="group" aria-label={`Delete ${name}?`}>
-      <span>Delete it for good?</span>
+    <div class="recording-confirm" role="group" aria-label={t("Delete {name}?", { name })}>
+      <span>{t("Delete it for good?")}</span>
       <button
         type="button"
         class="button small danger"
@@ -159,10 +160,10 @@ function Confirm({ name, onGone, onKeep }: { name: string; onGone: () => void; o
         disabled={busy.value}
         onClick={() => void remove()}
       >
-        {busy.value ? "Deleting…" : "Delete"}
+        {busy.value ? t("Deleting…") : t("Delete")}
       </button>
       <button type="button" class="button small" ref={keep} data-testid="recording-keep" onClick={onKeep}>
-        Keep
+        {t("Keep")}
       </button>
       {problem.value && (
         <p class="inline-note error" role="alert">

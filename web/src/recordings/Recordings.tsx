@@ -1,6 +1,7 @@
 /** The recordings: what is being recorded, and those there are. */
 
 import { useEffect, useRef } from "preact/hooks";
+import { rich, t } from "../i18n";
 import { panel } from "../panels/panel";
 import { useApp } from "../state/context";
 import { size } from "../ui/format";
@@ -37,15 +38,15 @@ function Recordings() {
           <span>{problem}</span>
         </p>
       )}
-      <section class="card" aria-label="Recordings" data-testid="recordings">
+      <section class="card" aria-label={t("Recordings")} data-testid="recordings">
         <h2 ref={head} tabIndex={-1}>
-          Recordings <span class="count">{list?.recordings.length ?? ""}</span>
+          {t("Recordings")} <span class="count">{list?.recordings.length ?? ""}</span>
         </h2>
         {list === null ? (
-          <p class="empty">{problem ? "The list could not be read." : "Reading the list…"}</p>
+          <p class="empty">{problem ? t("The list could not be read.") : t("Reading the list…")}</p>
         ) : list.recordings.length === 0 ? (
           <p class="empty" data-testid="recordings-empty">
-            None yet. Recordings are stored on the robot; replay them here, or download them.
+            {t("None yet. Recordings are stored on the robot; replay them here, or download them.")}
           </p>
         ) : (
           <ul class="recordings">
@@ -58,11 +59,11 @@ function Recordings() {
           <p class="recordings-room muted small">
             {list.free_bytes !== null && (
               <span data-testid="recordings-free" data-bytes={list.free_bytes}>
-                {size(list.free_bytes)} free
+                {t("{size} free", { size: size(list.free_bytes) })}
               </span>
             )}
             <span class="recordings-folder" title={list.folder}>
-              in <bdi>{list.folder}</bdi>
+              {rich("in {folder}", { folder: <bdi>{list.folder}</bdi> })}
             </span>
           </p>
         )}

@@ -1,5 +1,7 @@
 /** The tab that a replay will open in, while it starts. */
 
+import { shown, t } from "../i18n";
+
 const STYLE = `
   body { margin: 0; height: 100vh; display: grid; place-content: center; justify-items: center; gap: 14px;
     background: #0a0d12; color: #e9eef5; font: 15px/1.5 system-ui, sans-serif; text-align: center; padding: 0 16px }
@@ -19,15 +21,15 @@ export function starting(name: string): Placeholder | null {
   const tab = window.open("", "_blank");
   if (!tab) return null;
   const page = tab.document;
-  page.title = `Starting the replay of ${name}`;
-  page.documentElement.lang = "en";
+  page.title = t("Starting the replay of {name}…", { name });
+  page.documentElement.lang = shown.peek().language;
   const style = page.createElement("style");
   style.textContent = STYLE;
   page.head.append(style);
   const text = page.createElement("p");
-  text.textContent = `Starting the replay of ${name}…`;
+  text.textContent = page.title;
   const more = page.createElement("small");
-  more.textContent = "It does not affect the robot. This takes some seconds.";
+  more.textContent = t("It does not affect the robot. This takes some seconds.");
   page.body.append(page.createElement("i"), text, more);
   return {
     go: (url) => {

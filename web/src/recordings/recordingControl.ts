@@ -1,6 +1,7 @@
 /** Everything the page does with recordings: begins and ends them, reads their list, starts replays. */
 
 import { effect, signal } from "@preact/signals";
+import { t } from "../i18n";
 import { inWords, type Rest } from "../protocol/rest";
 import type { Recorder } from "../protocol/types";
 import type { Store } from "../state/store";
@@ -56,7 +57,7 @@ export class RecordingControl {
   async save(name?: string): Promise<boolean> {
     return this.ask("save", async () => {
       const kept = await this.rest.saveRing(name ? { name } : {});
-      this.store.notify("info", `Saved as ${kept}.`);
+      this.store.notify("info", t("Saved as {kept}.", { kept }));
       await this.refresh();
     });
   }
@@ -145,9 +146,11 @@ export class RecordingControl {
     const what = this.pending.peek();
     this.pending.value = null;
     if (what === "start")
-      this.problem.value =
-        `The recording did not start. ${sentence(this.store.of("recorder").peek()?.reason ?? "")}`.trim();
-    else if (what === "stop") this.problem.value = "Still recording: there is another desire to record. See Attention.";
+      this.problem.value = t("The recording did not start. {reason}", {
+        reason: sentence(this.store.of("recorder").peek()?.reason ?? ""),
+      }).trim();
+    else if (what === "stop")
+      this.problem.value = t("Still recording: there is another desire to record. See Attention.");
     if (this.problem.peek() && !this.shown.peek()) this.store.notify("warning", this.problem.peek());
   }
 
@@ -157,7 +160,12 @@ export class RecordingControl {
     if ((pending === "start" && now.state !== "idle") || (pending === "stop" && !running)) this.wait(null);
     if (running) this.problem.value = "";
     if (before && now.state === "stopped" && before.state !== "stopped")
-      this.store.notify("error", `Recording has stopped. ${sentence(now.reason || "the robot does not say why")}`);
+      this.store.notify(
+        "error",
+        t("Recording has stopped. {reason}", {
+          reason: now.reason ? sentence(now.reason) : t("The robot does not say why."),
+        }),
+      );
     if (before && this.shown.peek()) void this.refresh();
   }
 

@@ -1,5 +1,6 @@
 /** What the Recorder does, in words and figures; pure. */
 
+import { t } from "../i18n";
 import type { Recorder, Recording } from "../protocol/types";
 
 /** Seconds recorded until `now`: counts on between the Recorder's reports. */
@@ -29,9 +30,9 @@ const NAME = /^[A-Za-z0-9][A-Za-z0-9._-]{0,99}$/;
 /** What is wrong with a recording's name; empty: nothing. No name is fine: the robot makes one of the time. */
 export function nameProblem(name: string): string {
   if (name === "" || NAME.test(name)) return "";
-  if (!/^[A-Za-z0-9]/.test(name)) return "Begins with a letter or a digit.";
-  if (name.length > 100) return "At most 100 characters.";
-  return "Letters, digits, dots, - and _ only.";
+  if (!/^[A-Za-z0-9]/.test(name)) return t("Begins with a letter or a digit.");
+  if (name.length > 100) return t("At most 100 characters.");
+  return t("Letters, digits, dots, - and _ only.");
 }
 
 /** Minutes of a ring as typed: a number, null for none, or what is wrong. */
@@ -39,5 +40,5 @@ export function ringMinutes(text: string): number | null | string {
   const trimmed = text.replace(",", ".").trim();
   if (trimmed === "") return null;
   const minutes = Number(trimmed);
-  return minutes > 0 && minutes <= LONGEST_RING ? minutes : `Minutes, over 0 to ${LONGEST_RING}.`;
+  return minutes > 0 && minutes <= LONGEST_RING ? minutes : t("Minutes, over 0 to {most}.", { most: LONGEST_RING });
 }

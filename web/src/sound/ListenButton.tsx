@@ -1,5 +1,6 @@
 /** Hear what the robot hears: one click on, one click off; how loud it is and how late. */
 
+import { t } from "../i18n";
 import { useApp } from "../state/context";
 import { HeadphonesIcon } from "../ui/icons";
 import { LevelBars } from "./LevelBars";
@@ -26,8 +27,8 @@ export function ListenButton() {
         data-level-db={listening.level.value?.toFixed(1) ?? ""}
         aria-pressed={on}
         aria-disabled={refusal !== null}
-        aria-label={on ? "Stop listening to the robot" : "Listen to the robot"}
-        title={refusal ?? (on ? "Stop listening. The figure is the delay." : "Hear what the robot hears")}
+        aria-label={on ? t("Stop listening to the robot") : t("Listen to the robot")}
+        title={refusal ?? (on ? t("Stop listening. The figure is the delay.") : t("Hear what the robot hears"))}
         onClick={(event) => {
           listening.toggle();
           if (event.detail > 0) event.currentTarget.blur(); // the keys go on driving
@@ -37,10 +38,10 @@ export function ListenButton() {
         {on ? (
           <>
             <LevelBars level={listening.level.value} />
-            <span class="tool-figure">{ms === null ? "…" : `${ms} ms`}</span>
+            <span class="tool-figure">{ms === null ? "…" : t("{ms} ms", { ms })}</span>
           </>
         ) : (
-          <span class="tool-words">Listen</span>
+          <span class="tool-words">{t("Listen")}</span>
         )}
       </button>
     </div>

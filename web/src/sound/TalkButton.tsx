@@ -1,5 +1,6 @@
 /** Speak through the robot: while this button, or the key V, is held. */
 
+import { t } from "../i18n";
 import { useApp } from "../state/context";
 import { MicrophoneIcon } from "../ui/icons";
 import { LevelBars } from "./LevelBars";
@@ -20,8 +21,8 @@ export function TalkButton() {
       data-level-db={talking.level.value?.toFixed(1) ?? ""}
       aria-pressed={state === "talking"}
       aria-disabled={refusal !== null}
-      aria-label="Hold to speak through the robot"
-      title={refusal ?? "Hold this or V and speak through the robot"}
+      aria-label={t("Hold to speak through the robot")}
+      title={refusal ?? t("Hold this or V and speak through the robot")}
       onPointerDown={(event) => {
         if (event.button !== 0) return;
         event.currentTarget.setPointerCapture(event.pointerId);
@@ -46,18 +47,18 @@ export function TalkButton() {
       {state === "talking" ? (
         <>
           <LevelBars level={talking.level.value} />
-          <span class="tool-figure">Speaking</span>
+          <span class="tool-figure">{t("Speaking")}</span>
         </>
       ) : (
         <span class="tool-words">
           {state === "opening" ? (
-            "Opening…"
+            t("Opening…")
           ) : speaker && !speaker.mine ? (
-            `${speaker.operator} speaks`
+            t("{operator} speaks", { operator: speaker.operator })
           ) : (
             <>
-              <span class="only-wide">Hold to speak </span>
-              <span class="only-narrow">Speak</span>
+              <span class="only-wide">{t("Hold to speak")} </span>
+              <span class="only-narrow">{t("Speak")}</span>
               <kbd class="only-wide">V</kbd>
             </>
           )}

@@ -1,6 +1,7 @@
 /** Listening to the robot: its sound from the stream to this computer's loudspeaker. */
 
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
+import { t } from "../i18n";
 import { HEARD, parseSound } from "../protocol/sound";
 import type { Session } from "../state/session";
 import type { Store } from "../state/store";
@@ -53,7 +54,7 @@ export class Listening {
       this.end();
       this.store.notify(
         "warning",
-        "The connection was lost: you no longer hear the robot. Press Listen to hear it again.",
+        t("The connection was lost: you no longer hear the robot. Press Listen to hear it again."),
       );
     });
   }
@@ -80,7 +81,7 @@ export class Listening {
     try {
       context = new AudioContext({ sampleRate: RATE, latencyHint: "interactive" });
     } catch {
-      this.store.notify("error", "This browser cannot play the robot's sound.");
+      this.store.notify("error", t("This browser cannot play the robot's sound."));
       return;
     }
     const volume = new GainNode(context);
@@ -143,21 +144,24 @@ export class Listening {
     if (!this.on.value || !this.waited.value) return null;
     const { store } = this;
     if (store.replay.value)
-      return store.playback.value?.playing ? "No sound was recorded here." : "The recording is paused.";
+      return store.playback.value?.playing ? t("No sound was recorded here.") : t("The recording is paused.");
     const lane = store.rows.value.find((row) => row.class === "Listen");
     if (lane && lane.divisor === null && lane.state !== "undesired") return sentence(lane.text);
-    if (this.player && this.player.context.state !== "running") return "The browser blocks the sound.";
-    return "No sound comes from the robot.";
+    if (this.player && this.player.context.state !== "running") return t("The browser blocks the sound.");
+    return t("No sound comes from the robot.");
   }
 }
 
 function whyNot(store: Store): string | null {
   const phase = store.link.value.phase;
   const hello = store.hello.value;
-  if (!hello || (phase !== "live" && phase !== "stale")) return "Not connected to the robot.";
+  if (!hello || (phase !== "live" && phase !== "stale")) return t("Not connected to the robot.");
   if (!hello.audio.listen)
-    return store.replay.value ? "This recording has no sound." : "This robot has no microphones to listen through.";
+    return store.replay.value
+      ? t("This recording has no sound.")
+      : t("This robot has no microphones to listen through.");
   const lane = store.rows.value.find((row) => row.class === "Listen");
-  if (lane?.state === "inhibited" && !store.replay.value) return `Listening is forbidden now: ${lane.text}`;
+  if (lane?.state === "inhibited" && !store.replay.value)
+    return t("Listening is forbidden now: {text}", { text: lane.text });
   return null;
 }

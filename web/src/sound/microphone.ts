@@ -1,5 +1,6 @@
 /** This computer's microphone: opened when it is first needed, let go a while after it was last. */
 
+import { t } from "../i18n";
 import url from "./microphone.worklet.js?url&no-inline";
 import { Framer, Resampler } from "./samples";
 
@@ -58,9 +59,11 @@ export async function openMicrophone(): Promise<Microphone> {
 export function microphoneProblem(error: unknown): string {
   const name = error instanceof DOMException ? error.name : "";
   if (name === "NotAllowedError")
-    return "The browser may not use your microphone. Allow it beside the page's address, then hold the button again.";
-  if (name === "NotFoundError") return "This computer has no microphone. Plug one in, then hold the button again.";
+    return t(
+      "The browser may not use your microphone. Allow it beside the page's address, then hold the button again.",
+    );
+  if (name === "NotFoundError") return t("This computer has no microphone. Plug one in, then hold the button again.");
   if (name === "NotReadableError")
-    return "Your microphone is in use by another program. Close that, then hold the button again.";
-  return "Your microphone could not be opened.";
+    return t("Your microphone is in use by another program. Close that, then hold the button again.");
+  return t("Your microphone could not be opened.");
 }

@@ -2,6 +2,7 @@
 
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
 import { typesText } from "../drive/driveController";
+import { t } from "../i18n";
 import { packVoice } from "../protocol/sound";
 import type { Session } from "../state/session";
 import type { Store } from "../state/store";
@@ -131,13 +132,13 @@ export class Talking {
 
 function whyNot(store: Store): string | null {
   const hello = store.hello.value;
-  if (store.replay.value) return "This is a recording: nothing can be said in it.";
+  if (store.replay.value) return t("This is a recording: nothing can be said in it.");
   const phase = store.link.value.phase;
-  if (!hello || (phase !== "live" && phase !== "stale")) return "Not connected to the robot.";
-  if (!hello.audio.speak) return "This robot has no loudspeaker.";
+  if (!hello || (phase !== "live" && phase !== "stale")) return t("Not connected to the robot.");
+  if (!hello.audio.speak) return t("This robot has no loudspeaker.");
   const speaker = store.of("status").value?.speaker;
-  if (speaker && !speaker.mine) return `The robot's voice is in use by ${speaker.operator}.`;
+  if (speaker && !speaker.mine) return t("The robot's voice is in use by {operator}.", { operator: speaker.operator });
   if (!navigator.mediaDevices)
-    return "Browsers give the microphone only to pages from this computer (localhost) or over https.";
+    return t("Browsers give the microphone only to pages from this computer (localhost) or over https.");
   return null;
 }

@@ -1,6 +1,7 @@
 /** What the robot is to say, typed; its gestures and expressions, by a press. */
 
 import { useSignal } from "@preact/signals";
+import { named, t } from "../i18n";
 import { idempotencyKey, Problem } from "../protocol/rest";
 import type { NewDesire } from "../protocol/types";
 import { useApp } from "../state/context";
@@ -36,15 +37,15 @@ export function SayButton() {
         class={`button small tool-button ${open.value ? "on" : ""}`}
         aria-haspopup="dialog"
         aria-expanded={open.value}
-        aria-label="Let the robot say something"
-        title="Type what the robot says; gestures and expressions"
+        aria-label={t("Let the robot say something")}
+        title={t("Type what the robot says; gestures and expressions")}
         data-testid="say"
         onClick={() => (open.value = !open.value)}
       >
-        <SpeechIcon /> <span class="tool-words">Say</span>
+        <SpeechIcon /> <span class="tool-words">{t("Say")}</span>
       </button>
       {open.value && (
-        <div class="say-box" ref={box} role="dialog" aria-label="Say" data-testid="say-box">
+        <div class="say-box" ref={box} role="dialog" aria-label={t("Say")} data-testid="say-box">
           {speaks && (
             <form
               onSubmit={(event) => {
@@ -58,15 +59,15 @@ export function SayButton() {
             >
               <input
                 data-testid="say-text"
-                aria-label="What the robot says"
-                placeholder="What the robot says"
+                aria-label={t("What the robot says")}
+                placeholder={t("What the robot says")}
                 autocomplete="off"
                 maxLength={2000}
                 value={text.value}
                 onInput={(event) => (text.value = event.currentTarget.value)}
               />
               <button type="submit" class="button small accent" data-testid="say-send">
-                Say
+                {t("Say")}
               </button>
             </form>
           )}
@@ -80,7 +81,7 @@ export function SayButton() {
                   data-testid={`act-${act.title.toLowerCase()}`}
                   onClick={() => void desire(act.desire)}
                 >
-                  {act.title}
+                  {named(act.title)}
                 </button>
               ))}
             </div>

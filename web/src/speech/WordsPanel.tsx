@@ -1,5 +1,6 @@
 /** What words the robot listens for, and what it heard last. */
 
+import { rich, t } from "../i18n";
 import { panel } from "../panels/panel";
 import { type App, useApp } from "../state/context";
 import type { Message } from "../state/latest";
@@ -21,14 +22,14 @@ function Words({ message: heard }: { message: Message<"heard_words"> | null }) {
   const app = useApp();
   const now = listeningNow(app);
   return (
-    <section class="card" aria-label="Words" data-testid="words">
-      <h2>Words</h2>
+    <section class="card" aria-label={t("Words")} data-testid="words">
+      <h2>{t("Words")}</h2>
       {now ? (
         <p data-testid="listening">
-          Listening for <b lang={now.language}>{now.words.join(", ")}</b>
+          {rich("Listening for {words}", { words: <b lang={now.language}>{now.words.join(", ")}</b> })}
         </p>
       ) : (
-        <p class="empty">No words are listened for.</p>
+        <p class="empty">{t("No words are listened for.")}</p>
       )}
       {now?.reason && <p class="muted small">{now.reason}</p>}
       {heard && (

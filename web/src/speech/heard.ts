@@ -1,6 +1,7 @@
 /** What words the robot listens for, and what it heard last, in words. Pure. */
 
 import { directionWords } from "../around/perceptMarks";
+import { t } from "../i18n";
 import type { LaneRow } from "../protocol/types";
 import type { Message } from "../state/latest";
 import { ago, percent, reasonText, sentence } from "../ui/format";
@@ -38,12 +39,15 @@ export function listening(
 /** "yes"; "not understood, perhaps yes". */
 export function heardText({ text, unsure, likeliest }: Message<"heard_words">): string {
   if (!unsure) return text;
-  return likeliest ? `not understood, perhaps ${likeliest}` : "not understood";
+  return likeliest ? t("not understood, perhaps {likeliest}", { likeliest }) : t("not understood");
 }
 
 /** "30° left, 95 % sure, 4 s ago"; `now`: the robot's clock (null: not known). */
 export function heardDetails({ direction, confidence, stamp }: Message<"heard_words">, now: number | null): string {
-  const parts = [directionWords(Math.atan2(direction[1], direction[0])), `${percent(confidence)} sure`];
+  const parts = [
+    directionWords(Math.atan2(direction[1], direction[0])),
+    t("{share} sure", { share: percent(confidence) }),
+  ];
   if (now !== null) parts.push(ago(now - stamp));
   return parts.join(", ");
 }

@@ -1,5 +1,6 @@
 /** What is kept of messages beyond the newest: lanes, events and load over time, notices. */
 
+import { fromRobot, langOf } from "../i18n";
 import { GAP_S } from "../lanes/history";
 import type { Session } from "./session";
 import type { Store } from "./store";
@@ -17,7 +18,7 @@ export function keepHistory(session: Session, store: Store): void {
   session.on("lanes_history", (message) => store.lanes.fill(message, holdS()));
   session.on("events", (message) => store.addEvents(message.events));
   session.on("load", (message) => store.addLoad(message));
-  session.on("notice", (message) => store.notify(message.level, message.text));
+  session.on("notice", (message) => store.notify(message.level, fromRobot(message.text), langOf(message.text)));
   session.onHello.add(() => {
     session.rest.timeline(LANES_EVENTS, LANES_KINDS).then(
       (events) => store.addEvents(events),

@@ -2,6 +2,7 @@
 
 import { batch } from "@preact/signals";
 import type { StopOrder } from "../drive/stopWorker";
+import { t } from "../i18n";
 import { LiveConnection } from "../protocol/live";
 import { Problem, Rest } from "../protocol/rest";
 import { tokenIn } from "../protocol/token";
@@ -116,7 +117,7 @@ export class Session {
     this.stopOwed = true;
     this.store.notify(
       "error",
-      "Not connected: the emergency stop is sent when the robot answers. Without commands it stops by itself.",
+      t("Not connected: the emergency stop is sent when the robot answers. Without commands it stops by itself."),
     );
   }
 

@@ -24,6 +24,8 @@ export interface Notice {
   id: number;
   level: NoticeLevel;
   text: string;
+  /** "en": it is as the program says it, on a page of another language. */
+  lang: "en" | undefined;
   until: number;
 }
 
@@ -144,10 +146,10 @@ export function createStore() {
       events.value = [];
       loadHistory.value = [];
     },
-    notify(level: NoticeLevel, text: string): void {
+    notify(level: NoticeLevel, text: string, lang?: "en"): void {
       const until = performance.now() + (level === "info" ? 5000 : 9000);
       const others = notices.value.filter((notice) => notice.text !== text);
-      notices.value = [...others, { id: ++noticeId, level, text, until }].slice(-NOTICES_SHOWN);
+      notices.value = [...others, { id: ++noticeId, level, text, lang, until }].slice(-NOTICES_SHOWN);
     },
     showScene(shown: boolean): void {
       this.scene.value = shown;

@@ -1,5 +1,6 @@
 /** What the robot does where a stop cannot be reached, or a step fails: the tour's rules, or a stop's own. */
 
+import { type Text, t } from "../i18n";
 import type { FailureExceptions, FailureRules } from "../protocol/types";
 import { Choice, NumberField } from "./parts";
 
@@ -57,10 +58,10 @@ function Fields(
   return (
     <>
       <fieldset class="tour-rules">
-        <legend>A stop cannot be reached</legend>
+        <legend>{t("A stop cannot be reached")}</legend>
         <div class="form-row two">
           <NumberField
-            label="Tries again (times)"
+            label={t("Tries again (times)")}
             value={reach.retry}
             path={`${path}.reach.retry`}
             testid="reach-retry"
@@ -68,7 +69,7 @@ function Fields(
             onDone={(retry) => props.onReach({ retry })}
           />
           <NumberField
-            label="Then asks you for (s)"
+            label={t("Then asks you for (s)")}
             value={reach.ask_s}
             path={`${path}.reach.ask_s`}
             testid="reach-ask"
@@ -77,7 +78,7 @@ function Fields(
           />
         </div>
         <Choice
-          label="Without an answer, it"
+          label={t("Without an answer, it")}
           value={reach.then ?? ""}
           path={`${path}.reach.then`}
           testid="reach-then"
@@ -86,9 +87,9 @@ function Fields(
         />
       </fieldset>
       <fieldset class="tour-rules">
-        <legend>A step fails</legend>
+        <legend>{t("A step fails")}</legend>
         <NumberField
-          label="Tries again (times)"
+          label={t("Tries again (times)")}
           value={present.retry}
           path={`${path}.present.retry`}
           testid="present-retry"
@@ -96,7 +97,7 @@ function Fields(
           onDone={(retry) => props.onPresent({ retry })}
         />
         <Choice
-          label="Then it"
+          label={t("Then it")}
           value={present.then ?? ""}
           path={`${path}.present.then`}
           testid="present-then"
@@ -109,13 +110,14 @@ function Fields(
 }
 
 function asUsual(value: number | undefined): { placeholder?: string } {
-  return value === undefined ? {} : { placeholder: `${value}, as the tour` };
+  return value === undefined ? {} : { placeholder: t("{value}, as the tour", { value }) };
 }
 
 function withUsual<T extends string>(
-  options: readonly (readonly [T, string])[],
+  options: readonly (readonly [T, Text])[],
   usual: T | undefined,
 ): readonly (readonly [T | "", string])[] {
-  const words = options.find(([value]) => value === usual)?.[1];
-  return words === undefined ? options : [["", `${words} (as the tour)`], ...options];
+  const shown = options.map(([value, words]): readonly [T | "", string] => [value, t(words)]);
+  const words = shown.find(([value]) => value === usual)?.[1];
+  return words === undefined ? shown : [["", t("{words} (as the tour)", { words })], ...shown];
 }

@@ -1,6 +1,7 @@
 /** The fields of one thing that a step does. */
 
 import { fieldsOf, initialValues, paramsOf } from "../desires/schema";
+import { named, t } from "../i18n";
 import type { Media, Step, Wait } from "../protocol/types";
 import { useApp } from "../state/context";
 import { spaced } from "../ui/format";
@@ -30,7 +31,7 @@ export function PartFields({ part, step, path, languages, onChange }: Props) {
     case "say":
       return (
         <TextFields
-          label="Say"
+          label={t("Say")}
           long
           texts={step.say}
           languages={languages}
@@ -44,7 +45,7 @@ export function PartFields({ part, step, path, languages, onChange }: Props) {
     case "point":
       return (
         <PointFields
-          label="Point at"
+          label={t("Point at")}
           point={step.point!}
           target={{ path, part: "point" }}
           onDone={(point) => onChange({ point })}
@@ -57,10 +58,10 @@ export function PartFields({ part, step, path, languages, onChange }: Props) {
     case "expression":
       return (
         <Choice
-          label="Face"
+          label={t("Face")}
           value={step.expression!}
           path={here}
-          options={[...new Set([...EXPRESSIONS, step.expression!])].map((one) => [one, one] as const)}
+          options={[...new Set([...EXPRESSIONS, step.expression!])].map((one) => [one, named(one)] as const)}
           onChange={(expression) => onChange({ expression })}
         />
       );
@@ -85,13 +86,13 @@ function LookFields({
   return (
     <>
       <Choice
-        label="Look at"
+        label={t("Look at")}
         value={point ? "point" : (look as "visitors" | "poster")}
         {...(point ? {} : { path: `${path}.look` })}
         options={[
-          ["visitors", "the visitors"],
-          ["poster", "the poster"],
-          ["point", "a point"],
+          ["visitors", t("the visitors")],
+          ["poster", t("the poster")],
+          ["point", t("a point")],
         ]}
         onChange={(to) => {
           const robot = map.robot.peek();
@@ -100,7 +101,7 @@ function LookFields({
       />
       {point && (
         <PointFields
-          label="Point"
+          label={t("Point")}
           point={point}
           target={{ path, part: "look" }}
           onDone={(to) => onChange({ look: to })}
@@ -123,7 +124,7 @@ function PointFields(props: { label: string; point: Point; target: PointTarget; 
       {(["x", "y", "z"] as const).map((axis, at) => (
         <NumberField
           key={axis}
-          label={at === 0 ? `${props.label}: x` : axis === "z" ? "height" : axis}
+          label={at === 0 ? `${props.label}: x` : axis === "z" ? t("height") : axis}
           value={point[at]!}
           path={`${target.path}.${target.part}.${at}`}
           testid={`step-${target.part}-${axis}`}
@@ -135,10 +136,10 @@ function PointFields(props: { label: string; point: Point; target: PointTarget; 
         class={`button small ${chosen ? "on" : ""}`}
         data-testid={`step-${target.part}-pick`}
         aria-pressed={chosen}
-        title="Click where it is: on the map, or in the camera's picture"
+        title={t("Click where it is: on the map, or in the camera's picture")}
         onClick={() => tourPointing.choose(chosen ? null : target)}
       >
-        <TargetIcon /> {chosen ? "Click on the map…" : "On the map"}
+        <TargetIcon /> {chosen ? t("Click on the map…") : t("On the map")}
       </button>
       <Problems
         problems={problemsAt(
@@ -165,14 +166,14 @@ function ShowFields({
   return (
     <>
       <TypedField
-        label="Picture or video"
+        label={t("Picture or video")}
         value={show.file}
         path={`${path}.file`}
-        hint="A file in the folder of tours, as media/arm.jpg."
+        hint={t("A file in the folder of tours, as media/arm.jpg.")}
         onDone={(file) => onDone({ ...show, file: file.trim() })}
       />
       <TextFields
-        label="What it shows, in words"
+        label={t("What it shows, in words")}
         path={`${path}.alt`}
         texts={show.alt}
         languages={languages}
@@ -201,13 +202,13 @@ function GestureFields({
   return (
     <>
       <Choice
-        label="Gesture"
+        label={t("Gesture")}
         value={gesture.class}
         options={names.map((name) => [name, spaced(name)] as const)}
         onChange={(name) => onDone({ class: name, params: {} })}
       />
       {fields.length > 0 && (
-        <More title="How exactly" paths={[`${path}.params`]}>
+        <More title={t("How exactly")} paths={[`${path}.params`]}>
           {fields.map((field) => (
             <TypedField
               key={`${gesture.class}.${field.name}`}
@@ -255,28 +256,28 @@ function WaitFields({
   return (
     <>
       <NumberField
-        label="Wait at most (s)"
+        label={t("Wait at most (s)")}
         value={wait.at_most_s}
         path={`${path}.at_most_s`}
         testid="step-wait"
         onDone={(at_most_s) => at_most_s !== null && onDone({ ...wait, at_most_s })}
       />
       <WordFields
-        label="Until one of these words"
+        label={t("Until one of these words")}
         words={wait.words}
         path={`${path}.words`}
         languages={languages}
         onDone={(words) => onDone({ ...wait, words })}
       />
       <TextFields
-        label="Until a press on the button"
+        label={t("Until a press on the button")}
         texts={wait.press}
         path={`${path}.press`}
         languages={languages}
         onDone={(press) => onDone({ ...wait, press: Object.keys(press).length > 0 ? press : null })}
       />
       <NumberField
-        label="Until so many claps"
+        label={t("Until so many claps")}
         value={wait.claps}
         path={`${path}.claps`}
         onDone={(claps) => onDone({ ...wait, claps })}
@@ -287,7 +288,7 @@ function WaitFields({
           checked={wait.all_left}
           onChange={(event) => onDone({ ...wait, all_left: event.currentTarget.checked })}
         />
-        <span>Until all visitors have left</span>
+        <span>{t("Until all visitors have left")}</span>
       </label>
       <Problems
         problems={problemsAt(

@@ -1,5 +1,6 @@
 /** A poster that was clicked on the map while a tour is edited: makes a stop of it. */
 
+import { t } from "../i18n";
 import { useApp } from "../state/context";
 import { CloseIcon, PlusIcon } from "../ui/icons";
 
@@ -9,7 +10,7 @@ export function PosterPicked() {
   if (!poster || !tours.draft.value) return null;
   const lack = stops.lack(poster);
   return (
-    <section class="tour-picked" aria-label="Poster" data-testid="poster-picked" data-text={poster.text}>
+    <section class="tour-picked" aria-label={t("Poster")} data-testid="poster-picked" data-text={poster.text}>
       <p>
         <b>{poster.text.length > 60 ? `${poster.text.slice(0, 59)}…` : poster.text}</b>
       </p>
@@ -22,9 +23,9 @@ export function PosterPicked() {
           disabled={lack !== "" || !tours.allowed.value}
           onClick={() => void stops.fromPoster(poster)}
         >
-          <PlusIcon /> Make a stop
+          <PlusIcon /> {t("Make a stop")}
         </button>
-        <button type="button" class="icon-button" aria-label="Dismiss" onClick={() => (stops.picked.value = null)}>
+        <button type="button" class="icon-button" aria-label={t("Dismiss")} onClick={() => (stops.picked.value = null)}>
           <CloseIcon />
         </button>
       </span>

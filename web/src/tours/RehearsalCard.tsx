@@ -1,6 +1,7 @@
 /** In the editor: has the tour rehearsed, plays it on the map many times faster than life, lists what would go wrong. */
 
 import { useSignal } from "@preact/signals";
+import { fromRobot, t } from "../i18n";
 import { useApp } from "../state/context";
 import { clockSpan, sentence } from "../ui/format";
 import { CloseIcon, PauseIcon, PlayIcon, WarnIcon } from "../ui/icons";
@@ -21,7 +22,7 @@ export function RehearsalCard() {
   return (
     <section
       class="rehearsal"
-      aria-label="Rehearsal"
+      aria-label={t("Rehearsal")}
       data-testid="rehearsal"
       data-state={mine?.state ?? "none"}
       data-led={mine?.can_be_led ?? ""}
@@ -31,7 +32,7 @@ export function RehearsalCard() {
           <>
             <span class="spinner" />
             <span role="status" data-testid="rehearsal-progress">
-              {mine ? progressWords(report) : `${report.tour} is being rehearsed`}
+              {mine ? progressWords(report) : t("{tour} is being rehearsed", { tour: report.tour })}
             </span>
             <button
               type="button"
@@ -39,7 +40,7 @@ export function RehearsalCard() {
               data-testid="rehearsal-cancel"
               onClick={() => void rehearsal.cancel()}
             >
-              Cancel
+              {t("Cancel")}
             </button>
           </>
         ) : (
@@ -48,15 +49,15 @@ export function RehearsalCard() {
               type="button"
               class="button"
               data-testid="rehearse"
-              title="Play the tour on its map, without the robot"
+              title={t("Play the tour on its map, without the robot")}
               disabled={!tours.allowed.value || tours.conflict.value !== null}
               onClick={() => void rehearsal.begin(language)}
             >
-              <PlayIcon /> Rehearse
+              <PlayIcon /> {t("Rehearse")}
             </button>
             {tour.languages.length > 1 && (
               <Choice
-                label="Visitors speak"
+                label={t("Visitors speak")}
                 value={language}
                 testid="rehearsal-language"
                 options={tour.languages.map((tag) => [tag, languageName(tag)] as const)}
@@ -96,15 +97,15 @@ function Played() {
           type="button"
           class="icon-button"
           data-testid="rehearsal-play"
-          aria-label={playing ? "Pause" : "Play"}
-          title={`${Math.round(speedOf(result))} times faster than life`}
+          aria-label={playing ? t("Pause") : t("Play")}
+          title={t("{speed} times faster than life", { speed: Math.round(speedOf(result)) })}
           onClick={() => rehearsal.play()}
         >
           {playing ? <PauseIcon /> : <PlayIcon />}
         </button>
         <input
           type="range"
-          aria-label="Moment of the rehearsal"
+          aria-label={t("Moment of the rehearsal")}
           data-testid="rehearsal-at"
           min={0}
           max={result.duration_s}
@@ -117,8 +118,8 @@ function Played() {
           type="button"
           class="icon-button"
           data-testid="rehearsal-close"
-          aria-label="Close the rehearsal"
-          title="Close the rehearsal"
+          aria-label={t("Close the rehearsal")}
+          title={t("Close the rehearsal")}
           onClick={() => void rehearsal.cancel()}
         >
           <CloseIcon />
@@ -126,7 +127,7 @@ function Played() {
       </div>
       {state && (
         <p class="small muted" data-testid="rehearsal-state">
-          {`${stateWord(state.state)}${stop ? ` (${textOf(stop.title, [result.language]) || stop.id})` : ""}${state.reason ? `: ${state.reason}` : ""}`}
+          {`${stateWord(state.state)}${stop ? ` (${textOf(stop.title, [result.language]) || stop.id})` : ""}${state.reason ? t(": {reason}", { reason: fromRobot(state.reason) }) : ""}`}
         </p>
       )}
       {/* It keeps its room: nothing below may jump many times a second. */}
@@ -146,11 +147,11 @@ function Problems() {
   if (found.length === 0)
     return (
       <p class="small rehearsal-fine" data-testid="rehearsal-fine">
-        Nothing went wrong.
+        {t("Nothing went wrong.")}
       </p>
     );
   return (
-    <ul class="tour-problems" aria-label="What would go wrong">
+    <ul class="tour-problems" aria-label={t("What would go wrong")}>
       {found.flatMap(([id, problems]) => {
         const stop = tour.stops.find((each) => each.id === id);
         return problems.map(({ severity, message, at_s }) => (

@@ -1,5 +1,6 @@
 /** One step: what the robot says, shows and does at once; only what it names has fields. */
 
+import { type Text, t } from "../i18n";
 import type { Step, TourProblemReport, Wait } from "../protocol/types";
 import { useApp } from "../state/context";
 import { ChevronIcon, ChevronUpIcon, CloseIcon, PlayIcon, TrashIcon } from "../ui/icons";
@@ -22,10 +23,10 @@ interface Props {
   onRemove?: () => void;
 }
 
-const NAMES: Record<Part, string> = {
+const NAMES: Record<Part, Text> = {
   say: "Say",
   look: "Look",
-  point: "Point",
+  point: "Point|deed",
   show: "Show",
   gesture: "Gesture",
   expression: "Face",
@@ -45,19 +46,31 @@ export function StepForm({ step, path, languages, problems, poster, onChange, on
           type="button"
           class="button small"
           data-testid="step-try"
-          title="The robot does it now, where it is"
+          title={t("The robot does it now, where it is")}
           disabled={!tourTrial.can(step, poster)}
           onClick={() => void tourTrial.step(step, languages, poster)}
         >
-          <PlayIcon /> Try
+          <PlayIcon /> {t("Try")}
         </button>
         <span class="tour-step-actions">
           {onMove && (
             <>
-              <button type="button" class="icon-button" aria-label="Earlier" title="Earlier" onClick={() => onMove(-1)}>
+              <button
+                type="button"
+                class="icon-button"
+                aria-label={t("Earlier")}
+                title={t("Earlier")}
+                onClick={() => onMove(-1)}
+              >
                 <ChevronUpIcon />
               </button>
-              <button type="button" class="icon-button" aria-label="Later" title="Later" onClick={() => onMove(1)}>
+              <button
+                type="button"
+                class="icon-button"
+                aria-label={t("Later")}
+                title={t("Later")}
+                onClick={() => onMove(1)}
+              >
                 <ChevronIcon />
               </button>
             </>
@@ -66,8 +79,8 @@ export function StepForm({ step, path, languages, problems, poster, onChange, on
             <button
               type="button"
               class="icon-button"
-              aria-label="Remove the step"
-              title="Remove the step"
+              aria-label={t("Remove the step")}
+              title={t("Remove the step")}
               onClick={onRemove}
             >
               <TrashIcon />
@@ -84,8 +97,8 @@ export function StepForm({ step, path, languages, problems, poster, onChange, on
             <button
               type="button"
               class="icon-button"
-              aria-label={`Remove: ${NAMES[part]}`}
-              title={`Remove: ${NAMES[part]}`}
+              aria-label={t("Remove: {part}", { part: t(NAMES[part]) })}
+              title={t("Remove: {part}", { part: t(NAMES[part]) })}
               disabled={parts.length === 1}
               onClick={() => drop(part)}
             >
@@ -95,7 +108,7 @@ export function StepForm({ step, path, languages, problems, poster, onChange, on
         </div>
       ))}
       {others.length > 0 && (
-        <div class="tour-adds" role="group" aria-label="At the same time">
+        <div class="tour-adds" role="group" aria-label={t("At the same time")}>
           {others.map((part) => (
             <button
               key={part}

@@ -1,6 +1,7 @@
 /** Steps one after another: of a stop, the greeting, the farewell. */
 
 import { useRef } from "preact/hooks";
+import { t } from "../i18n";
 import type { Step } from "../protocol/types";
 import { useApp } from "../state/context";
 import { PlusIcon } from "../ui/icons";
@@ -44,7 +45,7 @@ export function StepList({ path, steps, poster, onChange }: Props) {
         ))}
       </ol>
       <button type="button" class="button small quiet" data-testid="step-add" onClick={add}>
-        <PlusIcon /> {steps.length === 0 ? "What it says there" : "Next step"}
+        <PlusIcon /> {steps.length === 0 ? t("What it says there") : t("Next step")}
       </button>
     </div>
   );

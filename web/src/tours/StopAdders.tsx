@@ -1,5 +1,6 @@
 /** Makes stops: where the robot is, before found posters, at places of the map. */
 
+import { t } from "../i18n";
 import { useApp } from "../state/context";
 import { PlaceIcon, PlusIcon } from "../ui/icons";
 import { stopOf } from "./tourEdits";
@@ -12,16 +13,16 @@ export function StopAdders() {
   const known = store.of("localization").value !== null;
   const allowed = tours.allowed.value;
   return (
-    <div class="tour-adders" role="group" aria-label="Add a stop">
+    <div class="tour-adders" role="group" aria-label={t("Add a stop")}>
       <button
         type="button"
         class="button small"
         data-testid="stop-here"
-        title="A stop where the robot is now"
+        title={t("A stop where the robot is now")}
         disabled={!allowed || !known}
         onClick={() => void stops.here()}
       >
-        <PlaceIcon /> Here
+        <PlaceIcon /> {t("Here")}
       </button>
       {posters.map((poster) => (
         <button
@@ -30,7 +31,7 @@ export function StopAdders() {
           class="button small"
           data-testid="stop-poster"
           data-text={poster.text}
-          title={stops.lack(poster) || `A stop before the poster ${poster.text}`}
+          title={stops.lack(poster) || t("A stop before the poster {text}", { text: poster.text })}
           disabled={!allowed || stops.lack(poster) !== ""}
           onClick={() => void stops.fromPoster(poster)}
         >
@@ -39,7 +40,7 @@ export function StopAdders() {
       ))}
       {free.length > 0 && (
         <select
-          aria-label="A stop at a place of the map"
+          aria-label={t("A stop at a place of the map")}
           data-testid="stop-place"
           value=""
           disabled={!allowed}
@@ -49,7 +50,7 @@ export function StopAdders() {
             if (place) void stops.at(place);
           }}
         >
-          <option value="">At a place…</option>
+          <option value="">{t("At a place…")}</option>
           {free.map(({ id, name }) => (
             <option key={id} value={id}>
               {name}

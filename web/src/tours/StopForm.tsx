@@ -1,5 +1,6 @@
 /** One stop: where it is, what the robot does there, what visitors may ask. */
 
+import { t } from "../i18n";
 import type { Question, Stop } from "../protocol/types";
 import { useApp } from "../state/context";
 import { FlagIcon, PlusIcon, TrashIcon } from "../ui/icons";
@@ -35,7 +36,7 @@ export function StopForm({ stop, number }: { stop: Stop; number: number }) {
   return (
     <div class="tour-form tour-stop-form" data-testid="stop-form">
       <TextFields
-        label="Title"
+        label={t("Title")}
         texts={stop.title}
         languages={languages}
         path={`${path}.title`}
@@ -44,11 +45,13 @@ export function StopForm({ stop, number }: { stop: Stop; number: number }) {
       />
       <div class="tour-place">
         <Choice
-          label="Place"
+          label={t("Place")}
           value={stop.place}
           path={`${path}.place`}
           testid="stop-at"
-          options={known ? options : [[stop.place, `${stop.place} (not on this map)`] as const, ...options]}
+          options={
+            known ? options : [[stop.place, t("{place} (not on this map)", { place: stop.place })] as const, ...options]
+          }
           onChange={(place) => set({ place })}
         />
         {store.body.value.goes && (
@@ -56,11 +59,11 @@ export function StopForm({ stop, number }: { stop: Stop; number: number }) {
             type="button"
             class="button"
             data-testid="stop-go"
-            title="The robot drives there now"
+            title={t("The robot drives there now")}
             disabled={!map.allowed.value || !known}
             onClick={() => void map.goToPlace(stop.place)}
           >
-            <FlagIcon /> Drive there
+            <FlagIcon /> {t("Drive there")}
           </button>
         )}
       </div>
@@ -72,8 +75,8 @@ export function StopForm({ stop, number }: { stop: Stop; number: number }) {
         onChange={(change) => edit((now) => ({ do: change(now.do) }))}
       />
       <More
-        title="Questions"
-        about={stop.questions.length === 0 ? "none" : String(stop.questions.length)}
+        title={t("Questions")}
+        about={stop.questions.length === 0 ? t("none") : String(stop.questions.length)}
         testid="stop-questions"
         paths={[`${path}.questions`]}
       >
@@ -98,65 +101,65 @@ export function StopForm({ stop, number }: { stop: Stop; number: number }) {
           data-testid="question-add"
           onClick={() => edit((now) => ({ questions: [...now.questions, newQuestion(now, languages)] }))}
         >
-          <PlusIcon /> A question
+          <PlusIcon /> {t("A question")}
         </button>
       </More>
       <More
-        title="Words that lead here"
+        title={t("Words that lead here")}
         testid="stop-words"
         paths={[`${path}.words`]}
-        about={Object.keys(stop.words).length === 0 ? "none" : (stop.words[languages[0] ?? "en"] ?? []).join(", ")}
+        about={Object.keys(stop.words).length === 0 ? t("none") : (stop.words[languages[0] ?? "en"] ?? []).join(", ")}
       >
         <WordFields
-          label="Visitors say"
+          label={t("Visitors say")}
           words={stop.words}
           languages={languages}
           path={`${path}.words`}
-          placeholder="the arm"
+          placeholder={t("the arm")}
           onDone={(words) => set({ words })}
         />
       </More>
       <More
-        title="Poster, how it stands"
+        title={t("Poster, how it stands")}
         testid="stop-stand"
         paths={[`${path}.poster`, `${path}.stand`]}
         {...(stop.poster === null ? {} : { about: stop.poster })}
       >
         <TypedField
-          label="Text of the poster"
+          label={t("Text of the poster")}
           value={stop.poster ?? ""}
           path={`${path}.poster`}
           testid="stop-poster-text"
           placeholder={`HBBA:STOP/${stop.id.toUpperCase()}`}
-          hint="Up to 20 capitals and digits are read from 3 m."
+          hint={t("Up to 20 capitals and digits are read from 3 m.")}
           onDone={(poster) => set({ poster: poster.trim() || null })}
         />
         {stop.poster !== null && (
           <a class="button small" href={session.rest.posters(tour.id, "a4", stop.id)} download={`${stop.id}-a4.pdf`}>
-            Its poster, A4
+            {t("Its poster, A4")}
           </a>
         )}
         <Choice
-          label="Faces"
+          label={t("Faces")}
           value={stop.stand.face}
           path={`${path}.stand.face`}
           options={[
-            ["visitors", "the visitors"],
-            ["poster", "the poster"],
-            ["place", "as the place says"],
+            ["visitors", t("the visitors")],
+            ["poster", t("the poster")],
+            ["place", t("as the place says")],
           ]}
           onChange={(face) => edit((now) => ({ stand: { ...now.stand, face } }))}
         />
         <div class="form-row two">
           <FigureField
-            label="Stands within (m)"
+            label={t("Stands within (m)")}
             value={stop.stand.tolerance_m}
             path={`${path}.stand.tolerance_m`}
             testid="stop-tolerance"
             onDone={(tolerance_m) => edit((now) => ({ stand: { ...now.stand, tolerance_m } }))}
           />
           <FigureField
-            label="Is turned within (°)"
+            label={t("Is turned within (°)")}
             value={stop.stand.tolerance_rad}
             scale={180 / Math.PI}
             range={[3, 180]}
@@ -165,7 +168,12 @@ export function StopForm({ stop, number }: { stop: Stop; number: number }) {
           />
         </div>
       </More>
-      <More title="When this stop fails" testid="stop-failure" paths={[`${path}.on_failure`]} about={ownWords(stop)}>
+      <More
+        title={t("When this stop fails")}
+        testid="stop-failure"
+        paths={[`${path}.on_failure`]}
+        about={ownWords(stop)}
+      >
         <OwnFailureFields
           path={`${path}.on_failure`}
           rules={stop.on_failure}
@@ -186,7 +194,7 @@ export function StopForm({ stop, number }: { stop: Stop; number: number }) {
             checked={stop.left_out}
             onChange={(event) => set({ left_out: event.currentTarget.checked })}
           />
-          <span>Left out for now</span>
+          <span>{t("Left out for now")}</span>
         </label>
         <button
           type="button"
@@ -197,7 +205,7 @@ export function StopForm({ stop, number }: { stop: Stop; number: number }) {
             void tours.edit((before) => withoutStop(before, stop.id));
           }}
         >
-          <TrashIcon /> Remove the stop
+          <TrashIcon /> {t("Remove the stop")}
         </button>
       </div>
     </div>
@@ -206,7 +214,7 @@ export function StopForm({ stop, number }: { stop: Stop; number: number }) {
 
 function ownWords({ on_failure: { reach, present } }: Stop): string {
   const own = [...Object.values(reach), ...Object.values(present)].some((value) => value !== null);
-  return own ? "its own rules" : "as the tour";
+  return own ? t("its own rules") : t("as the tour");
 }
 
 function QuestionForm(props: {
@@ -222,21 +230,21 @@ function QuestionForm(props: {
   return (
     <div class="tour-question" data-testid="question">
       <TextFields
-        label="Question"
+        label={t("Question")}
         texts={question.question}
         languages={languages}
         path={`${path}.question`}
         onDone={(text) => onChange(() => ({ question: text }))}
       />
       <WordFields
-        label="Words to hear"
+        label={t("Words to hear")}
         words={question.words}
         languages={languages}
         path={`${path}.words`}
-        placeholder="heavy, how heavy"
+        placeholder={t("heavy, how heavy")}
         onDone={(words) => onChange(() => ({ words }))}
       />
-      <span class="tour-label">Answer</span>
+      <span class="tour-label">{t("Answer")}</span>
       <ul class="tour-steps">
         <StepForm
           step={question.answer}
@@ -251,7 +259,7 @@ function QuestionForm(props: {
         problems={problemsAt(tours.problems.value, path, [`${path}.answer`, `${path}.question`, `${path}.words`])}
       />
       <button type="button" class="button small quiet" onClick={props.onRemove}>
-        <TrashIcon /> Remove the question
+        <TrashIcon /> {t("Remove the question")}
       </button>
     </div>
   );

@@ -2,6 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { useRef } from "preact/hooks";
+import { t } from "../i18n";
 import type { Stop } from "../protocol/types";
 import { useApp } from "../state/context";
 import { ChevronIcon, ChevronUpIcon, QrIcon, WarnIcon } from "../ui/icons";
@@ -20,7 +21,7 @@ export function StopList() {
     if (to < 0 || to >= tour.stops.length) return;
     void tours.edit((before) => stopMoved(before, id, to));
     const title = textOf(tour.stops.find((stop) => stop.id === id)?.title, tour.languages);
-    said.value = `${title} is stop ${to + 1} of ${tour.stops.length}.`;
+    said.value = t("{title} is stop {number} of {stops}.", { title, number: to + 1, stops: tour.stops.length });
     // The keyboard stays with the stop that it moves.
     requestAnimationFrame(() =>
       list.current?.querySelector<HTMLElement>(`[data-stop="${id}"] .tour-stop-open`)?.focus(),
@@ -48,7 +49,7 @@ export function StopList() {
         ))}
       </ol>
       {tour.stops.length === 0 && (
-        <p class="empty">No stop yet. Make one where the robot is, or before a poster that it has found.</p>
+        <p class="empty">{t("No stop yet. Make one where the robot is, or before a poster that it has found.")}</p>
       )}
       {home && <LegLine leg={home} to="Home" />}
       <p class="visually-hidden" aria-live="polite">
@@ -100,7 +101,7 @@ function Row({ stop, number, leg, dragged, onDrag, onOver, onMove }: RowProps) {
           class="tour-stop-open"
           data-testid="stop-open"
           aria-expanded={open}
-          title="Alt+↑ and Alt+↓ move it"
+          title={t("Alt+↑ and Alt+↓ move it")}
           onClick={() => (stops.open.value = open ? null : stop.id)}
           onKeyDown={(event) => {
             const by = event.key === "ArrowUp" ? -1 : event.key === "ArrowDown" ? 1 : 0;
@@ -123,7 +124,7 @@ function Row({ stop, number, leg, dragged, onDrag, onOver, onMove }: RowProps) {
           type="button"
           class="icon-button"
           data-testid="stop-up"
-          aria-label="Earlier"
+          aria-label={t("Earlier")}
           disabled={number === 0}
           onClick={() => onMove(-1)}
         >
@@ -133,7 +134,7 @@ function Row({ stop, number, leg, dragged, onDrag, onOver, onMove }: RowProps) {
           type="button"
           class="icon-button"
           data-testid="stop-down"
-          aria-label="Later"
+          aria-label={t("Later")}
           disabled={number === tour.stops.length - 1}
           onClick={() => onMove(1)}
         >

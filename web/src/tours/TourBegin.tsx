@@ -1,5 +1,6 @@
 /** What begins a tour: visitors, or the clock; and how much charge it needs. */
 
+import { rich, t, within } from "../i18n";
 import type { BatteryRule, Begin, Slot } from "../protocol/types";
 import { useApp } from "../state/context";
 import { PlusIcon, TrashIcon } from "../ui/icons";
@@ -29,13 +30,13 @@ function Visitors() {
   const edit = (change: (now: Begin) => Partial<Begin>) =>
     void tours.edit((before) => ({ ...before, begin: { ...before.begin, ...change(before.begin) } }));
   const set = (change: Partial<Begin>) => edit(() => change);
-  const words = BY.filter(([by]) => begin.by.includes(by)).map(([, name]) => name.toLowerCase());
+  const words = BY.filter(([by]) => begin.by.includes(by)).map(([, name]) => within(t(name)));
   return (
-    <More title="Who begins it" testid="tour-begin" paths={["begin"]} about={words.join(", ")}>
+    <More title={t("Who begins it")} testid="tour-begin" paths={["begin"]} about={words.join(", ")}>
       <Several
-        label="It begins by"
+        label={t("It begins by")}
         values={begin.by}
-        options={BY}
+        options={BY.map(([by, name]) => [by, t(name)] as const)}
         path="begin.by"
         testid="tour-begin-by"
         onChange={(by, on) =>
@@ -51,23 +52,25 @@ function Visitors() {
       />
       <div class="form-row">
         <FigureField
-          label="People at least"
+          label={t("People at least")}
           value={begin.people_min}
           path="begin.people_min"
           testid="tour-people-min"
           onDone={(people_min) => set({ people_min })}
         />
         <FigureField
-          label="Within (m)"
+          label={t("Within (m)")}
           value={begin.within_m}
           path="begin.within_m"
           onDone={(within_m) => set({ within_m })}
         />
-        <FigureField label="For (s)" value={begin.for_s} path="begin.for_s" onDone={(for_s) => set({ for_s })} />
+        <FigureField label={t("For (s)")} value={begin.for_s} path="begin.for_s" onDone={(for_s) => set({ for_s })} />
       </div>
       <p class="field-hint">
-        A press on the page, or on a visitor's phone. A face or a voice counts if so many people are so near for so
-        long. It needs <i>Wait for visitors</i>.
+        {rich(
+          "A press on the page, or on a visitor's phone. A face or a voice counts if so many people are so near for so long. It needs {button}.",
+          { button: <i>{t("Wait for visitors")}</i> },
+        )}
       </p>
     </More>
   );
@@ -81,10 +84,10 @@ function Schedule() {
   const parts = schedule.map((_, at) => `schedule.${at}`);
   return (
     <More
-      title="Schedule"
+      title={t("Schedule")}
       testid="tour-schedule"
       paths={["schedule"]}
-      about={schedule.map(slotWords).join("; ") || "none"}
+      about={schedule.map(slotWords).join("; ") || t("none")}
     >
       {schedule.map((slot, at) => (
         // A slot has no id: it is what is at its place in the list.
@@ -105,10 +108,12 @@ function Schedule() {
         data-testid="schedule-add"
         onClick={() => edit((slots) => [...slots, NEW_SLOT])}
       >
-        <PlusIcon /> Days and times
+        <PlusIcon /> {t("Days and times")}
       </button>
       <p class="field-hint">
-        It begins by itself then, by the robot's clock, while it is set to <i>Wait for visitors</i>.
+        {rich("It begins by itself then, by the robot's clock, while it is set to {button}.", {
+          button: <i>{t("Wait for visitors")}</i>,
+        })}
       </p>
     </More>
   );
@@ -125,9 +130,9 @@ function SlotFields(props: {
   return (
     <div class="tour-question" role="group" aria-label={slotWords(slot)} data-testid="schedule-slot">
       <Several
-        label="Days"
+        label={t("Days")}
         values={slot.days}
-        options={DAYS}
+        options={DAYS.map(([day, name]) => [day, t(name)] as const)}
         letters={2}
         path={`${path}.days`}
         testid="schedule-day"
@@ -143,7 +148,7 @@ function SlotFields(props: {
         }
       />
       <TypedField
-        label="Times"
+        label={t("Times")}
         value={slot.times.join(", ")}
         path={`${path}.times`}
         testid="schedule-times"
@@ -152,7 +157,7 @@ function SlotFields(props: {
       />
       <Problems problems={problemsAt(tours.problems.value, path, [`${path}.days`, `${path}.times`])} />
       <button type="button" class="button small quiet" data-testid="schedule-remove" onClick={props.onRemove}>
-        <TrashIcon /> Remove these times
+        <TrashIcon /> {t("Remove these times")}
       </button>
     </div>
   );
@@ -166,14 +171,14 @@ function Battery() {
   const percent = (share: number) => `${Math.round(share * 100)} %`;
   return (
     <More
-      title="Battery"
+      title={t("Battery")}
       testid="tour-battery"
       paths={["battery"]}
-      about={`at least ${percent(battery.begin_min)} to begin`}
+      about={t("at least {beginMin} to begin", { beginMin: percent(battery.begin_min) })}
     >
       <div class="form-row two">
         <FigureField
-          label="At least, to begin (%)"
+          label={t("At least, to begin (%)")}
           value={battery.begin_min}
           scale={100}
           range={[0, 100]}
@@ -182,7 +187,7 @@ function Battery() {
           onDone={(begin_min) => set({ begin_min })}
         />
         <FigureField
-          label="Ends the tour below (%)"
+          label={t("Ends the tour below (%)")}
           value={battery.end_below}
           scale={100}
           range={[0, 100]}

@@ -1,6 +1,7 @@
 /** Over the view while a tour is configured by driving: what was met, and the end of it. */
 
 import { useSignal } from "@preact/signals";
+import { plural, rich, t } from "../i18n";
 import { nameProblem } from "../map/library";
 import { useApp } from "../state/context";
 import { CloseIcon, QrIcon, WarnIcon } from "../ui/icons";
@@ -22,13 +23,11 @@ export function TourDriveBanner() {
   return (
     <section
       class="tour-drive"
-      aria-label="Configuring a tour by driving"
+      aria-label={t("Configuring a tour by driving")}
       data-testid="tour-driving"
       data-met={tour.met.length}
     >
-      <p>
-        <b>{tour.title}</b>: drive past the posters in the order of the tour.
-      </p>
+      <p>{rich("{title}: drive past the posters in the order of the tour.", { title: <b>{tour.title}</b> })}</p>
       {tour.met.length > 0 && (
         <ol class="tour-met">
           {tour.met.map(({ text, landmark }) => (
@@ -38,7 +37,7 @@ export function TourDriveBanner() {
               <button
                 type="button"
                 class="icon-button"
-                aria-label={`Leave out ${posterTitle(text)}`}
+                aria-label={t("Leave out {text}", { text: posterTitle(text) })}
                 onClick={() => tourDrive.leaveOut(landmark)}
               >
                 <CloseIcon />
@@ -62,8 +61,8 @@ export function TourDriveBanner() {
       >
         {unnamed && (
           <input
-            aria-label="Keep the map as"
-            placeholder="Keep the map as…"
+            aria-label={t("Keep the map as")}
+            placeholder={t("Keep the map as…")}
             data-testid="tour-drive-map"
             value={name.value}
             autocomplete="off"
@@ -77,13 +76,11 @@ export function TourDriveBanner() {
           disabled={!ready || wrong !== ""}
         >
           {tourDrive.busy.value
-            ? "Keeping…"
-            : tour.met.length === 1
-              ? "Finish with 1 stop"
-              : `Finish with ${tour.met.length} stops`}
+            ? t("Keeping…")
+            : plural(tour.met.length, "Finish with {count} stop", "Finish with {count} stops")}
         </button>
         <button type="button" class="button small" data-testid="tour-drive-discard" onClick={() => tourDrive.discard()}>
-          Discard
+          {t("Discard")}
         </button>
       </form>
       {wrong && <p class="field-error">{wrong}</p>}

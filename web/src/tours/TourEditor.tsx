@@ -1,6 +1,7 @@
 /** The tour that is edited: what became of the edits, its way, its stops, and all that is the tour's as a whole. */
 
 import { useSignal } from "@preact/signals";
+import { plural, t } from "../i18n";
 import { Confirm } from "../map/Confirm";
 import { useApp } from "../state/context";
 import { TrashIcon } from "../ui/icons";
@@ -21,7 +22,7 @@ export function TourEditor() {
   return (
     <section
       class="card tour-editor"
-      aria-label={`Tour ${textOf(tour.title, tour.languages)}`}
+      aria-label={t("Tour {title}", { title: textOf(tour.title, tour.languages) })}
       data-testid="tour-editor"
       data-id={tour.id}
     >
@@ -61,7 +62,7 @@ function Way() {
       data-state={blocked > 0 ? "blocked" : "way"}
     >
       {text}
-      {blocked > 0 && <b>{blocked === 1 ? ". 1 leg cannot be driven." : `. ${blocked} legs cannot be driven.`}</b>}
+      {blocked > 0 && <b>{plural(blocked, ". {count} leg cannot be driven.", ". {count} legs cannot be driven.")}</b>}
       {tourRoute.planning.value && <span class="muted"> …</span>}
     </p>
   );
@@ -74,7 +75,7 @@ function Greeting() {
   const set = (change: Partial<typeof greeting>) =>
     void tours.edit((tour) => ({ ...tour, greeting: { ...tour.greeting, ...change } }));
   return (
-    <More title="Greeting" testid="tour-greeting" paths={["greeting"]}>
+    <More title={t("Greeting")} testid="tour-greeting" paths={["greeting"]}>
       <StepList
         path="greeting.do"
         steps={greeting.do}
@@ -95,12 +96,12 @@ function Greeting() {
             })
           }
         />
-        <span>Asks before it leads</span>
+        <span>{t("Asks before it leads")}</span>
       </label>
       {confirm && (
         <>
           <TextFields
-            label="Question"
+            label={t("Question")}
             long
             texts={confirm.ask}
             languages={languages}
@@ -108,23 +109,23 @@ function Greeting() {
             onDone={(ask) => set({ confirm: { ...confirm, ask } })}
           />
           <WordFields
-            label="Words for yes"
+            label={t("Words for yes")}
             words={confirm.agree}
             languages={languages}
             path="greeting.confirm.agree"
-            placeholder="yes, yes please"
+            placeholder={t("yes, yes please")}
             onDone={(agree) => set({ confirm: { ...confirm, agree } })}
           />
           <WordFields
-            label="Words for no"
+            label={t("Words for no")}
             words={confirm.decline}
             languages={languages}
             path="greeting.confirm.decline"
-            placeholder="no, no thanks"
+            placeholder={t("no, no thanks")}
             onDone={(decline) => set({ confirm: { ...confirm, decline } })}
           />
           <FigureField
-            label="No answer in so many seconds is a no"
+            label={t("No answer in so many seconds is a no")}
             value={confirm.at_most_s}
             path="greeting.confirm.at_most_s"
             testid="confirm-at-most"
@@ -147,7 +148,7 @@ function Farewell() {
   const { tours } = useApp();
   const { farewell } = tours.draft.value!;
   return (
-    <More title="Farewell" testid="tour-farewell" paths={["farewell"]}>
+    <More title={t("Farewell")} testid="tour-farewell" paths={["farewell"]}>
       <StepList
         path="farewell.do"
         steps={farewell.do}
@@ -175,15 +176,15 @@ function Files() {
             download={`${id}-a4.pdf`}
             data-testid="tour-posters"
           >
-            Posters, A4
+            {t("Posters, A4")}
           </a>
           <a class="button small" href={session.rest.posters(id, "letter")} download={`${id}-letter.pdf`}>
-            Posters, Letter
+            {t("Posters, Letter")}
           </a>
         </>
       )}
       <a class="button small" href={session.rest.tourFile(id)} download={`${id}.yaml`} data-testid="tour-export">
-        File (YAML)
+        {t("File (YAML)")}
       </a>
       {!shipped && (
         <button
@@ -192,13 +193,13 @@ function Files() {
           data-testid="tour-delete"
           onClick={() => (asking.value = true)}
         >
-          <TrashIcon /> Delete…
+          <TrashIcon /> {t("Delete…")}
         </button>
       )}
       {asking.value && (
         <Confirm
-          words="Delete this tour?"
-          yes="Delete"
+          words={t("Delete this tour?")}
+          yes={t("Delete")}
           onYes={() => {
             asking.value = false;
             void tours.remove();

@@ -1,5 +1,6 @@
 /** The name of the tour that is edited, what became of the edits, and whose counts where two people changed the same. */
 
+import { t } from "../i18n";
 import { useApp } from "../state/context";
 import { LeftIcon, UndoIcon, WarnIcon } from "../ui/icons";
 import { textOf } from "./tourEdits";
@@ -9,12 +10,12 @@ export function TourHead() {
   const tour = tours.draft.value!;
   const kept = tours.kept.value;
   const state = tours.conflict.value
-    ? "Not kept"
+    ? t("Not kept")
     : tours.busy.value
-      ? "Saving…"
+      ? t("Saving…")
       : tours.unsaved.value
-        ? "Not kept"
-        : "Kept";
+        ? t("Not kept")
+        : t("Kept");
   return (
     <>
       <h2 class="card-head tour-head">
@@ -22,8 +23,8 @@ export function TourHead() {
           type="button"
           class="icon-button"
           data-testid="tour-close"
-          aria-label="All tours"
-          title="All tours"
+          aria-label={t("All tours")}
+          title={t("All tours")}
           onClick={() => {
             stops.open.value = null;
             tourRun.wanted.value = tour.id; // what was edited is what is led next
@@ -34,15 +35,19 @@ export function TourHead() {
           <LeftIcon />
         </button>
         <span class="tour-name">{textOf(tour.title, tour.languages)}</span>
-        <span class={`tour-state small ${state === "Not kept" ? "bad" : ""}`} role="status" data-testid="tour-state">
+        <span
+          class={`tour-state small ${tours.conflict.value || tours.unsaved.value ? "bad" : ""}`}
+          role="status"
+          data-testid="tour-state"
+        >
           {state}
         </span>
         <button
           type="button"
           class="icon-button"
           data-testid="tour-undo"
-          aria-label="Undo"
-          title="Undo the last change of this tour, anyone's"
+          aria-label={t("Undo")}
+          title={t("Undo the last change of this tour, anyone's")}
           disabled={!kept?.can_undo || tours.busy.value}
           onClick={() => void tours.undo("undo")}
         >
@@ -52,8 +57,8 @@ export function TourHead() {
           type="button"
           class="icon-button mirrored"
           data-testid="tour-redo"
-          aria-label="Redo"
-          title="Redo"
+          aria-label={t("Redo")}
+          title={t("Redo")}
           disabled={!kept?.can_redo || tours.busy.value}
           onClick={() => void tours.undo("redo")}
         >
@@ -66,7 +71,7 @@ export function TourHead() {
           <span>{tours.refusal.value}</span>
           {tours.unsaved.value && (
             <button type="button" class="button small" onClick={() => void tours.save()}>
-              Again
+              {t("Again")}
             </button>
           )}
         </p>
@@ -82,11 +87,11 @@ export function ConflictNote() {
   if (!conflict) return null;
   return (
     <div class="inline-note error stacked" role="alert" data-testid="tour-conflict">
-      <b>Another editor has changed the same: {conflict.paths.join(", ")}.</b>
-      <span>What only one of you has changed is kept in any case.</span>
+      <b>{t("Another editor has changed the same: {paths}.", { paths: conflict.paths.join(", ") })}</b>
+      <span>{t("What only one of you has changed is kept in any case.")}</span>
       <span class="form-actions">
         <button type="button" class="button small" data-testid="tour-mine" onClick={() => void tours.decide("mine")}>
-          Keep mine
+          {t("Keep mine")}
         </button>
         <button
           type="button"
@@ -94,7 +99,7 @@ export function ConflictNote() {
           data-testid="tour-theirs"
           onClick={() => void tours.decide("theirs")}
         >
-          Take theirs
+          {t("Take theirs")}
         </button>
       </span>
     </div>

@@ -1,6 +1,7 @@
 /** The tab of tours: all of them, or the one that is edited. */
 
 import { useSignal } from "@preact/signals";
+import { plural, t } from "../i18n";
 import { panel } from "../panels/panel";
 import type { TourSummary } from "../protocol/types";
 import { useApp } from "../state/context";
@@ -26,14 +27,14 @@ function TourList() {
   const list = tours.list.value;
   const problem = tours.refusal.value || tours.unread.value;
   return (
-    <section class="card" aria-label="Tours" data-testid="tours">
+    <section class="card" aria-label={t("Tours")} data-testid="tours">
       <h2 class="card-head">
-        Tours <span class="count">{list?.tours.length ?? ""}</span>
+        {t("Tours")} <span class="count">{list?.tours.length ?? ""}</span>
         <label
           class={`button small quiet ${tours.allowed.value ? "" : "disabled"}`}
-          title="Import a tour's file (YAML)"
+          title={t("Import a tour's file (YAML)")}
         >
-          Import
+          {t("Import")}
           <input
             type="file"
             class="visually-hidden"
@@ -56,9 +57,9 @@ function TourList() {
         </p>
       )}
       {list === null ? (
-        <p class="empty">{tours.unread.value ? "The list could not be read." : "Reading the list…"}</p>
+        <p class="empty">{tours.unread.value ? t("The list could not be read.") : t("Reading the list…")}</p>
       ) : list.tours.length === 0 ? (
-        <p class="empty">No tour yet.</p>
+        <p class="empty">{t("No tour yet.")}</p>
       ) : (
         <ul class="tours">
           {list.tours.map((tour) => (
@@ -90,10 +91,15 @@ function Row({ tour }: { tour: TourSummary }) {
         <b>{textOf(tour.title, tour.languages) || id}</b>
         <span class="muted small">
           {problem ??
-            `${stops === 1 ? "1 stop" : `${stops} stops`} on the map ${tour.map}${tour.shipped ? ", an example" : ""}`}
+            t(tour.shipped ? "{stops} on the map {map}, an example" : "{stops} on the map {map}", {
+              stops: plural(stops, "{count} stop", "{count} stops"),
+              map: tour.map,
+            })}
         </span>
         {errors > 0 && (
-          <span class="tour-lack small">{errors === 1 ? "1 thing is missing" : `${errors} things are missing`}</span>
+          <span class="tour-lack small">
+            {plural(errors, "{count} thing is missing", "{count} things are missing")}
+          </span>
         )}
       </button>
     </li>
@@ -118,22 +124,22 @@ function NewTour() {
         if (ready && map) void tours.create(newTour(title.peek(), language.peek(), map, taken));
       }}
     >
-      <h3>A new tour</h3>
+      <h3>{t("A new tour")}</h3>
       <div class="tour-new-fields">
         <div class="field">
-          <label for="tour-new-title">Title</label>
+          <label for="tour-new-title">{t("Title")}</label>
           <input
             id="tour-new-title"
             data-testid="tour-new-title"
             value={title.value}
             maxLength={100}
-            placeholder="The robotics lab"
+            placeholder={t("The robotics lab")}
             autocomplete="off"
             onInput={(event) => (title.value = event.currentTarget.value)}
           />
         </div>
         <TypedField
-          label="Language"
+          label={t("Language")}
           value={language.value}
           testid="tour-new-language"
           maxLength={20}
@@ -149,22 +155,24 @@ function NewTour() {
             disabled={!ready || tourDrive.tour.value !== null}
             onClick={() => void tourDrive.begin(title.peek().trim(), language.peek())}
           >
-            <QrIcon /> By driving
+            <QrIcon /> {t("By driving")}
           </button>
         )}
         <button
           type="submit"
           class="button"
           data-testid="tour-new"
-          title={map ? `On the map ${map}` : "Save the map first: a tour is on a map that has a name"}
+          title={map ? t("On the map {map}", { map }) : t("Save the map first: a tour is on a map that has a name")}
           disabled={!ready || map === ""}
         >
-          <PlusIcon /> By hand
+          <PlusIcon /> {t("By hand")}
         </button>
       </div>
       <p class="field-hint">
-        By driving: hang posters at the stops, then drive once past them; each that the robot reads becomes a stop.{" "}
-        {!map && (known ? "By hand: save the map first." : "By hand: there is no map yet.")}
+        {t(
+          "By driving: hang posters at the stops, then drive once past them; each that the robot reads becomes a stop.",
+        )}{" "}
+        {!map && (known ? t("By hand: save the map first.") : t("By hand: there is no map yet."))}
       </p>
     </form>
   );

@@ -1,6 +1,7 @@
 /** Reports on tours that are over: counts of people and nothing else of them; all as a table. */
 
 import { useSignal } from "@preact/signals";
+import { plural, t } from "../i18n";
 import { Confirm } from "../map/Confirm";
 import type { RunReport } from "../protocol/types";
 import { useApp } from "../state/context";
@@ -17,11 +18,11 @@ export function TourReports() {
   const reports = tourRun.reports.value;
   if (!reports || reports.length === 0) return null;
   return (
-    <section class="card" aria-label="Reports on tours" data-testid="tour-reports">
+    <section class="card" aria-label={t("Reports on tours")} data-testid="tour-reports">
       <h2 class="card-head">
-        Reports <span class="count">{reports.length}</span>
+        {t("Reports")} <span class="count">{reports.length}</span>
         <a class="button small quiet" data-testid="tour-reports-csv" href={session.rest.tourReportsTable()} download>
-          As a table (CSV)
+          {t("As a table (CSV)")}
         </a>
       </h2>
       <ul class="tours">
@@ -29,7 +30,15 @@ export function TourReports() {
           <Row key={report.run} report={report} />
         ))}
       </ul>
-      {reports.length > SHOWN && <p class="muted small">The table has the {reports.length - SHOWN} older ones, too.</p>}
+      {reports.length > SHOWN && (
+        <p class="muted small">
+          {plural(
+            reports.length - SHOWN,
+            "The table has the older one, too.",
+            "The table has the {count} older ones, too.",
+          )}
+        </p>
+      )}
     </section>
   );
 }
@@ -47,13 +56,19 @@ function Row({ report }: { report: RunReport }) {
           <span class="small">{reportWords(report)}</span>
         </summary>
         <dl class="tour-report-figures small">
-          <dt>Visitors</dt>
-          <dd>{`${report.people_begin} at the start, ${report.people_most} at most, ${report.people_end} at the end`}</dd>
-          <dt>Driven</dt>
+          <dt>{t("Visitors")}</dt>
+          <dd>
+            {t("{peopleBegin} at the start, {peopleMost} at most, {peopleEnd} at the end", {
+              peopleBegin: report.people_begin,
+              peopleMost: report.people_most,
+              peopleEnd: report.people_end,
+            })}
+          </dd>
+          <dt>{t("Driven")}</dt>
           <dd>{`${number(report.driven_m, 0)} m`}</dd>
-          <dt>Waited for visitors</dt>
+          <dt>{t("Waited for visitors")}</dt>
           <dd>{timesWords(report.waits, report.waited_s)}</dd>
-          <dt>Paused</dt>
+          <dt>{t("Paused")}</dt>
           <dd>{timesWords(report.pauses, report.paused_s)}</dd>
           {report.stops.map((stop, index) => (
             <Stop key={`${index} ${stop.stop}`} stop={stop} />
@@ -64,8 +79,8 @@ function Row({ report }: { report: RunReport }) {
         </dl>
         {asked.value ? (
           <Confirm
-            words="The report is gone then."
-            yes="Delete"
+            words={t("The report is gone then.")}
+            yes={t("Delete")}
             onYes={() => void tourRun.deleteReport(run)}
             onNo={() => (asked.value = false)}
           />
@@ -76,7 +91,7 @@ function Row({ report }: { report: RunReport }) {
             data-testid="tour-report-delete"
             onClick={() => (asked.value = true)}
           >
-            <TrashIcon /> Delete
+            <TrashIcon /> {t("Delete")}
           </button>
         )}
       </details>
@@ -86,13 +101,16 @@ function Row({ report }: { report: RunReport }) {
 
 function Stop({ stop }: { stop: RunReport["stops"][number] }) {
   const asked = Object.values(stop.questions).reduce((sum, count) => sum + count, 0);
-  const what = stop.presented ? "presented" : stop.skipped ? "skipped" : "left";
-  const time = stop.arrived !== null && stop.ended !== null ? `, ${clockSpan(stop.ended - stop.arrived)} min` : "";
-  const questions = asked === 0 ? "" : asked === 1 ? ", 1 question" : `, ${asked} questions`;
+  const what = stop.presented ? t("presented") : stop.skipped ? t("skipped") : t("left|a stop");
+  const time =
+    stop.arrived !== null && stop.ended !== null
+      ? t(", {time} min", { time: clockSpan(stop.ended - stop.arrived) })
+      : "";
+  const questions = asked === 0 ? "" : plural(asked, ", {count} question", ", {count} questions");
   return (
     <>
       <dt>{idWords(stop.stop)}</dt>
-      <dd>{`${what}${time}, ${stop.people} there${questions}`}</dd>
+      <dd>{t("{what}{time}, {people} there{questions}", { what, time, people: stop.people, questions })}</dd>
     </>
   );
 }
@@ -100,7 +118,7 @@ function Stop({ stop }: { stop: RunReport["stops"][number] }) {
 function FailureRow({ stop, what }: { stop: string; what: string }) {
   return (
     <>
-      <dt class="tour-lack">{idWords(stop) || "Failed"}</dt>
+      <dt class="tour-lack">{idWords(stop) || t("Failed")}</dt>
       <dd class="tour-lack">{sentence(what)}</dd>
     </>
   );

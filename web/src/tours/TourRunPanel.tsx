@@ -1,6 +1,7 @@
 /** Leads tours: begins one, shows how it goes and why, and steers it. */
 
 import { useSignal } from "@preact/signals";
+import { fromRobot, langOf, plural, t } from "../i18n";
 import { Confirm } from "../map/Confirm";
 import { panel } from "../panels/panel";
 import type { TourProgress } from "../protocol/types";
@@ -51,7 +52,7 @@ function TourRun() {
   return (
     <section
       class={`card tour-run ${progress?.state ?? "none"}`}
-      aria-label="Leading a tour"
+      aria-label={t("Leading a tour")}
       data-testid="tour-run"
       data-state={progress?.state ?? "none"}
       data-stop={progress?.stop ?? ""}
@@ -72,17 +73,17 @@ function Begin() {
   const { store, tourRun, tours } = useApp();
   const chosen = tourRun.chosen.value;
   const list = tours.list.value?.tours ?? [];
-  if (store.replay.value) return <h2>No tour is under way</h2>;
-  if (!chosen) return <h2>{list.length === 0 ? "No tour to lead yet" : "No tour can be read"}</h2>;
+  if (store.replay.value) return <h2>{t("No tour is under way")}</h2>;
+  if (!chosen) return <h2>{list.length === 0 ? t("No tour to lead yet") : t("No tour can be read")}</h2>;
   const ready = tourRun.allowed.value && chosen.errors === 0;
   const { languages } = chosen;
   const language = languages.includes(tourRun.language.value) ? tourRun.language.value : (languages[0] ?? "");
   return (
     <>
-      <h2>Lead a tour</h2>
+      <h2>{t("Lead a tour")}</h2>
       <div class="tour-run-choice">
         <Choice
-          label="Tour"
+          label={t("Tour")}
           value={chosen.id}
           testid="tour-run-tour"
           options={list
@@ -91,7 +92,7 @@ function Begin() {
           onChange={(id) => (tourRun.wanted.value = id)}
         />
         <Choice
-          label="It speaks"
+          label={t("It speaks")}
           value={language}
           testid="tour-run-language"
           options={languages.map((tag) => [tag, languageName(tag)] as const)}
@@ -100,8 +101,11 @@ function Begin() {
       </div>
       {chosen.errors > 0 && (
         <p class="tour-lack small">
-          {chosen.errors === 1 ? "1 thing is missing" : `${chosen.errors} things are missing`}: open the tour to see
-          what.
+          {plural(
+            chosen.errors,
+            "{count} thing is missing: open the tour to see what.",
+            "{count} things are missing: open the tour to see what.",
+          )}
         </p>
       )}
       <div class="tour-run-buttons two-ways">
@@ -112,17 +116,17 @@ function Begin() {
           disabled={!ready}
           onClick={() => void tourRun.begin("now")}
         >
-          <PlayIcon /> Begin now
+          <PlayIcon /> {t("Begin now")}
         </button>
         <button
           type="button"
           class="button"
           data-testid="tour-run-wait"
-          title="It begins when visitors or the schedule begin it, again and again"
+          title={t("It begins when visitors or the schedule begin it, again and again")}
           disabled={!ready}
           onClick={() => void tourRun.begin("visitors")}
         >
-          <PersonIcon /> Wait for visitors
+          <PersonIcon /> {t("Wait for visitors")}
         </button>
       </div>
     </>
@@ -179,7 +183,7 @@ function Dots({ progress }: { progress: TourProgress }) {
   const stops = tourRun.stops.value;
   if (stops.length === 0) return null;
   return (
-    <ol class="tour-run-dots" aria-label="Stops">
+    <ol class="tour-run-dots" aria-label={t("Stops")}>
       {stops.map(({ id, title }) => {
         const state =
           id === progress.stop
@@ -228,7 +232,7 @@ function Question({ progress }: { progress: TourProgress }) {
   if (!question || progress.state === "paused") return null;
   return (
     <div class="tour-run-question" role="alert" data-testid="tour-run-question">
-      <b>{question.text}</b>
+      <b lang={langOf(question.text)}>{fromRobot(question.text)}</b>
       <span class="small" data-testid="tour-run-default">
         {defaultWords(question, store.seconds.value)}
       </span>
@@ -272,8 +276,8 @@ function Steering({ progress }: { progress: TourProgress }) {
         </div>
       )}
       {asks.length + progress.questions.length > 0 && (
-        <div class="tour-run-buttons for-visitors" role="group" aria-label="Said for visitors">
-          <span class="muted small">Press what visitors say</span>
+        <div class="tour-run-buttons for-visitors" role="group" aria-label={t("Said for visitors")}>
+          <span class="muted small">{t("Press what visitors say")}</span>
           {asks.map((control) => (
             <RunButton key={control.button} control={control} onPress={press} />
           ))}
@@ -292,7 +296,7 @@ function Steering({ progress }: { progress: TourProgress }) {
           ))}
         </div>
       )}
-      <div class="tour-run-buttons" role="group" aria-label="Steer the tour">
+      <div class="tour-run-buttons" role="group" aria-label={t("Steer the tour")}>
         {others.map((control) => (
           <RunButton key={control.button} control={control} onPress={press} />
         ))}
@@ -304,15 +308,15 @@ function Steering({ progress }: { progress: TourProgress }) {
             disabled={!tourRun.allowed.value}
             onClick={() => void tourRun.dismiss()}
           >
-            Stop waiting
+            {t("Stop waiting")}
           </button>
         )}
       </div>
       {ending.value && progress.state !== "idle" && (
         <Confirm
-          words="The robot says goodbye and goes home."
-          yes="End the tour"
-          no="Do not end it"
+          words={t("The robot says goodbye and goes home.")}
+          yes={t("End the tour")}
+          no={t("Do not end it")}
           onYes={() => {
             ending.value = false;
             void tourRun.press({ button: "end" });
@@ -356,7 +360,7 @@ function GoToStop({ progress }: { progress: TourProgress }) {
   return (
     <select
       class="tour-run-go"
-      aria-label="Go to a stop"
+      aria-label={t("Go to a stop")}
       data-testid="tour-run-go"
       value=""
       disabled={!tourRun.allowed.value}
@@ -366,7 +370,7 @@ function GoToStop({ progress }: { progress: TourProgress }) {
         if (stop) void tourRun.press({ stop });
       }}
     >
-      <option value="">Go to a stop…</option>
+      <option value="">{t("Go to a stop…")}</option>
       {stops.map(({ id, title }, index) => (
         <option key={id} value={id}>
           {`${index + 1}  ${textOf(title, progress.languages) || id}`}
@@ -383,14 +387,14 @@ function ForPhones() {
   if (!link || link.url === "") return null;
   return (
     <details class="tour-more" data-testid="tour-run-phones">
-      <summary>For visitors' phones</summary>
+      <summary>{t("For visitors' phones")}</summary>
       {link.problem ? (
         <p class="inline-note warn" data-testid="tour-run-phones-problem">
           <WarnIcon />
           <span>{link.problem}</span>
         </p>
       ) : (
-        <QrPicture code={link.code} label="Code for visitors' phones" />
+        <QrPicture code={link.code} label={t("Code for visitors' phones")} />
       )}
       <p class="small">
         <a href={link.url} target="_blank" rel="noreferrer" data-testid="tour-run-link">
@@ -398,8 +402,9 @@ function ForPhones() {
         </a>
       </p>
       <p class="muted small">
-        It shows text, pictures and questions in their language, and lets them press what the tour waits for. Each run
-        has another link.
+        {t(
+          "It shows text, pictures and questions in their language, and lets them press what the tour waits for. Each run has another link.",
+        )}
       </p>
     </details>
   );
@@ -408,7 +413,7 @@ function ForPhones() {
 function Failures({ progress }: { progress: TourProgress }) {
   if (progress.failures.length === 0) return null;
   return (
-    <ul class="tour-problems" aria-label="What failed">
+    <ul class="tour-problems" aria-label={t("What failed")}>
       {progress.failures.map(({ stop, what }, index) => (
         <li key={`${index} ${stop}`} data-testid="tour-run-failure" data-stop={stop}>
           <WarnIcon />

@@ -1,5 +1,6 @@
 /** What is the tour's as a whole: its title and languages, how it leads, which codes it obeys. */
 
+import { type Text, t } from "../i18n";
 import type { Commands, Pace, Tour } from "../protocol/types";
 import { useApp } from "../state/context";
 import { FailureFields } from "./FailureFields";
@@ -41,17 +42,17 @@ function Basics() {
   const { languages } = tour;
   const known = places.all.value;
   const homes: [string, string][] = [
-    ["", "nowhere: it stays at the end"],
+    ["", t("nowhere: it stays at the end")],
     ...known.map(({ id, name }): [string, string] => [id, name]),
   ];
   if (tour.home !== null && !known.some(({ id }) => id === tour.home))
-    homes.push([tour.home, `${tour.home} (not on this map)`]);
+    homes.push([tour.home, t("{home} (not on this map)", { home: tour.home })]);
   const names = [tour.map, maps.inUse.value ?? "", ...(maps.list.value?.maps ?? []).map(({ name }) => name)];
   const set = (change: Partial<Tour>) => void tours.edit((before) => ({ ...before, ...change }));
   return (
-    <More title="Title, languages, map" testid="tour-settings" paths={["title", "languages", "map", "home"]}>
+    <More title={t("Title, languages, map")} testid="tour-settings" paths={["title", "languages", "map", "home"]}>
       <TextFields
-        label="Title"
+        label={t("Title")}
         texts={tour.title}
         languages={languages}
         path="title"
@@ -59,11 +60,11 @@ function Basics() {
         onDone={(title) => set({ title })}
       />
       <TypedField
-        label="Languages"
+        label={t("Languages")}
         value={languages.join(", ")}
         path="languages"
         testid="tour-languages"
-        hint="Short names, as en, fr. Every text has the first; of the others, some may be missing."
+        hint={t("Short names, as en, fr. Every text has the first; of the others, some may be missing.")}
         onDone={(typed) =>
           set({
             languages: typed
@@ -74,14 +75,14 @@ function Basics() {
         }
       />
       <Choice
-        label="Map"
+        label={t("Map")}
         value={tour.map}
         path="map"
         options={[...new Set(names.filter((name) => name !== ""))].map((name) => [name, name] as const)}
         onChange={(map) => set({ map })}
       />
       <Choice
-        label="Afterwards it goes to"
+        label={t("Afterwards it goes to")}
         value={tour.home ?? ""}
         path="home"
         testid="tour-home"
@@ -98,9 +99,14 @@ function Leading() {
   const set = (change: Partial<Pace>) =>
     void tours.edit((before) => ({ ...before, pace: { ...before.pace, ...change } }));
   return (
-    <More title="Pace" testid="tour-pace" paths={["pace"]} about={`${Math.round(pace.speed * 100)} % of its speed`}>
+    <More
+      title={t("Pace")}
+      testid="tour-pace"
+      paths={["pace"]}
+      about={t("{share} % of its speed", { share: Math.round(pace.speed * 100) })}
+    >
       <FigureField
-        label="Speed (% of its greatest)"
+        label={t("Speed (% of its greatest)")}
         value={pace.speed}
         scale={100}
         range={[1, 100]}
@@ -110,35 +116,35 @@ function Leading() {
       />
       <div class="form-row">
         <FigureField
-          label="Slows down behind (m)"
+          label={t("Slows down behind (m)")}
           value={pace.slow_m}
           path="pace.slow_m"
           testid="tour-slow"
           onDone={(slow_m) => set({ slow_m })}
         />
         <FigureField
-          label="Waits behind (m)"
+          label={t("Waits behind (m)")}
           value={pace.wait_m}
           path="pace.wait_m"
           testid="tour-wait"
           onDone={(wait_m) => set({ wait_m })}
         />
         <FigureField
-          label="Waits at most (s)"
+          label={t("Waits at most (s)")}
           value={pace.give_up_s}
           path="pace.give_up_s"
           onDone={(give_up_s) => set({ give_up_s })}
         />
       </div>
       <p class="field-hint">
-        So far behind visitors may be. After the wait it goes on with those who are there, or ends.
+        {t("So far behind visitors may be. After the wait it goes on with those who are there, or ends.")}
       </p>
       <FigureField
-        label="Looks back every (m)"
+        label={t("Looks back every (m)")}
         value={pace.look_back_m}
         path="pace.look_back_m"
         testid="tour-look-back"
-        hint="It stops and turns, for its cameras see only ahead."
+        hint={t("It stops and turns, for its cameras see only ahead.")}
         onDone={(look_back_m) => set({ look_back_m })}
       />
     </More>
@@ -149,7 +155,7 @@ function Failing() {
   const { tours } = useApp();
   const { on_failure } = tours.draft.value!;
   return (
-    <More title="When something fails" testid="tour-failure" paths={["on_failure"]}>
+    <More title={t("When something fails")} testid="tour-failure" paths={["on_failure"]}>
       <FailureFields
         path="on_failure"
         rules={on_failure}
@@ -170,7 +176,7 @@ function Failing() {
   );
 }
 
-const COMMANDS: readonly [keyof Commands, string, string][] = [
+const COMMANDS: readonly [keyof Commands, Text, string][] = [
   ["pause", "Pause", "wait please"],
   ["resume", "Go on after such a pause", "go on"],
   ["skip", "Skip the stop", "skip this"],
@@ -185,16 +191,16 @@ function Spoken() {
   const used = COMMANDS.filter(([name]) => Object.keys(commands[name]).length > 0).length;
   return (
     <More
-      title="Words that steer it"
+      title={t("Words that steer it")}
       testid="tour-commands"
       paths={["commands"]}
-      about={used === 0 ? "none" : String(used)}
+      about={used === 0 ? t("none") : String(used)}
     >
-      <p class="field-hint">What visitors may say, with commas between. Without a word, only buttons do it.</p>
+      <p class="field-hint">{t("What visitors may say, with commas between. Without a word, only buttons do it.")}</p>
       {COMMANDS.map(([name, label, placeholder]) => (
         <WordFields
           key={name}
-          label={label}
+          label={t(label)}
           words={commands[name]}
           languages={languages}
           path={`commands.${name}`}
@@ -204,7 +210,7 @@ function Spoken() {
           }
         />
       ))}
-      <p class="field-hint">A pause by the operator, and one after the emergency stop, end only with a press.</p>
+      <p class="field-hint">{t("A pause by the operator, and one after the emergency stop, end only with a press.")}</p>
     </More>
   );
 }
@@ -214,19 +220,19 @@ function Accepting() {
   const { accept } = tours.draft.value!;
   return (
     <More
-      title="Further codes"
+      title={t("Further codes")}
       testid="tour-accept"
       paths={["accept"]}
-      about={accept.length === 0 ? "none" : String(accept.length)}
+      about={accept.length === 0 ? t("none") : String(accept.length)}
     >
       <TypedField
-        label="Texts of codes to obey"
+        label={t("Texts of codes to obey")}
         long
         value={accept.join("\n")}
         path="accept"
         testid="tour-accept-texts"
         placeholder="HBBA:SAY/EN/MIND THE STEP."
-        hint="One a line, beside the posters of the stops. Any other code is shown as text, and does nothing."
+        hint={t("One a line, beside the posters of the stops. Any other code is shown as text, and does nothing.")}
         onDone={(typed) => void tours.edit((before) => ({ ...before, accept: linesOf(typed) }))}
       />
     </More>

@@ -3,6 +3,7 @@
 import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect, useId, useRef } from "preact/hooks";
+import { shown, t } from "../i18n";
 import type { TourProblemReport } from "../protocol/types";
 import { useApp } from "../state/context";
 import { sentence } from "../ui/format";
@@ -235,7 +236,7 @@ export function WordFields(props: {
           label={languages.length > 1 ? `${props.label}, ${languageName(language)}` : props.label}
           value={(props.words[language] ?? []).join(", ")}
           path={path && `${path}.${language}`}
-          placeholder={props.placeholder ?? "next, go on"}
+          placeholder={props.placeholder ?? t("next, go on")}
           onDone={(typed) => props.onDone(withWords(props.words, language, typed))}
         />
       ))}
@@ -261,7 +262,7 @@ export function Problems({ problems }: { problems: readonly TourProblemReport[] 
         <li key={`${field} ${message}`} class={severity} data-testid="tour-problem" data-field={field}>
           <WarnIcon />
           <span>
-            {severity === "mistake" && <b>Not kept: </b>}
+            {severity === "mistake" && <b>{t("Not kept:")} </b>}
             {sentence(message)}
           </span>
         </li>
@@ -303,7 +304,7 @@ export function More(props: {
 /** "English"; of a tag that the browser does not know, the tag. */
 export function languageName(tag: string): string {
   try {
-    return new Intl.DisplayNames(["en"], { type: "language" }).of(tag) ?? tag;
+    return new Intl.DisplayNames([shown.value.language], { type: "language" }).of(tag) ?? tag;
   } catch {
     return tag;
   }

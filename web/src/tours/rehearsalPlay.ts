@@ -1,5 +1,6 @@
 /** A rehearsal played back: where the robot is, what it says and does at a moment of it; pure. */
 
+import { plural, t } from "../i18n";
 import type { Rehearsal, RehearsalProblem, RehearsalReport } from "../protocol/types";
 import { clockSpan } from "../ui/format";
 
@@ -54,12 +55,18 @@ export function problemsByStop({ problems }: Rehearsal): Map<string, RehearsalPr
 
 /** "5:20 min, 34 m, 3 stops. The tour is over." in a line. */
 export function resultWords({ duration_s, driven_m, stops, outcome }: Rehearsal): string {
-  const count = stops.length === 1 ? "1 stop" : `${stops.length} stops`;
-  return `${clockSpan(duration_s)} min, ${Math.round(driven_m)} m, ${count} presented: ${outcome}.`;
+  const count = plural(stops.length, "{count} stop", "{count} stops");
+  return t("{time} min, {metres} m, {stops} presented: {outcome}.", {
+    time: clockSpan(duration_s),
+    metres: Math.round(driven_m),
+    stops: count,
+    outcome,
+  });
 }
 
 /** What is known of one that runs. */
 export function progressWords({ seconds, stop }: RehearsalReport): string {
-  if (seconds <= 0) return "Getting ready…";
-  return `${clockSpan(seconds)} min played${stop ? `, on the way to or at ${stop}` : ""}`;
+  if (seconds <= 0) return t("Getting ready…");
+  const time = clockSpan(seconds);
+  return stop ? t("{time} min played, on the way to or at {stop}", { time, stop }) : t("{time} min played", { time });
 }

@@ -1,6 +1,7 @@
 /** The way of the tour that is edited, planned again whenever the tour, its places or the zones change. */
 
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
+import { t } from "../i18n";
 import { inWords, Problem, type Rest } from "../protocol/rest";
 import type { Place, RouteReport, Tour, Zone } from "../protocol/types";
 import { equal } from "./tourMerge";
@@ -61,7 +62,9 @@ export class RouteControl {
         return;
       }
       if (now.map !== null && now.map !== now.tour.map) {
-        this.forget(`This tour is on the map ${now.tour.map}; ${now.map || "a new map"} is in use.`);
+        this.forget(
+          t("This tour is on the map {map}; {used} is in use.", { map: now.tour.map, used: now.map || "a new map" }),
+        );
         return;
       }
       const { tour: _, ...key } = now;

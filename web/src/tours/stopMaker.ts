@@ -1,6 +1,7 @@
 /** Makes stops of the open tour: before a poster that was found, where the robot is, or at a place of the map. */
 
 import { signal } from "@preact/signals";
+import { t } from "../i18n";
 import { type PlaceControl, placeOf, posterLack } from "../map/placeControl";
 import { inWords, type Rest } from "../protocol/rest";
 import type { Landmark, NewPlace, Place } from "../protocol/types";
@@ -27,8 +28,8 @@ export class StopMaker {
   /** Why no stop can be made before a poster; empty: one can. */
   lack(landmark: Landmark): string {
     const tour = this.tours.draft.value;
-    if (!tour) return "No tour is open.";
-    if (stopOf(tour, landmark)) return "It is a stop of this tour already.";
+    if (!tour) return t("No tour is open.");
+    if (stopOf(tour, landmark)) return t("It is a stop of this tour already.");
     return placeOf(this.places.all.value, landmark) ? "" : posterLack(landmark);
   }
 
@@ -85,7 +86,11 @@ export class StopMaker {
   private async made(place: NewPlace): Promise<Place | null> {
     try {
       const made = await this.rest.addPlace(place);
-      if (made.problem) this.store.notify("warning", `${made.name} is a place now, but ${made.problem}.`);
+      if (made.problem)
+        this.store.notify(
+          "warning",
+          t("{name} is a place now, but {problem}.", { name: made.name, problem: made.problem }),
+        );
       return made;
     } catch (error) {
       this.store.notify("error", inWords(error));

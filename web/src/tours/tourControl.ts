@@ -5,6 +5,7 @@
  */
 
 import { batch, computed, effect, type ReadonlySignal, signal } from "@preact/signals";
+import { t } from "../i18n";
 import { inWords, type KeptTour, Problem, type Rest } from "../protocol/rest";
 import type { Tour, TourList, TourProblemReport } from "../protocol/types";
 import type { Store } from "../state/store";
@@ -211,7 +212,7 @@ export class TourControl {
       this.kept.value = theirs;
       this.draft.value = merged;
     });
-    this.store.notify("info", "Another editor changed this tour too: both changes are in it.");
+    this.store.notify("info", t("Another editor changed this tour too: both changes are in it."));
     return "again";
   }
 

@@ -1,6 +1,7 @@
 /** Configures a tour by driving it once: looks for posters on the way, and makes a tour of them at the end. */
 
 import { effect, signal } from "@preact/signals";
+import { t } from "../i18n";
 import type { MapLibrary } from "../map/library";
 import type { MapControl } from "../map/mapControl";
 import { type PlaceControl, placeOf } from "../map/placeControl";
@@ -77,7 +78,7 @@ export class TourDrive {
       const inUse = this.maps.inUse.peek();
       const name = inUse || mapName.trim();
       if (!inUse && (await this.rest.maps()).maps.some((map) => map.name === name)) {
-        this.problem.value = `There is a map ${name} already: choose another name.`;
+        this.problem.value = t("There is a map {name} already: choose another name.", { name });
         return;
       }
       await this.rest.saveMap(name);
@@ -89,7 +90,7 @@ export class TourDrive {
       }
       await this.maps.refresh();
       this.tour.value = null;
-      this.store.notify("info", `The tour ${tour.title} is kept, and so is the map ${name}.`);
+      this.store.notify("info", t("The tour {title} is kept, and so is the map {name}.", { title: tour.title, name }));
     } catch (error) {
       this.problem.value = inWords(error);
     } finally {
@@ -114,7 +115,10 @@ export class TourDrive {
         names.push(made.name);
         found.set(landmark, made.id);
       } catch (error) {
-        this.store.notify("warning", `${posterTitle(text)} is no stop: ${inWords(error)}`);
+        this.store.notify(
+          "warning",
+          t("{text} is no stop: {error}", { text: posterTitle(text), error: inWords(error) }),
+        );
       }
     }
     return found;

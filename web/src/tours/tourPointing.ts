@@ -1,6 +1,7 @@
 /** A point of a step that is chosen by a click on the map. */
 
 import { effect, signal } from "@preact/signals";
+import { t } from "../i18n";
 import type { MapControl } from "../map/mapControl";
 import { inWords, type Rest } from "../protocol/rest";
 import type { Store } from "../state/store";
@@ -47,7 +48,7 @@ export class TourPointing {
       if (!measured)
         this.store.notify(
           "warning",
-          "The camera measured no distance there: the point lies on the floor, or 4 m away.",
+          t("The camera measured no distance there: the point lies on the floor, or 4 m away."),
         );
     } catch (error) {
       this.store.notify("error", inWords(error));

@@ -1,5 +1,6 @@
 /** The way of a tour: which places are joined, and what their legs are in words; pure. */
 
+import { t } from "../i18n";
 import type { Place, RouteLegReport, RoutePoint, RouteReport, Step, Tour } from "../protocol/types";
 import { number } from "../ui/format";
 
@@ -32,8 +33,9 @@ export function itinerary(tour: Tour, places: readonly Place[]): Itinerary {
   const all = there.length > 0 ? [...home, ...there, ...home] : [];
   const lacking = stops
     .filter(({ place }) => !known(place))
-    .map(({ id, place }) => none(id, `there is no place ${place} on the map`));
-  if (tour.home !== null && home.length === 0) lacking.push(none(null, `there is no place ${tour.home} on the map`));
+    .map(({ id, place }) => none(id, t("there is no place {place} on the map", { place })));
+  if (tour.home !== null && home.length === 0)
+    lacking.push(none(null, t("there is no place {home} on the map", { home: tour.home })));
   return {
     points: all.map(({ place }) => ({ place })),
     to: all.slice(1).map(({ stop }) => stop),
@@ -51,8 +53,8 @@ export function legsOf(tour: Tour, { to, lacking }: Itinerary, route: RouteRepor
 /** "12 m, 0.5 min"; without a way, why. */
 export function legWords({ state, reason, length_m, duration_s }: Leg): string {
   const long = `${number(length_m, length_m < 10 ? 1 : 0)} m, ${minutes(duration_s)}`;
-  if (state === "none") return `Cannot be driven: ${reason}`;
-  if (state === "near") return `${long}, but ${reason}`;
+  if (state === "none") return t("Cannot be driven: {reason}", { reason });
+  if (state === "near") return t("{long}, but {reason}", { long, reason });
   return reason ? `${long}; ${reason}` : long;
 }
 
@@ -67,11 +69,11 @@ export function tourWords(tour: Tour, legs: readonly Leg[]): { text: string; blo
       sum((leg) => leg.length_m),
       0,
     )} m`,
-    `${minutes(driving_s)} of driving`,
+    t("{time} of driving", { time: minutes(driving_s) }),
   ];
-  if (speech_s > 0) parts.push(`${minutes(speech_s)} of speech`);
+  if (speech_s > 0) parts.push(t("{time} of speech", { time: minutes(speech_s) }));
   return {
-    text: `${parts.join(", ")}: about ${minutes(driving_s + speech_s)}`,
+    text: t("{parts}: about {whole}", { parts: parts.join(", "), whole: minutes(driving_s + speech_s) }),
     blocked: legs.length - driven.length,
   };
 }
@@ -88,7 +90,9 @@ function saidOf({ say }: Step, language: string): number {
 }
 
 function minutes(seconds: number): string {
-  return seconds < 50 ? `${Math.round(seconds)} s` : `${number(seconds / 60, seconds < 570 ? 1 : 0)} min`;
+  return seconds < 50
+    ? `${Math.round(seconds)} s`
+    : t("{minutes} min", { minutes: number(seconds / 60, seconds < 570 ? 1 : 0) });
 }
 
 function none(stop: string | null, reason: string): Leg {

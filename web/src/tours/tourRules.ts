@@ -1,10 +1,11 @@
 /** When a tour begins by itself, and figures of its rules, between its file and what people type; pure. */
 
+import { type Text, t } from "../i18n";
 import type { Slot } from "../protocol/types";
 
 export type Day = Slot["days"][number];
 
-export const DAYS: readonly (readonly [day: Day, name: string])[] = [
+export const DAYS: readonly (readonly [day: Day, name: Text])[] = [
   ["mon", "Monday"],
   ["tue", "Tuesday"],
   ["wed", "Wednesday"],
@@ -39,8 +40,8 @@ export function timesOf(typed: string): string[] {
 
 /** "Tue, Thu at 14:00, 15:30". */
 export function slotWords({ days, times }: Slot): string {
-  const names = DAYS.filter(([day]) => days.includes(day)).map(([, name]) => name.slice(0, 3));
-  return `${names.join(", ") || "no day"} at ${times.join(", ") || "no time"}`;
+  const names = DAYS.filter(([day]) => days.includes(day)).map(([, name]) => t(name).slice(0, 3));
+  return t("{days} at {times}", { days: names.join(", ") || t("no day"), times: times.join(", ") || t("no time") });
 }
 
 /** The number that was typed, divided by `scale`: 40 % is 0.4. Null: nothing was typed; NaN: it is no number. */
@@ -55,8 +56,8 @@ export function wrongOf(typed: string, range?: readonly [least: number, most: nu
   const number = numberOf(typed);
   const fits = number === null || (range ? range[0] <= number && number <= range[1] : !Number.isNaN(number));
   if (fits) return "";
-  const allowed = range ? `${range[0]} to ${range[1]}` : "a number";
-  return `Not kept: should be ${allowed}, not “${typed.trim()}”.`;
+  const allowed = range ? t("{least} to {most}", { least: range[0], most: range[1] }) : t("a number");
+  return t("Not kept: should be {allowed}, not “{typed}”.", { allowed, typed: typed.trim() });
 }
 
 export function numberShown(value: number | null, scale = 1): string {

@@ -1,5 +1,6 @@
 /** The tour under way in words, and what can be pressed; pure. */
 
+import { fromRobot, plural, type Text, t } from "../i18n";
 import type { NavigationModel, RunReport, TourProgress } from "../protocol/types";
 import { clockSpan, number, sentence } from "../ui/format";
 import { textOf } from "./tourEdits";
@@ -7,7 +8,7 @@ import { textOf } from "./tourEdits";
 export type TourState = TourProgress["state"];
 export type Button = TourProgress["buttons"][number];
 
-const STATES: Record<TourState, string> = {
+const STATES: Record<TourState, Text> = {
   idle: "Nobody is led",
   inviting: "Invites visitors",
   confirming: "Asks whether to begin",
@@ -25,7 +26,7 @@ const STATES: Record<TourState, string> = {
   going_home: "On its way home",
 };
 
-const WORDS: Record<Button, string> = {
+const WORDS: Record<Button, Text> = {
   start: "Begin now",
   agree: "Visitors say yes",
   decline: "Visitors say no",
@@ -46,17 +47,18 @@ export function isThere(progress: TourProgress | null): progress is TourProgress
 
 /** Of a rehearsal, which has states as text. */
 export function stateWord(state: string): string {
-  return STATES[state as TourState] ?? state;
+  const words: Text | undefined = STATES[state as TourState];
+  return words ? t(words) : state;
 }
 
 export function stateWords({ state, waits }: TourProgress): string {
-  return state === "idle" && waits ? "Waits for visitors to begin" : STATES[state];
+  return state === "idle" && waits ? t("Waits for visitors to begin") : t(STATES[state]);
 }
 
 /** How the tab says that a tour is under way; empty: none is. */
 export function badgeOf(progress: TourProgress | null): string {
   if (!isThere(progress) || progress.state === "idle") return "";
-  return progress.number > 0 ? `${progress.number}/${progress.stops}` : "on";
+  return progress.number > 0 ? `${progress.number}/${progress.stops}` : t("on|a tour");
 }
 
 /** Whether somebody has to look: a question waits, or the robot stands for want of a press. */
@@ -68,36 +70,42 @@ export function isUrgent(progress: TourProgress | null): boolean {
 export function stopWords({ number: at, stops, stop, stop_title, languages }: TourProgress): string {
   if (stop === "") return "";
   const title = textOf(stop_title, languages) || stop;
-  return at > 0 ? `Stop ${at} of ${stops}: ${title}` : title;
+  return at > 0 ? t("Stop {at} of {stops}: {title}", { at, stops, title }) : title;
 }
 
 export function peopleWords({ people, farthest_m }: TourProgress): string {
-  if (people === 0) return "No visitors are seen";
-  const count = people === 1 ? "1 visitor is seen" : `${people} visitors are seen`;
+  if (people === 0) return t("No visitors are seen");
+  const count = plural(people, "{count} visitor is seen", "{count} visitors are seen");
   if (farthest_m === null) return count;
-  return `${count}, ${people === 1 ? "" : "the farthest "}${number(farthest_m)} m away`;
+  const metres = number(farthest_m);
+  return people === 1
+    ? t("{count}, {metres} m away", { count, metres })
+    : t("{count}, the farthest {metres} m away", { count, metres });
 }
 
 /** What keeps a paused tour from going on; empty: it is not paused. `stopped`: the emergency stop is latched now. */
 export function pauseWords({ state, question }: TourProgress, stopped: boolean): string {
   if (state !== "paused") return "";
-  if (stopped) return "Release the emergency stop first. Even then nothing moves until you press Resume.";
+  if (stopped) return t("Release the emergency stop first. Even then nothing moves until you press Resume.");
   // Who waits for a press asks for it; a pause by hands ends with them.
   return question === null
-    ? "It goes on by itself once nobody drives the robot by hand."
-    : "Nothing moves until you press Resume.";
+    ? t("It goes on by itself once nobody drives the robot by hand.")
+    : t("Nothing moves until you press Resume.");
 }
 
 /** What the robot does without an answer, and when. */
 export function defaultWords(question: NonNullable<TourProgress["question"]>, now: number | null): string {
-  if (now === null) return `Without an answer ${question.default}.`;
-  return `Without an answer ${question.default} in ${clockSpan(Math.max(0, Math.ceil(question.until - now)))} min.`;
+  if (now === null) return t("Without an answer {default}.", { default: fromRobot(question.default) });
+  return t("Without an answer {default} in {time} min.", {
+    default: fromRobot(question.default),
+    time: clockSpan(Math.max(0, Math.ceil(question.until - now))),
+  });
 }
 
 export function buttonWords(button: Button, { press, languages, state, stop }: TourProgress): string {
-  if (button === "next") return textOf(press, languages) || WORDS.next;
-  if (button === "skip" && stop !== "" && state === "blocked") return "Skip it";
-  return WORDS[button];
+  if (button === "next") return textOf(press, languages) || t(WORDS.next);
+  if (button === "skip" && stop !== "" && state === "blocked") return t("Skip it");
+  return t(WORDS[button]);
 }
 
 /** What people press to steer, in an order that stays: what goes on or holds, the way, the end. */
@@ -136,16 +144,16 @@ export function visitorControls(progress: TourProgress): Control[] {
 /** A run that is over, in a line: how it ended, and for how long and how many it was. */
 export function reportWords(report: RunReport): string {
   const presented = report.stops.filter((stop) => stop.presented).length;
-  const people = report.people_most === 1 ? "1 visitor" : `${report.people_most} visitors`;
-  const stops = presented === 1 ? "1 stop presented" : `${presented} stops presented`;
-  const time = report.ended === null ? "" : `${clockSpan(report.ended - report.began)} min, `;
-  return `${time}${people}, ${stops}. ${sentence(report.outcome)}`.trim();
+  const people = plural(report.people_most, "{count} visitor", "{count} visitors");
+  const stops = plural(presented, "{count} stop presented", "{count} stops presented");
+  const time = report.ended === null ? "" : t("{time} min", { time: clockSpan(report.ended - report.began) });
+  return `${time && `${time}, `}${people}, ${stops}. ${sentence(report.outcome)}`.trim();
 }
 
 /** "never", "once, 0:06 min", "3 times, 1:20 min". */
 export function timesWords(times: number, seconds: number): string {
-  if (times === 0) return "never";
-  return `${times === 1 ? "once" : `${times} times`}, ${clockSpan(seconds)} min`;
+  if (times === 0) return t("never");
+  return t("{times}, {time} min", { times: plural(times, "once", "{count} times"), time: clockSpan(seconds) });
 }
 
 /** A report names stops by their ids alone, for tours change: `robotics-lab` is "Robotics lab". */

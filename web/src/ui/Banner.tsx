@@ -1,5 +1,6 @@
 /** Says over the view that what is shown is not the present, and what happens about it. */
 
+import { rich, t } from "../i18n";
 import { useApp } from "../state/context";
 import { number } from "./format";
 import { WarnIcon } from "./icons";
@@ -11,7 +12,7 @@ export function Banner() {
   void store.viewAgeMs.value;
   if (phase === "live" || phase === "login") return null;
   const wait = Math.max(0, (retryAt - performance.now()) / 1000);
-  const soon = wait > 0.5 ? `Next attempt in ${Math.ceil(wait)} s.` : "Trying now…";
+  const soon = wait > 0.5 ? t("Next attempt in {wait} s.", { wait: Math.ceil(wait) }) : t("Trying now…");
   const age = store.viewAgeMs.value;
   const replay = store.replay.value;
   const { drives } = store.body.value;
@@ -20,23 +21,28 @@ export function Banner() {
       {phase === "connecting" ? <span class="spinner" aria-hidden="true" /> : <WarnIcon />}
       {phase === "connecting" && (
         <p>
-          <b>Connecting to the robot…</b>
-          {retryAt > 0 && <span aria-hidden="true">It does not answer yet. {soon}</span>}
+          <b>{t("Connecting to the robot…")}</b>
+          {retryAt > 0 && (
+            <span aria-hidden="true">
+              {t("It does not answer yet.")} {soon}
+            </span>
+          )}
         </p>
       )}
       {phase === "stale" && replay && (
         <p>
-          <b>The replay does not answer.</b>
-          <span>The page continues when it answers.</span>
+          <b>{t("The replay does not answer.")}</b>
+          <span>{t("The page continues when it answers.")}</span>
         </p>
       )}
       {phase === "stale" && !replay && (
         <p>
-          <b>The robot does not answer.</b>
+          <b>{t("The robot does not answer.")}</b>
           <span>
-            The data on this page is <span aria-hidden="true">{age === null ? "" : `${number(age / 1000, 1)} s`}</span>{" "}
-            old.
-            {drives && " You cannot drive; without commands the robot stops."}
+            {rich("The data on this page is {age} old.", {
+              age: <span aria-hidden="true">{age === null ? "" : `${number(age / 1000, 1)} s`}</span>,
+            })}
+            {drives && ` ${t("You cannot drive; without commands the robot stops.")}`}
           </span>
         </p>
       )}
@@ -44,8 +50,14 @@ export function Banner() {
         <p>
           <b>
             {replay
-              ? "Connection to the replay lost. Reconnecting…"
-              : `Connection to the robot lost. ${drives ? "Without commands it stops by itself. " : ""}Reconnecting…`}
+              ? t("Connection to the replay lost. Reconnecting…")
+              : [
+                  t("Connection to the robot lost."),
+                  drives && t("Without commands it stops by itself."),
+                  t("Reconnecting…"),
+                ]
+                  .filter(Boolean)
+                  .join(" ")}
           </b>
           <span aria-hidden="true">{soon}</span>
         </p>

@@ -1,5 +1,6 @@
 /** The battery in the top bar; nothing for a body without one. */
 
+import { t } from "../i18n";
 import { useApp } from "../state/context";
 import { batteryWords } from "./batteryText";
 import { BatteryIcon } from "./icons";
@@ -11,7 +12,7 @@ export function Battery() {
   const words = batteryWords(battery);
   return (
     <div class={`metric battery ${words.tone}`} title={words.hint}>
-      <dt>Battery</dt>
+      <dt>{t("Battery")}</dt>
       <dd data-testid="battery" data-tone={words.tone} data-charging={battery.charging}>
         <BatteryIcon charge={battery.charge} charging={battery.charging} />
         {words.charge}

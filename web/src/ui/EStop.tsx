@@ -2,6 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
+import { t } from "../i18n";
 import { useApp } from "../state/context";
 import { StopIcon } from "./icons";
 
@@ -28,12 +29,12 @@ export function EStop() {
     <div class={`estop-group ${stopped ? "latched" : ""}`}>
       {stopped && !asking.value && (
         <button type="button" class="button release" data-testid="estop-release" onClick={() => (asking.value = true)}>
-          Release stop…
+          {t("Release stop…")}
         </button>
       )}
       {stopped && asking.value && (
-        <span class="estop-ask" role="group" aria-label="The robot may move again">
-          <span class="estop-question">It may move again.</span>
+        <span class="estop-ask" role="group" aria-label={t("The robot may move again")}>
+          <span class="estop-question">{t("It may move again.")}</span>
           <button
             type="button"
             class="button release"
@@ -43,7 +44,7 @@ export function EStop() {
               session.clearEStop();
             }}
           >
-            Release
+            {t("Release")}
           </button>
           <button
             type="button"
@@ -51,7 +52,7 @@ export function EStop() {
             data-testid="estop-keep"
             onClick={() => (asking.value = false)}
           >
-            Keep
+            {t("Keep|the stop")}
           </button>
         </span>
       )}
@@ -64,7 +65,7 @@ export function EStop() {
         onClick={stop}
       >
         <StopIcon />
-        {stopped ? "STOPPED" : "E-STOP"}
+        <span>{stopped ? t("STOPPED") : t("E-STOP")}</span>
       </button>
     </div>
   );

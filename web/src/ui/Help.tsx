@@ -1,10 +1,12 @@
 /** The shortcuts sheet. */
 
 import { useEffect, useRef } from "preact/hooks";
+import { named, type Text, t } from "../i18n";
+import { LanguageChoice } from "../i18n/LanguageChoice";
 import { useApp } from "../state/context";
 import { CloseIcon } from "./icons";
 
-type Rows = [string[], string][];
+type Rows = [string[], Text][];
 
 const DRIVE: Rows = [
   [["W", "A", "S", "D"], "Hold to drive; the arrow keys work too"],
@@ -77,38 +79,39 @@ export function Help() {
   }, [open]);
   if (!open) return null;
   return (
-    <div class="sheet" role="dialog" aria-label="Shortcuts" data-testid="help-sheet">
+    <div class="sheet" role="dialog" aria-label={t("Shortcuts")} data-testid="help-sheet">
       <div class="sheet-head">
-        <h2>{"Controls"}</h2>
+        <h2>{t("Controls")}</h2>
         <button
           type="button"
           ref={close}
           class="icon-button"
-          aria-label="Close"
+          aria-label={t("Close")}
           onClick={() => (store.help.value = false)}
         >
           <CloseIcon />
         </button>
       </div>
-      <Keys title="Keyboard" keys={replay ? RECORDING : keys} />
+      <Keys title={t("Keyboard")} keys={replay ? RECORDING : keys} />
       {!replay && (
-        <Keys title="Gamepad" keys={[...(drives ? PAD : []), ...(maps && goes ? PAD_HOME : []), ...PAD_STOP]} />
+        <Keys title={t("Gamepad")} keys={[...(drives ? PAD : []), ...(maps && goes ? PAD_HOME : []), ...PAD_STOP]} />
       )}
-      {maps && <Keys title="Map" keys={replay ? MAP.slice(0, 1) : MAP} />}
-      <Keys title="Lanes" keys={LANES} />
+      {maps && <Keys title={t("Map")} keys={replay ? MAP.slice(0, 1) : MAP} />}
+      <Keys title={t("Lanes")} keys={LANES} />
       {!replay && drives && (
         <p class="muted small">
-          Letting go ends your driving; so do another window, a hidden tab, a lost pointer, an unplugged gamepad and a
-          cut link. To a goal the robot goes by itself, until Space, Cancel or the emergency stop ends that. Keys typed
-          in a field never drive.
+          {t(
+            "Letting go ends your driving; so do another window, a hidden tab, a lost pointer, an unplugged gamepad and a cut link. To a goal the robot goes by itself, until Space, Cancel or the emergency stop ends that. Keys typed in a field never drive.",
+          )}
         </p>
       )}
+      <LanguageChoice />
       {faced && (
         <p class="small">
           <a href="./face" target="_blank" rel="noopener" data-testid="face-link">
-            {"The robot’s face"}
+            {t("The robot’s face")}
           </a>
-          {", on a page of its own for a full screen"}
+          {t(", on a page of its own for a full screen")}
         </p>
       )}
     </div>
@@ -124,10 +127,10 @@ function Keys({ title, keys }: { title: string; keys: Rows }) {
           <div key={words}>
             <dt>
               {names.map((name) => (
-                <kbd key={name}>{name}</kbd>
+                <kbd key={name}>{named(name)}</kbd>
               ))}
             </dt>
-            <dd>{words}</dd>
+            <dd>{t(words)}</dd>
           </div>
         ))}
       </dl>

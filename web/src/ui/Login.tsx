@@ -1,6 +1,8 @@
 /** Asks for a password or the token where the console wants one. */
 
 import { useSignal } from "@preact/signals";
+import { t } from "../i18n";
+import { LanguageChoice } from "../i18n/LanguageChoice";
 import { Problem } from "../protocol/rest";
 import { useApp } from "../state/context";
 
@@ -12,7 +14,7 @@ export function Login() {
   const submit = async (event: Event) => {
     event.preventDefault();
     if (token.value.trim() === "") {
-      problem.value = "A password or the token is needed.";
+      problem.value = t("A password or the token is needed.");
       return;
     }
     busy.value = true;
@@ -28,10 +30,12 @@ export function Login() {
   return (
     <main class="login">
       <form class="panel" noValidate onSubmit={(event) => void submit(event)} data-testid="login">
-        <h1>HBBA console</h1>
-        <p class="muted">Enter your password, or the robot's token, which the program printed when it started.</p>
+        <h1>{t("HBBA console")}</h1>
+        <p class="muted">
+          {t("Enter your password, or the robot's token, which the program printed when it started.")}
+        </p>
         <div class={`field ${problem.value ? "wrong" : ""}`}>
-          <label for="token">Password or token</label>
+          <label for="token">{t("Password or token")}</label>
           <input
             id="token"
             type="password"
@@ -47,8 +51,9 @@ export function Login() {
           </p>
         </div>
         <button type="submit" class="button accent wide" data-testid="login-submit" disabled={busy.value}>
-          {busy.value ? "Logging in…" : "Log in"}
+          {busy.value ? t("Logging in…") : t("Log in")}
         </button>
+        <LanguageChoice />
       </form>
     </main>
   );

@@ -1,6 +1,7 @@
 /** Asks for a person's name at the first use of this browser, so that others see who drives. */
 
 import { useSignal } from "@preact/signals";
+import { t } from "../i18n";
 import { useApp } from "../state/context";
 
 export function NameAsk() {
@@ -13,8 +14,8 @@ export function NameAsk() {
     session.rename(name.value);
   };
   return (
-    <form class="name-ask" data-testid="name-ask" aria-label="Your name" onSubmit={done}>
-      <label for="name-ask">Your name, for others to see who drives</label>
+    <form class="name-ask" data-testid="name-ask" aria-label={t("Your name")} onSubmit={done}>
+      <label for="name-ask">{t("Your name, for others to see who drives")}</label>
       <div class="name-ask-row">
         <input
           id="name-ask"
@@ -25,7 +26,7 @@ export function NameAsk() {
           onInput={(event) => (name.value = event.currentTarget.value)}
         />
         <button type="submit" class="button accent" data-testid="name-ask-done">
-          {name.value.trim() ? "Done" : "Stay “operator”"}
+          {name.value.trim() ? t("Done") : t("Stay “operator”")}
         </button>
       </div>
     </form>

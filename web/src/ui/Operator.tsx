@@ -1,13 +1,14 @@
 /** The operator's name, as the robot and other pages see it. Kept in this browser. */
 
 import { useSignal } from "@preact/signals";
+import { t } from "../i18n";
 import { useApp } from "../state/context";
 
 const ROLES = {
   spectator: "You see everything and can stop the robot. You change nothing else.",
   operator: "You drive and edit.",
   supervisor: "You may do everything.",
-};
+} as const;
 
 export function Operator() {
   const { store, session } = useApp();
@@ -16,22 +17,22 @@ export function Operator() {
     return (
       <span class="operator-group">
         {store.hello.value && store.role.value !== "supervisor" && (
-          <span class="chip role" data-testid="role" title={ROLES[store.role.value]}>
-            {store.role.value === "spectator" ? "Spectator" : "Operator"}
+          <span class="chip role" data-testid="role" title={t(ROLES[store.role.value])}>
+            {store.role.value === "spectator" ? t("Spectator") : t("Operator")}
           </span>
         )}
         <button
           type="button"
           class="operator"
           data-testid="operator"
-          title="Your name, as others see it. Click to change."
+          title={t("Your name, as others see it. Click to change.")}
           onClick={() => (editing.value = true)}
         >
           {store.operator.value}
         </button>
         {store.loggedIn.value && (
           <button type="button" class="button small quiet" data-testid="log-out" onClick={() => void session.logOut()}>
-            Log out
+            {t("Log out")}
           </button>
         )}
       </span>
@@ -45,7 +46,7 @@ export function Operator() {
     <input
       class="operator"
       data-testid="operator-name"
-      aria-label="Your name"
+      aria-label={t("Your name")}
       maxLength={40}
       defaultValue={store.operator.value}
       ref={(input) => input?.focus()}

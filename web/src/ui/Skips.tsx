@@ -1,5 +1,6 @@
 /** Ways past what stands first, for the keyboard: seen while they have the focus. */
 
+import { t } from "../i18n";
 import { useApp } from "../state/context";
 import { low, narrow } from "./media";
 
@@ -11,17 +12,17 @@ export function Skips() {
     requestAnimationFrame(to(".lane-area")); // in their tab, they are there with the next frame
   };
   return (
-    <nav class="skips" aria-label="Skip to">
+    <nav class="skips" aria-label={t("Skip to")}>
       {store.body.value.maps && (
         <button type="button" class="button" data-testid="skip-map" onClick={() => map.call()}>
-          To the map <kbd>G</kbd>
+          {t("To the map")} <kbd>G</kbd>
         </button>
       )}
       <button type="button" class="button" data-testid="skip-panels" onClick={to("[role=tab][aria-selected=true]")}>
-        To the panels
+        {t("To the panels")}
       </button>
       <button type="button" class="button" data-testid="skip-lanes" onClick={toLanes}>
-        To the lanes
+        {t("To the lanes")}
       </button>
     </nav>
   );

@@ -1,6 +1,7 @@
 /** The side column: one subject at a time, by the tab pattern of WAI-ARIA. */
 
 import type { ComponentChildren } from "preact";
+import { t } from "../i18n";
 import { useApp } from "../state/context";
 
 export interface TabItem {
@@ -23,7 +24,7 @@ export function Tabs({ items }: { items: TabItem[] }) {
     document.getElementById(`tab-${next.id}`)?.focus();
   };
   return (
-    <aside class="tabs panel" aria-label="Panels">
+    <aside class="tabs panel" aria-label={t("Panels")}>
       <div class="tab-list" role="tablist" data-own-arrows onKeyDown={move}>
         {items.map((item) => (
           <button

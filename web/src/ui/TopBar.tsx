@@ -2,6 +2,7 @@
 
 import type { ComponentChildren } from "preact";
 import { WheelAsked } from "../drive/Wheel";
+import { decimals, fromRobot, t } from "../i18n";
 import { LayoutMenu } from "../layout/LayoutMenu";
 import { ShapedLink } from "../panels/LinkShape";
 import { Marker } from "../playback/Marker";
@@ -47,13 +48,13 @@ export function TopBar({ narrow }: { narrow: boolean }) {
         <div class="brand">
           <h1>HBBA</h1>
           <span class="robot-name" data-testid="robot-name">
-            {replay ? "Replay" : hello ? hello.robot.name : "No robot yet"}
-            {!replay && hello?.robot.simulated && <i class="tag">simulated</i>}
+            {replay ? t("Replay") : hello ? hello.robot.name : t("No robot yet")}
+            {!replay && hello?.robot.simulated && <i class="tag">{t("simulated")}</i>}
           </span>
         </div>
         <p class={`chip link-${phase}`} role="status" data-testid="connection" data-phase={phase}>
           {phase === "stale" || phase === "lost" ? <WarnIcon /> : <LinkIcon />}
-          {PHASES[phase]}
+          {t(PHASES[phase])}
         </p>
         {replay ? (
           <Marker />
@@ -62,9 +63,9 @@ export function TopBar({ narrow }: { narrow: boolean }) {
             class={`chip guard-${known?.state ?? "none"}`}
             data-testid="guard-state"
             data-state={known?.state ?? ""}
-            title={known?.reason}
+            title={known && fromRobot(known.reason)}
           >
-            {known ? motionWords(known, odometry) : "State unknown"}
+            {known ? motionWords(known, odometry) : t("State unknown")}
           </p>
         )}
         {caution && (
@@ -78,12 +79,12 @@ export function TopBar({ narrow }: { narrow: boolean }) {
           <p
             class="chip warn world-rate"
             data-testid="world-rate"
-            title="The simulated world runs slower than real time"
+            title={t("The simulated world runs slower than real time")}
           >
             <WarnIcon />
             <span>
-              <span class="roomy">World runs at </span>
-              {rate.toFixed(2)}×<span class="roomy"> real time</span>
+              <span class="roomy">{t("World runs at")} </span>
+              {decimals(rate.toFixed(2))}×<span class="roomy"> {t("real time")}</span>
             </span>
           </p>
         )}
@@ -91,13 +92,13 @@ export function TopBar({ narrow }: { narrow: boolean }) {
           <Battery />
           <Metric
             id="rtt"
-            label="Link"
+            label={t("Link")}
             unit="ms"
             tone={tone(store.rttMs.value, 150, 400)}
             hint={
               replay
-                ? "Round-trip time between this page and the replay"
-                : "Round-trip time between this page and the robot"
+                ? t("Round-trip time between this page and the replay")
+                : t("Round-trip time between this page and the robot")
             }
           >
             {millis(store.rttMs.value)}
@@ -112,7 +113,7 @@ export function TopBar({ narrow }: { narrow: boolean }) {
         <button
           type="button"
           class="icon-button"
-          aria-label="Keyboard shortcuts"
+          aria-label={t("Keyboard shortcuts")}
           aria-expanded={store.help.value}
           data-testid="help"
           onClick={() => (store.help.value = !store.help.value)}
@@ -140,28 +141,28 @@ function LiveMetrics() {
       {drives && (
         <Metric
           id="command-age"
-          label="Command"
+          label={t("Command")}
           unit="ms"
           tone={live && guard && guard.state !== "idle" ? tone(commandAge(guard), 120, 200) : ""}
-          hint="Age of the newest drive command at the robot"
+          hint={t("Age of the newest drive command at the robot")}
         >
           {live ? millis(commandAge(guard)) : "–"}
         </Metric>
       )}
       <Metric
         id="view-age"
-        label="View"
+        label={t("View")}
         unit="ms"
         tone={live ? tone(store.viewAgeMs.value, 200, 500) : ""}
-        hint="Age of the data on this page"
+        hint={t("Age of the data on this page")}
       >
         {live ? millis(store.viewAgeMs.value) : "–"}
       </Metric>
       {(drives || goes) && (
         <Metric
           id="driver"
-          label="Drives"
-          hint={live ? driverWords(status, modules) : "Who drives the robot: not known"}
+          label={t("Drives")}
+          hint={live ? driverWords(status, modules) : t("Who drives the robot: not known")}
         >
           {live ? driverName(status, modules) : "–"}
         </Metric>

@@ -1,5 +1,6 @@
 /** The battery in words for people. */
 
+import { decimals, t } from "../i18n";
 import type { BatteryState } from "../protocol/types";
 import { percent, sentence } from "./format";
 
@@ -19,22 +20,31 @@ export interface BatteryWords {
 export function batteryWords(battery: BatteryState): BatteryWords {
   const left = battery.remaining_s === null ? "" : span(battery.remaining_s);
   const full = battery.charging && battery.charge >= 0.99;
-  const doing = full ? "full, on the charger" : battery.charging ? "charging" : "discharging";
-  const until = left && !full ? `, ${battery.charging ? "full" : "empty"} in about ${left}` : "";
+  const doing = full ? t("full, on the charger") : battery.charging ? t("charging") : t("discharging");
+  const until =
+    left && !full ? t(battery.charging ? ", full in about {left}" : ", empty in about {left}", { left }) : "";
   return {
     charge: percent(battery.charge),
-    left: full ? "full" : left,
-    hint: sentence(`battery ${doing}${until}: ${battery.voltage_v.toFixed(1)} V, ${amperes(battery.current_a)}`),
+    left: full ? t("full") : left,
+    hint: sentence(
+      t("battery {doing}{until}: {volts} V, {current}", {
+        doing,
+        until,
+        volts: decimals(battery.voltage_v.toFixed(1)),
+        current: amperes(battery.current_a),
+      }),
+    ),
     tone: battery.charge < VERY_LOW ? "poor" : battery.charge < LOW ? "fair" : "",
   };
 }
 
 function amperes(current: number): string {
-  return `${Math.abs(current).toFixed(1)} A ${current < 0 ? "out" : "in"}`;
+  const amperes = decimals(Math.abs(current).toFixed(1));
+  return current < 0 ? t("{amperes} A out", { amperes }) : t("{amperes} A in", { amperes });
 }
 
 function span(seconds: number): string {
   if (seconds < 90) return `${Math.ceil(seconds)} s`;
-  if (seconds < 5400) return `${Math.round(seconds / 60)} min`;
+  if (seconds < 5400) return t("{minutes} min", { minutes: Math.round(seconds / 60) });
   return `${Math.round(seconds / 3600)} h`;
 }

@@ -1,5 +1,6 @@
 /** What the bar says of how the program is configured. Pure. */
 
+import { t } from "../i18n";
 import type { Caution } from "../protocol/types";
 
 /** A few words for the bar and all there is to know; null where there is nothing to know. */
@@ -10,5 +11,8 @@ export function cautionWords(cautions: readonly Caution[]): { title: string; tex
     ({ text, where }) => `${text[0]!.toUpperCase()}${text.slice(1)}${where ? ` (${where})` : ""}.`,
   );
   const more = cautions.length - 1;
-  return { title: more ? `${first.title}, and ${more} more` : first.title, text: sentences.join("\n") };
+  return {
+    title: more ? t("{title}, and {more} more", { title: first.title, more }) : first.title,
+    text: sentences.join("\n"),
+  };
 }

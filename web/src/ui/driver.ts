@@ -1,5 +1,6 @@
 /** Who drives the robot now, in words; pure. */
 
+import { t, within } from "../i18n";
 import { moduleTitle } from "./format";
 
 interface Driving {
@@ -16,15 +17,16 @@ type Modules = readonly { name: string; title: string }[];
 export function driverName(status: Driving | null, modules: Modules): string {
   if (!status) return "–";
   const { driver, exploited } = status;
-  if (driver?.holds) return driver.mine ? "You" : driver.operator;
-  return exploited === null || (driver && exploited === BY_HAND) ? "Nobody" : moduleTitle(exploited, modules);
+  if (driver?.holds) return driver.mine ? t("You") : driver.operator;
+  return exploited === null || (driver && exploited === BY_HAND) ? t("Nobody") : moduleTitle(exploited, modules);
 }
 
 /** The same as a sentence, and who has control. */
 export function driverWords(status: Driving | null, modules: Modules): string {
-  const name = driverName(status, modules);
-  const drives = `Who drives the robot: ${name === "You" || name === "Nobody" ? name.toLowerCase() : name}.`;
   const driver = status?.driver;
+  const name = driverName(status, modules);
+  const named = driver?.holds && !driver.mine ? name : name === t("You") || name === t("Nobody") ? within(name) : name;
+  const drives = t("Who drives the robot: {name}.", { name: named });
   if (!driver) return drives;
-  return `${drives} ${driver.mine ? "You have" : `${driver.operator} has`} control.`;
+  return `${drives} ${driver.mine ? t("You have control.") : t("{operator} has control.", { operator: driver.operator })}`;
 }

@@ -1,5 +1,6 @@
 /** What the robot does now, in a word: by the guard's state and by the speed that was measured. Pure. */
 
+import { type Text, t } from "../i18n";
 import type { Guard, OdometryReport } from "../protocol/generated";
 
 /** Slower counts as standing: what odometry of a robot at rest may show (m/s, rad/s). */
@@ -9,7 +10,7 @@ export const STILL_RADPS = 0.03;
 const FASTER_MPS = 0.03;
 const FASTER_RADPS = 0.1;
 
-const STATES: Record<string, string> = {
+const STATES: Record<string, Text> = {
   waiting: "Waiting",
   stale_command: "No fresh command",
   e_stopped: "E-stopped",
@@ -19,6 +20,10 @@ const STATES: Record<string, string> = {
 
 /** `odometry` null: the speed is not known; then a robot that is given none is not said to stand. */
 export function motionWords(guard: Guard, odometry: OdometryReport | null): string {
+  return t(motionText(guard, odometry));
+}
+
+function motionText(guard: Guard, odometry: OdometryReport | null): Text {
   const { state, applied } = guard;
   if (state === "waiting" || state === "silent") return STATES[state]!;
   if (!odometry) return STATES[state] ?? (state === "driving" ? "Driving" : "Speed unknown");

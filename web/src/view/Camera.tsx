@@ -2,6 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
+import { t } from "../i18n";
 import { inWords } from "../protocol/rest";
 import { useApp } from "../state/context";
 import { reasonText } from "../ui/format";
@@ -32,7 +33,7 @@ export function Camera() {
         data-testid="camera-show"
         onClick={() => store.showCamera("inset")}
       >
-        <CameraIcon /> Camera
+        <CameraIcon /> {t("Camera")}
       </button>
     );
   }
@@ -49,7 +50,7 @@ export function Camera() {
       const point = await session.rest.cameraPoint({ stamp, u, v });
       const goal = robot && goalFor(point, robot);
       if (goal) await map.goTo(goal.x, goal.y, goal.heading);
-      else store.notify("info", "The robot is there already.");
+      else store.notify("info", t("The robot is there already."));
     } catch (error) {
       store.notify("error", inWords(error));
     }
@@ -60,7 +61,7 @@ export function Camera() {
       data-testid="camera"
       data-stamp={camera.stamp.value ?? ""}
       data-coding={camera.coding.value}
-      aria-label="Camera picture"
+      aria-label={t("Camera picture")}
     >
       <canvas
         ref={canvas}
@@ -68,14 +69,16 @@ export function Camera() {
         width={640}
         height={480}
         role="img"
-        aria-label={empty ? text : "What the robot's camera sees"}
+        aria-label={empty ? text : t("What the robot's camera sees")}
         title={
           points
-            ? "Click: the point of the step"
+            ? t("Click: the point of the step")
             : asksGoal.value
-              ? "Click: the robot goes there"
+              ? t("Click: the robot goes there")
               : looks
-                ? `Click: the head turns there${goes ? "; with Shift, the robot goes there" : ""}`
+                ? goes
+                  ? t("Click: the head turns there; with Shift, the robot goes there")
+                  : t("Click: the head turns there")
                 : undefined
         }
         onClick={(event) => {
@@ -102,9 +105,9 @@ export function Camera() {
             type="button"
             class={`icon-button ${asksGoal.value ? "on" : ""}`}
             data-testid="camera-go"
-            aria-label="Go to a point of the picture"
+            aria-label={t("Go to a point of the picture")}
             aria-pressed={asksGoal.value}
-            title="Then click in the picture: the robot goes there (or Shift and a click)"
+            title={t("Then click in the picture: the robot goes there (or Shift and a click)")}
             onClick={() => (asksGoal.value = !asksGoal.value)}
           >
             <FlagIcon />
@@ -114,7 +117,7 @@ export function Camera() {
           type="button"
           class="icon-button"
           data-testid="camera-enlarge"
-          aria-label={large ? "Shrink the camera picture" : "Enlarge the camera picture"}
+          aria-label={large ? t("Shrink the camera picture") : t("Enlarge the camera picture")}
           aria-pressed={large}
           onClick={() => store.showCamera(large ? "inset" : "large")}
         >
@@ -124,7 +127,7 @@ export function Camera() {
           type="button"
           class="icon-button"
           data-testid="camera-hide"
-          aria-label="Hide the camera picture"
+          aria-label={t("Hide the camera picture")}
           onClick={() => store.showCamera("hidden")}
         >
           <CloseIcon />
@@ -168,10 +171,14 @@ function useCameraState(): { text: string; old: boolean; empty: boolean } {
   const age = stamp !== null && now !== null ? now - stamp : null;
   const old = age !== null && isOld(age, store.clock.rate);
   if (lane && lane.divisor === null && (age === null || old))
-    return { text: `No picture. ${reasonText(lane.state, lane.text)}`, old, empty: true };
+    return { text: t("No picture. {reason}", { reason: reasonText(lane.state, lane.text) }), old, empty: true };
   if (age === null && store.replay.value)
-    return { text: "No picture yet at this time of the recording.", old: false, empty: true };
+    return { text: t("No picture yet at this time of the recording."), old: false, empty: true };
   if (age === null)
-    return { text: store.live.value ? "Waiting for the first picture…" : "No picture yet.", old: false, empty: true };
+    return {
+      text: store.live.value ? t("Waiting for the first picture…") : t("No picture yet."),
+      old: false,
+      empty: true,
+    };
   return { text: "", old, empty: false };
 }

@@ -2,6 +2,7 @@
 
 import { useRef } from "preact/hooks";
 import { personWords } from "../around/perceptMarks";
+import { t } from "../i18n";
 import type { Perceived, SeenCode, SeenFace } from "../protocol/types";
 import { useApp } from "../state/context";
 import { codesOn, facesOn, type Trails, trailed } from "./faces";
@@ -70,7 +71,7 @@ function CodeFrame({ code }: { code: SeenCode }) {
           tabIndex={-1}
           onClick={() => void stops.fromPoster(landmark)}
         >
-          Make a stop
+          {t("Make a stop")}
         </button>
       )}
     </div>

@@ -4,6 +4,7 @@ import { useSignalEffect } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { FollowControl } from "../drive/followControl";
 import { DRIVE_KEYS, HEAD_KEYS, STRAFE_KEYS } from "../drive/keys";
+import { rich, t } from "../i18n";
 import { PLAYBACK_KEYS } from "../playback/transport";
 import { useApp } from "../state/context";
 import type { Store } from "../state/store";
@@ -60,7 +61,7 @@ export function SceneView() {
   }, [live]);
   const slow = hopeless(pace);
   useEffect(() => {
-    if (slow) store.notify("info", "The 3D view is slow on this computer. Hide it for smoother driving.");
+    if (slow) store.notify("info", t("The 3D view is slow on this computer. Hide it for smoother driving."));
   }, [slow]);
 
   return (
@@ -70,7 +71,7 @@ export function SceneView() {
           key={scene.load.value}
           ref={frame}
           src={address}
-          title="3D view of the robot and what it perceives"
+          title={t("3D view of the robot and what it perceives")}
           onLoad={() => scene.loaded()}
           tabIndex={-1}
           style={shrunk(share)}
@@ -78,12 +79,12 @@ export function SceneView() {
       )}
       {state === "shown" && <ViewpointStrip scene={scene} follow={follow} />}
       {state === "shown" && <SceneLegend />}
-      {state === "loading" && <p class="scene-note">Loading the 3D view…</p>}
+      {state === "loading" && <p class="scene-note">{t("Loading the 3D view…")}</p>}
       {state === "missing" && (
         <div class="scene-note">
-          <p>The 3D view does not answer.</p>
+          <p>{t("The 3D view does not answer.")}</p>
           <button type="button" class="button" onClick={() => void scene.open()}>
-            Try again
+            {t("Try again")}
           </button>
         </div>
       )}
@@ -97,32 +98,26 @@ function SceneLegend() {
   const { scans, places, faces, voices } = store.body.value;
   if (!(scans || places || faces || voices)) return null;
   return (
-    <ul class="scene-legend" data-testid="scene-legend" aria-label="Colours of the 3D view">
-      {scans && (
-        <li>
-          laser: near
-          <i class="laser-colors" />
-          far
-        </li>
-      )}
+    <ul class="scene-legend" data-testid="scene-legend" aria-label={t("Colours of the 3D view")}>
+      {scans && <li>{rich("laser: near {colors} far", { colors: <i class="laser-colors" /> })}</li>}
       {places && (
         <li>
           <i class="poster-color" />
-          QR code found
+          {t("QR code found")}
         </li>
       )}
       {faces && (
         <li>
           <i class="face-color" />
-          person seen
+          {t("person seen")}
         </li>
       )}
       {voices && (
         <li>
           <i class="sound-color voice" />
-          voice
+          {t("voice")}
           <i class="sound-color" />
-          other sound
+          {t("other sound")}
         </li>
       )}
     </ul>

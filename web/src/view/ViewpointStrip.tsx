@@ -5,6 +5,7 @@ import { useEffect } from "preact/hooks";
 import { typesText } from "../drive/driveController";
 import type { FollowControl } from "../drive/followControl";
 import { LEAST_LIMIT_DEG, MOST_LIMIT_DEG } from "../drive/viewFollow";
+import { t } from "../i18n";
 import { useApp } from "../state/context";
 import type { SceneFrame } from "./sceneFrame";
 import { VIEWPOINTS, type Viewpoint, viewpointOf } from "./viewpoints";
@@ -40,7 +41,7 @@ export function ViewpointStrip({ scene, follow }: { scene: SceneFrame; follow: F
     <div
       class="viewpoints"
       role="toolbar"
-      aria-label="Viewpoints of the 3D view"
+      aria-label={t("Viewpoints of the 3D view")}
       data-testid="viewpoints"
       data-arrived={camera?.arrived ? camera.viewpoint : ""}
     >
@@ -50,10 +51,10 @@ export function ViewpointStrip({ scene, follow }: { scene: SceneFrame; follow: F
           type="button"
           class="viewpoint"
           data-testid={`viewpoint-${name}`}
-          aria-label={words}
+          aria-label={t(words)}
           aria-pressed={(camera?.viewpoint ?? "behind") === name}
           aria-keyshortcuts={code.slice(-1)}
-          title={`${words} (${code.slice(-1)})`}
+          title={`${t(words)} (${code.slice(-1)})`}
           onClick={() => look(name)}
         >
           <svg class="icon" viewBox="0 0 24 24" aria-hidden="true">
@@ -67,12 +68,14 @@ export function ViewpointStrip({ scene, follow }: { scene: SceneFrame; follow: F
           type="button"
           class="viewpoint follow"
           data-testid="view-follow"
-          aria-label="Head follows the view"
+          aria-label={t("Head follows the view")}
           aria-pressed={follows}
           title={
             follows
-              ? `The head follows the view while you drag it or drive; ${limit}° aside, the robot turns after it`
-              : "The head looks ahead. Press: it follows the view while you drag it"
+              ? t("The head follows the view while you drag it or drive; {limit}° aside, the robot turns after it", {
+                  limit,
+                })
+              : t("The head looks ahead. Press: it follows the view while you drag it")
           }
           onClick={() => {
             if (follows) follow.choose(1);
@@ -89,11 +92,11 @@ export function ViewpointStrip({ scene, follow }: { scene: SceneFrame; follow: F
         </button>
       )}
       {follows && (
-        <label class="soft-limit" title="So far aside the head follows alone; beyond it, the robot turns">
+        <label class="soft-limit" title={t("So far aside the head follows alone; beyond it, the robot turns")}>
           <span>{limit}°</span>
           <input
             type="range"
-            aria-label="Degrees aside from which the robot turns after the view"
+            aria-label={t("Degrees aside from which the robot turns after the view")}
             data-testid="soft-limit"
             min={LEAST_LIMIT_DEG}
             max={MOST_LIMIT_DEG}

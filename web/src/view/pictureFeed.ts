@@ -116,12 +116,14 @@ export class PictureFeed {
   private async take(frame: ArrayBuffer): Promise<void> {
     const picture = parsePicture(frame);
     if (!picture) return;
+    let painted: Painted = { drawn: false };
     if (this.wanted()) {
       // Each picture of a video is needed for the next.
       if (this.calm.peek() && picture.coding === FILE) this.calmly({ picture, frame, greeting: this.greetings });
-      else this.mend(picture, await this.put(picture, frame));
+      else painted = await this.put(picture, frame);
     }
     this.session.send({ type: "ack", kind: this.kind, seq: picture.seq });
+    this.mend(picture, painted);
     if (this.kind === CAMERA && this.resized() && this.wanted()) this.session.send({ type: "view", ...this.width() });
   }
 

@@ -1,0 +1,51 @@
+/** Sound and speech, in French. */
+
+export const sound = {
+  "Stop listening to the robot": "Ne plus écouter le robot",
+  "Listen to the robot": "Écouter le robot",
+  "Stop listening. The figure is the delay.": "Ne plus écouter. Le chiffre est le retard.",
+  "Hear what the robot hears": "Entendre ce que le robot entend",
+  "{ms} ms": "{ms} ms",
+  Listen: "Écouter",
+  "Hold to speak through the robot": "Maintenir pour parler par le robot",
+  "Hold this or V and speak through the robot": "Maintenez ceci ou V et parlez par le robot",
+  Speaking: "Vous parlez",
+  "Opening…": "Ouverture…",
+  "{operator} speaks": "{operator} parle",
+  "Hold to speak": "Maintenir pour parler",
+  Speak: "Parler",
+  "The connection was lost: you no longer hear the robot. Press Listen to hear it again.":
+    "La connexion a été perdue : vous n’entendez plus le robot. Appuyez sur Écouter pour l’entendre de nouveau.",
+  "This browser cannot play the robot's sound.": "Ce navigateur ne peut pas jouer le son du robot.",
+  "No sound was recorded here.": "Aucun son n’a été enregistré ici.",
+  "The recording is paused.": "L’enregistrement est en pause.",
+  "The browser blocks the sound.": "Le navigateur bloque le son.",
+  "No sound comes from the robot.": "Aucun son ne vient du robot.",
+  "This recording has no sound.": "Cet enregistrement n’a pas de son.",
+  "This robot has no microphones to listen through.": "Ce robot n’a pas de microphones pour écouter.",
+  "Listening is forbidden now: {text}": "Écouter est interdit en ce moment : {text}",
+  "The browser may not use your microphone. Allow it beside the page's address, then hold the button again.":
+    "Le navigateur n’a pas accès à votre microphone. Autorisez-le à côté de l’adresse de la page, puis maintenez de nouveau le bouton.",
+  "This computer has no microphone. Plug one in, then hold the button again.":
+    "Cet ordinateur n’a pas de microphone. Branchez-en un, puis maintenez de nouveau le bouton.",
+  "Your microphone is in use by another program. Close that, then hold the button again.":
+    "Votre microphone est utilisé par un autre programme. Fermez-le, puis maintenez de nouveau le bouton.",
+  "Your microphone could not be opened.": "Votre microphone n’a pas pu être ouvert.",
+  "This is a recording: nothing can be said in it.": "Ceci est un enregistrement : on ne peut rien y dire.",
+  "This robot has no loudspeaker.": "Ce robot n’a pas de haut-parleur.",
+  "The robot's voice is in use by {operator}.": "La voix du robot est utilisée par {operator}.",
+  "Browsers give the microphone only to pages from this computer (localhost) or over https.":
+    "Les navigateurs ne donnent le microphone qu’aux pages de cet ordinateur (localhost) ou par https.",
+  "Let the robot say something": "Faire dire quelque chose au robot",
+  "Type what the robot says; gestures and expressions": "Taper ce que dit le robot ; gestes et expressions",
+  Say: "Dire",
+  "What the robot says": "Ce que dit le robot",
+  Words: "Mots",
+  "Listening for {words}": "À l’écoute de {words}",
+  "No words are listened for.": "Aucun mot n’est écouté.",
+  "Arms down": "Bras baissés",
+  "Look around": "Regarder autour",
+  "not understood, perhaps {likeliest}": "pas compris, peut-être {likeliest}",
+  "not understood": "pas compris",
+  "{share} sure": "sûr à {share}",
+} as const;
