@@ -2,12 +2,13 @@
 
 import type { FromPainter, ToPainter } from "./canvasPainter";
 
-let canvas: OffscreenCanvas | null = null;
+/** Asked for once: Firefox refuses a worker the context of a page's canvas when it is asked for again. */
+let context: OffscreenCanvasRenderingContext2D | null = null;
 const answer = (message: FromPainter) => (self as unknown as Worker).postMessage(message);
 
 self.onmessage = async ({ data }: MessageEvent<ToPainter>) => {
-  if (data.canvas) canvas = data.canvas;
-  if (!data.picture || !canvas) return;
+  if (data.canvas) context = data.canvas.getContext("2d", { alpha: false });
+  if (!data.picture || !context) return;
   const { id, data: bytes, offset } = data.picture;
   let bitmap: ImageBitmap;
   try {
@@ -16,11 +17,12 @@ self.onmessage = async ({ data }: MessageEvent<ToPainter>) => {
     answer({ id, drawn: false });
     return;
   }
+  const { canvas } = context;
   if (canvas.width !== bitmap.width || canvas.height !== bitmap.height) {
     canvas.width = bitmap.width;
     canvas.height = bitmap.height;
   }
-  canvas.getContext("2d", { alpha: false })!.drawImage(bitmap, 0, 0);
+  context.drawImage(bitmap, 0, 0);
   bitmap.close();
   answer({ id, drawn: true });
 };
