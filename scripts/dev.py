@@ -249,7 +249,10 @@ def node_or_install() -> page.Node:
 
 
 def install_debian_packages(*, browser: bool = True) -> None:
-    """Mesa for the simulated camera and, for tests, a ``browser``: installed where we may, else named."""
+    """Mesa for the simulated camera and, for tests, a ``browser``: installed where we may, else named.
+
+    The other browser and its display are not in every distribution: they are installed by themselves.
+    """
     sys.path.insert(0, str(ROOT))
     from app.commands.doctor import find_chromium  # needs the standard library alone
 
@@ -260,30 +263,43 @@ def install_debian_packages(*, browser: bool = True) -> None:
         missing["libegl1"] = "the simulated camera"
     if not any(any(Path("/usr").glob(f"lib*/{name}")) for name in MESA_DRIVERS) and not Path("/dev/nvidiactl").exists():
         missing["libgl1-mesa-dri"] = "the simulated camera"
-    if not missing:
+    others: dict[str, str] = {}
+    if browser and not (shutil.which("firefox-esr") or shutil.which("firefox")):
+        others["firefox-esr"] = "the browser tests in Firefox"
+    if browser and not shutil.which("Xvfb"):
+        others["xvfb"] = "the browser tests in Firefox"
+    if not missing and not others:
         return
-    packages = " ".join(missing)
     if os.geteuid() == 0 and shutil.which("apt-get"):
-        say(f"installing {packages}")
-        environment = {**os.environ, "DEBIAN_FRONTEND": "noninteractive"}
-        quiet = ["-qq", "-o", "Dpkg::Use-Pty=0"]
-        install = ["apt-get", *quiet, "install", "-y", "--no-install-recommends", *missing]
-        for command in (["apt-get", *quiet, "update"], install):
-            done = subprocess.run(
-                command,
-                env=environment,
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.STDOUT,
-                check=False,
-            )
-        if done.returncode == 0:
-            return
+        apt_get("update")
+        missing, others = install_of_debian(missing), install_of_debian(others)
     wanting = "the tests that need them are skipped" if browser else "the simulated robot does not start"
-    sys.stderr.write(
-        f"\nMissing for {' and '.join(sorted(set(missing.values())))}: as root, apt-get install {packages}"
-        f" (without, {wanting}).\n\n"
-    )
+    for lacking in (missing, others):
+        if lacking:
+            sys.stderr.write(
+                f"\nMissing for {' and '.join(sorted(set(lacking.values())))}: as root, apt-get install"
+                f" {' '.join(lacking)} (without, {wanting}).\n\n"
+            )
+
+
+def install_of_debian(packages: dict[str, str]) -> dict[str, str]:
+    """Install Debian's ``packages``, by name; what is missing then."""
+    if not packages:
+        return {}
+    say(f"installing {' '.join(packages)}")
+    return {} if apt_get("install", "-y", "--no-install-recommends", *packages) == 0 else packages
+
+
+def apt_get(*arguments: str) -> int:
+    """Run ``apt-get`` in silence; its status."""
+    return subprocess.run(
+        ["apt-get", "-qq", "-o", "Dpkg::Use-Pty=0", *arguments],
+        env={**os.environ, "DEBIAN_FRONTEND": "noninteractive"},
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        check=False,
+    ).returncode
 
 
 def read_stamp() -> dict[str, Any] | None:

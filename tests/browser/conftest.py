@@ -6,7 +6,6 @@ with the guard's log turned on: what the wheels were really given, on the clock 
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -15,7 +14,8 @@ from playwright.sync_api import Browser, Page, Playwright, expect, sync_playwrig
 
 from app.commands.doctor import find_chromium
 from app.robots.simulated.gl import check_gl
-from tests.browser.running import CHROMIUM_ARGUMENTS, Robot, running_robot
+from tests.browser.browsers import launching, named
+from tests.browser.running import Robot, running_robot
 from tests.patience import PATIENCE_MS
 
 expect.set_options(timeout=PATIENCE_MS)
@@ -54,7 +54,7 @@ def playwright() -> Iterator[Playwright]:
 @pytest.fixture(scope="module")
 def browser(playwright: Playwright) -> Iterator[Browser]:
     """One Chromium for a file's tests."""
-    chromium = playwright.chromium.launch(executable_path=find_chromium(), args=CHROMIUM_ARGUMENTS)
+    chromium = playwright.chromium.launch(**launching("chromium"))
     yield chromium
     chromium.close()
 
@@ -69,8 +69,7 @@ def open_page(browser: Browser, robot: Robot) -> Iterator[Callable[..., Page]]:
         context = browser.new_context(viewport={"width": 1000, "height": 640})
         context.set_default_timeout(PATIENCE_MS)
         contexts.append(context)
-        # Asked for its name, a page would lay that question over what a test clicks.
-        context.add_init_script(f"localStorage.setItem('hbba.operator', {json.dumps(operator)})")
+        context.add_init_script(named(operator))
         page = context.new_page()
         page.on("pageerror", lambda error: errors.append(str(error)))
         # Drawn by the processor, as here, the 3D view starves all else: only tests that look at it open it.

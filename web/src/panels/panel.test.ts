@@ -63,7 +63,7 @@ test("the tabs are made again only by a message that changes what they show", ()
       offered: always,
       badge: (message) => message?.landmarks.length ?? 0,
     }),
-    panel({ type: "perceived", tab: "People", Card }),
+    panel({ type: "perceived", tab: "Found", Card }),
   ];
   const tabs = offeredTabs(panels, app, false);
   let made = 0;

@@ -4,7 +4,8 @@ import { VP9_DELTA, VP9_KEY } from "../protocol/picture";
 import type { FromPainter, ToPainter } from "./canvasPainter";
 import { Video } from "./video";
 
-let canvas: OffscreenCanvas | null = null;
+/** Asked for once: Firefox refuses a worker the context of a page's canvas when it is asked for again. */
+let context: OffscreenCanvasRenderingContext2D | null = null;
 /** The newest picture drawn. */
 let shown = 0;
 const answer = (message: FromPainter) => (self as unknown as Worker).postMessage(message);
@@ -14,8 +15,8 @@ const video = new Video((id, frame) => {
 }, answer);
 
 self.onmessage = async ({ data }: MessageEvent<ToPainter>) => {
-  if (data.canvas) canvas = data.canvas;
-  if (!data.picture || !canvas) return;
+  if (data.canvas) context = data.canvas.getContext("2d", { alpha: false });
+  if (!data.picture || !context) return;
   const { id, data: whole, offset, coding } = data.picture;
   const bytes = new Uint8Array(whole, offset);
   if (coding === VP9_KEY || coding === VP9_DELTA) {
@@ -35,12 +36,13 @@ self.onmessage = async ({ data }: MessageEvent<ToPainter>) => {
 
 /** Whether it was drawn: after a newer one it is not, as where JPEG follows video that is still being decoded. */
 function draw(id: number, picture: CanvasImageSource, width: number, height: number): boolean {
-  if (!canvas || id < shown) return false;
+  if (!context || id < shown) return false;
   shown = id;
+  const { canvas } = context;
   if (canvas.width !== width || canvas.height !== height) {
     canvas.width = width;
     canvas.height = height;
   }
-  canvas.getContext("2d", { alpha: false })!.drawImage(picture, 0, 0, width, height);
+  context.drawImage(picture, 0, 0, width, height);
   return true;
 }
