@@ -443,6 +443,8 @@ class Hello(Struct, kw_only=True, frozen=True):
     head: bool
     """Whether an operator can turn a head here."""
     audio: AudioFacts
+    vp9: bool
+    """Whether the camera's pictures come as VP9 to pages that say they decode it."""
     playback: PlaybackReport | None
     """null: not a recording."""
 
@@ -1678,6 +1680,8 @@ class Status(Struct, kw_only=True, frozen=True):
     sources: list[SourceState]
     slowed: str
     """Why this viewer drives slower than its stick says; empty: it does not."""
+    share: float
+    """The share of the speeds of its stick that this viewer is given for it, 0 to 1."""
 
 
 class StopReport(Struct, kw_only=True, frozen=True):

@@ -399,6 +399,8 @@ export interface Hello {
   /** Whether an operator can turn a head here. */
   head: boolean;
   audio: AudioFacts;
+  /** Whether the camera's pictures come as VP9 to pages that say they decode it. */
+  vp9: boolean;
   /** null: not a recording. */
   playback: PlaybackReport | null;
 }
@@ -1547,6 +1549,8 @@ export interface Status {
   sources: SourceState[];
   /** Why this viewer drives slower than its stick says; empty: it does not. */
   slowed: string;
+  /** The share of the speeds of its stick that this viewer is given for it, 0 to 1. */
+  share: number;
 }
 
 /** What became of one stop. */
