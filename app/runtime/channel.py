@@ -182,12 +182,20 @@ class Channel(Generic[M]):
         self._update_wanted()
 
     def _update_wanted(self) -> None:
-        divisors = [int(s.filter.divisor) for s in self._subscriptions if s.demands and s.filter.is_open]
-        divisor = float(math.gcd(*divisors)) if divisors else CLOSED
-        before, self._divisor = self._divisor, divisor
-        if divisor != before:
+        subscriptions = self._subscriptions
+        if len(subscriptions) == 1:
+            # Most channels: attention rewrites thousands of filters in one step of the loop.
+            divisor = subscriptions[0].filter.divisor if subscriptions[0].demands else CLOSED
+        else:
+            divisors = [int(s.filter.divisor) for s in subscriptions if s.demands and s.filter.is_open]
+            divisor = float(math.gcd(*divisors)) if divisors else CLOSED
+        before = self._divisor
+        if divisor == before:
+            return
+        self._divisor = divisor
+        if self._divisor_observers:
             self._divisor_observers.notify(divisor)
-        if (divisor == CLOSED) != (before == CLOSED):
+        if (divisor == CLOSED) != (before == CLOSED) and self._wanted_observers:
             self._wanted_observers.notify(divisor != CLOSED)
 
     def statistics(self) -> ChannelStatistics:

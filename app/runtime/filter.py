@@ -45,9 +45,12 @@ class RateFilter:
     @divisor.setter
     def divisor(self, divisor: float) -> None:
         """Change φ; ``on_change(before, after)`` is called if it is another. Raises ValueError, changing nothing."""
+        if check_divisor(divisor) != self._divisor:
+            self.change(divisor)
+
+    def change(self, divisor: float) -> None:
+        """Change φ to another one, which :func:`check_divisor` has let pass."""
         before = self._divisor
-        if check_divisor(divisor) == before:
-            return
         self._divisor = divisor
         self.reload = divisor - 1
         self.skip = CLOSED if divisor == CLOSED else 0

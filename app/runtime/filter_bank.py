@@ -93,22 +93,31 @@ class FilterBank:
         Pinned filters stay as they are. Raises KeyError for a filter that does not exist and ValueError for a φ that
         cannot be, changing nothing.
         """
+        filters, pinned, delayed = self._filters, self._pinned, self._delayed
         changes: dict[str, tuple[float, float]] = {}
+        checked: set[float] = set()
+        opening: list[str] = []
+        closing: list[str] = []
         for name, divisor in divisors.items():
-            if name not in self._filters:
+            rate_filter = filters.get(name)
+            if rate_filter is None:
                 module = f"{name.partition('.')[0]}."
-                beside = [known for known in self._filters if known.startswith(module)]
-                raise KeyError(unknown("filter", name, beside or self._filters))
-            before = self._filters[name].divisor
-            if check_divisor(divisor) != before and name not in self._pinned:
+                beside = [known for known in filters if known.startswith(module)]
+                raise KeyError(unknown("filter", name, beside or filters))
+            before = rate_filter.divisor
+            if divisor not in checked:
+                checked.add(check_divisor(divisor))
+            if divisor != before and name not in pinned:
                 changes[name] = (before, divisor)
-        opening_first = sorted(changes.items(), key=lambda change: change[1][1] > change[1][0])
-        for name, (_, after) in opening_first:
-            self._filters[name].divisor = after
-            if after != CLOSED and name in self._delayed:
-                self._filters[name].begin(self._delayed.pop(name))
-        for module in {name.partition(".")[0] for name in changes}:
-            self._rest(module)
+                (closing if divisor > before else opening).append(name)
+        for name in (*opening, *closing):
+            after = divisors[name]
+            filters[name].change(after)
+            if delayed and after != CLOSED and name in delayed:
+                filters[name].begin(delayed.pop(name))
+        if self._resting:
+            for module in {name.partition(".")[0] for name in changes}:
+                self._rest(module)
         return changes
 
     def attend(self, names: Collection[str], subscriptions: Mapping[str, Collection[Subscription[Any]]]) -> None:

@@ -39,6 +39,8 @@ class LoopTime:
 class HangDetector:
     """Watches one run of a module; call :meth:`look` about every 0.1 s.
 
+    While none of :attr:`signs` is true there is nothing to see: it need not be called then.
+
     A module makes no progress when an input has messages waiting and none is taken for ``limit_s``, or when a
     periodic handler does not come round for ten of its periods (at least ``limit_s``).
     """
@@ -54,6 +56,13 @@ class HangDetector:
         #: By what may be stuck: a mark that changes with its progress, when that mark was first seen, and the time
         #: given until then.
         self._seen: dict[str, tuple[float, float, float]] = {}
+        #: Live collections, of which none contains anything while the module is idle: messages that wait, periodic
+        #: handlers, and what the last look saw.
+        self.signs: tuple[Collection[object], ...] = (
+            ticks,
+            self._seen,
+            *(port.subscription.inbox for port in inputs if port.connected),
+        )
 
     def look(self, now: float) -> str | None:
         """A description of what blocks the module, or None."""
@@ -67,7 +76,8 @@ class HangDetector:
             _, since, given_s = seen[what]
             if stuck is None and self._given_s - given_s > limit_s:
                 stuck = f"{what} for {now - since:.1f} s"
-        self._seen = seen
+        self._seen.clear()
+        self._seen.update(seen)
         return stuck
 
     def _marks(self) -> Iterator[tuple[str, float, float]]:

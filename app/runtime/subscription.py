@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import asyncio
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 from app.messages import Message
 from app.runtime.errors import ChannelClosed, InboxOverflow, WouldBlock
-from app.runtime.filter import RateFilter
+from app.runtime.filter import CLOSED, RateFilter
 
 M = TypeVar("M", bound=Message)
 
@@ -158,6 +158,11 @@ class Subscription(Generic[M]):
         """Whether there is a message to take, and the consumer does not rest."""
         return bool(self._inbox) and not self._resting
 
+    @property
+    def inbox(self) -> Collection[M]:
+        """What waits, live: the same object for as long as the subscription is."""
+        return self._inbox
+
     def __aiter__(self) -> Subscription[M]:
         return self
 
@@ -250,11 +255,12 @@ class Subscription(Generic[M]):
         self._overflowed = 0
         self._wake_senders()
 
-    def _filter_changed(self, _before: float, _after: float) -> None:
-        if not self.filter.is_open:
+    def _filter_changed(self, _before: float, after: float) -> None:
+        if after == CLOSED:
             self._discarded += len(self._inbox)
             self._inbox.clear()
-            self._wake_senders()
+            if self._senders:
+                self._wake_senders()
         self._on_filter()
 
     def statistics(self) -> SubscriptionStatistics:

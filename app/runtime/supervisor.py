@@ -13,7 +13,7 @@ import asyncio
 import logging
 import time
 import traceback
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -70,12 +70,15 @@ class _ModuleRun:
         self.serving_since: float | None = None
         self.hung = hung
         self._progress: HangDetector | None = None
+        #: While none is true there is nothing to look at.
+        self.signs: tuple[Collection[object], ...] = ((self,),)
 
     def serve(self, now: float, given: float) -> None:
         """Note that it has started: at ``now`` of the robot's clock, ``given`` of the time modules have to work."""
         self.serving_since = now
         inputs = self.slot.context.inputs.values()
         self._progress = HangDetector(inputs, self.slot.module.ticks, self.slot.spec.hang_after_s, given)
+        self.signs = self._progress.signs
 
     def look(self, given: float) -> None:
         """Resolve ``hung`` if the module is."""
@@ -102,6 +105,9 @@ class Supervisor:
         self._tasks: dict[str, asyncio.Task[None]] = {}
         self._watching: asyncio.Task[None] | None = None
         self._runs: dict[str, _ModuleRun] = {}
+        #: Runs that show signs of work, and the signs of all others; None: to be looked up.
+        self._busy: list[_ModuleRun] = []
+        self._idle: tuple[Collection[object], ...] | None = None
         #: Shut down, and at their last job.
         self._leaving: list[ModuleWorker] = []
         self.states = {name: ModuleState(name, "stopped", 0.0) for name in slots}
@@ -158,8 +164,16 @@ class Supervisor:
 
     async def _watch(self) -> None:
         while True:
-            for run in tuple(self._runs.values()):
-                run.look(self._given.now())
+            given = self._given.now()
+            # One glance at thousands of idle modules together is nearly all that an idle program's watch takes.
+            if self._idle is None or any(self._idle):
+                self._busy = [run for run in self._runs.values() if any(run.signs)]
+                busy = set(self._busy)
+                self._idle = tuple(sign for run in self._runs.values() if run not in busy for sign in run.signs)
+            for run in self._busy:
+                run.look(given)
+                if not any(run.signs):
+                    self._idle = None
             await self._pace.sleep(WATCH_PERIOD_S)
 
     async def _supervise(self, slot: ModuleSlot) -> None:
@@ -195,6 +209,7 @@ class Supervisor:
 
         def started() -> None:
             run.serve(self._clock.now(), self._given.now())
+            self._idle = None
             self._change(slot, status="running")
             if again:
                 log.info("%s runs again", slot.name)
@@ -203,6 +218,7 @@ class Supervisor:
         task = asyncio.create_task(life, name=f"module {slot.name}")
         ends: tuple[asyncio.Future[Any], ...] = (task, run.hung)
         self._runs[slot.name] = run
+        self._idle = None
         try:
             await asyncio.wait(ends, return_when=asyncio.FIRST_COMPLETED)
             if task.done():
@@ -215,6 +231,7 @@ class Supervisor:
             return "hung", run.hung.result()
         finally:
             del self._runs[slot.name]
+            self._idle = None
             slot.leave_inputs()
             await _end(task, slot.name)
             # A thread that is stuck may never come back: the next instance gets a new one.

@@ -87,3 +87,29 @@ def test_a_timer_is_stuck_after_ten_periods_but_not_before_the_limit(period_s: f
     stuck = stage.pass_time(0.3)
     assert stuck is not None
     assert stuck.startswith("its periodic beat-0 did not come round for")
+
+
+def test_while_nothing_waits_there_is_nothing_to_look_at() -> None:
+    stage = Stage()
+    assert not any(stage.watch.signs)
+    stage.publish()
+    assert any(stage.watch.signs)
+    stage.pass_time(0.2)
+    stage.port.subscription.receive_nowait()
+    assert any(stage.watch.signs), "what the last look saw is not forgotten yet"
+    stage.pass_time(0.1)
+    assert not any(stage.watch.signs)
+    stage.ticks["beat"] = (stage.now, 0.1)
+    assert any(stage.watch.signs)
+
+
+def test_what_was_not_looked_at_while_idle_counts_for_nothing() -> None:
+    stage = Stage()
+    stage.publish()
+    stage.pass_time(0.9)
+    stage.port.subscription.discard()
+    stage.pass_time(0.1)
+    stage.now += 60.0
+    stage.publish()
+    assert stage.pass_time(1.0) is None
+    assert stage.pass_time(0.3) is not None
