@@ -157,7 +157,8 @@ def _branch_and_bound(
                     at = depth
                     while at > begin and bounds[at - 1] > score:
                         bounds[at] = bounds[at - 1]
-                        stack[at] = stack[at - 1]
+                        for m in range(4):
+                            stack[at, m] = stack[at - 1, m]
                         at -= 1
                     bounds[at] = score
                     stack[at, 0], stack[at, 1], stack[at, 2], stack[at, 3] = q, i, j, level - 1

@@ -119,7 +119,9 @@ def pyramid(values, levels) -> NDArray[np.uint8]:
     """(levels, H, W): at level l, the maximum of the 2^l x 2^l cells from each on."""
     height, width = values.shape
     out = np.zeros((levels, height, width), np.uint8)
-    out[0] = values
+    for j in range(height):
+        for i in range(width):
+            out[0, j, i] = values[j, i]
     for level in range(1, levels):
         half = 1 << (level - 1)
         below, here = out[level - 1], out[level]
@@ -213,13 +215,30 @@ def search_leaves(scores, free, points, angles, step, margin, floor, slack, capa
                     place = depth
                     while place > begin and stack_bounds[place - 1] > value:
                         stack_bounds[place] = stack_bounds[place - 1]
-                        stack[place] = stack[place - 1]
+                        for m in range(4):
+                            stack[place, m] = stack[place - 1, m]
                         place -= 1
                     stack_bounds[place] = value
                     stack[place, 0], stack[place, 1], stack[place, 2], stack[place, 3] = q, u, v, level - 1
                     depth += 1
     good: NDArray[np.float64] = leaves[:kept][leaves[:kept, 3] >= max(floor, best - slack)]
     return good
+
+
+@kernel("UniTuple(float64, 3)(float64[:,::1], float64[::1])")
+def _solved(h, g) -> tuple[float, float, float]:
+    """x of h x = g, for h (3, 3) symmetric and positive definite: h = L D L^T (Golub and Van Loan, 4.1).
+
+    LAPACK's solver, as numba binds it, takes seconds to compile.
+    """
+    l10, l20 = h[1, 0] / h[0, 0], h[2, 0] / h[0, 0]
+    d1 = h[1, 1] - l10 * h[1, 0]
+    l21 = (h[2, 1] - l20 * h[1, 0]) / d1
+    d2 = h[2, 2] - l20 * h[2, 0] - l21 * l21 * d1
+    z1 = g[1] - l10 * g[0]
+    x2 = (g[2] - l20 * g[0] - l21 * z1) / d2
+    x1 = z1 / d1 - l21 * x2
+    return g[0] / h[0, 0] - l10 * x1 - l20 * x2, x1, x2
 
 
 @kernel("float64[::1](float32[:,::1], float64[:,::1], float64[::1], float64, float64, float64, int64)")
@@ -254,7 +273,7 @@ def descend(far, points, pose, cell, x0, y0, rounds) -> NDArray[np.float64]:
             used += 1
         if used < 10:
             break
-        step = np.linalg.solve(h, g)
+        step = _solved(h, g)
         x, y, theta = x - step[0], y - step[1], theta - step[2]
         if abs(step[0]) + abs(step[1]) < 1e-4 and abs(step[2]) < 1e-5:
             break

@@ -10,7 +10,7 @@ import pytest
 
 from app.base.geometry import Pose2
 from app.messages import OccupancyGrid
-from app.modules.perception.slam.likelihood_field import LikelihoodField
+from app.modules.perception.slam.likelihood_field import LikelihoodField, _solved
 from app.modules.perception.slam.occupancy import view_of
 from app.modules.perception.slam.relocalization import PoseSearch, SearchScan, spread
 from tests.modules.perception.slam.places import HALL, Segment, box, drawn, polygon, scan, way
@@ -137,3 +137,11 @@ def test_spread_points_stand_for_the_near_and_the_far() -> None:
     kept = spread(np.concatenate((near, far)), 40)
     assert len(kept) <= 40
     assert (kept[:, 0] > 7).sum() > 25
+
+
+def test_a_step_of_the_descent_solves_its_equations() -> None:
+    rng = np.random.default_rng(4)
+    for scale in (1e-3, 1.0, 1e3):
+        slopes = scale * rng.standard_normal((3, 20))
+        h, g = np.eye(3) + slopes @ slopes.T, rng.standard_normal(3)
+        np.testing.assert_allclose(_solved(h, g), np.linalg.solve(h, g), rtol=1e-9)

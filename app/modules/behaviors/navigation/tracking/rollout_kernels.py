@@ -368,13 +368,19 @@ def improve(
         weight = math.exp(-(costs[k] - costs[best]) / temperature)
         if weight > 1e-6:
             total += weight
-            mean += weight * tried[k]
-    mean /= total
+            for t in range(steps):
+                for j in range(columns):
+                    mean[t, j] += weight * tried[k, t, j]
+    for t in range(steps):
+        for j in range(columns):
+            mean[t, j] /= total
     clamp(mean, mean, limits)
     cost = cost_of(field, frame, outline, radii, limits, state, path, spacing, mean, time_s, margin, weights)
     # A single sample is as rough as its noise: used only where no other is free of contact.
     if cost < costs[count] - 1e-3:
-        controls[:] = mean
+        for t in range(steps):
+            for j in range(columns):
+                controls[t, j] = mean[t, j]
         return cost
     if costs[count] >= COLLISION and costs[best] < COLLISION:
         clamp(tried[best], controls, limits)
