@@ -32,7 +32,9 @@ function drive(obeys: boolean, share = 1, known = share): { worst: number; wrong
   predictor.share = known;
   const up = 0.15;
   let robot = { stamp: 0, x: 0, y: 0, theta: 0, velocity: STILL };
-  const commands = [{ stamp: 0.5, velocity: obeys ? { linear: 0.4 * share, angular: 0.5 * share, lateral: 0 } : STILL }];
+  const commands = [
+    { stamp: 0.5, velocity: obeys ? { linear: 0.4 * share, angular: 0.5 * share, lateral: 0 } : STILL },
+  ];
   const expected: { at: number; x: number }[] = [];
   let worst = 0;
   for (let step = 0; step < 80; step++) {
