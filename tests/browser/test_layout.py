@@ -147,3 +147,12 @@ def test_axe_finds_nothing(page: Page, axe: str, theme: str) -> None:
     page.locator("[data-testid=page].narrow").wait_for()
     found["phone"] = violations(page, axe)
     assert {state: problems for state, problems in found.items() if problems} == {}
+
+
+def test_where_the_processor_draws_nothing_moves_by_itself(page: Page) -> None:
+    """What moves makes 60 frames a second: here all changes come at the page's turns."""
+    assert page.locator("html").get_attribute("data-drawn") == "processor"
+    page.locator("[data-testid=lane-canvas][data-newest]:not([data-newest=''])").wait_for()
+    moved = page.locator("[data-testid=lane-canvas]").get_attribute("style")
+    expect(page.locator("[data-testid=lane-canvas]")).not_to_have_attribute("style", moved or "")
+    assert page.evaluate("document.getAnimations().map((each) => each.constructor.name)") == []

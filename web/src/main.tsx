@@ -65,6 +65,7 @@ const recordings = new RecordingControl(store, session.rest);
 const drive = new DriveController(store, session, playback);
 const ahead = lookAhead(store, session, drive);
 const processorDraws = !accelerated();
+document.documentElement.dataset["drawn"] = processorDraws ? "processor" : "card";
 const camera = new PictureFeed(
   session,
   CAMERA,
