@@ -119,7 +119,9 @@ class PersonTracks:
         # The mean lags behind one who has just been confused with another.
         this = None if worn.mean is None else distance(histogram, worn.mean)
         if this is not None and this >= rules.identity.different:
-            track.against = stamp
+            track.against, track.strange = stamp, track.strange + 1
+        elif this is not None:
+            track.strange = 0
         if far is not None and this is not None and max(far, this) < rules.identity.same:
             track.agreed = stamp
         if far is None or far < rules.identity.same:
@@ -321,7 +323,7 @@ class PersonTracks:
             if identity is None or identity.colors.samples < rules.identity.samples or track.agreed > track.mixed:
                 continue
             # Another's colours at once say that the other has the track; while none are seen, there is a moment's grace.
-            if track.against > track.agreed or stamp - track.agreed >= AGREED_S:
+            if track.against > track.agreed or stamp - track.agreed >= rules.grace_s:
                 identity.crossed = True
                 self._miss(track, identity)
                 self._forget_identity(track)
@@ -338,7 +340,9 @@ class PersonTracks:
         if not rules.identity.colors:
             return
         far = track.recent.distance(identity.colors, rules.other_samples)
-        if far is None or far < rules.identity.different:
+        # Somebody who passes before a person is soon gone; after a time out of sight nothing speaks for the old name.
+        regained = track.strange >= rules.identity.samples and stamp - track.agreed >= AGREED_S
+        if not regained and (far is None or far < rules.identity.different):
             return
         self._miss(track, identity)
         self._forget_identity(track)

@@ -325,3 +325,15 @@ def test_the_colours_of_two_are_no_third_persons() -> None:
         tracks.see_torsos(t, {9: colors(ORANGE if k % 2 else BLUE)})
     (person,) = [p for p in tracks.persons(14.0) if p.state != "lost"]
     assert (person.state, person.person) == ("unsure", None)
+
+
+def test_colours_seen_again_after_long_end_an_identity_that_place_alone_held() -> None:
+    tracks = PersonTracks()
+    at = standing(3.0, 0.0)
+    play(tracks, [at], [(1, at, ORANGE), (2, standing(1.0, 2.0), BLUE)], end=6.0)
+    numbers = {p.face: p.person for p in tracks.persons(6.0)}
+    # Nobody looks at the torso for five seconds; the legs never jumped, but another is there now.
+    play(tracks, [at], begin=6.0, end=11.0)
+    looks = seen_above_legs(tracks, [at], {0: BLUE}, 11.0, 13.0)
+    assert [p.person for p in looks[4] if p.legs] == [None], "three looks are enough"
+    assert [p.person for p in looks[-1] if p.legs] == [numbers[2]]
