@@ -107,16 +107,25 @@ class PersonTracks:
 
     def _wear(self, track: Track, stamp: float, histogram: Histogram) -> None:
         rules = self.rules
+        if track.identity is None and track.colors.mean is not None:
+            if distance(histogram, track.colors.mean) >= rules.identity.different:
+                # The mean of what two persons wear is worn by nobody.
+                track.colors, track.recent = Colors(40), Colors(6)
         track.recent.add(histogram)
         track.torso = stamp
         # Who passes before a person does not change what the person wears.
         worn = track.colors if track.identity is None else track.identity.colors
         far = track.recent.distance(worn, rules.identity.samples)
+        # The mean lags behind one who has just been confused with another.
+        this = None if worn.mean is None else distance(histogram, worn.mean)
+        if this is not None and this >= rules.identity.different:
+            track.against, track.strange = stamp, track.strange + 1
+        elif this is not None:
+            track.strange = 0
+        if far is not None and this is not None and max(far, this) < rules.identity.same:
+            track.agreed = stamp
         if far is None or far < rules.identity.same:
             worn.add(histogram)
-            # The mean lags behind one who has just been confused with another.
-            if far is not None and worn.mean is not None and distance(histogram, worn.mean) < rules.identity.same:
-                track.agreed = stamp
         elif track.identity is None and track.recent.samples >= rules.other_samples:
             track.colors, track.recent = Colors(40), Colors(6)
 
@@ -311,12 +320,19 @@ class PersonTracks:
             if any(o is not track and math.dist(o.motion.at, track.motion.at) < rules.confused_m for o in believed):
                 track.mixed = stamp
             identity = track.identity
-            if identity is None or identity.colors.samples < rules.identity.samples or stamp - track.agreed < AGREED_S:
+            if identity is None or identity.colors.samples < rules.identity.samples or track.agreed > track.mixed:
                 continue
-            if track.agreed <= track.mixed:
+            # Another's colours at once say that the other has the track; while none are seen, there is a moment's grace.
+            if track.against > track.agreed or stamp - track.agreed >= rules.grace_s:
                 identity.crossed = True
                 self._miss(track, identity)
-                track.forget_identity()
+                self._forget_identity(track)
+
+    def _forget_identity(self, track: Track) -> None:
+        """Let ``track`` be unsure: what is perceived from now on may be another, so it is another track."""
+        track.forget_identity()
+        track.number = self.next_track
+        self.next_track += 1
 
     def _check(self, track: Track, stamp: float, identity: Identity) -> None:
         """Doubt the identity of a track whose colours have become another's."""
@@ -324,10 +340,12 @@ class PersonTracks:
         if not rules.identity.colors:
             return
         far = track.recent.distance(identity.colors, rules.other_samples)
-        if far is None or far < rules.identity.different:
+        # Somebody who passes before a person is soon gone; after a time out of sight nothing speaks for the old name.
+        regained = track.strange >= rules.identity.samples and stamp - track.agreed >= AGREED_S
+        if not regained and (far is None or far < rules.identity.different):
             return
         self._miss(track, identity)
-        track.forget_identity()
+        self._forget_identity(track)
         track.believed, track.not_new_before, track.doubtful = stamp, stamp + rules.doubt_s, False
 
     def _identify(self, track: Track, stamp: float) -> None:
@@ -352,7 +370,7 @@ class PersonTracks:
         if isinstance(found, Identity):
             for other in weak:
                 if other.identity is found:
-                    other.forget_identity()
+                    self._forget_identity(other)
             self._take(track, found)
         elif found == "new" and stamp >= track.not_new_before:
             few = track.colors.samples < rules.new_samples

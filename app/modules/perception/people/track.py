@@ -54,6 +54,9 @@ class Track:
     identity: Identity | None = None
     #: When colours agreed with its identity last, and whether the place is too doubtful for giving one.
     agreed: float = -math.inf
+    #: When colours were quite others' than its identity's last, and how many looks have been so since any was not.
+    against: float = -math.inf
+    strange: int = 0
     doubtful: bool = False
     #: When it was last so near to another that the laser may have confused them.
     mixed: float = -math.inf
@@ -105,7 +108,7 @@ class Track:
 
     def forget_identity(self) -> None:
         """Be unsure, until colours that are seen from now on identify: the last ones may be of both."""
-        self.identity, self.doubtful = None, True
+        self.identity, self.doubtful, self.against, self.strange = None, True, -math.inf, 0
         self.colors, self.recent = Colors(40), Colors(6)
 
     def person(self, stamp: float, lost: bool, rules: PersonRules) -> Person:

@@ -62,6 +62,8 @@ class PersonRules:
     #: Who is lost so near to somebody else may have been taken for them.
     crossing_m: float = 0.9
     confused_m: float = 0.6
+    #: ... and keeps the identity so long (s) without a look at the own colours: a look or two may fail.
+    grace_s: float = 0.7
     #: Legs so far from where they were expected may be another's.
     jump_m: float = 0.22
     #: Two in the same colours are two when those of both were seen within so long.

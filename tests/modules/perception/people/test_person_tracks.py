@@ -260,3 +260,80 @@ def test_a_track_whose_legs_jump_is_unsure_until_colours_say_whose_they_are() ->
         tracks.see_worn(0.1 * k, {person.track: colors(BLUE)})
     (person,) = [p for p in tracks.persons(10.0) if p.state != "lost"]
     assert (person.state, person.person) == ("confirmed", numbers[2])
+
+
+def seen_above_legs(
+    tracks: PersonTracks, legs_of: Iterable[Way], worn: dict[int, tuple[int, int, int]], begin: float, end: float
+) -> list[tuple[Person, ...]]:
+    """The persons every tenth of a second; ``worn`` by the index of the way that is nearest to the person."""
+    ways, found = tuple(legs_of), []
+    for k in range(round(begin / STEP_S), round(end / STEP_S)):
+        t = k * STEP_S
+        tracks.see_legs(t, [legs(*at) for way in ways if (at := way(t)) is not None])
+        persons = [p for p in tracks.persons(t) if p.state in ("confirmed", "unsure")]
+        looks = {}
+        for p in persons:
+            nearest = min(range(len(ways)), key=lambda i: math.dist(p.p_OP[:2], ways[i](t) or (1e6, 0.0)))
+            if nearest in worn:
+                looks[p.track] = colors(worn[nearest])
+        tracks.see_worn(t, looks)
+        found.append(tracks.persons(t))
+    return found
+
+
+def test_anothers_colours_after_a_crossing_end_an_identity_at_once() -> None:
+    tracks = PersonTracks()
+    orange = (1, standing(3.0, 0.0), ORANGE)
+    play(tracks, [standing(3.0, 0.0)], [orange, (2, standing(1.0, 3.0), BLUE)], end=3.0)
+    numbers = {p.face: p.person for p in tracks.persons(3.0)}
+    play(tracks, [standing(3.0, 0.0)], [orange], begin=3.0, end=6.0)
+
+    def passing(t: float) -> tuple[float, float]:
+        return 3.0, 0.3 + 0.5 * (t - 6.0)
+
+    # The track of who stood there goes along with who passes, in other colours, within a moment after its own.
+    later = seen_above_legs(tracks, [passing], {0: BLUE}, 6.0, 8.5)
+    named = [p.person for persons in later[2:] for p in persons if p.legs and p.state == "confirmed"]
+    assert numbers[1] not in named
+    assert named[-1] == numbers[2]
+
+
+@given(st.floats(0.3, 1.2), st.floats(2.0, 5.0))
+@settings(max_examples=20, deadline=None)
+def test_a_track_that_went_over_to_another_person_has_another_number(speed: float, away: float) -> None:
+    tracks = PersonTracks()
+    ways = [standing(away, 0.0), standing(1.0, 4.0)]
+    play(tracks, ways, [(1, ways[0], ORANGE), (2, ways[1], BLUE)], end=3.0)
+    owners = {p.track: p.person for p in tracks.persons(3.0)}
+
+    def passing(t: float) -> tuple[float, float]:
+        return away, 0.3 + speed * (t - 3.0)
+
+    for persons in seen_above_legs(tracks, [passing], {0: BLUE}, 3.0, 6.0):
+        for p in persons:
+            if p.person is not None:
+                assert owners.setdefault(p.track, p.person) == p.person
+
+
+def test_the_colours_of_two_are_no_third_persons() -> None:
+    tracks = PersonTracks()
+    play(tracks, [], [(1, standing(2.0, 1.5), ORANGE), (2, standing(2.0, -1.5), BLUE)], end=3.0)
+    # A face without legs, whose torso is now one's and now the other's.
+    for k in range(100, 140):
+        t = k * STEP_S
+        tracks.see_faces(t, [face(9, 3.0, 0.0)])
+        tracks.see_torsos(t, {9: colors(ORANGE if k % 2 else BLUE)})
+    (person,) = [p for p in tracks.persons(14.0) if p.state != "lost"]
+    assert (person.state, person.person) == ("unsure", None)
+
+
+def test_colours_seen_again_after_long_end_an_identity_that_place_alone_held() -> None:
+    tracks = PersonTracks()
+    at = standing(3.0, 0.0)
+    play(tracks, [at], [(1, at, ORANGE), (2, standing(1.0, 2.0), BLUE)], end=6.0)
+    numbers = {p.face: p.person for p in tracks.persons(6.0)}
+    # Nobody looks at the torso for five seconds; the legs never jumped, but another is there now.
+    play(tracks, [at], begin=6.0, end=11.0)
+    looks = seen_above_legs(tracks, [at], {0: BLUE}, 11.0, 13.0)
+    assert [p.person for p in looks[4] if p.legs] == [None], "three looks are enough"
+    assert [p.person for p in looks[-1] if p.legs] == [numbers[2]]
