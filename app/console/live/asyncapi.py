@@ -18,7 +18,10 @@ pictures and sound, distinguished by their first byte, `kind`. More types and me
 Rates, and the effect of each message: docs/live-stream.md.
 """
 
-_PICTURE = "A header of 24 bytes, then the picture: kind 1 camera and 2 panorama (JPEG), 3 map and 4 costmap (PNG)."
+_PICTURE = (
+    "A header of 24 bytes, then the picture: kind 1 camera and 2 panorama (coding 0: JPEG; of the camera also 1 and 2: "
+    "VP9, a key frame or one that needs those before it), 3 map and 4 costmap (PNG)."
+)
 _SOUND = "Sound of the robot's microphones, kind 16: a header of 24 bytes, then `samples` of int16, little-endian."
 _VOICE = "An operator's voice, kind 17: a header of 24 bytes, then `samples` of int16, at most 40 ms."
 

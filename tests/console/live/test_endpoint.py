@@ -15,6 +15,7 @@ from app.base.geometry import Pose2, Pose3
 from app.console.live.feeds import MOST_VIDEOS
 from app.console.live.hub import Hub
 from app.console.live.outbox import MOST_ITEMS
+from app.console.live.picture_budget import PictureBudget
 from app.console.live.protocol import PICTURE_HEADER
 from app.messages import EncodedImage, Exploitation, Landmark, Landmarks, Odometry, TeleopCommand, Twist
 from app.program.system import System
@@ -186,14 +187,16 @@ async def test_one_picture_is_under_way_at_a_time_and_it_is_the_newest(url: str,
         assert newer[2] > stamp
 
 
-async def test_a_page_that_decodes_vp9_gets_it_where_it_shows_pictures_small(
+async def test_a_page_that_decodes_vp9_gets_it_where_its_link_is_short(
     url: str, system: System, body: Body, hub: Hub
 ) -> None:
     async with page(url) as ann:
         hello = await ann.until("hello")
         assert hello["vp9"]
         await lane(ann, "Telepresence", "fulfilled")
-        await ann.send("view", camera=True, camera_px=40, vp9=True)
+        (viewer,) = hub.viewers
+        viewer.budgets[1] = PictureBudget(rung=1, try_jpeg_after_s=1e9)
+        await ann.send("view", camera=True, vp9=True)
         decoder = av.VideoCodecContext.create("vp9", "r")
         codings = []
         while codings[-2:] != [2, 2]:
@@ -216,7 +219,7 @@ async def test_a_page_that_decodes_vp9_gets_it_where_it_shows_pictures_small(
 async def test_no_more_pages_get_video_than_a_computer_bears(hub: Hub, body: Body, system: System) -> None:
     viewers = [hub.join(f"page {number}") for number in range(MOST_VIDEOS + 2)]
     for viewer in viewers:
-        viewer.vp9, viewer.widths[1] = True, 30
+        viewer.vp9, viewer.budgets[1] = True, PictureBudget(rung=2)
         hub.show(viewer, 1, True)
     hub._feeds._on_picture(1, EncodedImage(1.0, "camera", b"no JPEG", 640, 480, Pose3.identity()))
     assert len(hub._feeds._videos) == MOST_VIDEOS

@@ -21,7 +21,7 @@ function Pictures() {
         {coding === "" ? "None has come yet." : `${coding}, ${camera.shownSize.value}.`}{" "}
         {problem
           ? `As JPEG alone: ${problem}.`
-          : "As VP9 where they are shown small or the link is short, else as JPEG."}
+          : "As VP9 where the link is short, else as JPEG."}
       </p>
     </section>
   );

@@ -1,0 +1,39 @@
+"""What counts as loaded for the operator page."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from benchmarks.page_weight import loaded, measure
+
+
+def built(static: Path) -> None:
+    """A page: a script that names a worker and links to another page, one file packed."""
+    assets = static / "assets"
+    assets.mkdir()
+    (static / "index.html").write_text('<script src="./assets/index-0123abcd.js"></script>')
+    (assets / "index-0123abcd.js").write_text('new Worker("/assets/stop-0123abcd.js");"./assets/face-0123abcd.js"')
+    (assets / "index-0123abcd.js.br").write_bytes(bytes(30))
+    (assets / "index-0123abcd.js.gz").write_bytes(bytes(40))
+    (assets / "stop-0123abcd.js").write_text("x" * 500)
+    (assets / "face-0123abcd.js").write_text("of another page")
+    (assets / "old-0123abcd.js").write_text("of nobody")
+
+
+def test_what_the_page_names_is_weighed_as_it_is_sent(tmp_path: Path) -> None:
+    built(tmp_path)
+    html = (tmp_path / "index.html").stat().st_size
+    rows = {(each.case, each.metric): each for each in measure(tmp_path)}
+    assert [case for case, _ in rows] == ["index.html", "index.js", "stop.js", "all", "all"]
+    assert (rows["index.js", "Brotli"].ours, rows["index.js", "Brotli"].peer) == (0.03, 0.04)
+    assert rows["stop.js", "Brotli"].ours == 0.5
+    assert rows["all", "Brotli"].ours == pytest.approx(1e-3 * (html + 30 + 500))
+    assert rows["all", "gzip"].ours == pytest.approx(1e-3 * (html + 40 + 500))
+    assert rows["all", "gzip"].peer == 200
+
+
+def test_a_page_that_is_not_built_ends_it_in_words(tmp_path: Path) -> None:
+    with pytest.raises(SystemExit, match="builds the page"):
+        loaded(tmp_path)
