@@ -52,7 +52,7 @@ def test_what_is_refused_leaves_nothing(media: MediaLibrary) -> None:
     with pytest.raises(NotShown):
         keep(media, b"<script>", "page.png")
     with pytest.raises(NotShown):
-        keep(media, picture()[:-20], "cut.png")
+        keep(media, picture()[:60], "cut.png")
     assert os.listdir(media.folders[0] / "media") == []
 
 

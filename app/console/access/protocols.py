@@ -89,8 +89,8 @@ class BoundedHttp(H11Protocol):
 
     def data_received(self, data: bytes) -> None:
         super().data_received(data)
-        self._body_bytes += len(data)
         self._look()
+        self._body_bytes += len(data)  # those with the header, too
 
     def on_response_complete(self) -> None:
         super().on_response_complete()

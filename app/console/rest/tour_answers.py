@@ -20,6 +20,7 @@ from app.tours.checks import check
 from app.tours.consistency import tour_of
 from app.tours.library import NoVersion, ShippedTour, TooManyTours, TourError, TourTaken, UnknownTour
 from app.tours.media import MediaError, NoRoom, ShippedMedia
+from app.tours.media_content import NotShown
 from app.tours.model import Tour
 from app.tours.problems import InvalidTour, TourProblem
 from app.tours.store import KeptTour
@@ -122,11 +123,13 @@ def no_tour(field: str, words: str, **more: Any) -> Problem:
 
 
 async def on_disk(function: Callable[..., T], *args: Any) -> T:
-    """``function(*args)`` of the store or of its media, in a thread. Raises Problem."""
+    """``function(*args)`` of the store or of its media, in a thread. Raises Problem, and NotShown."""
     try:
         return await asyncio.to_thread(function, *args)
     except (TourError, MediaError, ConfigError, OSError) as refusal:
         raise _problem(refusal) from None
+    except NotShown:
+        raise  # its caller knows what people call the file
     except InvalidTour as refusal:
         raise _invalid(refusal) from None
     except BadArchive as refusal:

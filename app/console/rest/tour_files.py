@@ -17,7 +17,7 @@ from app.console.rest.entity_tags import IfMatch, with_etag
 from app.console.rest.routing import router as api_router
 from app.console.rest.tour_answers import TourAnswers, TourId, matching, no_tour, on_disk
 from app.console.rest.tours import CREATED
-from app.console.rest.upload import SLOW, write_body
+from app.console.rest.upload import SLOW, partial_file, write_body
 from app.tours.archive import SIGNATURE, packed, unpacked
 from app.tours.model import Tour
 from app.tours.store import KeptTour
@@ -66,7 +66,7 @@ def tour_files_router(system: System) -> APIRouter:
                 detail = f"A tour's file has at most {MOST_BYTES // 1000} kB; with media, it is a ZIP archive."
                 raise Problem(413, "body-too-large", detail)
 
-        with store.media.partial(0) as partial:
+        async with partial_file(store.media, 0) as partial:
             await write_body(request, partial, look)
             return await answers.answer(_imported, partial, use, status=201 if if_match is None else 200)
 

@@ -17,7 +17,7 @@ from app.console.rest.media_answer import MEDIA_FILE, media_answer
 from app.console.rest.routing import API
 from app.console.rest.routing import router as api_router
 from app.console.rest.tour_answers import on_disk
-from app.console.rest.upload import SLOW, write_body
+from app.console.rest.upload import SLOW, partial_file, write_body
 from app.tours import archive
 from app.tours.checks import media_of
 from app.tours.media import MediaFile
@@ -103,9 +103,9 @@ def tour_media_router(system: System) -> APIRouter:
 
         async with room:
             try:
-                with media.partial(_size_of(request)) as partial:
+                async with partial_file(media, _size_of(request)) as partial:
                     await write_body(request, partial, look)
-                    kept, is_new = await asyncio.to_thread(media.keep, partial, name)
+                    kept, is_new = await on_disk(media.keep, partial, name)
             except TooLarge as refusal:
                 raise Problem(413, "media-too-large", f"{name} {refusal}.", errors=[("body", str(refusal))]) from None
             except NotShown as refusal:

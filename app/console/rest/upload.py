@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import asyncio
-from collections.abc import Callable
+import contextlib
+from collections.abc import AsyncIterator, Callable
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +11,8 @@ from fastapi import Request
 from starlette.requests import ClientDisconnect
 
 from app.console.problems import Problem
+from app.console.rest.tour_answers import on_disk
+from app.tours.media import MediaLibrary
 
 #: What OpenAPI says of a file that does not come.
 SLOW: dict[int | str, dict[str, Any]] = {
@@ -19,11 +21,22 @@ SLOW: dict[int | str, dict[str, Any]] = {
 _PIECE = 1024**2
 
 
+@contextlib.asynccontextmanager
+async def partial_file(media: MediaLibrary, size: int) -> AsyncIterator[Path]:
+    """:meth:`MediaLibrary.partial`, in threads. Raises Problem where there is no room."""
+    partial = media.partial(size)
+    path = await on_disk(partial.__enter__)
+    try:
+        yield path
+    finally:
+        await on_disk(partial.__exit__, None, None, None)
+
+
 async def write_body(request: Request, path: Path, look: Callable[[bytes, int], None]) -> None:
     """Write the body of ``request`` to ``path``, piece by piece, in a thread.
 
     ``look`` is called with the first piece and the size so far (bytes), before each is written; what it raises ends it.
-    Raises Problem where the body does not come whole, and OSError.
+    Raises Problem where the body does not come whole or the disk refuses it.
     """
     waiting = bytearray()
     first = b""
@@ -39,7 +52,7 @@ async def write_body(request: Request, path: Path, look: Callable[[bytes, int], 
         waiting.clear()
         first, size = first or piece, size + len(piece)
         look(first, size)
-        await asyncio.to_thread(write, piece)
+        await on_disk(write, piece)
 
     try:
         async for part in request.stream():
