@@ -27,7 +27,7 @@ from app.console.records.places import PlaceReport
 from app.console.records.program import SceneAddress
 from app.console.records.recordings import RecordingList, ReplayReport, Saved
 from app.console.records.route import RouteReport
-from app.console.records.tours import RehearsalReport, RunReportList, TourList, TourReport, TourRunReport
+from app.console.records.tours import RehearsalReport, RunReportList, TourList, TourMediaList, TourReport, TourRunReport
 from app.console.rest.camera import CameraClick
 from app.console.rest.link_models import LinkChange
 from app.console.rest.map_models import GoalRequest, LoadRequest, RenameRequest, ZonesRequest
@@ -62,6 +62,7 @@ ANSWERS = (
     StrategyList,
     Tour,
     TourList,
+    TourMediaList,
     TourReport,
     TourRunReport,
     VisitorLink,

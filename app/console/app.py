@@ -45,6 +45,8 @@ from app.console.rest.recordings import recordings_router
 from app.console.rest.rehearsal import rehearsal_router
 from app.console.rest.routing import API, add_routes, records
 from app.console.rest.session import session_router
+from app.console.rest.tour_files import tour_files_router
+from app.console.rest.tour_media import LIMITS, tour_media_router
 from app.console.rest.tour_run import tour_run_router
 from app.console.rest.tours import tours_router
 from app.console.rest.viewers import viewers_router
@@ -132,7 +134,9 @@ def create_app(
         route_router(system),
         camera_router(system, hub),
         goal_router(system, hub),
+        tour_files_router(system),
         tours_router(system),
+        tour_media_router(system),
         tour_run_router(system),
         rehearsal_router(system, rehearsals),
         visitor_router(system, door, visitors, listens=host, names=host_names),
@@ -182,4 +186,4 @@ class _Console(FastAPI):
         stack = super().build_middleware_stack()
         if self._scene is not None and self._door.ports is not None:
             stack = AtPorts(stack, self._scene, self._door.ports)
-        return Shaped(Guarded(stack, self._door), self._link)
+        return Shaped(Guarded(stack, self._door, LIMITS), self._link)

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from app.base.errors import ConfigError
 from app.tours.history import History, Version
 from app.tours.library import MOST_TOURS, NoVersion, ShippedTour, TooManyTours, TourLibrary, TourTaken, UnknownTour
+from app.tours.media import MediaLibrary
 from app.tours.model import Tour
 
 
@@ -26,7 +27,7 @@ class KeptTour:
 
 
 class TourStore:
-    """The tours in ``library``. All methods touch the disk; any thread may call them.
+    """The tours in ``library``; ``media`` are their pictures and videos. Methods touch the disk; any thread may call.
 
     Methods that take a name raise UnknownTour, ValueError for one that cannot be an id, ConfigError for a damaged file
     and OSError. ``before`` is called with the version that is about to be changed: what it raises prevents the change.
@@ -34,6 +35,7 @@ class TourStore:
 
     def __init__(self, library: TourLibrary) -> None:
         self.library = library
+        self.media = MediaLibrary(library.folders)
         self._lock = threading.Lock()
         self._histories: dict[str, History] = {}
 

@@ -31,7 +31,7 @@ from app.console.access.headers import add_headers
 from app.console.access.identity import LOCAL, VISITOR, Identity, note_identity, require
 from app.console.access.login_check import LoginCheck
 from app.console.access.origins import Ports, host_name, scheme_of
-from app.console.access.request_limits import ClientLeft, objection_to_scope, with_body
+from app.console.access.request_limits import BodyLimits, ClientLeft, counted, objection_to_scope, with_body
 from app.console.access.roles import SOCKETS, Role
 from app.console.access.sessions import LoginSession, Sessions
 from app.console.access.visitor_keys import VisitorKeys
@@ -221,9 +221,10 @@ class Guarded:
     It must be the outermost layer, so that an answer to an error of the program has them too.
     """
 
-    def __init__(self, app: ASGIApp, door: Door) -> None:
+    def __init__(self, app: ASGIApp, door: Door, limits: BodyLimits) -> None:
         self._app = app
         self._door = door
+        self._limits = limits
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass the request on, or answer with why not."""
@@ -243,8 +244,12 @@ class Guarded:
         try:
             if (problem := objection_to_scope(scope)) is not None:
                 raise problem
-            receive = await with_body(Headers(scope=scope), receive)
+            streamed = self._limits.of_streamed(scope)
+            if streamed is None:
+                receive = await with_body(Headers(scope=scope), receive)
             await self._door.enter(scope)
+            if streamed is not None:
+                receive = counted(scope, receive, streamed)
         except ClientLeft:
             return
         except Problem as refusal:

@@ -18,11 +18,13 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
 from app.console.access.connection_limits import Visitors
-from app.console.access.request_limits import objection_to_header
+from app.console.access.request_limits import is_streamed, objection_to_header
 from app.console.problems import MEDIA_TYPE, Problem, problem_body
 
 HEADER_WITHIN_S = 10.0
 BODY_WITHIN_S = 20.0
+#: A file that is handed in has a second more for each of so many bytes.
+SLOWEST_FILE_BYTES_PER_S = 100_000
 #: An answer of which nothing more is taken for so long is given up; sooner, while there is no room for others.
 STALLED_AFTER_S = 60.0
 WAITS_AFTER_S = 5.0
@@ -56,6 +58,8 @@ class BoundedHttp(H11Protocol):
         self._deadline: asyncio.TimerHandle | None = None
         self._stalled: asyncio.TimerHandle | None = None
         self._stalled_since: float | None = None
+        self._body_began = 0.0
+        self._body_bytes = 0
 
     @property
     def address(self) -> str:
@@ -86,6 +90,7 @@ class BoundedHttp(H11Protocol):
     def data_received(self, data: bytes) -> None:
         super().data_received(data)
         self._look()
+        self._body_bytes += len(data)  # those with the header, too
 
     def on_response_complete(self) -> None:
         super().on_response_complete()
@@ -128,7 +133,7 @@ class BoundedHttp(H11Protocol):
         if self.transport.is_closing():
             self._enter("close", LINGER_S, self.give_way)
         elif theirs is h11.SEND_BODY:
-            self._enter("body", BODY_WITHIN_S, lambda: self._too_slow(_SLOW_BODY))
+            self._enter("body", BODY_WITHIN_S, self._end_of_body)
         elif ours is not h11.IDLE or theirs is not h11.IDLE:
             self._enter("answer", None, self.give_way)
         elif self.timeout_keep_alive_task is not None:
@@ -141,9 +146,21 @@ class BoundedHttp(H11Protocol):
         if phase == self._phase:
             return
         self._phase = phase
+        self._body_began, self._body_bytes = self.loop.time(), 0
         if self._deadline is not None:
             self._deadline.cancel()
         self._deadline = None if within_s is None else self.loop.call_later(within_s, act)
+
+    def _end_of_body(self) -> None:
+        """The time of a body is over, or that of a file goes on."""
+        left_s = 0.0
+        if is_streamed(self.scope):
+            given_s = BODY_WITHIN_S + self._body_bytes / SLOWEST_FILE_BYTES_PER_S
+            left_s = self._body_began + given_s - self.loop.time()
+        if left_s > 0:
+            self._deadline = self.loop.call_later(left_s, self._end_of_body)
+        else:
+            self._too_slow(_SLOW_BODY)
 
     def _too_slow(self, problem: Problem) -> None:
         asked = bool(self.conn.trailing_data[0]) if self._phase == "header" else not self.cycle.response_started

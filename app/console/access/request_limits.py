@@ -1,12 +1,15 @@
 """Limits of a request's size: its header and its body, counted before anything else looks at them.
 
-Every body is read here, up to the limit, before the request goes on: by its size as it arrives, not by what the header
-says of it.
+A body is read here, up to the limit, before the request goes on: by its size as it arrives, not by what the header
+says of it. A file that is handed in is too large for that: its route reads it as it comes, counted here as well, once
+the door has let the request in.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
 
 from starlette.datastructures import Headers
 from starlette.types import Message, Receive, Scope
@@ -21,6 +24,24 @@ MOST_FIELDS = 100
 DRAINED_BYTES = 1024 * 1024
 
 _CLOSE = {"Connection": "close"}
+#: In the scope of a request whose body is a file that may come for longer than others.
+_STREAMED = "hbba.streamed"
+
+
+@dataclass(frozen=True, slots=True)
+class BodyLimits:
+    """Greatest bodies (bytes), by method and path: of ``streamed`` requests, whose routes read files as they come."""
+
+    streamed: Mapping[tuple[str, str], int]
+
+    def of_streamed(self, scope: Scope) -> int | None:
+        """The limit of the request of ``scope``; None: its body is read like all others."""
+        return self.streamed.get((scope["method"], scope["path"]))
+
+
+def is_streamed(scope: Mapping[str, Any]) -> bool:
+    """Whether a body may take its time: it was let in by :func:`counted`."""
+    return scope.get(_STREAMED) is True
 
 
 class ClientLeft(Exception):
@@ -54,14 +75,11 @@ async def with_body(headers: Headers, receive: Receive) -> Receive:
     Raises Problem for one that is too large or of two sizes at once (RFC 9112, section 6.3: a request that two readers
     may understand in two ways), ClientLeft when the connection ends before it is whole.
     """
-    length, chunked = headers.get("content-length"), "transfer-encoding" in headers
-    if length is not None and chunked:
-        detail = "A request states its body's size by Content-Length or by Transfer-Encoding, not by both."
-        raise Problem(400, "ambiguous-body", detail, headers=_CLOSE)
-    if length is None and not chunked:
+    length = _length(headers)
+    if length is None and "transfer-encoding" not in headers:
         return receive
     if length is not None and length.isdecimal() and int(length) > DRAINED_BYTES:
-        raise _too_large(length, close=True)
+        raise _too_large(LARGEST_BODY_BYTES, length, close=True)
     read, parts = 0, list[bytes]()
     more = True
     while more:
@@ -73,11 +91,11 @@ async def with_body(headers: Headers, receive: Receive) -> Receive:
         if read <= LARGEST_BODY_BYTES:
             parts.append(part)
         elif read > DRAINED_BYTES:
-            raise _too_large("more", close=True)
+            raise _too_large(LARGEST_BODY_BYTES, "more", close=True)
         else:
             parts.clear()
     if read > LARGEST_BODY_BYTES:
-        raise _too_large(str(read), close=False)
+        raise _too_large(LARGEST_BODY_BYTES, str(read), close=False)
     body: Message | None = {"type": "http.request", "body": b"".join(parts), "more_body": False}
 
     async def receive_read() -> Message:
@@ -90,6 +108,37 @@ async def with_body(headers: Headers, receive: Receive) -> Receive:
     return receive_read
 
 
-def _too_large(size: str, *, close: bool) -> Problem:
-    detail = f"A body has at most {LARGEST_BODY_BYTES} bytes here, not {size}."
+def counted(scope: Scope, receive: Receive, most: int) -> Receive:
+    """What a route receives instead, which reads a body of ``most`` bytes as it comes.
+
+    It raises Problem for a body that is larger as it comes; this function for one that says so, or states two sizes.
+    """
+    length = _length(Headers(scope=scope))
+    if length is not None and length.isdecimal() and int(length) > most:
+        raise _too_large(most, length, close=True)
+    scope[_STREAMED] = True
+    read = 0
+
+    async def receive_counted() -> Message:
+        nonlocal read
+        message = await receive()
+        read += len(message.get("body", b""))
+        if read > most:
+            raise _too_large(most, "more", close=True)
+        return message
+
+    return receive_counted
+
+
+def _length(headers: Headers) -> str | None:
+    """What the header says of the body's size. Raises Problem for one of two sizes."""
+    length = headers.get("content-length")
+    if length is not None and "transfer-encoding" in headers:
+        detail = "A request states its body's size by Content-Length or by Transfer-Encoding, not by both."
+        raise Problem(400, "ambiguous-body", detail, headers=_CLOSE)
+    return length
+
+
+def _too_large(most: int, size: str, *, close: bool) -> Problem:
+    detail = f"A body has at most {most} bytes here, not {size}."
     return Problem(413, "body-too-large", detail, headers=_CLOSE if close else {})

@@ -42,7 +42,8 @@ OPERATIONS: dict[str, Role] = _table(
         find_camera_point get_goal plan_route list_maps get_map get_map_picture get_zones list_places get_place
         get_playback list_recordings download_recording
         get_rehearsal get_tour_run list_tour_reports export_tour_reports get_tour_report
-        list_tours validate_tour get_tour_schema get_tour export_tour get_tour_posters get_visitor_media
+        list_tours validate_tour get_tour_schema get_tour export_tour export_tour_archive get_tour_posters
+        list_tour_media get_tour_media get_visitor_media
     """,
     operator="""
         release_e_stop
@@ -53,6 +54,7 @@ OPERATIONS: dict[str, Role] = _table(
         start_recording stop_recording save_ring replay_recording end_replay
         start_rehearsal cancel_rehearsal start_tour press_tour dismiss_tour
         create_tour import_tour replace_tour change_tour undo_tour redo_tour
+        add_tour_media delete_tour_media
         get_visitor_link press_as_visitor
     """,
     supervisor="""

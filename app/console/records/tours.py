@@ -70,6 +70,28 @@ class TourVerdict:
 
 
 @dataclass(frozen=True, slots=True)
+class TourMedia:
+    """A picture or a video that tours can show."""
+
+    file: Annotated[str, doc("As a tour's `show` names it."), Meta(examples=["media/arm.jpg"])]
+    type: Annotated[str, Meta(examples=["image/jpeg"])]
+    video: Annotated[bool, doc("Whether it is a video.")]
+    size: Annotated[int, doc("In bytes.")]
+    changed: Annotated[float, doc("Unix time, s.")]
+    shipped: Annotated[bool, doc("Whether it came with the program.")]
+    tours: Annotated[tuple[str, ...], doc("Ids of the tours that show it.")]
+
+
+@dataclass(frozen=True, slots=True)
+class TourMediaList:
+    """All that tours can show, by name."""
+
+    media: tuple[TourMedia, ...]
+    largest_picture: Annotated[int, doc("Pictures with more bytes are not taken.")]
+    largest_video: Annotated[int, doc("Videos with more bytes are not taken.")]
+
+
+@dataclass(frozen=True, slots=True)
 class TourRunReport:
     """The tour that is under way."""
 

@@ -15,7 +15,7 @@ from app.console.rehearsals import Rehearsals, RehearsalUnderWay
 from app.console.rest.answers import Json, problems
 from app.console.rest.models import Request
 from app.console.rest.routing import router as api_router
-from app.console.rest.tours import TourId, on_disk
+from app.console.rest.tour_answers import TourId, on_disk
 from app.tours.tour_file import tour_text
 from app.tours.values import Language
 

@@ -14,8 +14,8 @@ from app.console.problems import Problem
 from app.console.records.tours import RunReportList, TourRunReport
 from app.console.rest.answers import Json, problems
 from app.console.rest.routing import router as api_router
+from app.console.rest.tour_answers import TourId, on_disk
 from app.console.rest.tour_run_models import NewTourRun, TourPress
-from app.console.rest.tours import TourId, on_disk
 from app.program.recognizer import recognizer_of
 from app.tours.checks import check
 from app.tours.run_library import UnknownRun

@@ -1,39 +1,28 @@
-"""Guided tours: listed, edited by several people at once, checked, undone, exchanged as files, printed as posters."""
+"""Guided tours: listed, edited by several people at once, checked, undone, printed as posters."""
 
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Annotated, Any, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any
 
-from fastapi import APIRouter, Body, Path, Query, Request
+from fastapi import APIRouter, Body, Query
 from fastapi.responses import Response
 
-from app.base.errors import ConfigError
 from app.base.merge_patch import merged
-from app.base.named_library import NAME
 from app.console.problems import Problem
-from app.console.records.tours import TourList, TourProblemReport, TourReport, TourSummary, TourVerdict
+from app.console.records.tours import TourList, TourReport, TourVerdict
 from app.console.rest.answers import BYTES, Json, problems
-from app.console.rest.entity_tags import IfMatch, check_match, etag, tagged, with_etag
+from app.console.rest.entity_tags import IfMatch, check_match, with_etag
 from app.console.rest.routing import router as api_router
-from app.program.recognizer import recognizer_of
-from app.tours.checks import check
-from app.tours.consistency import tour_of
-from app.tours.library import NoVersion, ShippedTour, TooManyTours, TourError, TourTaken, UnknownTour
+from app.console.rest.tour_answers import TourAnswers, TourId, matching, no_tour, on_disk, tour_from, version
 from app.tours.model import Tour, tour_schema
 from app.tours.paper import Paper
-from app.tours.problems import InvalidTour, TourProblem
-from app.tours.store import KeptTour
-from app.tours.surroundings import surroundings
-from app.tours.tour_file import read_tour, tour_text
 from app.tours.values import Language
 
 if TYPE_CHECKING:
     from app.program.system import System
 
-T = TypeVar("T")
-YAML, PDF = "application/yaml", "application/pdf"
+PDF = "application/pdf"
 EXAMPLE = {
     "format": 1,
     "id": "lab-tour",
@@ -50,14 +39,11 @@ EXAMPLE = {
     ],
 }
 
-TourId = Annotated[
-    str, Path(description="The tour's id.", examples=["lab-tour"], json_schema_extra={"pattern": f"^{NAME.pattern}$"})
-]
 TourBody = Annotated[
     dict[str, Any], Body(description="A tour, as `GET /tour-schema` describes it.", examples=[EXAMPLE])
 ]
-_LOCATION: dict[str, Any] = {"Location": {"schema": {"type": "string"}, "description": "Where the tour is."}}
-_CREATED: dict[int | str, dict[str, Any]] = {201: {"description": "It was created.", "headers": _LOCATION}}
+LOCATION: dict[str, Any] = {"Location": {"schema": {"type": "string"}, "description": "Where the tour is."}}
+CREATED: dict[int | str, dict[str, Any]] = {201: {"description": "It was created.", "headers": LOCATION}}
 _GONE: dict[int | str, dict[str, Any]] = {204: {"description": "There was no such tour at that time: it is gone."}}
 
 
@@ -65,54 +51,28 @@ def tours_router(system: System) -> APIRouter:
     """Routes of ``/tours``."""
     router = api_router("tours")
     store = system.tours
-    recognizer = recognizer_of(system.config)
+    answers = TourAnswers(system)
 
     @router.get("/tours", response_model=TourList, summary="List all tours", responses=problems(409))
     async def list_tours() -> Response:
         """By id, those that come with the program among them; each with its `etag`."""
-        return Json(await on_disk(listing))
+        return Json(await on_disk(answers.listing))
 
     @router.post(
         "/tours",
         response_model=TourReport,
         status_code=201,
         summary="Create a tour",
-        responses=with_etag({201: {"headers": _LOCATION}, **problems(400, 409, 422)}, 201),
+        responses=with_etag({201: {"headers": LOCATION}, **problems(400, 409, 422)}, 201),
     )
     async def create_tour(new: TourBody) -> Response:
         """Under the id in it. What it refers to need not exist yet: the `problems` say what it lacks to run."""
-        return await _answer(store.create, _tour(new), status=201)
+        return await answers.answer(store.create, tour_from(new), status=201)
 
     @router.post("/tours/validate", response_model=TourVerdict, summary="Check a tour", responses=problems(400, 422))
     async def validate_tour(draft: TourBody) -> Response:
         """Without keeping it. Every mistake is found, with what else it lacks to run on this robot."""
-        return Json(await on_disk(verdict, draft))
-
-    @router.post(
-        "/tours/import",
-        response_model=TourReport,
-        status_code=201,
-        summary="Import a tour's file",
-        responses=with_etag(with_etag({**_CREATED, **problems(409, 412, 422)}), 201),
-        openapi_extra={"requestBody": {"required": True, "content": {YAML: {"schema": {"type": "string"}}}}},
-    )
-    async def import_tour(request: Request, if_match: IfMatch = None) -> Response:
-        """YAML, as `GET /tours/{tour_id}/file` gives it, under the id in it. With `If-Match` it replaces the tour of
-        this id (200); without, that is refused."""
-        body = await request.body()
-
-        def read() -> Tour:
-            try:
-                return read_tour(body.decode("utf-8"), "the file")[0]
-            except UnicodeDecodeError:
-                raise _no_tour("body", "the file is not a text in UTF-8") from None
-            except ConfigError as mistake:
-                raise _no_tour(mistake.key or "body", str(mistake), line=mistake.line) from None
-
-        tour = await asyncio.to_thread(read)
-        if if_match is None:
-            return await _answer(store.create, tour, status=201)
-        return await _answer(store.replace, tour, matching(if_match))
+        return Json(await on_disk(answers.verdict, draft))
 
     @router.get("/tour-schema", summary="The JSON Schema of a tour")
     async def get_tour_schema() -> Response:
@@ -123,26 +83,26 @@ def tours_router(system: System) -> APIRouter:
         "/tours/{tour_id}", response_model=TourReport, summary="One tour", responses=with_etag(problems(404, 409, 422))
     )
     async def get_tour(tour_id: TourId) -> Response:
-        return await _answer(store.get, tour_id)
+        return await answers.answer(store.get, tour_id)
 
     @router.put(
         "/tours/{tour_id}",
         response_model=TourReport,
         summary="Replace a tour, or create it under this id",
-        responses={**with_etag(problems(400, 409, 412, 422)), **with_etag(_CREATED, 201)},
+        responses={**with_etag(problems(400, 409, 412, 422)), **with_etag(CREATED, 201)},
     )
     async def replace_tour(tour_id: TourId, new: TourBody, if_match: IfMatch = None) -> Response:
         """The id in it may be left out. With `If-Match`, nothing is created."""
-        tour = _tour({"id": tour_id, **new})
+        tour = tour_from({"id": tour_id, **new})
         _same_id(tour_id, tour)
         try:
-            return await _answer(store.replace, tour, matching(if_match))
+            return await answers.answer(store.replace, tour, matching(if_match))
         except Problem as problem:
             if problem.kind != "no-such-tour":
                 raise
         if if_match is not None:
             raise Problem(412, "changed-meanwhile", f"There is no tour {tour_id} any more: nothing was done.")
-        return await _answer(store.create, tour, status=201)
+        return await answers.answer(store.create, tour, status=201)
 
     @router.patch(
         "/tours/{tour_id}",
@@ -160,11 +120,11 @@ def tours_router(system: System) -> APIRouter:
 
         def changed(tour: Tour) -> Tour:
             check_match(if_match, version(tour))
-            result = _tour(merged(version(tour), change))
+            result = tour_from(merged(version(tour), change))
             _same_id(tour_id, result)
             return result
 
-        return await _answer(store.edit, tour_id, changed)
+        return await answers.answer(store.edit, tour_id, changed)
 
     @router.delete("/tours/{tour_id}", status_code=204, summary="Delete a tour", responses=problems(404, 409, 412, 422))
     async def delete_tour(tour_id: TourId, if_match: IfMatch = None) -> Response:
@@ -186,7 +146,7 @@ def tours_router(system: System) -> APIRouter:
     ) -> Response:
         """Anyone's, since the program began: edits, deletion, import, and what a text editor changed in the file. Needs
         no body."""
-        return await _answer(lambda: store.undo(tour_id, matching(if_match), to_begin=to_begin))
+        return await answers.answer(lambda: store.undo(tour_id, matching(if_match), to_begin=to_begin))
 
     @router.post(
         "/tours/{tour_id}/redo",
@@ -196,22 +156,7 @@ def tours_router(system: System) -> APIRouter:
     )
     async def redo_tour(tour_id: TourId, if_match: IfMatch = None) -> Response:
         """Needs no body."""
-        return await _answer(store.redo, tour_id, matching(if_match))
-
-    @router.get(
-        "/tours/{tour_id}/file",
-        response_class=Response,
-        summary="Export a tour's file",
-        responses={
-            200: {"content": {YAML: {"schema": {"type": "string"}}}, "description": "YAML."},
-            **problems(404, 409, 422),
-        },
-    )
-    async def export_tour(tour_id: TourId) -> Response:
-        """Without pictures and videos."""
-        kept = await on_disk(store.get, tour_id)
-        named = {"Content-Disposition": f'attachment; filename="{tour_id}.yaml"'}
-        return Response(tour_text(kept.tour), media_type=YAML, headers=named)
+        return await answers.answer(store.redo, tour_id, matching(if_match))
 
     @router.get(
         "/tours/{tour_id}/posters.pdf",
@@ -242,139 +187,10 @@ def tours_router(system: System) -> APIRouter:
 
         return Response(await asyncio.to_thread(printed), media_type=PDF)
 
-    def listing() -> TourList:
-        return TourList(str(store.library.folder), tuple(map(summary, store.names())))
-
-    def summary(name: str) -> TourSummary:
-        try:
-            kept = store.get(name)
-        except (ConfigError, ValueError) as damage:
-            return damaged(name, str(damage))
-        tour = kept.tour
-        severities = [problem.severity for problem in checked(tour)]
-        return TourSummary(
-            id=tour.id,
-            title=tour.title,
-            languages=tour.languages,
-            map=tour.map,
-            stops=sum(not stop.left_out for stop in tour.stops),
-            shipped=kept.shipped,
-            etag=etag(version(tour)),
-            errors=severities.count("error"),
-            warnings=severities.count("warning"),
-            problem=None,
-        )
-
-    def verdict(draft: dict[str, Any]) -> TourVerdict:
-        try:
-            found = checked(tour_of(draft))
-        except InvalidTour as refusal:
-            found = refusal.problems
-        return TourVerdict(all(problem.severity == "warning" for problem in found), _reports(found))
-
-    def checked(tour: Tour) -> tuple[TourProblem, ...]:
-        folders = store.library.folders
-        around = surroundings(tour, maps=system.maps, folders=folders, classes=system.classes, recognizer=recognizer)
-        return check(tour, around)
-
-    def matching(if_match: str | None) -> Callable[[Tour], None]:
-        return lambda tour: check_match(if_match, version(tour))
-
-    async def _answer(change: Callable[..., KeptTour | None], *args: Any, status: int = 200) -> Response:
-        """What ``change`` leads to, as an answer."""
-
-        def report() -> TourReport | None:
-            if (kept := change(*args)) is None:
-                return None
-            found = _reports(checked(kept.tour))
-            return TourReport(version(kept.tour), kept.shipped, kept.can_undo, kept.can_redo, found)
-
-        found = await on_disk(report)
-        if found is None:
-            return Response(status_code=204)
-        headers = {"Location": f"/api/v1/tours/{found.tour['id']}"} if status == 201 else {}
-        return tagged(found, version=found.tour, status=status, headers=headers)
-
     return router
-
-
-def version(tour: Tour) -> dict[str, Any]:
-    """All of ``tour``, as it is sent and as its tag is made of."""
-    return tour.model_dump(mode="json", by_alias=True)
-
-
-def damaged(name: str, problem: str) -> TourSummary:
-    """The summary of a file that is no tour."""
-    return TourSummary(
-        id=name,
-        title={},
-        languages=(),
-        map="",
-        stops=0,
-        shipped=False,
-        etag="",
-        errors=0,
-        warnings=0,
-        problem=problem,
-    )
-
-
-async def on_disk(function: Callable[..., T], *args: Any) -> T:
-    """``function(*args)`` of the store, in a thread. Raises Problem."""
-    try:
-        return await asyncio.to_thread(function, *args)
-    except (TourError, ConfigError, OSError) as refusal:
-        raise _problem(refusal) from None
-    except InvalidTour as refusal:
-        raise _invalid(refusal) from None
-    except ValueError as refusal:
-        raise Problem(422, "invalid-name", f"{refusal}.", errors=[("path.tour_id", str(refusal))]) from None
-
-
-def _problem(refusal: Exception) -> Problem:
-    match refusal:
-        case UnknownTour():
-            return Problem(404, "no-such-tour", f"{refusal}.")
-        case TourTaken():
-            return Problem(409, "tour-exists", f"{refusal}.", errors=[("id", str(refusal))])
-        case ShippedTour():
-            return Problem(409, "tour-shipped", f"{refusal}.")
-        case TooManyTours():
-            return Problem(409, "too-many-tours", f"{refusal}.")
-        case NoVersion():
-            return Problem(409, "no-other-version", f"{refusal}.")
-        case OSError():
-            where = f"{refusal.filename}: " if refusal.filename else ""
-            return Problem(409, "disk-refuses", f"The disk refuses: {where}{refusal.strerror or refusal}.")
-    return Problem(409, "unreadable-tour", f"The tour's file is damaged: {refusal}")
-
-
-def _tour(data: dict[str, Any]) -> Tour:
-    """The tour that ``data`` is. Raises Problem, which names every field that is wrong."""
-    try:
-        return tour_of(data)
-    except InvalidTour as refusal:
-        raise _invalid(refusal) from None
-
-
-def _invalid(refusal: InvalidTour) -> Problem:
-    return Problem(
-        422,
-        "invalid-tour",
-        f"{refusal}.",
-        errors=[(problem.field, problem.message) for problem in refusal.problems],
-    )
-
-
-def _no_tour(field: str, words: str, **more: Any) -> Problem:
-    return Problem(422, "invalid-tour", f"{words}.", errors=[(field, words)], **more)
 
 
 def _same_id(tour_id: str, tour: Tour) -> None:
     if tour.id != tour_id:
         message = f"should be {tour_id!r}: an id does not change; export the tour and import it under another id"
-        raise _no_tour("id", f"id {message}")
-
-
-def _reports(found: tuple[TourProblem, ...]) -> tuple[TourProblemReport, ...]:
-    return tuple(TourProblemReport(problem.field, problem.message, problem.severity) for problem in found)
+        raise no_tour("id", f"id {message}")

@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-import asyncio
-import os
-import stat
 import time
 from collections.abc import Sequence
-from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated, Any
 
 from fastapi import APIRouter, Path, Request
@@ -20,28 +16,16 @@ from app.console.live.messages import VisitorLink
 from app.console.live.tour_visitors import TourVisitors
 from app.console.live.visitor_link import visitor_link
 from app.console.problems import Problem
-from app.console.rest.answers import BYTES, Json, problems
-from app.console.rest.download import check_range
+from app.console.rest.answers import Json, problems
+from app.console.rest.media_answer import MEDIA_FILE, media_answer
 from app.console.rest.routing import router as api_router
 from app.console.rest.visitor_models import VisitorKey, VisitorPress
 from app.tours.checks import media_of
 from app.tours.run_service import TourRefused
-from app.tours.steps import VIDEOS
 
 if TYPE_CHECKING:
     from app.program.system import System
 
-#: What a browser is given the files as: never as a page, a script or what it may guess.
-TYPES = {
-    "jpg": "image/jpeg",
-    "jpeg": "image/jpeg",
-    "png": "image/png",
-    "webp": "image/webp",
-    "gif": "image/gif",
-    "mp4": "video/mp4",
-    "webm": "video/webm",
-}
-LARGEST_PICTURE_BYTES, LARGEST_VIDEO_BYTES = 20 * 1024**2, 500 * 1024**2
 #: Presses of one phone, and of all; pictures and parts of videos of one phone.
 PRESSES_AT_ONCE, PRESSES_PER_S = 5, 0.5
 ALL_PRESSES_AT_ONCE, ALL_PRESSES_PER_S = 20, 4.0
@@ -50,7 +34,6 @@ FILES_AT_ONCE, FILES_PER_S = 60, 5.0
 _TOO_OFTEN: dict[int | str, dict[str, Any]] = {
     429: {"description": "Too often; `Retry-After` says how many seconds to wait."}
 }
-_FILE = {"content": {kind: {"schema": BYTES} for kind in sorted(set(TYPES.values()))}, "description": "The file."}
 
 
 def visitor_router(
@@ -130,7 +113,7 @@ def visitor_router(
         "/visitor/media/{file:path}",
         response_class=FileResponse,
         summary="A picture or a video of the tour",
-        responses={200: _FILE, **_TOO_OFTEN, **problems(404, 409, 416)},
+        responses={200: MEDIA_FILE, **_TOO_OFTEN, **problems(404, 409, 416)},
     )
     async def get_visitor_media(
         file: Annotated[str, Path(description="As the tour names it.", examples=["media/arm.jpg"])], request: Request
@@ -140,43 +123,6 @@ def visitor_router(
         tour = visitors.tour
         if tour is None or file not in {name for _, name in media_of(tour)}:
             raise Problem(404, "no-such-media", "The tour under way shows no such picture or video.")
-        path, status = await asyncio.to_thread(media_file, file, system.tours.library.folders)
-        if (asked := request.headers.get("range")) is not None:
-            check_range(asked, status.st_size)
-        headers = {
-            "Cache-Control": "private, max-age=300",
-            # Nor is it one where it is opened by itself.
-            "Content-Security-Policy": "default-src 'none'; style-src 'unsafe-inline'; sandbox",
-        }
-        return FileResponse(path, media_type=TYPES[_suffix(file)], stat_result=status, headers=headers)
+        return await media_answer(system.tours.media, file, request.headers.get("range"))
 
     return router
-
-
-def media_file(file: str, folders: Sequence[FilePath]) -> tuple[FilePath, os.stat_result]:
-    """The file that is called ``file`` in the first of ``folders`` that has it, and its status. Blocking.
-
-    Raises Problem where there is none, where it is no plain file within that folder (a link may lead out of it), of a
-    type that is not shown, and where it is too large.
-    """
-    missing = Problem(404, "no-such-media", "There is no such picture or video.")
-    if _suffix(file) not in TYPES:
-        raise missing
-    for folder in folders:
-        try:
-            root, path = folder.resolve(strict=True), (folder / file).resolve(strict=True)
-            status = path.stat()
-        except (OSError, RuntimeError):
-            continue  # it is not there, or links go round
-        if not path.is_relative_to(root) or not stat.S_ISREG(status.st_mode):
-            raise missing
-        largest = LARGEST_VIDEO_BYTES if _suffix(file) in VIDEOS else LARGEST_PICTURE_BYTES
-        if status.st_size > largest:
-            detail = f"{file} has more than the {largest // 1024**2} MB that visitors' phones are given."
-            raise Problem(409, "media-too-large", detail)
-        return path, status
-    raise missing
-
-
-def _suffix(file: str) -> str:
-    return file.rpartition(".")[2].lower()

@@ -17,11 +17,10 @@ from app.console.access.auth import VISITOR_COOKIE, VISITOR_PATHS
 from app.console.app import create_app
 from app.console.live.messages import VisitorLink
 from app.console.live.tour_visitors import MOST_OF_ONE
-from app.console.problems import Problem
-from app.console.rest import visitor
-from app.console.rest.visitor import PRESSES_AT_ONCE, media_file
+from app.console.rest.visitor import PRESSES_AT_ONCE
 from app.messages import Speech
 from app.program.system import System
+from app.tours import media_content
 from tests.console.answers import answered
 from tests.console.live.test_asyncapi import check
 from tests.console.program import served
@@ -242,20 +241,17 @@ async def test_the_link_is_for_operators_alone(
     is_problem(await phone.get("/tour-run/visitors", headers=cookie(phone)), 401, "login-needed")
 
 
-def test_a_file_that_is_too_large_or_no_picture_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / "big.png").write_bytes(b"12345")
-    (tmp_path / "page.html").write_bytes(b"<script>")
-    (tmp_path / "folder.png").mkdir()
-    (tmp_path / "round.png").symlink_to(tmp_path / "round.png")
-    assert media_file("big.png", [tmp_path / "none", tmp_path])[0] == tmp_path.resolve() / "big.png"
-    for file in ("page.html", "folder.png", "round.png", "gone.png", "big"):
-        with pytest.raises(Problem) as missing:
-            media_file(file, [tmp_path])
-        assert missing.value.kind == "no-such-media"
-    monkeypatch.setattr(visitor, "LARGEST_PICTURE_BYTES", 4)
-    with pytest.raises(Problem, match=r"big\.png has more than") as large:
-        media_file("big.png", [tmp_path])
-    assert large.value.kind == "media-too-large"
+async def test_a_file_that_is_too_large_for_phones_is_refused(
+    client: httpx.AsyncClient, phone: httpx.AsyncClient, system: System, there: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def place() -> None:
+        (system.tours.library.folder / "media").mkdir(parents=True, exist_ok=True)
+        (system.tours.library.folder / "media" / "arm.jpg").write_bytes(PICTURE)
+
+    await asyncio.to_thread(place)
+    await enter(phone, await lead(client))
+    monkeypatch.setattr(media_content, "LARGEST_PICTURE_BYTES", 4)
+    is_problem(await phone.get("/visitor/media/media/arm.jpg"), 409, "media-too-large")
 
 
 async def test_the_face_shows_the_link_while_a_tour_would_have_visitors(

@@ -2,6 +2,7 @@
 
 import { t } from "../i18n";
 import { sentence } from "../ui/format";
+import { Problem, readProblem } from "./problem";
 import type {
   CameraClick,
   CameraPoint,
@@ -41,6 +42,8 @@ import type {
   StrategyList,
   StrategyReport,
   TourList,
+  TourMedia,
+  TourMediaList,
   TourPress,
   TourReport,
   TourRunReport,
@@ -50,6 +53,7 @@ import type {
   Zone,
   ZonesRequest,
 } from "./types";
+import { upload } from "./upload";
 
 /** What this browser may do here. */
 export interface SessionReport {
@@ -58,22 +62,7 @@ export interface SessionReport {
   role: "spectator" | "operator" | "supervisor";
 }
 
-export interface FieldError {
-  field: string;
-  message: string;
-}
-
-/** A refusal, in words for people; `status` 0: no answer. */
-export class Problem extends Error {
-  constructor(
-    readonly status: number,
-    readonly title: string,
-    readonly detail: string,
-    readonly errors: FieldError[] = [],
-  ) {
-    super(detail || title);
-  }
-}
+export { type FieldError, Problem } from "./problem";
 
 /** A tour as the robot keeps it, and the version that a change of it is meant for. */
 export interface KeptTour extends TourReport {
@@ -292,9 +281,32 @@ export class Rest {
     await this.ask("DELETE", tourPath(id), undefined, { "If-Match": etag });
   }
 
-  /** A tour's file in YAML. */
-  async importTour(file: string): Promise<KeptTour> {
-    return (await this.askTour("POST", "/tours/import", file, { "Content-Type": "application/yaml" }))!;
+  /** A tour's file in YAML, or an archive with its pictures. */
+  async importTour(file: Blob): Promise<KeptTour> {
+    return (await this.askTour("POST", "/tours/import", file, { "Content-Type": "application/octet-stream" }))!;
+  }
+
+  /** The tour with its pictures and videos. */
+  tourArchive(id: string): string {
+    return `${ROOT}${tourPath(id)}/archive`;
+  }
+
+  async tourMedia(): Promise<TourMediaList> {
+    return (await this.ask("GET", "/tour-media")) as TourMediaList;
+  }
+
+  async addTourMedia(file: File, onShare: (share: number) => void, signal: AbortSignal): Promise<TourMedia> {
+    const url = `${ROOT}/tour-media?name=${encodeURIComponent(file.name)}`;
+    const headers = { Accept: JSON_TYPE, "X-HBBA-Operator": headerSafe(this.operator()) };
+    return (await upload(url, file, headers, onShare, signal)) as TourMedia;
+  }
+
+  async deleteTourMedia(file: string): Promise<void> {
+    await this.ask("DELETE", `/tour-media/${parts(file)}`);
+  }
+
+  tourMediaFile(file: string): string {
+    return `${ROOT}/tour-media/${parts(file)}`;
   }
 
   tourFile(id: string): string {
@@ -367,7 +379,7 @@ export class Rest {
 
   /** What visitors are shown; `file` as the tour names it. */
   visitorMedia(file: string): string {
-    return `${ROOT}/visitor/media/${file.split("/").map(encodeURIComponent).join("/")}`;
+    return `${ROOT}/visitor/media/${parts(file)}`;
   }
 
   private async askTour(
@@ -386,7 +398,7 @@ export class Rest {
     return response.status === 204 ? null : await response.json().catch(() => null);
   }
 
-  /** Text is sent as it is, all else as JSON. */
+  /** A file is sent as it is, all else as JSON. */
   private async answer(method: string, path: string, body: unknown, more: Record<string, string>): Promise<Response> {
     const headers: Record<string, string> = {
       Accept: JSON_TYPE,
@@ -400,7 +412,7 @@ export class Rest {
         method,
         headers,
         credentials: "same-origin",
-        ...(body === undefined ? {} : { body: typeof body === "string" ? body : JSON.stringify(body) }),
+        ...(body === undefined ? {} : { body: body instanceof Blob ? body : JSON.stringify(body) }),
       });
     } catch {
       throw new Problem(
@@ -414,6 +426,11 @@ export class Rest {
   }
 }
 
+/** Of a path of files. */
+function parts(file: string): string {
+  return file.split("/").map(encodeURIComponent).join("/");
+}
+
 function mapPath(name: string): string {
   return `/maps/${encodeURIComponent(name)}`;
 }
@@ -424,15 +441,6 @@ function tourPath(id: string): string {
 
 function placePath(id: string): string {
   return `/places/${encodeURIComponent(id)}`;
-}
-
-async function readProblem(response: Response): Promise<Problem> {
-  const body = (await response.json().catch(() => null)) as Partial<Problem> | null;
-  const title =
-    typeof body?.title === "string" ? body.title : t("The robot answered {status}", { status: response.status });
-  const detail = typeof body?.detail === "string" ? body.detail : "";
-  const errors = Array.isArray(body?.errors) ? body.errors.filter((e) => e && typeof e.message === "string") : [];
-  return new Problem(response.status, title, detail, errors);
 }
 
 /** A refusal in one line: why, and what is wrong with each field that the reason does not name. */

@@ -6,6 +6,7 @@ import type { Media, Step, Wait } from "../protocol/types";
 import { useApp } from "../state/context";
 import { spaced } from "../ui/format";
 import { TargetIcon } from "../ui/icons";
+import { MediaFields } from "./MediaFields";
 import { Choice, More, NumberField, Problems, TextFields, TypedField, WordFields } from "./parts";
 import type { Part } from "./tourEdits";
 import type { PointTarget } from "./tourPath";
@@ -165,6 +166,7 @@ function ShowFields({
 }) {
   return (
     <>
+      <MediaFields file={show.file} onDone={(file) => onDone({ ...show, file })} />
       <TypedField
         label={t("Picture or video")}
         value={show.file}

@@ -186,6 +186,9 @@ function Files() {
       <a class="button small" href={session.rest.tourFile(id)} download={`${id}.yaml`} data-testid="tour-export">
         {t("File (YAML)")}
       </a>
+      <a class="button small" href={session.rest.tourArchive(id)} download={`${id}.zip`} data-testid="tour-archive">
+        With pictures (ZIP)
+      </a>
       {!shipped && (
         <button
           type="button"

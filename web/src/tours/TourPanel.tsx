@@ -32,19 +32,19 @@ function TourList() {
         {t("Tours")} <span class="count">{list?.tours.length ?? ""}</span>
         <label
           class={`button small quiet ${tours.allowed.value ? "" : "disabled"}`}
-          title={t("Import a tour's file (YAML)")}
+          title={t("Import a tour's file (YAML), or its archive with pictures (ZIP)")}
         >
           {t("Import")}
           <input
             type="file"
             class="visually-hidden"
             data-testid="tour-import"
-            accept=".yaml,.yml"
+            accept=".yaml,.yml,.json,.zip"
             disabled={!tours.allowed.value}
             onChange={(event) => {
               const input = event.currentTarget;
               const file = input.files?.[0];
-              if (file) void file.text().then((text) => tours.importFile(text));
+              if (file) void tours.importFile(file);
               input.value = "";
             }}
           />

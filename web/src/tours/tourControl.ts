@@ -9,6 +9,7 @@ import { t } from "../i18n";
 import { inWords, type KeptTour, Problem, type Rest } from "../protocol/rest";
 import type { Tour, TourList, TourProblemReport } from "../protocol/types";
 import type { Store } from "../state/store";
+import { MediaControl } from "./mediaControl";
 import type { NewTour } from "./tourEdits";
 import { equal, merge } from "./tourMerge";
 import { mistakes } from "./tourProblems";
@@ -44,6 +45,7 @@ export class TourControl {
   readonly unsaved: ReadonlySignal<boolean>;
   /** Whether the robot can be asked for anything. */
   readonly allowed: ReadonlySignal<boolean>;
+  readonly media: MediaControl;
   private readonly wrong = signal<TourProblemReport[]>([]);
   private saving: Promise<void> | null = null;
 
@@ -53,6 +55,7 @@ export class TourControl {
     /** Whether tours are looked at. */
     readonly shown: ReadonlySignal<boolean>,
   ) {
+    this.media = new MediaControl(rest);
     this.problems = computed(() => [...this.wrong.value, ...(this.kept.value?.problems ?? [])]);
     this.unsaved = computed(() => !!this.draft.value && !equal(this.draft.value, this.kept.value?.tour));
     this.allowed = computed(() => store.live.value && !store.replay.value);
@@ -103,7 +106,7 @@ export class TourControl {
     return made;
   }
 
-  async importFile(file: string): Promise<boolean> {
+  async importFile(file: Blob): Promise<boolean> {
     const made = await this.asked(async () => this.take(await this.rest.importTour(file)));
     if (made) await this.refresh();
     return made;

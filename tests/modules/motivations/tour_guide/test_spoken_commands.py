@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from app.base.geometry import Pose2
 from app.messages import HeardWords
 from app.runtime.clock import run_virtual
 from app.speech.espeak import Espeak
+from app.tours.model import Tour
 from app.tours.tour_file import read_tour
 from tests.modules.fakes import Bench
 from tests.modules.motivations.tour_guide.led_lab import LedLab, Visitor
@@ -45,20 +47,24 @@ def recognized(text: str, words: str) -> HeardWords:
     return listening(script)
 
 
+def packaged() -> Tour:
+    file = paths.config_dir() / "tours" / "lab-tour.yaml"
+    return read_tour(file.read_text(), str(file))[0]
+
+
+def listened_for(led: LedLab) -> str:
+    desire = led.desired("ListenForWords")
+    assert desire is not None
+    return str(desire.params["words"])
+
+
 @pytest.mark.slow
 def test_a_visitor_pauses_the_tour_by_saying_so_and_has_it_go_on(tmp_path: Path) -> None:
     pytest.importorskip("pocketsphinx")
     pytest.importorskip("espeakng_loader")
-    file = paths.config_dir() / "tours" / "lab-tour.yaml"
-    tour, _ = read_tour(file.read_text(), str(file))
-
-    def listened_for(led: LedLab) -> str:
-        desire = led.desired("ListenForWords")
-        assert desire is not None
-        return str(desire.params["words"])
 
     async def main() -> None:
-        led = await asyncio.to_thread(LedLab, tmp_path, tour, PLACES)
+        led = await asyncio.to_thread(LedLab, tmp_path, packaged(), PLACES)
         led.visitors = [Visitor(1.5, 0.5)]
         async with led:
             led.start()
@@ -71,5 +77,40 @@ def test_a_visitor_pauses_the_tour_by_saying_so_and_has_it_go_on(tmp_path: Path)
             assert led.moving() == []
             led.bench.feed("words", await asyncio.to_thread(recognized, "go on", listened_for(led)))
             await led.until("leading", limit_s=2)
+
+    run_virtual(main())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("stop", [stop.id for stop in packaged().stops[1:]])
+def test_a_visitor_is_led_to_a_stop_by_saying_its_words(tmp_path: Path, stop: str) -> None:
+    """On the way to the first stop, and from a stop where the tour waits for other words."""
+    pytest.importorskip("pocketsphinx")
+    pytest.importorskip("espeakng_loader")
+    tour = packaged()
+    (asked,) = (each for each in tour.stops if each.id == stop)
+    (phrase,) = asked.words["en"]
+
+    async def main() -> None:
+        led = await asyncio.to_thread(LedLab, tmp_path, tour, PLACES)
+        led.visitors = [Visitor(1.5, 0.5)]
+        async with led:
+            led.start()
+            await led.until("confirming")
+            led.press("agree")
+            await led.until("leading")
+            assert led.progress.stop == "workshop"
+            led.bench.feed("words", await asyncio.to_thread(recognized, phrase, listened_for(led)))
+            await led.live(2.0)
+            assert (led.progress.state, led.progress.stop) == ("leading", stop)
+            goal = led.desired("GoTo")
+            assert goal is not None
+            place = PLACES[asked.place]
+            assert math.dist((goal.params["x"], goal.params["y"]), (place.x, place.y)) < 0.01
+            await led.until("presenting")
+            assert led.progress.stop == stop
+            led.bench.feed("words", await asyncio.to_thread(recognized, "show me the workshop", listened_for(led)))
+            await led.live(2.0)
+            assert (led.progress.state, led.progress.stop) == ("leading", "workshop")
 
     run_virtual(main())

@@ -1,0 +1,29 @@
+/** Refusals of the robot (RFC 9457). */
+
+import { t } from "../i18n";
+
+export interface FieldError {
+  field: string;
+  message: string;
+}
+
+/** A refusal, in words for people; `status` 0: no answer. */
+export class Problem extends Error {
+  constructor(
+    readonly status: number,
+    readonly title: string,
+    readonly detail: string,
+    readonly errors: FieldError[] = [],
+  ) {
+    super(detail || title);
+  }
+}
+
+export async function readProblem(response: Response): Promise<Problem> {
+  const body = (await response.json().catch(() => null)) as Partial<Problem> | null;
+  const title =
+    typeof body?.title === "string" ? body.title : t("The robot answered {status}", { status: response.status });
+  const detail = typeof body?.detail === "string" ? body.detail : "";
+  const errors = Array.isArray(body?.errors) ? body.errors.filter((e) => e && typeof e.message === "string") : [];
+  return new Problem(response.status, title, detail, errors);
+}
