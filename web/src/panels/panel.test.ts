@@ -63,7 +63,7 @@ test("the tabs are made again only by a message that changes what they show", ()
       offered: always,
       badge: (message) => message?.landmarks.length ?? 0,
     }),
-    panel({ type: "perceived", tab: "Found", Card }),
+    panel({ type: "perceived", tab: "Load", Card }),
   ];
   const tabs = offeredTabs(panels, app, false);
   let made = 0;
@@ -83,7 +83,7 @@ test("the tabs are made again only by a message that changes what they show", ()
   expect(made).toBe(3); // once, as its tab came
   expect(tabs.value.map(({ id, badge }) => [id, badge])).toEqual([
     ["found", 1],
-    ["people", 0],
+    ["load", 0],
   ]);
   end();
 });

@@ -2,9 +2,10 @@
 
 import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
+import { listed, t } from "../i18n";
+import { Confirm } from "../map/Confirm";
 import type { TourMedia } from "../protocol/types";
 import { useApp } from "../state/context";
-import { Confirm } from "../map/Confirm";
 import { TrashIcon, WarnIcon } from "../ui/icons";
 import { TAKEN } from "./mediaControl";
 
@@ -37,7 +38,7 @@ export function MediaFields({ file, onDone }: Props) {
   return (
     <section
       class={`tour-media ${over.value ? "over" : ""}`}
-      aria-label="Picture or video"
+      aria-label={t("Picture or video")}
       data-testid="media-drop"
       onDragOver={(event) => {
         event.preventDefault();
@@ -54,15 +55,15 @@ export function MediaFields({ file, onDone }: Props) {
       {sent ? (
         <div class="tour-media-sent" data-testid="media-sent">
           <span class="small">{sent.name}</span>
-          <progress aria-label="How much of the file is there" value={sent.share} />
+          <progress aria-label={t("How much of the file is there")} value={sent.share} />
           <button type="button" class="button small" data-testid="media-cancel" onClick={() => media.cancel()}>
-            Cancel
+            {t("Cancel")}
           </button>
         </div>
       ) : (
         <div class="tour-adds">
           <label class={`button small ${tours.allowed.value ? "" : "disabled"}`}>
-            Upload…
+            {t("Upload…")}
             <input
               type="file"
               class="visually-hidden"
@@ -82,9 +83,9 @@ export function MediaFields({ file, onDone }: Props) {
             aria-expanded={choosing.value}
             onClick={() => (choosing.value = !choosing.value)}
           >
-            On the robot ({found.length})
+            {t("On the robot ({count})", { count: found.length })}
           </button>
-          <span class="field-hint">or drop a file here</span>
+          <span class="field-hint">{t("or drop a file here")}</span>
         </div>
       )}
       {media.refusal.value && (
@@ -106,12 +107,12 @@ export function MediaFields({ file, onDone }: Props) {
               }}
             />
           ))}
-          {found.length === 0 && <li class="empty">No picture yet.</li>}
+          {found.length === 0 && <li class="empty">{t("No picture yet.")}</li>}
         </ul>
       )}
       {there && (
         <a class="small" href={session.rest.tourMediaFile(file)} target="_blank" rel="noreferrer">
-          In full
+          {t("Open it whole")}
         </a>
       )}
     </section>
@@ -122,7 +123,7 @@ function Row({ media, chosen, onChoose }: { media: TourMedia; chosen: boolean; o
   const { tours } = useApp();
   const asking = useSignal(false);
   const { file, size, tours: users } = media;
-  const used = users.length > 0 ? `Shown by ${users.join(", ")}` : "";
+  const used = users.length > 0 ? t("Shown by {tours}", { tours: listed(users) }) : "";
   return (
     <li data-testid="media-row" data-file={file}>
       <button type="button" class="tour-media-row" aria-pressed={chosen} data-testid="media-take" onClick={onChoose}>
@@ -137,8 +138,8 @@ function Row({ media, chosen, onChoose }: { media: TourMedia; chosen: boolean; o
       <button
         type="button"
         class="icon-button"
-        aria-label={`Delete ${file}`}
-        title={media.shipped ? "It came with the program" : used || "Delete"}
+        aria-label={t("Delete {file}", { file })}
+        title={media.shipped ? t("It came with the program") : used || t("Delete")}
         data-testid="media-delete"
         disabled={media.shipped || used !== "" || !tours.allowed.value}
         onClick={() => (asking.value = true)}
@@ -147,8 +148,8 @@ function Row({ media, chosen, onChoose }: { media: TourMedia; chosen: boolean; o
       </button>
       {asking.value && (
         <Confirm
-          words="Delete it for good?"
-          yes="Delete"
+          words={t("Delete it for good?")}
+          yes={t("Delete")}
           onYes={() => void tours.media.remove(media)}
           onNo={() => (asking.value = false)}
         />
@@ -161,7 +162,7 @@ function Thumbnail({ file, testid, controls = false }: { file: string; testid?: 
   const { session } = useApp();
   const bad = useSignal(false);
   const address = session.rest.tourMediaFile(file);
-  if (bad.value) return <span class="muted small">This browser cannot show {file}.</span>;
+  if (bad.value) return <span class="muted small">{t("This browser cannot show {file}.", { file })}</span>;
   const shared = { "data-testid": testid, src: address, onError: () => (bad.value = true) };
   return VIDEO.test(file) ? (
     <video {...shared} muted playsInline preload="metadata" controls={controls} />

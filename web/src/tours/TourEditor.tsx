@@ -187,7 +187,7 @@ function Files() {
         {t("File (YAML)")}
       </a>
       <a class="button small" href={session.rest.tourArchive(id)} download={`${id}.zip`} data-testid="tour-archive">
-        With pictures (ZIP)
+        {t("With pictures (ZIP)")}
       </a>
       {!shipped && (
         <button

@@ -162,4 +162,9 @@ export const panels = {
     "Aucun pour l’instant. Approchez-vous à 2 à 4 m d’un code {desired}.",
   "None yet. Hold a code less than 2 m from the camera {desired}.":
     "Aucun pour l’instant. Tenez un code à moins de 2 m de la caméra {desired}.",
+  "Camera pictures": "Images de la caméra",
+  "None has come yet.": "Aucune n’est encore arrivée.",
+  "As JPEG alone: {problem}.": "En JPEG seulement : {problem}.",
+  "As VP9 where the link is short, else as JPEG.": "En VP9 quand le lien est étroit, sinon en JPEG.",
+  "the robot's computer has no encoder (PyAV)": "l’ordinateur du robot n’a pas d’encodeur (PyAV)",
 } as const;
