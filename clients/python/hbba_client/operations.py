@@ -65,6 +65,8 @@ from .records import (
     Session,
     StrategyList,
     TourList,
+    TourMedia,
+    TourMediaList,
     TourPress,
     TourReport,
     TourRunReport,
@@ -86,6 +88,19 @@ class Operations(ABC):
     @abstractmethod
     def ask(self, request: Request) -> Any:
         """The answer to ``request``. Raises Problem for a refusal."""
+
+    def add_tour_media(self, body: bytes, *, name: str | None = None) -> TourMedia:
+        """Hand in a picture or a video.
+
+        The file itself is the body. What it is, its content says: JPEG, PNG, WebP, GIF, MP4 or WebM, and whole.
+        `file` of the answer is what a tour's `show` names it: made of `name`, with a number where another has it.
+
+        Role: operator.
+        """
+        result: TourMedia = self.ask(
+            Request("POST", "/tour-media", TourMedia, body=body, media="image/gif", query={"name": name})
+        )
+        return result
 
     def begin_map(self) -> CurrentMap:
         """Begin an empty map.
@@ -272,6 +287,16 @@ class Operations(ABC):
 
         self.ask(Request("DELETE", f"/tours/{Request.quoted(tour_id)}", None, headers={"If-Match": if_match}))
 
+    def delete_tour_media(self, file: str) -> None:
+        """Delete a picture or a video.
+
+        For good; `undo` of a tour does not bring it back. One that a tour shows is not deleted.
+
+        Role: operator.
+        """
+
+        self.ask(Request("DELETE", f"/tour-media/{Request.quoted(file)}", None))
+
     def delete_tour_report(self, run_id: str) -> None:
         """Delete a report.
 
@@ -317,6 +342,16 @@ class Operations(ABC):
         Role: spectator.
         """
         result: str = self.ask(Request("GET", f"/tours/{Request.quoted(tour_id)}/file", str))
+        return result
+
+    def export_tour_archive(self, tour_id: str) -> bytes:
+        """Export a tour with its pictures and videos.
+
+        A ZIP archive of the tour's file and what it shows, without what is missing.
+
+        Role: spectator.
+        """
+        result: bytes = self.ask(Request("GET", f"/tours/{Request.quoted(tour_id)}/archive", bytes))
         return result
 
     def export_tour_reports(self, *, tour: str | None = None) -> str:
@@ -540,6 +575,16 @@ class Operations(ABC):
         result: TourReport = self.ask(Request("GET", f"/tours/{Request.quoted(tour_id)}", TourReport))
         return result
 
+    def get_tour_media(self, file: str) -> bytes:
+        """A picture or a video.
+
+        Whole, or in part (`Range`).
+
+        Role: spectator.
+        """
+        result: bytes = self.ask(Request("GET", f"/tour-media/{Request.quoted(file)}", bytes))
+        return result
+
     def get_tour_posters(
         self,
         tour_id: str,
@@ -624,8 +669,10 @@ class Operations(ABC):
     def import_tour(self, body: str, *, if_match: str | None = None) -> TourReport:
         """Import a tour's file.
 
-        YAML, as `GET /tours/{tour_id}/file` gives it, under the id in it. With `If-Match` it replaces the tour of
-        this id (200); without, that is refused.
+        YAML, as `GET /tours/{tour_id}/file` gives it (or JSON, which is YAML), or the archive of `GET
+        /tours/{tour_id}/archive`, under the id in it. With `If-Match` it replaces the tour of this id (200);
+        without, that is refused. The media of an archive are kept with the tour or not at all; where another
+        picture has a name, the tour names the new one.
 
         Role: operator.
         """
@@ -725,6 +772,16 @@ class Operations(ABC):
         Role: spectator.
         """
         result: StrategyList = self.ask(Request("GET", "/strategies", StrategyList))
+        return result
+
+    def list_tour_media(self) -> TourMediaList:
+        """List pictures and videos of tours.
+
+        All that tours can show, by name, with the tours that do.
+
+        Role: spectator.
+        """
+        result: TourMediaList = self.ask(Request("GET", "/tour-media", TourMediaList))
         return result
 
     def list_tour_reports(self, *, tour: str | None = None) -> RunReportList:
@@ -1082,6 +1139,19 @@ class AsyncOperations(ABC):
     async def ask(self, request: Request) -> Any:
         """The answer to ``request``. Raises Problem for a refusal."""
 
+    async def add_tour_media(self, body: bytes, *, name: str | None = None) -> TourMedia:
+        """Hand in a picture or a video.
+
+        The file itself is the body. What it is, its content says: JPEG, PNG, WebP, GIF, MP4 or WebM, and whole.
+        `file` of the answer is what a tour's `show` names it: made of `name`, with a number where another has it.
+
+        Role: operator.
+        """
+        result: TourMedia = await self.ask(
+            Request("POST", "/tour-media", TourMedia, body=body, media="image/gif", query={"name": name})
+        )
+        return result
+
     async def begin_map(self) -> CurrentMap:
         """Begin an empty map.
 
@@ -1267,6 +1337,16 @@ class AsyncOperations(ABC):
 
         await self.ask(Request("DELETE", f"/tours/{Request.quoted(tour_id)}", None, headers={"If-Match": if_match}))
 
+    async def delete_tour_media(self, file: str) -> None:
+        """Delete a picture or a video.
+
+        For good; `undo` of a tour does not bring it back. One that a tour shows is not deleted.
+
+        Role: operator.
+        """
+
+        await self.ask(Request("DELETE", f"/tour-media/{Request.quoted(file)}", None))
+
     async def delete_tour_report(self, run_id: str) -> None:
         """Delete a report.
 
@@ -1312,6 +1392,16 @@ class AsyncOperations(ABC):
         Role: spectator.
         """
         result: str = await self.ask(Request("GET", f"/tours/{Request.quoted(tour_id)}/file", str))
+        return result
+
+    async def export_tour_archive(self, tour_id: str) -> bytes:
+        """Export a tour with its pictures and videos.
+
+        A ZIP archive of the tour's file and what it shows, without what is missing.
+
+        Role: spectator.
+        """
+        result: bytes = await self.ask(Request("GET", f"/tours/{Request.quoted(tour_id)}/archive", bytes))
         return result
 
     async def export_tour_reports(self, *, tour: str | None = None) -> str:
@@ -1537,6 +1627,16 @@ class AsyncOperations(ABC):
         result: TourReport = await self.ask(Request("GET", f"/tours/{Request.quoted(tour_id)}", TourReport))
         return result
 
+    async def get_tour_media(self, file: str) -> bytes:
+        """A picture or a video.
+
+        Whole, or in part (`Range`).
+
+        Role: spectator.
+        """
+        result: bytes = await self.ask(Request("GET", f"/tour-media/{Request.quoted(file)}", bytes))
+        return result
+
     async def get_tour_posters(
         self,
         tour_id: str,
@@ -1621,8 +1721,10 @@ class AsyncOperations(ABC):
     async def import_tour(self, body: str, *, if_match: str | None = None) -> TourReport:
         """Import a tour's file.
 
-        YAML, as `GET /tours/{tour_id}/file` gives it, under the id in it. With `If-Match` it replaces the tour of
-        this id (200); without, that is refused.
+        YAML, as `GET /tours/{tour_id}/file` gives it (or JSON, which is YAML), or the archive of `GET
+        /tours/{tour_id}/archive`, under the id in it. With `If-Match` it replaces the tour of this id (200);
+        without, that is refused. The media of an archive are kept with the tour or not at all; where another
+        picture has a name, the tour names the new one.
 
         Role: operator.
         """
@@ -1722,6 +1824,16 @@ class AsyncOperations(ABC):
         Role: spectator.
         """
         result: StrategyList = await self.ask(Request("GET", "/strategies", StrategyList))
+        return result
+
+    async def list_tour_media(self) -> TourMediaList:
+        """List pictures and videos of tours.
+
+        All that tours can show, by name, with the tours that do.
+
+        Role: spectator.
+        """
+        result: TourMediaList = await self.ask(Request("GET", "/tour-media", TourMediaList))
         return result
 
     async def list_tour_reports(self, *, tour: str | None = None) -> RunReportList:

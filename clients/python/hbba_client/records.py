@@ -1808,6 +1808,34 @@ class TourList(Struct, kw_only=True, frozen=True):
     tours: list[TourSummary]
 
 
+class TourMedia(Struct, kw_only=True, frozen=True):
+    """A picture or a video that tours can show."""
+
+    file: str
+    """As a tour's `show` names it."""
+    type: str
+    video: bool
+    """Whether it is a video."""
+    size: int
+    """In bytes."""
+    changed: float
+    """Unix time, s."""
+    shipped: bool
+    """Whether it came with the program."""
+    tours: list[str]
+    """Ids of the tours that show it."""
+
+
+class TourMediaList(Struct, kw_only=True, frozen=True):
+    """All that tours can show, by name."""
+
+    media: list[TourMedia]
+    largest_picture: int
+    """Pictures with more bytes are not taken."""
+    largest_video: int
+    """Videos with more bytes are not taken."""
+
+
 class TourPress(Struct, kw_only=True, frozen=True, omit_defaults=True):
     """One thing that is done with the tour under way."""
 

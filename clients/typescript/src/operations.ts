@@ -58,6 +58,8 @@ import type {
   Session,
   StrategyList,
   TourList,
+  TourMedia,
+  TourMediaList,
   TourPress,
   TourReport,
   TourRunReport,
@@ -75,6 +77,15 @@ import type {
 export abstract class Operations {
   /** The answer to `request`. Throws Problem for a refusal. */
   protected abstract ask<T>(request: Request): Promise<T>;
+
+  /**
+   * Hand in a picture or a video. The file itself is the body. What it is, its content says: JPEG, PNG, WebP, GIF, MP4
+   * or WebM, and whole. `file` of the answer is what a tour's `show` names it: made of `name`, with a number where
+   * another has it. Role: operator.
+   */
+  addTourMedia(body: string, options: { name?: string } = {}): Promise<TourMedia> {
+    return this.ask<TourMedia>({ method: "POST", path: `/tour-media`, answer: "json", body, media: "image/gif", query: { "name": options.name } });
+  }
 
   /**
    * Begin an empty map. Without a name, the robot at its origin. The one in use is lost if it was not saved, and a goal
@@ -200,6 +211,14 @@ export abstract class Operations {
     return this.ask<void>({ method: "DELETE", path: `/tours/${encodeURIComponent(tourId)}`, answer: "nothing", headers: { "If-Match": options.ifMatch } });
   }
 
+  /**
+   * Delete a picture or a video. For good; `undo` of a tour does not bring it back. One that a tour shows is not
+   * deleted. Role: operator.
+   */
+  deleteTourMedia(file: string): Promise<void> {
+    return this.ask<void>({ method: "DELETE", path: `/tour-media/${encodeURIComponent(file)}`, answer: "nothing" });
+  }
+
   /** Delete a report. Role: supervisor. */
   deleteTourReport(runId: string): Promise<void> {
     return this.ask<void>({ method: "DELETE", path: `/tour-reports/${encodeURIComponent(runId)}`, answer: "nothing" });
@@ -226,6 +245,14 @@ export abstract class Operations {
   /** Export a tour's file. Without pictures and videos. Role: spectator. */
   exportTour(tourId: string): Promise<string> {
     return this.ask<string>({ method: "GET", path: `/tours/${encodeURIComponent(tourId)}/file`, answer: "text" });
+  }
+
+  /**
+   * Export a tour with its pictures and videos. A ZIP archive of the tour's file and what it shows, without what is
+   * missing. Role: spectator.
+   */
+  exportTourArchive(tourId: string): Promise<ArrayBuffer> {
+    return this.ask<ArrayBuffer>({ method: "GET", path: `/tours/${encodeURIComponent(tourId)}/archive`, answer: "bytes" });
   }
 
   /** Export reports on tours as a table. A line for each stop; times are UTC. Role: spectator. */
@@ -364,6 +391,11 @@ export abstract class Operations {
     return this.ask<TourReport>({ method: "GET", path: `/tours/${encodeURIComponent(tourId)}`, answer: "json" });
   }
 
+  /** A picture or a video. Whole, or in part (`Range`). Role: spectator. */
+  getTourMedia(file: string): Promise<ArrayBuffer> {
+    return this.ask<ArrayBuffer>({ method: "GET", path: `/tour-media/${encodeURIComponent(file)}`, answer: "bytes" });
+  }
+
   /** Print posters. Of the stops that have the text of a `poster`. Role: spectator. */
   getTourPosters(tourId: string, options: { paper?: "a4" | "letter"; language?: string | null; stop?: string | null } = {}): Promise<ArrayBuffer> {
     return this.ask<ArrayBuffer>({ method: "GET", path: `/tours/${encodeURIComponent(tourId)}/posters.pdf`, answer: "bytes", query: { "paper": options.paper, "language": options.language, "stop": options.stop } });
@@ -408,8 +440,10 @@ export abstract class Operations {
   }
 
   /**
-   * Import a tour's file. YAML, as `GET /tours/{tour_id}/file` gives it, under the id in it. With `If-Match` it
-   * replaces the tour of this id (200); without, that is refused. Role: operator.
+   * Import a tour's file. YAML, as `GET /tours/{tour_id}/file` gives it (or JSON, which is YAML), or the archive of
+   * `GET /tours/{tour_id}/archive`, under the id in it. With `If-Match` it replaces the tour of this id (200); without,
+   * that is refused. The media of an archive are kept with the tour or not at all; where another picture has a name,
+   * the tour names the new one. Role: operator.
    */
   importTour(body: string, options: { ifMatch?: string | null } = {}): Promise<TourReport> {
     return this.ask<TourReport>({ method: "POST", path: `/tours/import`, answer: "json", body, media: "application/yaml", headers: { "If-Match": options.ifMatch } });
@@ -472,6 +506,11 @@ export abstract class Operations {
   /** List all strategies. Role: spectator. */
   listStrategies(): Promise<StrategyList> {
     return this.ask<StrategyList>({ method: "GET", path: `/strategies`, answer: "json" });
+  }
+
+  /** List pictures and videos of tours. All that tours can show, by name, with the tours that do. Role: spectator. */
+  listTourMedia(): Promise<TourMediaList> {
+    return this.ask<TourMediaList>({ method: "GET", path: `/tour-media`, answer: "json" });
   }
 
   /** List reports on tours. The newest first. Of people, they have counts alone. Role: spectator. */

@@ -1668,6 +1668,32 @@ export interface TourList {
   tours: TourSummary[];
 }
 
+/** A picture or a video that tours can show. */
+export interface TourMedia {
+  /** As a tour's `show` names it. */
+  file: string;
+  type: string;
+  /** Whether it is a video. */
+  video: boolean;
+  /** In bytes. */
+  size: number;
+  /** Unix time, s. */
+  changed: number;
+  /** Whether it came with the program. */
+  shipped: boolean;
+  /** Ids of the tours that show it. */
+  tours: string[];
+}
+
+/** All that tours can show, by name. */
+export interface TourMediaList {
+  media: TourMedia[];
+  /** Pictures with more bytes are not taken. */
+  largest_picture: number;
+  /** Videos with more bytes are not taken. */
+  largest_video: number;
+}
+
 /** One thing that is done with the tour under way. */
 export interface TourPress {
   /** A button, one of `buttons` now. */
