@@ -196,7 +196,7 @@ def found_operations(document: Schema) -> list[tuple[str, str, str, Schema]]:
 
 def _names(operation: Schema) -> Iterator[str]:
     """The records in what ``operation`` takes and gives."""
-    for text in (_answer(operation), (_body(operation) or ("", ""))[1]):
+    for text in (_answer(operation), (_body(operation) or ([], ""))[1]):
         yield from re.findall(r"\w+", text)
 
 
@@ -234,8 +234,12 @@ def _method(name: str, method: str, path: str, operation: Schema, *, awaited: bo
     if body := _body(operation):
         arguments.append(f"body: {body[1]}")
         given.append("body=body")
-        if body[0] != "application/json":
-            given.append(f'media="{body[0]}"')
+        first, *others = body[0]
+        if others:
+            options.append(f"media: Literal[{', '.join(map(repr, body[0]))}] = {first!r}")
+            given.append("media=media")
+        elif first != "application/json":
+            given.append(f'media="{first}"')
     if query:
         given.append(f"query={{{', '.join(query)}}}")
     if headers:
@@ -271,12 +275,14 @@ def answered(operation: Schema) -> Schema:
     return {}
 
 
-def body_of(operation: Schema) -> tuple[str, Schema, bool] | None:
-    """Media type and schema of what is sent, and whether it is needed."""
-    sent = operation.get("requestBody", {})
-    for media, content in sent.get("content", {}).items():
-        return media, content["schema"], "None" not in python(content["schema"])
-    return None
+def body_of(operation: Schema) -> tuple[list[str], Schema, bool] | None:
+    """Media types and schema of what is sent, and whether it is needed."""
+    content = operation.get("requestBody", {}).get("content", {})
+    if not content:
+        return None
+    schemas = [each["schema"] for each in content.values()]
+    value = schemas[0] if all(each == schemas[0] for each in schemas) else {"anyOf": schemas}
+    return list(content), value, "None" not in python(value)
 
 
 def _answer(operation: Schema) -> str:
@@ -288,8 +294,8 @@ def _answer(operation: Schema) -> str:
     return kind if media == "application/json" or kind == "bytes" else "str"
 
 
-def _body(operation: Schema) -> tuple[str, str] | None:
-    """The media type and the type of what is sent."""
+def _body(operation: Schema) -> tuple[list[str], str] | None:
+    """The media types and the type of what is sent."""
     if (body := body_of(operation)) is None:
         return None
     media, value, needed = body

@@ -7,6 +7,7 @@ A test compares the files with the descriptions.
 
 from __future__ import annotations
 
+import json
 import re
 import sys
 from pathlib import Path
@@ -103,11 +104,14 @@ def _method(name: str, method: str, path: str, operation: Schema) -> list[str]:
         (query if each["in"] == "query" else headers).append(f'"{each["name"]}": options.{argument}')
     given = [f'method: "{method}"', f"path: `{path}`", f'answer: "{_form(operation)}"']
     if body := client_types.body_of(operation):
-        media, value, needed = body
-        arguments.append(f"body{'' if needed else '?'}: {page_types.typescript(plain(value))}")
+        (first, *others), value, needed = body
+        arguments.append(f"body{'' if needed else '?'}: {sent(value)}")
         given.append("body")
-        if media != "application/json":
-            given.append(f'media: "{media}"')
+        if others:
+            options.append(f"media?: {' | '.join(map(json.dumps, [first, *others]))}")
+            given.append(f'media: options.media ?? "{first}"')
+        elif first != "application/json":
+            given.append(f'media: "{first}"')
     if options:
         arguments.append(f"options: {{ {'; '.join(options)} }} = {{}}")
     for word, members in (("query", query), ("headers", headers)):
@@ -121,6 +125,13 @@ def _method(name: str, method: str, path: str, operation: Schema) -> list[str]:
         f"    return this.ask<{answer}>({{ {', '.join(given)} }});",
         "  }",
     ]
+
+
+def sent(value: Schema) -> str:
+    """The type of what is sent: text, the bytes of a file, or a record."""
+    if choices := value.get("anyOf"):
+        return " | ".join(dict.fromkeys(sent(each) for each in choices))
+    return "ArrayBuffer" if value.get("format") == "binary" else page_types.typescript(plain(value))
 
 
 def _form(operation: Schema) -> str:

@@ -9,7 +9,9 @@ import re
 import sys
 from pathlib import Path
 
+import cv2
 import httpx
+import numpy as np
 import pytest
 from hbba_client import AsyncRobot, Problem, Robot, Unreachable
 from hbba_client.live import message_of
@@ -90,6 +92,18 @@ async def test_every_answer_that_needs_no_argument_is_as_described(url: str, sys
                     refused[name] = problem.status
         assert set(refused.values()) <= {401, 404, 409, 503}, refused
         assert not {"get_robot", "get_intention", "list_modules", "list_desire_classes", "list_tours"} & set(refused)
+
+
+async def test_a_file_goes_there_and_back_as_it_is(url: str, system: System) -> None:
+    async with AsyncRobot(console(url)) as robot:
+        picture = cv2.imencode(".png", np.zeros((4, 6, 3), np.uint8))[1].tobytes()
+        there = await robot.add_tour_media(picture, name="black.png", media="image/png")
+        assert await robot.get_tour_media(there.file) == picture
+        (tour, *_) = (await robot.list_tours()).tours
+        archive = await robot.export_tour_archive(tour.id)
+        etag = (await robot.get_tour(tour.id)) and robot.etags[f"/tours/{tour.id}"]
+        again = await robot.import_tour(archive, media="application/zip", if_match=etag)
+        assert again.tour["id"] == tour.id
 
 
 async def test_a_refusal_says_what_is_allowed(url: str, system: System) -> None:

@@ -89,7 +89,13 @@ class Operations(ABC):
     def ask(self, request: Request) -> Any:
         """The answer to ``request``. Raises Problem for a refusal."""
 
-    def add_tour_media(self, body: bytes, *, name: str | None = None) -> TourMedia:
+    def add_tour_media(
+        self,
+        body: bytes,
+        *,
+        name: str | None = None,
+        media: Literal["image/gif", "image/jpeg", "image/png", "image/webp", "video/mp4", "video/webm"] = "image/gif",
+    ) -> TourMedia:
         """Hand in a picture or a video.
 
         The file itself is the body. What it is, its content says: JPEG, PNG, WebP, GIF, MP4 or WebM, and whole.
@@ -98,7 +104,7 @@ class Operations(ABC):
         Role: operator.
         """
         result: TourMedia = self.ask(
-            Request("POST", "/tour-media", TourMedia, body=body, media="image/gif", query={"name": name})
+            Request("POST", "/tour-media", TourMedia, body=body, media=media, query={"name": name})
         )
         return result
 
@@ -666,7 +672,13 @@ class Operations(ABC):
         result: ZoneList = self.ask(Request("GET", "/map/zones", ZoneList))
         return result
 
-    def import_tour(self, body: str, *, if_match: str | None = None) -> TourReport:
+    def import_tour(
+        self,
+        body: str | bytes,
+        *,
+        if_match: str | None = None,
+        media: Literal["application/yaml", "application/zip"] = "application/yaml",
+    ) -> TourReport:
         """Import a tour's file.
 
         YAML, as `GET /tours/{tour_id}/file` gives it (or JSON, which is YAML), or the archive of `GET
@@ -677,9 +689,7 @@ class Operations(ABC):
         Role: operator.
         """
         result: TourReport = self.ask(
-            Request(
-                "POST", "/tours/import", TourReport, body=body, media="application/yaml", headers={"If-Match": if_match}
-            )
+            Request("POST", "/tours/import", TourReport, body=body, media=media, headers={"If-Match": if_match})
         )
         return result
 
@@ -1139,7 +1149,13 @@ class AsyncOperations(ABC):
     async def ask(self, request: Request) -> Any:
         """The answer to ``request``. Raises Problem for a refusal."""
 
-    async def add_tour_media(self, body: bytes, *, name: str | None = None) -> TourMedia:
+    async def add_tour_media(
+        self,
+        body: bytes,
+        *,
+        name: str | None = None,
+        media: Literal["image/gif", "image/jpeg", "image/png", "image/webp", "video/mp4", "video/webm"] = "image/gif",
+    ) -> TourMedia:
         """Hand in a picture or a video.
 
         The file itself is the body. What it is, its content says: JPEG, PNG, WebP, GIF, MP4 or WebM, and whole.
@@ -1148,7 +1164,7 @@ class AsyncOperations(ABC):
         Role: operator.
         """
         result: TourMedia = await self.ask(
-            Request("POST", "/tour-media", TourMedia, body=body, media="image/gif", query={"name": name})
+            Request("POST", "/tour-media", TourMedia, body=body, media=media, query={"name": name})
         )
         return result
 
@@ -1718,7 +1734,13 @@ class AsyncOperations(ABC):
         result: ZoneList = await self.ask(Request("GET", "/map/zones", ZoneList))
         return result
 
-    async def import_tour(self, body: str, *, if_match: str | None = None) -> TourReport:
+    async def import_tour(
+        self,
+        body: str | bytes,
+        *,
+        if_match: str | None = None,
+        media: Literal["application/yaml", "application/zip"] = "application/yaml",
+    ) -> TourReport:
         """Import a tour's file.
 
         YAML, as `GET /tours/{tour_id}/file` gives it (or JSON, which is YAML), or the archive of `GET
@@ -1729,9 +1751,7 @@ class AsyncOperations(ABC):
         Role: operator.
         """
         result: TourReport = await self.ask(
-            Request(
-                "POST", "/tours/import", TourReport, body=body, media="application/yaml", headers={"If-Match": if_match}
-            )
+            Request("POST", "/tours/import", TourReport, body=body, media=media, headers={"If-Match": if_match})
         )
         return result
 

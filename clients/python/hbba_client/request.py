@@ -59,7 +59,7 @@ class Request:
         headers = {name: value for name, value in self.headers.items() if value is not None}
         content = None
         if self.body is not None:
-            content = self.body.encode() if isinstance(self.body, str) else msgspec.json.encode(self.body)
+            content = _content(self.body)
             headers["Content-Type"] = self.media
         wait = float(self.query.get("wait") or 0.0)
         return {
@@ -82,6 +82,12 @@ class Request:
         if self.answer is str:
             return response.text
         return msgspec.json.decode(response.content, type=self.answer, strict=False)
+
+
+def _content(body: Any) -> bytes:
+    if isinstance(body, bytes):
+        return body
+    return body.encode() if isinstance(body, str) else msgspec.json.encode(body)
 
 
 class _Field(msgspec.Struct):

@@ -83,8 +83,8 @@ export abstract class Operations {
    * or WebM, and whole. `file` of the answer is what a tour's `show` names it: made of `name`, with a number where
    * another has it. Role: operator.
    */
-  addTourMedia(body: string, options: { name?: string } = {}): Promise<TourMedia> {
-    return this.ask<TourMedia>({ method: "POST", path: `/tour-media`, answer: "json", body, media: "image/gif", query: { "name": options.name } });
+  addTourMedia(body: ArrayBuffer, options: { name?: string; media?: "image/gif" | "image/jpeg" | "image/png" | "image/webp" | "video/mp4" | "video/webm" } = {}): Promise<TourMedia> {
+    return this.ask<TourMedia>({ method: "POST", path: `/tour-media`, answer: "json", body, media: options.media ?? "image/gif", query: { "name": options.name } });
   }
 
   /**
@@ -445,8 +445,8 @@ export abstract class Operations {
    * that is refused. The media of an archive are kept with the tour or not at all; where another picture has a name,
    * the tour names the new one. Role: operator.
    */
-  importTour(body: string, options: { ifMatch?: string | null } = {}): Promise<TourReport> {
-    return this.ask<TourReport>({ method: "POST", path: `/tours/import`, answer: "json", body, media: "application/yaml", headers: { "If-Match": options.ifMatch } });
+  importTour(body: string | ArrayBuffer, options: { ifMatch?: string | null; media?: "application/yaml" | "application/zip" } = {}): Promise<TourReport> {
+    return this.ask<TourReport>({ method: "POST", path: `/tours/import`, answer: "json", body, media: options.media ?? "application/yaml", headers: { "If-Match": options.ifMatch } });
   }
 
   /**

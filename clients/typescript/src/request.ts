@@ -48,7 +48,8 @@ export function initOf(request: Request, headers: Record<string, string>): Reque
   for (const [name, value] of Object.entries(request.headers ?? {})) if (value != null) all[name] = value;
   if (request.body === undefined) return { method: request.method, headers: all };
   all["content-type"] = request.media ?? "application/json";
-  const body = typeof request.body === "string" ? request.body : JSON.stringify(request.body);
+  const asItIs = typeof request.body === "string" || request.body instanceof ArrayBuffer;
+  const body = asItIs ? (request.body as string | ArrayBuffer) : JSON.stringify(request.body);
   return { method: request.method, headers: all, body };
 }
 
