@@ -6,6 +6,7 @@ with the guard's log turned on: what the wheels were really given, on the clock 
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -15,7 +16,7 @@ from playwright.sync_api import Browser, Page, Playwright, expect, sync_playwrig
 from app.commands.doctor import find_chromium
 from app.robots.simulated.gl import check_gl
 from tests.browser.browsers import launching, named
-from tests.browser.running import Robot, running_robot
+from tests.browser.running import LOOPS_DEBUG, Robot, running_robot
 from tests.patience import PATIENCE_MS
 
 expect.set_options(timeout=PATIENCE_MS)
@@ -47,7 +48,11 @@ def playwright() -> Iterator[Playwright]:
 
     For one file at a time: while it runs it holds this thread's event loop, which other files' tests need.
     """
-    with sync_playwright() as running:
+    with pytest.MonkeyPatch.context() as patch, contextlib.ExitStack() as stack:
+        # Its loop runs Playwright's code alone: debugged, each call takes more than twice the processor time.
+        patch.setenv(LOOPS_DEBUG, "")
+        running = stack.enter_context(sync_playwright())
+        patch.undo()
         yield running
 
 
