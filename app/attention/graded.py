@@ -13,6 +13,7 @@ so ties cost little. All whole numbers, but for the prices, which may be any num
 See Kellerer, Pferschy, Pisinger: *Knapsack Problems* (2004), chapters 9 and 11.
 """
 
+# mypy: allow-untyped-calls
 from __future__ import annotations
 
 import math
@@ -59,6 +60,11 @@ class _Level:
     capacities: Whole
     reduced: Whole
     limits: Whole
+
+    def within(self) -> NDArray[np.bool_]:
+        """By column, whether it may be part of a selection within the limits."""
+        fits: NDArray[np.bool_] = np.all(self.reduced <= self.limits[:, None], axis=0)
+        return fits
 
     def only(self, kept: NDArray[np.bool_]) -> _Level:
         return _Level(
@@ -178,7 +184,7 @@ class _Stage:
         guess = min(least + step - 1, most)
         while True:
             limit = guess * self._unit - self._base
-            kept = (self._reduced <= limit) & (level.reduced <= level.limits[:, None]).all(axis=0)
+            kept = (self._reduced <= limit) & level.within()
             found = self._within(limit, kept, ties)
             if found is None:
                 return _Optimum(least)
@@ -201,7 +207,7 @@ class _Stage:
             np.vstack([level.reduced, self._reduced]),
             np.append(level.limits, limit),
         )
-        return following.only((following.reduced <= following.limits[:, None]).all(axis=0))
+        return following.only(following.within())
 
     def _within(self, limit: int, kept: NDArray[np.bool_], ties: int) -> _Optimum | None:
         """What is found with reduced losses up to ``limit``, in the columns ``kept``; None if there was no time."""

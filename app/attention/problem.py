@@ -166,9 +166,9 @@ def assess_chosen(
         elif desire.security and cls not in relaxed:
             return None
     if problem.weights.spare:
-        resource = spare_resource(problem)
-        if resource is not None:
-            omega += problem.weights.spare * (problem.capacities[resource] - use[resource])
+        spare = spare_resource(problem)
+        if spare is not None:
+            omega += problem.weights.spare * (problem.capacities[spare] - use[spare])
     omega = round(omega, 6)
     return Selection(
         tuple([s.name for s in chosen]),
