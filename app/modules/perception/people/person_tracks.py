@@ -27,7 +27,6 @@ from app.modules.perception.people.identities import (
     pruned,
 )
 from app.modules.perception.people.motion import Motion, assigned, costs
-from app.modules.perception.people.torso_color import distance
 from app.modules.perception.people.track import AGREED_S, Track, perceived_apart, seen_in_images
 from app.modules.perception.people.values import FaceSeen, LegsSeen, PersonRules
 from app.modules.perception.people.voices import Candidate, VoiceHeard, Voices
@@ -93,7 +92,7 @@ class PersonTracks:
             self._torso = stamp
             track = next((t for t in self._tracks if t.face_track == face and stamp - t.face < 0.3), None)
             if track is not None:
-                self._wear(track, stamp, histogram)
+                track.wear(stamp, histogram, self.rules)
         self._torsos = {face: held for face, held in self._torsos.items() if stamp - held[0] < 5.0}
         self._settle(stamp)
 
@@ -102,32 +101,8 @@ class PersonTracks:
         self._advance(stamp)
         for track in self._tracks:
             if track.number in histograms:
-                self._wear(track, stamp, histograms[track.number])
+                track.wear(stamp, histograms[track.number], self.rules)
         self._settle(stamp)
-
-    def _wear(self, track: Track, stamp: float, histogram: Histogram) -> None:
-        rules = self.rules
-        if track.identity is None and track.colors.mean is not None:
-            if distance(histogram, track.colors.mean) >= rules.identity.different:
-                # The mean of what two persons wear is worn by nobody.
-                track.colors, track.recent = Colors(40), Colors(6)
-        track.recent.add(histogram)
-        track.torso = stamp
-        # Who passes before a person does not change what the person wears.
-        worn = track.colors if track.identity is None else track.identity.colors
-        far = track.recent.distance(worn, rules.identity.samples)
-        # The mean lags behind one who has just been confused with another.
-        this = None if worn.mean is None else distance(histogram, worn.mean)
-        if this is not None and this >= rules.identity.different:
-            track.against, track.strange = stamp, track.strange + 1
-        elif this is not None:
-            track.strange = 0
-        if far is not None and this is not None and max(far, this) < rules.identity.same:
-            track.agreed = stamp
-        if far is None or far < rules.identity.same:
-            worn.add(histogram)
-        elif track.identity is None and track.recent.samples >= rules.other_samples:
-            track.colors, track.recent = Colors(40), Colors(6)
 
     def see_legs(self, stamp: float, legs: Sequence[LegsSeen]) -> None:
         """Take what may be legs in one scan."""
@@ -322,7 +297,7 @@ class PersonTracks:
             identity = track.identity
             if identity is None or identity.colors.samples < rules.identity.samples or track.agreed > track.mixed:
                 continue
-            # Another's colours at once say that the other has the track; while none are seen, there is a moment's grace.
+            # Another's colours say at once that the other has the track.
             if track.against > track.agreed or stamp - track.agreed >= rules.grace_s:
                 identity.crossed = True
                 self._miss(track, identity)

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.messages import Person, PersonState, read_only
-from app.modules.perception.people.identities import Colors, Identity
+from app.modules.perception.people.identities import Colors, Histogram, Identity
 from app.modules.perception.people.motion import GATE, NEVER, Motion
+from app.modules.perception.people.torso_color import distance
 from app.modules.perception.people.values import FaceSeen, LegsSeen, PersonRules
 
 Vector = NDArray[np.float64]
@@ -105,6 +106,34 @@ class Track:
             stands = math.dist(leg.at, self.motion.at) < _BESIDE_M and self.motion.speed < _STANDS_MPS
             return cost if stands and self.motion.stamp - self.sure <= unsure_s else NEVER
         return cost - _TOGETHER
+
+    def wear(self, stamp: float, histogram: Histogram, rules: PersonRules) -> None:
+        """Take the colours (BINS,) of one look at the torso, and note whether they are those of the identity."""
+        same, different = rules.identity.same, rules.identity.different
+        if (
+            self.identity is None
+            and self.colors.mean is not None
+            and distance(histogram, self.colors.mean) >= different
+        ):
+            # The mean of what two persons wear is worn by nobody.
+            self.colors, self.recent = Colors(40), Colors(6)
+        self.recent.add(histogram)
+        self.torso = stamp
+        # Who passes before a person does not change what the person wears.
+        worn = self.colors if self.identity is None else self.identity.colors
+        far = self.recent.distance(worn, rules.identity.samples)
+        # The mean lags behind one who has just been confused with another.
+        this = None if worn.mean is None else distance(histogram, worn.mean)
+        if this is not None and this >= different:
+            self.against, self.strange = stamp, self.strange + 1
+        elif this is not None:
+            self.strange = 0
+        if far is not None and this is not None and max(far, this) < same:
+            self.agreed = stamp
+        if far is None or far < same:
+            worn.add(histogram)
+        elif self.identity is None and self.recent.samples >= rules.other_samples:
+            self.colors, self.recent = Colors(40), Colors(6)
 
     def forget_identity(self) -> None:
         """Be unsure, until colours that are seen from now on identify: the last ones may be of both."""
