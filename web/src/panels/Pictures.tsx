@@ -19,9 +19,7 @@ function Pictures() {
       <h2>Camera pictures</h2>
       <p class="muted small">
         {coding === "" ? "None has come yet." : `${coding}, ${camera.shownSize.value}.`}{" "}
-        {problem
-          ? `As JPEG alone: ${problem}.`
-          : "As VP9 where the link is short, else as JPEG."}
+        {problem ? `As JPEG alone: ${problem}.` : "As VP9 where the link is short, else as JPEG."}
       </p>
     </section>
   );
