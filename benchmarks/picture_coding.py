@@ -96,7 +96,9 @@ def as_vp9(pictures: Sequence[EncodedImage], form: Form) -> tuple[float, float, 
     packets = [each.data for each in made if each is not None]
     frames = [frame for packet in packets for frame in decoder.decode(av.Packet(packet))]
     decoded = time.thread_time()
-    quality = [psnr(f.to_ndarray(format="bgr24"), p) for f, p in zip(frames, pictures, strict=True)]
+    quality = [
+        psnr(np.asarray(f.to_ndarray(format="bgr24"), np.uint8), p) for f, p in zip(frames, pictures, strict=True)
+    ]
     count = len(pictures)
     return (
         1e3 * (coded - began) / count,
