@@ -1,8 +1,8 @@
 """What a picture for one page costs to make and takes on the link, as VP9 and as a smaller JPEG (the peer).
 
 The pictures are those of the lab's camera, 15 a second, which come as JPEG while the robot drives a curve. ``CPU`` is
-that of the thread that makes them anew, decoding included; ``decoding`` that of OpenCV for the JPEG made and of FFmpeg's
-VP9 decoder (a browser's is libvpx). ``PSNR`` is of what is shown against the picture as it came.
+that of the thread that makes them anew, decoding included; ``decoding`` that of OpenCV for the JPEG made and of
+FFmpeg's VP9 decoder (a browser's is libvpx). ``PSNR`` is of what is shown against the picture as it came.
 """
 
 from __future__ import annotations
@@ -96,7 +96,9 @@ def as_vp9(pictures: Sequence[EncodedImage], form: Form) -> tuple[float, float, 
     packets = [each.data for each in made if each is not None]
     frames = [frame for packet in packets for frame in decoder.decode(av.Packet(packet))]
     decoded = time.thread_time()
-    quality = [psnr(f.to_ndarray(format="bgr24"), p) for f, p in zip(frames, pictures, strict=True)]
+    quality = [
+        psnr(np.asarray(f.to_ndarray(format="bgr24"), np.uint8), p) for f, p in zip(frames, pictures, strict=True)
+    ]
     count = len(pictures)
     return (
         1e3 * (coded - began) / count,

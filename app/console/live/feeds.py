@@ -46,7 +46,7 @@ GRIDS = {
     MAP: GridKind("map", "map_info", 0.5),
     COSTMAP: GridKind("local_costmap", "costmap_info", 0.2),
 }
-#: So many pages get video at once, each encoded for itself: 6 % of a core each at 640 x 480 and 15 pictures a second.
+#: So many pages get video at once, each encoded for itself: up to 10 % of a core each at 640 x 480, 15 times a second.
 MOST_VIDEOS = 4
 #: So many frames of sound may come while the loop does something else.
 BURST = 16

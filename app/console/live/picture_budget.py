@@ -36,8 +36,8 @@ RUNGS: tuple[tuple[float, int | None], ...] = (
     (0.33, 30),
     (0.25, 25),
 )
-#: From the second rung on, for a page that decodes VP9: share of the width, and bits for each pixel of a picture. Not on
-#: the first: a VP9 takes a third to a fifth of the bytes of a JPEG, and two to five times the processor
+#: From the second rung on, for a page that decodes VP9: share of the width, and bits for each pixel of a picture. Not
+#: on the first: a VP9 takes a third to a fifth of the bytes of a JPEG, and two to five times the processor
 #: (``python -m benchmarks.picture_coding``), which a link that is fast enough does not ask for.
 VIDEO_RUNGS: tuple[tuple[float, float], ...] = (
     (1.0, 0.17),

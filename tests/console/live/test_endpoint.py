@@ -198,7 +198,7 @@ async def test_a_page_that_decodes_vp9_gets_it_where_its_link_is_short(
         viewer.budgets[1] = PictureBudget(rung=1, try_jpeg_after_s=1e9)
         await ann.send("view", camera=True, vp9=True)
         decoder = av.VideoCodecContext.create("vp9", "r")
-        codings = []
+        codings: list[int] = []
         while codings[-2:] != [2, 2]:
             frame = await shown(ann, system, body)
             _, coding, seq, stamp, width, height = PICTURE_HEADER.unpack_from(frame)

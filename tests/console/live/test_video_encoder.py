@@ -42,7 +42,7 @@ class Player:
         assert (frame.width, frame.height) == (picture.width, picture.height)
         # As a player does: by what the stream says of its colours.
         assert (frame.colorspace, frame.color_range) == (6, 1)
-        return frame.to_ndarray(format="bgr24")
+        return np.asarray(frame.to_ndarray(format="bgr24"), np.uint8)
 
 
 def error(shown: NDArray[np.uint8], pixels: NDArray[np.uint8]) -> float:
