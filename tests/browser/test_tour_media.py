@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ from playwright.sync_api import Browser, Page, expect
 
 from tests.browser.running import Robot
 from tests.browser.test_tour import opened, running
+from tests.patience import PATIENCE_S
 from tests.tours.media_files import picture
 
 WIDTH = 64
@@ -32,6 +34,11 @@ TOUR: dict[str, Any] = {
 
 def prepare(robot: Robot) -> None:
     """A map, a place where the robot is, and a tour with one stop there."""
+    status, _, answer = robot.request("POST", "/desires", {"class": "SLAM", "intensity": 5, "utility": 1})
+    assert status == 201, answer
+    given_up = time.monotonic() + PATIENCE_S
+    while robot.request("PUT", "/maps/room")[0] == 409 and time.monotonic() < given_up:
+        time.sleep(0.5)  # until it has seen something
     for method, path, body in (
         ("PUT", "/maps/room", None),
         ("POST", "/places", {"id": "here", "name": "Here", "here": True}),

@@ -62,9 +62,10 @@ def listened_for(led: LedLab) -> str:
 def test_a_visitor_pauses_the_tour_by_saying_so_and_has_it_go_on(tmp_path: Path) -> None:
     pytest.importorskip("pocketsphinx")
     pytest.importorskip("espeakng_loader")
+    tour = packaged()
 
     async def main() -> None:
-        led = await asyncio.to_thread(LedLab, tmp_path, packaged(), PLACES)
+        led = await asyncio.to_thread(LedLab, tmp_path, tour, PLACES)
         led.visitors = [Visitor(1.5, 0.5)]
         async with led:
             led.start()
@@ -82,35 +83,36 @@ def test_a_visitor_pauses_the_tour_by_saying_so_and_has_it_go_on(tmp_path: Path)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("stop", [stop.id for stop in packaged().stops[1:]])
-def test_a_visitor_is_led_to_a_stop_by_saying_its_words(tmp_path: Path, stop: str) -> None:
-    """On the way to the first stop, and from a stop where the tour waits for other words."""
+def test_visitors_are_led_to_the_stops_whose_words_they_say(tmp_path: Path) -> None:
+    """On the way to another stop, and at a stop that waits for other words."""
     pytest.importorskip("pocketsphinx")
     pytest.importorskip("espeakng_loader")
     tour = packaged()
-    (asked,) = (each for each in tour.stops if each.id == stop)
-    (phrase,) = asked.words["en"]
+    phrases = {stop.id: stop.words["en"][0] for stop in tour.stops}
+    places = {stop.id: PLACES[stop.place] for stop in tour.stops}
 
     async def main() -> None:
         led = await asyncio.to_thread(LedLab, tmp_path, tour, PLACES)
         led.visitors = [Visitor(1.5, 0.5)]
+
+        async def say(stop: str) -> None:
+            led.bench.feed("words", await asyncio.to_thread(recognized, phrases[stop], listened_for(led)))
+            await led.live(2.0)
+            assert (led.progress.state, led.progress.stop) == ("leading", stop)
+            goal = led.desired("GoTo")
+            assert goal is not None
+            assert math.dist((goal.params["x"], goal.params["y"]), (places[stop].x, places[stop].y)) < 0.01
+
         async with led:
             led.start()
             await led.until("confirming")
             led.press("agree")
             await led.until("leading")
             assert led.progress.stop == "workshop"
-            led.bench.feed("words", await asyncio.to_thread(recognized, phrase, listened_for(led)))
-            await led.live(2.0)
-            assert (led.progress.state, led.progress.stop) == ("leading", stop)
-            goal = led.desired("GoTo")
-            assert goal is not None
-            place = PLACES[asked.place]
-            assert math.dist((goal.params["x"], goal.params["y"]), (place.x, place.y)) < 0.01
-            await led.until("presenting")
-            assert led.progress.stop == stop
-            led.bench.feed("words", await asyncio.to_thread(recognized, "show me the workshop", listened_for(led)))
-            await led.live(2.0)
-            assert (led.progress.state, led.progress.stop) == ("leading", "workshop")
+            await say("robotics-lab")
+            await led.until("listening")
+            assert led.progress.stop == "robotics-lab"
+            await say("office")
+            await say("workshop")
 
     run_virtual(main())
