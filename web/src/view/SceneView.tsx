@@ -47,6 +47,7 @@ export function SceneView() {
       window.removeEventListener("blur", takeBack);
       scene.close();
       follow.stop();
+      store.softLimit.value = null;
     };
   }, []);
   useEffect(() => {
@@ -54,6 +55,7 @@ export function SceneView() {
     scene.onCamera = (camera) => follow.look(camera);
   }, []);
   useSignalEffect(() => scene.takeKeys(keysOfPage(store)));
+  useSignalEffect(() => void (store.softLimit.value = follow.softLimit.value));
   useEffect(() => {
     if (live) void scene.answered(); // not before the login
   }, [live]);
