@@ -85,6 +85,25 @@ def test_at_every_size_each_control_can_be_pressed(open_page: Callable[..., Page
     assert {size: found for size, found in covered.items() if found} == {}
 
 
+@pytest.mark.parametrize("scaled", ["text", "page"])
+@pytest.mark.parametrize("size", [(1440, 900), (390, 844)], ids=["desk", "phone"])
+def test_at_twice_the_size_of_text_or_page_each_control_can_be_pressed(
+    page: Page, scaled: str, size: tuple[int, int]
+) -> None:
+    """As people set them in the browser: a default text of 32 px instead of 16; a zoom of 200 %, which leaves half the
+    pixels to the page each way."""
+    width, height = size
+    if scaled == "page":
+        width, height = width // 2, height // 2
+    else:
+        page.context.new_cdp_session(page).send("Page.setFontSizes", {"fontSizes": {"standard": 32, "fixed": 26}})
+    page.set_viewport_size({"width": width, "height": height})
+    page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    if scaled == "text":
+        assert page.evaluate("getComputedStyle(document.documentElement).fontSize") == "32px"
+    assert page.evaluate(_COVERED) == []
+
+
 def test_presets_show_what_they_are_for(page: Page) -> None:
     page.set_viewport_size({"width": 1440, "height": 900})
     lanes, tab = page.get_by_test_id("lanes"), "[role=tab][aria-selected=true]"

@@ -55,6 +55,7 @@ import "./styles/narrow.css";
 import "./styles/dock.css";
 import "./styles/touch.css";
 import "./styles/access.css";
+import "./styles/small.css";
 
 const store = createStore();
 const stopWorker = new Worker(new URL("./drive/stopWorker.ts", import.meta.url), { type: "module" });

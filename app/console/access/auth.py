@@ -138,7 +138,7 @@ class Door:
             require(identity, SOCKETS.get(path, Role.SUPERVISOR), path)
 
     def objection(self, scope: Scope) -> Problem | None:
-        """Why a request or a WebSocket is refused, whoever makes it, for where it comes from; None: it is not."""
+        """Why a request or a WebSocket is refused for where it comes from alone; None: it is not."""
         headers = Headers(scope=scope)
         host = headers.get("host", "")
         if (problem := self._objection_to_host(host)) is not None:

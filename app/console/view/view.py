@@ -230,7 +230,7 @@ class View:
         session.costmap = costmap
 
     def choose(self, session: ViewerSession, viewpoint: Viewpoint, number: int) -> None:
-        """Let the viewer look from ``viewpoint``; ``number`` tells choices apart, so that one said again is none."""
+        """Let the viewer look from ``viewpoint``; each choice has another ``number``, and one said again is none."""
         if number != session.choice.number:
             session.choice = replace(session.choice, viewpoint=viewpoint, number=number)
             self._draw_soon()

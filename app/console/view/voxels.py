@@ -20,10 +20,10 @@ AGES_S = (8.0, 20.0, 40.0, 60.0)
 _SHADES = (1.0, 0.72, 0.5, 0.34)
 #: A voxel nearer than what is seen behind it by more than this (m) is not there any more.
 _THROUGH_M = 0.3
-#: Directions are told apart in cells of this (rad); a cell counts with so many points.
+#: Directions are counted in cells of this size (rad); a cell counts with so many points.
 _CELL_RAD = 0.04
 _LEAST_POINTS = 3
-#: Cells of voxels from the origin, each way, that can be told apart.
+#: Cells of voxels from the origin, each way, that have indices of their own.
 _REACH = 1 << 15
 _CHUNK_CELLS = round(CHUNK_M / VOXEL_M)
 #: A stamp (s) that lies back by more than this is of another time: a recording jumped.

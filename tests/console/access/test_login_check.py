@@ -27,17 +27,17 @@ class Counted(Credentials):
     def __init__(self, *words: str) -> None:
         super().__init__(passwords=tuple((Role.OPERATOR, hash_of(word, CHEAP)) for word in words))
         object.__setattr__(self, "checks", [])
-        object.__setattr__(self, "begun", threading.Event())
+        object.__setattr__(self, "started", threading.Event())
         object.__setattr__(self, "leave", threading.Event())
         self.leave.set()
 
     checks: list[str]
-    begun: threading.Event
+    started: threading.Event
     leave: threading.Event
 
     def role_of_password(self, secret: str) -> Role | None:
         self.checks.append(secret)
-        self.begun.set()
+        self.started.set()
         assert self.leave.wait(PATIENCE_S)
         return super().role_of_password(secret)
 
@@ -72,7 +72,7 @@ async def test_few_wait_for_a_check_and_the_loop_goes_on(credentials: Counted) -
     check = LoginCheck(credentials, lambda: 0.0)
     credentials.leave.clear()
     waiting = [asyncio.create_task(check.role_of(WORD, f"10.0.0.{n}")) for n in range(MOST_WAITING)]
-    await asyncio.to_thread(credentials.begun.wait, PATIENCE_S)
+    await asyncio.to_thread(credentials.started.wait, PATIENCE_S)
     with pytest.raises(Problem, match="Many passwords are being checked") as busy:
         await check.role_of(WORD, "10.0.1.1")
     assert busy.value.status == 503

@@ -76,7 +76,7 @@ def test_a_route_without_a_role_cannot_be_made() -> None:
 
 
 def test_what_a_spectator_may_ask_for_reads_but_for_the_stop_and_for_questions_with_a_body(app: FastAPI) -> None:
-    """Whoever adds a route that changes something gives it another role, or says here why not."""
+    """A route that changes something needs another role, or a word here why not."""
     changing = {
         operation["operationId"]
         for _, method, operation in operations(app)

@@ -1,4 +1,4 @@
-"""A viewer's choice of a viewpoint, from its pulse to its camera, and what it is told of where the camera is."""
+"""A viewer's choice of a viewpoint, from its pulse to its camera, and what the page learns of where the camera is."""
 
 from __future__ import annotations
 

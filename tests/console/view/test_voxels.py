@@ -1,4 +1,4 @@
-"""The voxel map: bounded, fading, cleared where it is seen through, told apart by chunks."""
+"""The voxel map: bounded, fading, cleared where it is seen through, sent by chunks that changed."""
 
 from __future__ import annotations
 

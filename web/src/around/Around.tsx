@@ -5,8 +5,8 @@ import { useEffect, useRef } from "preact/hooks";
 import { t } from "../i18n";
 import { useApp } from "../state/context";
 import type { Store } from "../state/store";
-import { number } from "../ui/format";
 import { AroundIcon, CloseIcon, EnlargeIcon, SalientIcon, ShrinkIcon } from "../ui/icons";
+import { pictureAge } from "../view/pictureAge";
 import { draw } from "./drawAround";
 import type { Layer } from "./layer";
 import { LAYERS } from "./registry";
@@ -51,7 +51,8 @@ function Sphere({ place, large }: { place: "view" | "tab"; large: boolean }) {
     .join(", ");
   const blank = seen === "" && panorama.stamp.value === null;
   const words = seen || t("No people seen, no sounds heard");
-  const age = panorama.stamp.value === null ? null : now - panorama.stamp.value;
+  const stamp = panorama.stamp.value;
+  const shown = stamp === null ? null : pictureAge(now - stamp, store.clock.rate, store.replay.value);
   return (
     <figure
       class={`around in-${place} ${large ? "large" : "inset"} ${blank ? "blank" : ""}`}
@@ -68,9 +69,9 @@ function Sphere({ place, large }: { place: "view" | "tab"; large: boolean }) {
           onPointerMove={(event) => showHover(event.currentTarget, event, store, layers)}
         />
         {blank && <Nothing closed={closed} />}
-        {!fresh && age !== null && (
-          <span class="around-age" data-testid="around-age">
-            {age > 0 ? t("{age} s old", { age: number(age, age < 10 ? 1 : 0) }) : t("old")}
+        {shown && (
+          <span class={`around-age ${fresh ? "" : "old"}`} data-testid="around-age" title={shown.title}>
+            {shown.text}
           </span>
         )}
       </div>

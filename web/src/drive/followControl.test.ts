@@ -94,6 +94,18 @@ test("a page without the focus, Mode 1 and an emergency stop end it", () => {
   close();
 });
 
+test("what is drawn of the soft limit says when the head is past it, and is nothing in Mode 1", () => {
+  const { control, close } = driven();
+  control.setLimit(30);
+  control.look({ bearing: 0, gaze: 0.5 });
+  expect(control.softLimit.value).toEqual({ angle: Math.PI / 6, past: false });
+  control.look({ bearing: 0, gaze: -0.6 });
+  expect(control.softLimit.value).toEqual({ angle: Math.PI / 6, past: true });
+  control.choose(1);
+  expect(control.softLimit.value).toBe(null);
+  close();
+});
+
 test("a hand that drives turns by itself; where it does not, the base follows the view", () => {
   const { pass, input, last, close } = driven();
   input({ type: "key", code: "KeyW", down: true });

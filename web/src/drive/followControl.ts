@@ -3,7 +3,7 @@
  * the lease like any. It stops by default: when the hand lets go, when the view falls silent, when the page is left.
  */
 
-import { signal } from "@preact/signals";
+import { computed, signal } from "@preact/signals";
 import type { DriveController } from "./driveController";
 import { TICK_MS } from "./machine";
 import {
@@ -13,6 +13,7 @@ import {
   LEAST_LIMIT_DEG,
   MOST_LIMIT_DEG,
   SOFT_LIMIT_DEG,
+  type SoftLimit,
   STILL,
   type ViewMode,
 } from "./viewFollow";
@@ -27,6 +28,14 @@ export class FollowControl {
   readonly mode = signal<ViewMode>(1);
   /** Degrees to either side. */
   readonly limit = signal(readLimit());
+  /** Of the head, in degrees, as last seen. */
+  private readonly gaze = signal(0);
+  /** null: the head does not follow the view. */
+  readonly softLimit = computed<SoftLimit | null>((): SoftLimit | null => {
+    if (this.mode.value !== 2) return null;
+    return { angle: (this.limit.value * Math.PI) / 180, past: this.past.value };
+  });
+  private readonly past = computed(() => Math.abs(this.gaze.value) > this.limit.value);
   private handAt = Number.NEGATIVE_INFINITY;
   private seenAt = Number.NEGATIVE_INFINITY;
   private seen: Directions | null = null;
@@ -62,6 +71,7 @@ export class FollowControl {
   look({ bearing, gaze }: Directions): void {
     this.seenAt = this.now();
     this.seen = { bearing: degrees(bearing), gaze: degrees(gaze) };
+    this.gaze.value = this.seen.gaze;
   }
 
   /** Ends it: the view is gone. */

@@ -23,6 +23,12 @@ const SLEW_PER_S = 1.5;
 const HEAD_FULL_DEG = 20;
 const HEAD_REST_DEG = 1.5;
 
+/** What is to be drawn of the soft limit: so far (rad) to either side of the base's heading, and whether the head is past. */
+export interface SoftLimit {
+  angle: number;
+  past: boolean;
+}
+
 export interface Follow {
   /** The base turns, and goes on to the limit. */
   readonly turning: boolean;

@@ -74,7 +74,7 @@ test("an empty graph has no columns, and a line leads from edge to edge", () => 
   expect(pathOf({ x: 300, y: 0 }, { x: 0, y: 0 })).toMatch(/^M448 20C.* 0 20$/);
 });
 
-test("a module's channels are told apart by their direction", () => {
+test("a module's channels differ by their direction", () => {
   const { into, out } = around(graph, "Faces");
   expect([into.map(({ from }) => from), out.map(({ to }) => to)]).toEqual([["Camera"], ["Gaze"]]);
 });

@@ -88,7 +88,7 @@ export class LaneChart {
   private exploited = new Map<string, Spell[]>();
   private marksOf: RobotEvent[] | null = null;
   private readonly past: Past;
-  private begun = 0;
+  private generation = 0;
   private readonly events: CanvasRenderingContext2D;
   private stale = true;
   private endTicks: (() => void) | null = null;
@@ -307,8 +307,8 @@ export class LaneChart {
 
   /** Asks for what was before the page heard anything. */
   private ask(view: Edges): void {
-    if (this.begun !== this.history.begun) {
-      this.begun = this.history.begun;
+    if (this.generation !== this.history.generation) {
+      this.generation = this.history.generation;
       this.past.clear();
     }
     const ask = wanted(view, this.width * this.ratio, this.heard(), this.now(), this.past.answer);
@@ -325,7 +325,7 @@ export class LaneChart {
   private fit(classes: readonly string[], gauges: readonly Gauge[], ground: string): void {
     const ratio = Math.min(2, window.devicePixelRatio || 1);
     const below = gauges.map(({ name, most, budget }) => `${name} ${most} ${budget}`).join();
-    const look = `${this.width} ${this.rowHeight} ${ratio} ${ground} ${this.history.begun} ${classes.join()} ${below}`;
+    const look = `${this.width} ${this.rowHeight} ${ratio} ${ground} ${this.history.generation} ${classes.join()} ${below}`;
     if (look === this.look) return;
     this.look = look;
     this.ratio = ratio;

@@ -56,7 +56,7 @@ export class LaneHistory {
   /** How many samples were ever pushed; the newest has the number `count − 1`. */
   count = 0;
   /** How often it began without a past: what was drawn of another is void. */
-  begun = 0;
+  generation = 0;
 
   constructor(readonly capacity = CAPACITY) {
     this.stamps = new Float64Array(capacity);
@@ -166,7 +166,7 @@ export class LaneHistory {
   }
 
   clear(): void {
-    this.begun += 1;
+    this.generation += 1;
     this.count = 0;
     this.lanes.clear();
   }

@@ -100,18 +100,18 @@ export class Past {
   oldest: number | null = null;
   private waiting = false;
   private again = 0;
-  private begun = 0;
+  private generation = 0;
 
   constructor(
     private readonly source: Source,
     private readonly came: (answer: Answer) => void,
   ) {}
 
-  /** Another time has begun: nothing of the old one is of use. */
+  /** Another time is recalled: nothing of the old one is of use. */
   clear(): void {
     this.answer = null;
     this.oldest = null;
-    this.begun += 1;
+    this.generation += 1;
     this.again = 0;
   }
 
@@ -119,10 +119,10 @@ export class Past {
   async show(ask: Ask | null, ms: number): Promise<void> {
     if (!ask || this.waiting || ms < this.again) return;
     this.waiting = true;
-    const { begun } = this;
+    const { generation } = this;
     try {
       const [past, events] = await Promise.all([this.source.lanes(ask), this.source.events(ask)]);
-      if (begun !== this.begun) return;
+      if (generation !== this.generation) return;
       this.oldest = past.oldest;
       this.answer = { ask, bucketS: past.bucket_s, history: historyOf(past), events };
       this.came(this.answer);

@@ -11,6 +11,8 @@ export const GOAL = "#f0e442";
 export const ROBOT = "#ffffff";
 /** Where the robot will be when a command given now arrives. */
 export const AHEAD = "#ffd34d";
+export const WITHIN_LIMIT = "rgb(255 211 77 / 0.12)";
+export const PAST_LIMIT = "rgb(255 211 77 / 0.38)";
 export const ROBOT_EDGE = "#1f4f9e";
 export const UNSURE = "rgb(150 200 255 / 0.28)";
 export const KEEP_OUT = "#ff8a4c";

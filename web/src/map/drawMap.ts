@@ -1,5 +1,6 @@
 /** Draws the map from above: cells, zones, the way, the robot, and what the tool in use is about to do. */
 
+import type { SoftLimit } from "../drive/viewFollow";
 import type { Zone } from "../protocol/types";
 import { type Context, FONT, outlined, stroke, trace } from "./canvas";
 import * as colors from "./colors";
@@ -10,6 +11,7 @@ import {
   drawCursor,
   drawGoal,
   drawRobot,
+  drawSoftLimit,
   drawStart,
   drawTarget,
   headingOf,
@@ -39,6 +41,8 @@ export interface Shown {
   /** Where it will be when a command given now arrives; null: there. */
   ahead: Pose | null;
   body: Body;
+  /** Of the head that follows the view, around the robot's heading; null: it does not. */
+  softLimit: SoftLimit | null;
   path: readonly (readonly [number, number])[];
   goal: (Point & { theta: number | null }) | null;
   /** Where it does not go any more. */
@@ -84,6 +88,7 @@ export function draw(context: Context, size: Size, view: MapView, shown: Shown):
   );
   shown.percepts(context, at);
   if (shown.ahead) drawAhead(context, view, at(shown.ahead), shown.ahead, shown.body);
+  if (shown.robot && shown.softLimit) drawSoftLimit(context, view, at(shown.robot), shown.robot.theta, shown.softLimit);
   if (shown.robot) drawRobot(context, view, at(shown.robot), shown.robot, shown.body);
   if (shown.target && shown.goal && Math.hypot(shown.target.x - shown.goal.x, shown.target.y - shown.goal.y) > 0.1)
     drawTarget(context, at(shown.target), at(shown.goal));

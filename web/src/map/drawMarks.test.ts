@@ -1,6 +1,7 @@
 import { expect, test } from "vitest";
 import type { Context } from "./canvas";
-import { drawPlaceNames, drawRobot } from "./drawMarks";
+import * as colors from "./colors";
+import { drawPlaceNames, drawRobot, drawSoftLimit, FAN_M } from "./drawMarks";
 import { FIRST_VIEW } from "./mapProjection";
 
 /** A context that remembers the first path that is filled: the robot's body. */
@@ -67,4 +68,21 @@ test("names of places do not lie on each other", () => {
     { at: { x: 220, y: 100 }, name: "Robotics lab" },
   ]);
   expect(names).toEqual(["Charging dock", "Office", "Robotics lab"]);
+});
+
+test("the soft limit is a fan to either side of the robot's heading, and filled more while the head is past it", () => {
+  const arcs: number[][] = [];
+  const context: Record<string, unknown> = { arc: (...arc: number[]) => arcs.push(arc) };
+  const drawn = new Proxy(context, { get: (known, name: string) => known[name] ?? (() => undefined) });
+  const view = { ...FIRST_VIEW, scale: 50 };
+  const fills = [false, true].map((past) => {
+    drawSoftLimit(drawn as unknown as Context, view, { x: 9, y: 9 }, Math.PI / 2, { angle: Math.PI / 6, past });
+    return context.fillStyle;
+  });
+  // North is up, and angles on the screen go clockwise: a robot that faces north looks to -90 degrees.
+  const [x, y, radius, begin, end] = arcs[0]!;
+  expect([x, y, radius]).toEqual([0, 0, FAN_M * 50]);
+  expect(begin).toBeCloseTo(-Math.PI / 2 - Math.PI / 6);
+  expect(end).toBeCloseTo(-Math.PI / 2 + Math.PI / 6);
+  expect(fills).toEqual([colors.WITHIN_LIMIT, colors.PAST_LIMIT]);
 });

@@ -1,5 +1,6 @@
 /** Draws what stands on the map: the robot and how sure it is, goals, the start, people, posters, the cursor. */
 
+import type { SoftLimit } from "../drive/viewFollow";
 import { t } from "../i18n";
 import { type Context, disc, FONT, outlined, stroke, trace } from "./canvas";
 import * as colors from "./colors";
@@ -50,6 +51,26 @@ export function drawRobot(context: Context, view: MapView, place: Point, robot: 
   context.fill();
   context.lineWidth = 1.5;
   context.strokeStyle = colors.ROBOT_EDGE;
+  context.stroke();
+  context.restore();
+}
+
+/** How far a fan of the soft limit reaches on the floor (m). */
+export const FAN_M = 1.6;
+
+/** The directions in which the head follows a view alone; filled more while it looks past them and the base turns. */
+export function drawSoftLimit(context: Context, view: MapView, place: Point, heading: number, limit: SoftLimit): void {
+  const angle = screenAngle(view, heading);
+  context.save();
+  context.translate(place.x, place.y);
+  context.beginPath();
+  context.moveTo(0, 0);
+  context.arc(0, 0, FAN_M * view.scale, angle - limit.angle, angle + limit.angle);
+  context.closePath();
+  context.fillStyle = limit.past ? colors.PAST_LIMIT : colors.WITHIN_LIMIT;
+  context.fill();
+  context.lineWidth = limit.past ? 2 : 1;
+  context.strokeStyle = colors.AHEAD;
   context.stroke();
   context.restore();
 }

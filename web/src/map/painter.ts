@@ -42,6 +42,7 @@ export function paintOn(canvas: HTMLCanvasElement, place: MapPlace, app: App): (
         sigma: localization?.sigma ?? [0, 0, 0],
         astray: localization?.state === "lost" || localization?.state === "searching",
       },
+      softLimit: store.softLimit.peek(),
       path: going?.path ?? [],
       goal,
       givenUp: goal ? null : (navigation?.given_up?.goal ?? null),
@@ -89,7 +90,7 @@ export function paintOn(canvas: HTMLCanvasElement, place: MapPlace, app: App): (
     void [map.view.value, map.tools.value, map.robot.value, map.zones.value, map.selected.value, map.costmap.value];
     // Seconds, as what stands around is only shown while it does.
     void [grid.costmap.picture.value, store.seconds.value, store.hello.value, app.tourMarks.value];
-    void ahead.pose.value;
+    void [ahead.pose.value, store.softLimit.value];
     map.met(grid.map.picture.value);
     later();
   });

@@ -1,6 +1,7 @@
 /** The page's one store: what the robot last said, and what this page is showing. Fed by `session.ts`. */
 
 import { computed, type ReadonlySignal, signal } from "@preact/signals";
+import type { SoftLimit } from "../drive/viewFollow";
 import { LaneHistory } from "../lanes/history";
 import type { Hello, LaneRow, Load, NoticeLevel, Playback, Recordings, RobotEvent } from "../protocol/types";
 import { bodyOf } from "./body";
@@ -105,6 +106,8 @@ export function createStore() {
     camera: signal<InsetMode>(sceneWanted() ? "inset" : "large"),
     /** The strip of all directions around the robot. On a phone its small form is in the tab. */
     around: signal<InsetMode>("inset"),
+    /** Of the head that follows the 3D view; null: it does not. */
+    softLimit: signal<SoftLimit | null>(null),
     /** Whether what stands out is shown on it. */
     salient: signal(true),
     /** Whether the 3D view is drawn at all. */

@@ -12,7 +12,7 @@ test("of many values, the first is shown at once and the newest of a turn at its
   vi.advanceTimersByTime(CALM_MS);
   expect(shown).toEqual([1, 3]);
   show(4);
-  expect(shown).toEqual([1, 3]); // a turn has begun with 3
+  expect(shown).toEqual([1, 3]); // 3 is the first of a turn
   vi.advanceTimersByTime(CALM_MS);
   expect(shown).toEqual([1, 3, 4]);
 });

@@ -26,7 +26,7 @@ test("it stands only where nothing turns a wheel", () => {
   expect(motionWords(guard("idle"), null)).toBe("Speed unknown");
 });
 
-test("a command that brakes is told from one that drives", () => {
+test("a command that brakes is not taken for one that drives", () => {
   expect(motionWords(guard("driving", 0.4), moving(0))).toBe("Starting");
   expect(motionWords(guard("driving", 0.4), moving(0.3))).toBe("Driving");
   expect(motionWords(guard("driving", 0.1), moving(0.3))).toBe("Braking");

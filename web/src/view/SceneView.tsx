@@ -48,6 +48,7 @@ export function SceneView() {
       window.removeEventListener("blur", takeBack);
       scene.close();
       follow.stop();
+      store.softLimit.value = null;
     };
   }, []);
   useEffect(() => {
@@ -56,6 +57,7 @@ export function SceneView() {
   }, []);
   useSignalEffect(() => scene.takeKeys(keysOfPage(store)));
   useSignalEffect(() => scene.drives(drive.holding.value));
+  useSignalEffect(() => void (store.softLimit.value = follow.softLimit.value));
   useEffect(() => {
     if (live) void scene.answered(); // not before the login
   }, [live]);
