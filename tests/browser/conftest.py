@@ -70,8 +70,8 @@ def open_page(browser: Browser, robot: Robot) -> Iterator[Callable[..., Page]]:
     contexts = []
     errors: list[str] = []
 
-    def open_one(*, scene: bool = False, operator: str = "operator") -> Page:
-        context = browser.new_context(viewport={"width": 1000, "height": 640})
+    def open_one(*, scene: bool = False, operator: str = "operator", locale: str = "en-US") -> Page:
+        context = browser.new_context(viewport={"width": 1000, "height": 640}, locale=locale)
         context.set_default_timeout(PATIENCE_MS)
         contexts.append(context)
         context.add_init_script(named(operator))

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page, expect
 
-from app.base.paths import checkout_dir
+from tests.browser.checks import axe_script, covered_controls, violations
 from tests.browser.running import Robot, running_robot
 
 #: Phones, tablets, laptops and desks; both ways up.
@@ -16,34 +16,6 @@ SIZES = (
     (3840, 2160), (1920, 1080), (1440, 900), (1366, 768), (1280, 720), (1024, 768),
     (1024, 600), (912, 1368), (768, 1024), (844, 390), (390, 844), (360, 640),
 )  # fmt: skip
-#: What each control's middle is covered by, if not by itself. Controls out of sight in a list are scrolled to first.
-_COVERED = """
-() => {
-  const found = [];
-  const controls = "button, a[href], input, select, textarea, [role=button], [role=tab], [role=separator]";
-  for (const control of document.querySelectorAll(controls)) {
-    const style = getComputedStyle(control);
-    if (control.disabled || style.visibility === "hidden" || style.pointerEvents === "none") continue;
-    if (control.closest(".skips, details:not([open]) > :not(summary)")) continue; // seen with the focus, or opened
-    control.scrollIntoView({ block: "nearest", inline: "nearest" });
-    const box = control.getBoundingClientRect();
-    if (box.width < 2 || box.height < 2) continue;
-    const [x, y] = [box.left + box.width / 2, box.top + box.height / 2];
-    const name = control.dataset.testid || control.getAttribute("aria-label") || control.textContent.trim();
-    const top = document.elementFromPoint(x, y);
-    const own = top && (control.contains(top) || [...(control.labels ?? [])].some((label) => label.contains(top)));
-    if (!own) found.push(`${name}: ${top ? top.dataset.testid || top.className || top.tagName : "outside the window"}`);
-  }
-  if (document.documentElement.scrollWidth > innerWidth) found.push("the page is wider than the window");
-  return found;
-}
-"""
-_AXE = """
-async () => (await axe.run({
-  runOnly: ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"],
-  rules: { region: { enabled: false } }, // separators lie between the page's landmarks
-})).violations.map(({ id, nodes }) => `${id}: ${nodes.map((node) => node.target.join(" ")).join(", ")}`)
-"""
 
 
 @pytest.fixture(scope="module")
@@ -51,23 +23,6 @@ def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
     """One robot for all tests: none changes anything but its page."""
     with running_robot(tmp_path_factory.mktemp("robot"), calm=True) as running:
         yield running
-
-
-@pytest.fixture(scope="module")
-def axe() -> str:
-    """The script of axe-core."""
-    root = checkout_dir()
-    assert root is not None
-    file = root / "web" / "node_modules" / "axe-core" / "axe.min.js"
-    if not file.is_file():
-        pytest.skip("axe-core is not installed: npm ci in web/")
-    return file.read_text(encoding="utf-8")
-
-
-def violations(page: Page, axe: str) -> list[str]:
-    page.evaluate(axe)
-    found: list[str] = page.evaluate(_AXE)
-    return found
 
 
 @pytest.mark.parametrize("scene", [False, True], ids=["camera", "3D"])
@@ -81,7 +36,7 @@ def test_at_every_size_each_control_can_be_pressed(open_page: Callable[..., Page
         # Which layout it is follows the window in the next frame.
         page.locator(f"[data-testid=page].{'narrow' if width < 760 else 'wide'}").wait_for()
         page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
-        covered[width, height] = page.evaluate(_COVERED)
+        covered[width, height] = covered_controls(page)
     assert {size: found for size, found in covered.items() if found} == {}
 
 
@@ -149,7 +104,8 @@ def test_a_separator_is_dragged_and_moved_by_keys_and_kept_over_a_reload(page: P
 
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
-def test_axe_finds_nothing(page: Page, axe: str, theme: str) -> None:
+def test_axe_finds_nothing(page: Page, theme: str) -> None:
+    axe = axe_script()
     page.set_viewport_size({"width": 1440, "height": 900})
     page.emulate_media(color_scheme="light" if theme == "light" else "dark")
     expect(page.locator(f"html[data-theme={theme}]")).to_have_count(1)

@@ -310,7 +310,7 @@ function whyNot(store: Store): string | null {
     return t("You are logged in as a spectator: you see everything, and can stop the robot, but not drive it.");
   if (status?.guard.e_stopped) return t("The emergency stop is latched. Release it to drive.");
   if (status?.guard.state === "silent") return fromRobot(status.guard.reason);
-  if (status?.waits) return status.waits;
+  if (status?.waits) return fromRobot(status.waits);
   if (status?.driver && !status.driver.mine)
     return t("{operator} is driving. Ask for the wheel to drive yourself.", { operator: status.driver.operator });
   return null;

@@ -10,7 +10,7 @@ const SOURCES: Record<string, string> = import.meta.glob("../**/*.{ts,tsx}", {
   eager: true,
 });
 /** Pages of their own: the face, the visitors' page with its four languages, the one on REST; and generated types. */
-const OTHERS = /\.test\.ts$|\.fixture\.ts$|\.d\.ts$|^\.\.\/(face|visitor|rest)\/|^\.\/|generated\.ts$/;
+const OTHERS = /\.test\.ts$|\.fixture\.ts$|\.d\.ts$|^\.\.\/(face|visitor|rest)\/|^\.\/fr\/|generated\.ts$/;
 /** What people read of an element beside its children. */
 const SHOWN = /^(title|alt|placeholder|label|hint|about|words|yes|no|zero|aria-(label|description|valuetext))$/;
 /** Neither words nor names of a language: what is typed into a field, brands. */
@@ -60,10 +60,7 @@ function called(): Found[] {
 /** Every string of the sources: tables hand theirs on by their names. */
 function strings(): Set<string> {
   const all = trees.flatMap(([, , tree]) => [...within(tree)].map(([node]) => node));
-  return new Set([
-    ...all.filter(({ type }) => type === "Literal").map(({ value }) => String(value)),
-    "{words} and {last}",
-  ]);
+  return new Set(all.filter(({ type }) => type === "Literal").map(({ value }) => String(value)));
 }
 
 function forms(text: string): string[] {

@@ -92,6 +92,7 @@ export function Help() {
           <CloseIcon />
         </button>
       </div>
+      <LanguageChoice />
       <Keys title={t("Keyboard")} keys={replay ? RECORDING : keys} />
       {!replay && (
         <Keys title={t("Gamepad")} keys={[...(drives ? PAD : []), ...(maps && goes ? PAD_HOME : []), ...PAD_STOP]} />
@@ -105,7 +106,6 @@ export function Help() {
           )}
         </p>
       )}
-      <LanguageChoice />
       {faced && (
         <p class="small">
           <a href="./face" target="_blank" rel="noopener" data-testid="face-link">
