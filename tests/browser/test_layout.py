@@ -56,7 +56,7 @@ def test_at_twice_the_size_of_text_or_page_each_control_can_be_pressed(
     page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
     if scaled == "text":
         assert page.evaluate("getComputedStyle(document.documentElement).fontSize") == "32px"
-    assert page.evaluate(_COVERED) == []
+    assert covered_controls(page) == []
 
 
 def test_presets_show_what_they_are_for(page: Page) -> None:

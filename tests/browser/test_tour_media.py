@@ -53,8 +53,9 @@ def hand_in(page: Page) -> None:
     page.locator("[data-testid=tour][data-id=pictures]").get_by_test_id("tour-open").click()
     page.get_by_test_id("stop-open").click()
     page.get_by_test_id("step-add-show").first.click()
-    chosen = {"name": "The page.png", "mimeType": "image/png", "buffer": b"<script>alert(1)</script>"}
-    page.get_by_test_id("media-upload").set_input_files(chosen)
+    page.get_by_test_id("media-upload").set_input_files(
+        {"name": "The page.png", "mimeType": "image/png", "buffer": b"<script>alert(1)</script>"}
+    )
     expect(page.get_by_test_id("media-refusal")).to_contain_text("The page.png is no picture")
     page.get_by_test_id("media-upload").set_input_files(
         {"name": "The arm.png", "mimeType": "image/png", "buffer": picture(width=WIDTH)}
