@@ -21,7 +21,9 @@ _SAID = """
 () => {
   const said = new Set();
   const shown = (element) => element.checkVisibility({ visibilityProperty: true });
-  const french = (element) => element.closest("[lang]").lang === "fr";
+  // The parameters of a desire are described by the program, which speaks English.
+  const described = "[data-testid=desire-form]";
+  const french = (element) => element.closest("[lang]").lang === "fr" && !element.closest(described);
   const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
   for (let node = walker.nextNode(); node; node = walker.nextNode()) {
     const text = node.nodeValue.trim();
@@ -56,6 +58,7 @@ def english() -> re.Pattern[str]:
     differ = {_plain(text) for text, other in texts.items() if _plain(text) != other}
     # What is one language's text may be another's for something else: "Note", "Place".
     differ -= set(texts.values())
+    differ -= {"The robotics lab"}  # what a place of the example tour is called, too
     assert len(differ) > 1000
     places = [re.sub(r"\\\{\w+\\\}", ".+", re.escape(text)) for text in differ]
     # Values without words around them ("{x} m") would match anything.
@@ -82,11 +85,13 @@ class Walk:
         self._english = english
         self._axe = axe_script()
 
-    def look(self, state: str) -> None:
+    def look(self, state: str, *, over: bool = False) -> None:
+        """``over``: something is open over the page, and covers what it is for."""
         said: list[str] = self.page.evaluate(_SAID)
         assert len(said) > 20
         wrong = [f"English: {text}" for text in said if self._english.fullmatch(text)]
-        wrong += [f"covered: {control}" for control in covered_controls(self.page)]
+        if not over:
+            wrong += [f"covered: {control}" for control in covered_controls(self.page)]
         wrong += [f"axe: {violation}" for violation in violations(self.page, self._axe)]
         if wrong:
             self.wrong[state] = wrong
@@ -104,9 +109,11 @@ def test_a_desk_in_french(open_page: Callable[..., Page], english: re.Pattern[st
     for tab in TABS:
         page.get_by_test_id(f"tab-{tab}").click()
         walk.look(tab)
-    for opened in ("desire-add", "intention-names", "drive-settings", "say", "layout", "lanes-table-toggle", "help"):
+    page.get_by_test_id("intention-names").click()
+    walk.look("names")
+    for opened in ("desire-add", "drive-settings", "say", "layout", "lanes-table-toggle", "help"):
         page.get_by_test_id(opened).click()
-        walk.look(opened)
+        walk.look(opened, over=True)
     page.get_by_test_id("help").click()
     page.get_by_test_id("tab-tour").click()
     page.get_by_test_id("tour-open").first.click()
@@ -125,7 +132,7 @@ def test_a_phone_in_french(open_page: Callable[..., Page], english: re.Pattern[s
         page.get_by_test_id(f"tab-{tab}").click()
         walk.look(tab)
     page.get_by_test_id("help").click()
-    walk.look("help")
+    walk.look("help", over=True)
     assert walk.wrong == {}
 
 

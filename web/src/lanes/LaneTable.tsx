@@ -7,7 +7,8 @@ import { StateMark } from "../ui/icons";
 
 export function LaneTable({ rows, visible }: { rows: readonly LaneRow[]; visible: boolean }) {
   return (
-    <div class={visible ? "lane-table" : "visually-hidden"}>
+    // It scrolls: the keyboard has to reach it.
+    <div class={visible ? "lane-table" : "visually-hidden"} tabIndex={visible ? 0 : -1}>
       <table>
         <caption class="visually-hidden">{t("Desire classes now")}</caption>
         <thead>
