@@ -26,7 +26,7 @@ const ROW_MIN = 24;
 const ROW_MIN_TAB = 36;
 const ROW_MAX = 96;
 const AXIS_PX = 20;
-const FOLD_PX = 22;
+const FOLD_PX = 24;
 /** Over each of two ranges of time. */
 const TOOLS_PX = 32;
 /** Lanes of this width (CSS pixels) have room for two ranges of time. */
