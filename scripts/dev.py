@@ -66,7 +66,7 @@ def main() -> int:
         if args.task == "clean":
             return clean()
         if args.task == "run":
-            set_up({"speech"}, debian=True, browser=False)
+            set_up({"speech", "video"}, debian=True, browser=False)
             run_hbba(args.arguments)
         if args.task == "setup":
             set_up({"test", "docs"})
