@@ -22,10 +22,10 @@ export function MediaFields({ file, onDone }: Props) {
   const { media } = tours;
   const over = useSignal(false);
   const choosing = useSignal(false);
-  useEffect(() => {
-    media.clear();
-    void media.refresh();
-  }, [media]);
+  useEffect(() => media.clear(), [media]);
+  // With each version of the tour that is kept, others of its media are in use.
+  const version = tours.kept.value?.etag;
+  useEffect(() => void media.refresh(), [media, version]);
   const found = media.list.value?.media ?? [];
   const there = found.some((each) => each.file === file);
   const sent = media.upload.value;

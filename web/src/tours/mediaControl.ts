@@ -1,6 +1,7 @@
 /** Pictures and videos on the robot, and the one that is on its way there. */
 
 import { type ReadonlySignal, signal } from "@preact/signals";
+import { t } from "../i18n";
 import { inWords, type Rest } from "../protocol/rest";
 import type { TourMedia, TourMediaList } from "../protocol/types";
 
@@ -79,10 +80,10 @@ export class MediaControl {
   private objection({ name, type, size }: File): string {
     const limits = this.known.peek();
     if (type !== "" && !TAKEN.includes(type))
-      return `${name} is no picture (JPEG, PNG, WebP, GIF) and no video (MP4, WebM).`;
+      return t("{name} is no picture (JPEG, PNG, WebP, GIF) and no video (MP4, WebM).", { name });
     const most = type.startsWith("video/") ? limits?.largest_video : limits?.largest_picture;
     if (type !== "" && most !== undefined && size > most)
-      return `${name} is larger than ${Math.floor(most / 1024 ** 2)} MB.`;
+      return t("{name} is larger than {count} MB.", { name, count: Math.floor(most / 1024 ** 2) });
     return "";
   }
 }

@@ -158,6 +158,9 @@ export const tours = {
   Tours: "Visites",
   "Import a tour's file (YAML), or its archive with pictures (ZIP)":
     "Importer le fichier d’une visite (YAML), ou son archive avec images (ZIP)",
+  "{name} is no picture (JPEG, PNG, WebP, GIF) and no video (MP4, WebM).":
+    "{name} n’est ni une image (JPEG, PNG, WebP, GIF) ni une vidéo (MP4, WebM).",
+  "{name} is larger than {count} MB.": "{name} dépasse {count} Mo.",
   "Open it whole": "L’ouvrir en entier",
   "Delete {file}": "Supprimer {file}",
   "With pictures (ZIP)": "Avec les images (ZIP)",
