@@ -110,6 +110,22 @@ test("without a card, who drives gets the processor: frames come half as often, 
   expect(frames(drawn)).toBeGreaterThan(0.9 * before);
 });
 
+test("without a card, a view that a hand turns or that goes elsewhere takes no rest for a while", () => {
+  const scene = injected(PAGE, SOFTWARE, { value: 200 });
+  const drawn = viser(scene);
+  const within = (ms: number) => {
+    const before = drawn.length;
+    vi.advanceTimersByTime(ms);
+    return drawn.length - before;
+  };
+  expect(within(4000)).toBeLessThanOrEqual(6);
+  scene.tell({ type: "viewpoint", viewpoint: "top", number: 1 });
+  expect(within(2000)).toBeGreaterThanOrEqual(6);
+  expect(within(4000)).toBeLessThanOrEqual(6);
+  scene.target.dispatchEvent(new Event("wheel"));
+  expect(within(2000)).toBeGreaterThanOrEqual(6);
+});
+
 test("a frame that never finishes holds up the view for a while only", () => {
   const drawMs = { value: Number.POSITIVE_INFINITY };
   const drawn = viser(injected(PAGE, SOFTWARE, drawMs));
