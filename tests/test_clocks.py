@@ -44,6 +44,7 @@ ALLOWED = {
     "experiments/observation.py": "how late the event loop is, which is what the experiment measures",
     "experiments/tour/tour_run.py": "how long a trial took on this computer",
     "base/log_rate_limit.py": "how often a line of the log is repeated",
+    "tours/media.py": "the age of a file that an upload left behind",
     "maps/library.py": "the age of a file that somebody left behind",
     "modules/recording/recorder.py": "how long the thread that writes may take to end",
     "logs/mcap/disk_time.py": "how long the disk was waited for, in the thread that writes",

@@ -19,7 +19,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -67,8 +67,12 @@ class _Level:
         return fits
 
     def only(self, kept: NDArray[np.bool_]) -> _Level:
-        return _Level(
-            self.option[kept], self.cls[kept], self.costs[:, kept], self.capacities, self.reduced[:, kept], self.limits
+        return replace(
+            self,
+            option=self.option[kept],
+            cls=self.cls[kept],
+            costs=self.costs[:, kept],
+            reduced=self.reduced[:, kept],
         )
 
 
@@ -199,13 +203,12 @@ class _Stage:
         """What is left to decide once this criterion's ``loss`` is a constraint."""
         level = self._level
         limit = loss * self._unit - self._base
-        following = _Level(
-            level.option,
-            level.cls,
-            np.vstack([level.costs, self._losses]),
-            np.append(level.capacities, loss),
-            np.vstack([level.reduced, self._reduced]),
-            np.append(level.limits, limit),
+        following = replace(
+            level,
+            costs=np.vstack([level.costs, self._losses]),
+            capacities=np.append(level.capacities, loss),
+            reduced=np.vstack([level.reduced, self._reduced]),
+            limits=np.append(level.limits, limit),
         )
         return following.only(following.within())
 

@@ -162,4 +162,12 @@ def _size_of(request: Request) -> int:
 
 
 def _described(found: MediaFile, tours: tuple[str, ...]) -> TourMedia:
-    return TourMedia(found.file, found.kind.type, found.kind.is_video, found.size, found.changed, found.shipped, tours)
+    return TourMedia(
+        file=found.file,
+        type=found.kind.type,
+        video=found.kind.is_video,
+        size=found.size,
+        changed=found.changed,
+        shipped=found.shipped,
+        tours=tours,
+    )
