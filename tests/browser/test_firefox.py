@@ -14,6 +14,7 @@ from playwright.sync_api import Browser, ConsoleMessage, Page, Playwright, expec
 
 from tests.browser.browsers import NO_DISPLAY, display, launching, missing
 from tests.browser.held_keys import hold
+from tests.browser.map_view import map_view
 from tests.browser.running import Robot, running_robot
 from tests.browser.test_driving import moving, wait_for_rest
 from tests.browser.test_scene import STRIKE, frame_of
@@ -139,15 +140,9 @@ def test_a_click_on_the_map_is_a_goal_and_space_ends_the_trip(robot: Robot, page
     page.get_by_test_id("map-toggle").click()
     page.get_by_test_id("map-fit").click()
     page.get_by_test_id("map-tool-goal").click()
-    view = canvas.evaluate("({ dataset }) => ({ ...dataset })")
-    x, y, scale = (float(view[name]) for name in ("x", "y", "scale"))
-    robot_x, robot_y, _ = map(float, view["robot"].split())
-    box = canvas.bounding_box()
-    assert box is not None
+    robot_x, robot_y, _ = map(float, (canvas.get_attribute("data-robot") or "").split())
     # One metre before the robot, which stands before a free way and faces along the map's x.
-    page.mouse.click(
-        box["x"] + box["width"] / 2 + scale * (robot_x + 1.0 - x), box["y"] + box["height"] / 2 - scale * (robot_y - y)
-    )
+    page.mouse.click(*map_view(page).at(robot_x + 1.0, robot_y))
     page.get_by_test_id("map-cancel").wait_for()
     goal = robot.get("/goal")["desire"]["params"]
     assert abs(goal["x"] - robot_x - 1.0) < 0.1

@@ -28,6 +28,7 @@ from app.maps.library import MapLibrary
 from app.program.config import load_configuration
 from app.robots.config import load_robot_config
 from tests.browser.held_keys import hold, hold_until
+from tests.browser.map_view import map_view
 from tests.browser.running import LOOPS_DEBUG, Robot, running_program
 from tests.browser.witness import true_pose
 from tests.patience import PATIENCE_S
@@ -108,12 +109,7 @@ def write_program(folder: Path, start: Pose2, scans_hz: float = 40) -> Path:
 
 def drag_on_map(page: Page, X_M: Pose2) -> None:
     """Press on a place of the map, drag to its heading, let go."""
-    box = page.get_by_test_id("map-canvas").bounding_box()
-    view = page.get_by_test_id("map-canvas").evaluate("({ dataset }) => ({ ...dataset })")
-    assert box is not None
-    x, y, scale = (float(view[name]) for name in ("x", "y", "scale"))
-    at_x = box["x"] + box["width"] / 2 + scale * (X_M.x - x)
-    at_y = box["y"] + box["height"] / 2 - scale * (X_M.y - y)
+    at_x, at_y = map_view(page).at(X_M.x, X_M.y)
     page.mouse.move(at_x, at_y)
     page.mouse.down()
     page.mouse.move(at_x + 60 * math.cos(X_M.theta), at_y - 60 * math.sin(X_M.theta), steps=3)
