@@ -157,8 +157,8 @@ class _JumpingSelector(selectors.DefaultSelector):
         return ready
 
 
-#: Real time (s) that a thread may take in a test: on a busy computer as well.
-_TEST_PATIENCE_S = 180.0
+#: Real time (s) that a thread may take: on a busy computer, and where it compiles first.
+_PATIENCE_S = 180.0
 
 
 class VirtualTimeLoop(asyncio.SelectorEventLoop):
@@ -171,7 +171,7 @@ class VirtualTimeLoop(asyncio.SelectorEventLoop):
     passes without it.
     """
 
-    def __init__(self, patience_s: float = 10.0) -> None:
+    def __init__(self, patience_s: float = _PATIENCE_S) -> None:
         self.virtual_time = 0.0
         self.patience_s = patience_s
         self.jobs: deque[_ThreadJob[Any]] = deque()
@@ -198,7 +198,7 @@ class VirtualTimeLoop(asyncio.SelectorEventLoop):
         await super().shutdown_default_executor()
 
 
-def run_virtual(main: Coroutine[Any, Any, T], *, patience_s: float = 10.0) -> T:
+def run_virtual(main: Coroutine[Any, Any, T], *, patience_s: float = _PATIENCE_S) -> T:
     """Run ``main`` to its end in virtual time and return its result; see :class:`VirtualTimeLoop`."""
     with asyncio.Runner(loop_factory=lambda: VirtualTimeLoop(patience_s)) as runner:
         return runner.run(main)
@@ -209,6 +209,6 @@ def in_virtual_time(function: Callable[P, Coroutine[Any, Any, T]]) -> Callable[P
 
     @functools.wraps(function)
     def run(*args: P.args, **kwargs: P.kwargs) -> T:
-        return run_virtual(function(*args, **kwargs), patience_s=_TEST_PATIENCE_S)
+        return run_virtual(function(*args, **kwargs))
 
     return run

@@ -17,8 +17,8 @@ const FOOT = 17;
 const BELOW = 16;
 /** px; on less, figures would run into the words. */
 const NUMBERED = 640;
-/** px; on less, only every second word has room. */
-const WORDED = 210;
+/** px between two words. */
+const APART = 6;
 const FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Noto Sans', 'DejaVu Sans', sans-serif";
 const WORDS = [
   { degrees: 180, text: "behind", align: "left" },
@@ -103,8 +103,11 @@ function drawFoot(context: Context, strip: Strip, large: boolean): void {
     context.textAlign = "center";
     context.fillText(`${Math.abs(degrees)}°`, x, top + 10);
   }
+  const widths = WORDS.map(({ text }) => context.measureText(t(text)).width);
+  // Between the middle and an end of the strip are half of a word, a whole one and another whole one.
+  const crowded = widths[0]! + widths[1]! + widths[2]! / 2 + 3 * APART > strip.width / 2;
   for (const { degrees, text, align } of WORDS) {
-    if (strip.width < WORDED && Math.abs(degrees) === 90) continue;
+    if (crowded && Math.abs(degrees) === 90) continue;
     context.textAlign = align;
     const x = strip.width / 2 - radians(degrees) * scale(strip);
     context.fillText(t(text), x + (align === "left" ? 5 : align === "right" ? -5 : 0), top + 9);

@@ -311,8 +311,10 @@ export class LaneChart {
       this.generation = this.history.generation;
       this.past.clear();
     }
-    const ask = wanted(view, this.width * this.ratio, this.heard(), this.now(), this.past.answer);
-    void this.past.show(ask, performance.now());
+    const now = this.now();
+    // Before the robot has said what time it is there, no past of its own can be named.
+    if (now === 0) return;
+    void this.past.show(wanted(view, this.width * this.ratio, this.heard(), now, this.past.answer), performance.now());
   }
 
   private overlay(): void {
