@@ -2,9 +2,7 @@
 
 Bernardin and Stiefelhagen, *Evaluating Multiple Object Tracking Performance: The CLEAR MOT Metrics*, 2008; Ristani et
 al., *Performance Measures and a Data Set for Multi-Target, Multi-Camera Tracking*, 2016. A hypothesis may have no
-identity (unsure): it finds an object, but is nobody's, which IDF1 counts as wrong and no swap. For the same reason its
-pair is not kept to the next instant, as CLEAR MOT keeps those of hypotheses that say who they are: of two people beside
-each other, each is paired with the nearer one once both are known again.
+identity (unsure): it finds an object, but is nobody's, which IDF1 counts as wrong and no swap.
 """
 
 from __future__ import annotations
@@ -73,7 +71,7 @@ def score(frames: Iterable[Frame], within_m: float) -> Scores:
         misses += len(frame.truth) - len(pairs)
         false += alone
         found += len(pairs) + alone
-        tracks = {name: each.track for name, each in everything.items() if each.identity is not None}
+        tracks = {name: each.track for name, each in everything.items()}
         for name, each in pairs.items():
             distances.append(math.dist(frame.truth[name], each.at))
             if each.identity is None:
