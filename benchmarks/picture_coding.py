@@ -1,7 +1,7 @@
 """What a picture for one page costs to make and takes on the link, as VP9 and as a smaller JPEG (the peer).
 
 The pictures are those of the lab's camera, 15 a second, which come as JPEG while the robot drives a curve. ``CPU`` is
-that of the thread that makes them anew, decoding included; ``decoding`` that of OpenCV for the JPEG made and of
+that of the thread that encodes them again, decoding included; ``decoding`` that of OpenCV for the JPEG made and of
 FFmpeg's VP9 decoder (a browser's is libvpx). ``PSNR`` is of what is shown against the picture as it came.
 """
 

@@ -168,15 +168,15 @@ def _delay(scene: Scene, array: MicrophoneArray) -> float:
     (talker,) = scene.talkers
     frame = scene.rate // 100
     alone = scene.alone[0][: scene.alone.shape[1] // frame * frame].reshape(-1, frame)
-    begun = QUIET_S + float(np.flatnonzero((alone**2).mean(1) > noise**2)[0]) * 0.01
+    sounded = QUIET_S + float(np.flatnonzero((alone**2).mean(1) > noise**2)[0]) * 0.01
     pipeline = VoicePipeline(array, scene.rate, PipelineSettings(separation=False))
     for begin in range(0, len(sound) - pipeline.step + 1, pipeline.step):
         began = time.thread_time()
         result, _ = pipeline.process(sound[begin : begin + pipeline.step], begin / scene.rate, begin)
         now = (begin + pipeline.step) / scene.rate
         direction = talker.direction(now - QUIET_S)
-        if now > begun and any(np.dot(s.direction, direction) > np.cos(np.radians(20)) for s in result.sources):
-            return now - begun + time.thread_time() - began
+        if now > sounded and any(np.dot(s.direction, direction) > np.cos(np.radians(20)) for s in result.sources):
+            return now - sounded + time.thread_time() - began
     return float("inf")
 
 

@@ -107,7 +107,7 @@ def read(name: str, path: Path, status: os.stat_result) -> Recording:
         with open_plain(path) as file:
             if is_closed(file):
                 return _summarized(file, blank)
-            return replace(_begun(file, blank), written=is_being_written(path))
+            return replace(_with_start(file, blank), written=is_being_written(path))
     except OSError:
         return blank
 
@@ -129,7 +129,7 @@ def _summarized(file: BinaryIO, blank: Recording) -> Recording:
     return replace(blank, complete=True, begin=begin, end=end, robot=robot)
 
 
-def _begun(file: BinaryIO, blank: Recording) -> Recording:
+def _with_start(file: BinaryIO, blank: Recording) -> Recording:
     """Facts from the records before the first message."""
     robot = ""
     with suppress(LogError, *DAMAGE):

@@ -79,11 +79,11 @@ class _Tracks:
             del self._heard[track]
         for column, track in enumerate(message.tracks):
             if track not in self._open:
-                self._open[track] = self._begun(track)
+                self._open[track] = self._opened(track)
             self._open[track][1].write(message.stamp, message.samples[:, column : column + 1], message.rate)
             self._heard[track] = message.stamp
 
-    def _begun(self, track: int) -> tuple[ExitStack, _Sound]:
+    def _opened(self, track: int) -> tuple[ExitStack, _Sound]:
         self._files[track] += 1
         again = f"-{self._files[track]}" if self._files[track] > 1 else ""
         closing = ExitStack()

@@ -186,10 +186,10 @@ async def test_a_recording_that_takes_the_rings_place_throws_nothing_away(
 async def test_a_saving_under_way_is_not_robbed_by_the_recording_that_follows(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    begun, go_on, found_ended, save = threading.Event(), threading.Event(), threading.Event(), HeldSegments.save
+    at_work, go_on, found_ended, save = threading.Event(), threading.Event(), threading.Event(), HeldSegments.save
 
     def slow(*args: Any) -> Path:
-        begun.set()
+        at_work.set()
         assert go_on.wait(PATIENCE_S)
         return save(*args)
 
@@ -204,10 +204,10 @@ async def test_a_saving_under_way_is_not_robbed_by_the_recording_that_follows(
     async with Robot(tmp_path) as robot:
         await turning(robot)
         saving = asyncio.create_task(robot.control.save_ring(name="seen"))
-        assert await asyncio.to_thread(begun.wait, 20)
+        assert await asyncio.to_thread(at_work.wait, PATIENCE_S)
         robot.desire(name="over")
         # The Recorder's own look: another beside it would hold the ring's lock for a moment, and be taken for a rescue.
-        assert await asyncio.to_thread(found_ended.wait, 20)
+        assert await asyncio.to_thread(found_ended.wait, PATIENCE_S)
         # The ring has ended, and time goes by in which it could be taken away.
         ended = robot.clock.now()
         await robot.until(lambda status: status.stamp > ended + 0.3)

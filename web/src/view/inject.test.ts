@@ -9,7 +9,7 @@ const PAGE = "http://robot:8080";
 beforeEach(() => void vi.useFakeTimers());
 afterEach(() => void vi.useRealTimers());
 
-/** A canvas whose context says that it is of `renderer`, and finishes each frame `drawMs` after it was begun. */
+/** A canvas whose context says that it is of `renderer`, and finishes each frame `drawMs` after its start. */
 function canvases(renderer: string, drawMs: { value: number }) {
   const context = {
     getExtension: () => ({ loseContext: () => undefined }),
@@ -17,7 +17,7 @@ function canvases(renderer: string, drawMs: { value: number }) {
     SIGNALED: true,
     fenceSync: () => performance.now(),
     flush: () => undefined,
-    getSyncParameter: (begun: number) => performance.now() - begun >= drawMs.value,
+    getSyncParameter: (started: number) => performance.now() - started >= drawMs.value,
     deleteSync: () => undefined,
   };
   return class {

@@ -63,7 +63,7 @@ class GazeAtSalient(GazeBehavior[SaliencyGains]):
         self.on(self.regions, self._take_regions)
         self._newest: SalientRegions | None = None
         self._taken = -math.inf
-        self._gazing = self._begun()
+        self._gazing = self._initial_gazing()
 
     def cautions(self) -> tuple[Caution, ...]:
         """None for its reports: there is no end to it."""
@@ -72,7 +72,7 @@ class GazeAtSalient(GazeBehavior[SaliencyGains]):
     def rest(self) -> None:
         """The next gaze begins with the regions of its time."""
         self._newest = None
-        self._gazing = self._begun()
+        self._gazing = self._initial_gazing()
 
     def look(self, now: float) -> Look:
         """The region that is looked at, where the robot is now."""
@@ -102,7 +102,7 @@ class GazeAtSalient(GazeBehavior[SaliencyGains]):
     def _p_BH(self) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
         return np.array((0.0, 0.0, 0.0) if self._newest is None else self._newest.p_BH)
 
-    def _begun(self) -> Gazing:
+    def _initial_gazing(self) -> Gazing:
         s = self.settings
         return Gazing(FixationRules(s.hold_s, s.reach_s, math.radians(s.same_deg)))
 

@@ -39,7 +39,7 @@ class GuidedRun:
         after = advance(before, view, self.scene)
         self.progress, self.view = after, view
         if after.is_running and not before.is_running:
-            self.report, driven_m = self._begun(view), 0.0
+            self.report, driven_m = self._new_report(view), 0.0
         if self.report is not None and (before.is_running or after.is_running):
             self.report = noted(self.report, before, view, after, self.scene, driven_m=driven_m)
             if not after.is_running:
@@ -59,7 +59,7 @@ class GuidedRun:
 
     def kept(self, now: float) -> KeptRun:
         """What a program that is started again goes on with."""
-        return KeptRun(self._digest(), now, self.progress, self.report or self._begun(self.view), self.waits)
+        return KeptRun(self._digest(), now, self.progress, self.report or self._new_report(self.view), self.waits)
 
     def _digest(self) -> str:
         tour = self.scene.tour
@@ -67,7 +67,7 @@ class GuidedRun:
             self._digested = tour, digest(tour)
         return self._digested[1]
 
-    def _begun(self, view: View) -> RunReport:
+    def _new_report(self, view: View) -> RunReport:
         # Ids begin with their time, so that the newest report is the last by name.
         run = f"{time.strftime('%Y%m%d-%H%M%S', time.gmtime(view.now))}-{self.tour.id}"
         return RunReport(

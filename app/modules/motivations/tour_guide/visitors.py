@@ -154,7 +154,7 @@ class Visitors:
         return _heading(here, last[0]) if behind is None and last is not None else behind
 
     def _behind(self, here: Point) -> float | None:
-        """The heading along the way that was driven, to where it turns aside; None where it has just begun."""
+        """The heading along the way that was driven, to where it turns aside; None where it has only started."""
         seen: Point | None = None
         passed: list[Point] = []
         for _, point in reversed(self._trail):

@@ -149,7 +149,7 @@ class LandmarkMap:
         self._remove(keyframes)
         ids, X_FA = self._ids, self._X_FA
         self._take_poses(keyframes)
-        self._known = [self._anchored_anew(landmark, ids, X_FA) for landmark in self._known]
+        self._known = [self._reanchored(landmark, ids, X_FA) for landmark in self._known]
         self._fused = {}
         self._join_same()
         return True
@@ -166,7 +166,7 @@ class LandmarkMap:
         self._on_map, self._keyframes = True, keyframes
         self._take_poses(keyframes)
         self._known = [
-            replace(self._anchored_anew(landmark, ids, X_MK), here=False, misses=0, driven_m=self._driven_m)
+            replace(self._reanchored(landmark, ids, X_MK), here=False, misses=0, driven_m=self._driven_m)
             for landmark in landmarks
         ]
         self._made = max((landmark.id for landmark in self._known), default=0)
@@ -340,7 +340,7 @@ class LandmarkMap:
                     sightings = moved(landmark.sightings, rows, np.array([into]), X_IR[None])
                     self._known[row] = replace(landmark, sightings=sightings)
 
-    def _anchored_anew(self, landmark: Anchored, ids: NDArray[np.int64], X_MK: FloatArray) -> Anchored:
+    def _reanchored(self, landmark: Anchored, ids: NDArray[np.int64], X_MK: FloatArray) -> Anchored:
         """``landmark`` with anchors that are no more, at ``X_MK`` when they were ``ids``, replaced by the nearest."""
         sightings = landmark.sightings
         for id in np.setdiff1d(sightings.anchors, self._ids).tolist():

@@ -55,7 +55,7 @@ def test_a_person_by_number_is_waited_for_and_found_among_others() -> None:
     assert step.place == Pose2(0.8, 0.0, 0.0)
 
 
-def test_a_doubtful_identity_is_followed_on_but_not_begun_with_in_place_of_a_known_one() -> None:
+def test_a_doubtful_identity_is_followed_on_but_not_started_with_in_place_of_a_known_one() -> None:
     scene = Scene(number=3)
     scene.see(person(2, 0, track=1, number=3))
     step = scene.see(person(2.2, 0, track=1, number=None, state="unsure"))

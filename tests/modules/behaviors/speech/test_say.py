@@ -55,7 +55,7 @@ class Stage:
         await self.bench.clock.sleep(seconds)
 
     def said(self) -> list[str]:
-        """The sentences begun since the last call."""
+        """The sentences started since the last call."""
         said: list[str] = []
         for speech in drain(self.speech):
             new = speech.state == "speaking" and (not said or said[-1] != speech.text)

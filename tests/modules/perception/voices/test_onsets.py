@@ -21,7 +21,7 @@ def leads(sound: NDArray[np.float32], *directions: NDArray[np.float64]) -> list[
             near = peaks.directions @ direction
             if near.max(initial=-1.0) > 0.98:
                 total[number] += peaks.onsets[near.argmax()]
-    return [float(begun * most / (most_begun * sum_)) for begun, sum_, most_begun, most in total]
+    return [float(rising * most / (most_rising * sum_)) for rising, sum_, most_rising, most in total]
 
 
 @pytest.mark.parametrize("late_ms", [8, 20])
@@ -46,20 +46,20 @@ def test_agreement_is_full_for_what_all_microphones_hear_alike() -> None:
     onsets.update(phases, powers, weights)
     alike = np.ones((1, 4, 3), np.complex64)
     unlike = np.tile(np.array([1, -1, 1, -1], np.complex64)[:, None], (1, 1, 3))
-    begun, all_, most_begun, most = onsets.agreement(np.concatenate([alike, unlike])).T
+    rising, all_, most_rising, most = onsets.agreement(np.concatenate([alike, unlike])).T
     # The first frame follows nothing and begins nothing; of the second, half of one and three quarters of another.
-    np.testing.assert_allclose(most_begun, 1.25, rtol=1e-6)
+    np.testing.assert_allclose(most_rising, 1.25, rtol=1e-6)
     np.testing.assert_allclose(most, 6.0, rtol=1e-6)
-    np.testing.assert_allclose(begun, [1.25, -1.25 / 3], rtol=1e-5)
+    np.testing.assert_allclose(rising, [1.25, -1.25 / 3], rtol=1e-5)
     np.testing.assert_allclose(all_, [6.0, -2.0], rtol=1e-5)
 
 
 def test_frames_follow_one_another_until_the_past_is_forgotten() -> None:
     onsets = Onsets()
     one = np.ones((1, 2, 1), np.complex64)
-    for power, begun in ((1.0, 0.0), (4.0, 0.75), (2.0, 0.0)):
+    for power, rising in ((1.0, 0.0), (4.0, 0.75), (2.0, 0.0)):
         onsets.update(one, np.full((1, 1), power, np.float32), np.ones((1, 1), np.float32))
-        assert onsets.agreement(one)[0, 2] == pytest.approx(begun)
+        assert onsets.agreement(one)[0, 2] == pytest.approx(rising)
     onsets.reset()
     onsets.update(one, np.full((1, 1), 8.0, np.float32), np.ones((1, 1), np.float32))
     assert onsets.agreement(one)[0, 2] == 0

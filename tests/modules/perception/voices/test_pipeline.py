@@ -68,8 +68,8 @@ def test_two_voices_are_located_followed_and_given_each_by_itself(
             if track in tracks:
                 here = slice(message.first_sample, message.first_sample + len(message.samples))
                 voices[tracks.index(track), here] = message.samples[:, column]
-    begun = slice(24_000, length)
-    scores = bss_eval(references[:, begun], voices[:, begun], taps=64)
+    spoken = slice(24_000, length)
+    scores = bss_eval(references[:, spoken], voices[:, spoken], taps=64)
     assert scores.sir.min() > 13
     assert scores.sdr.min() > 5
 
