@@ -153,6 +153,7 @@ async def _live(
     from app.console.link_shaper import Link
     from app.console.panels import load_panels
     from app.console.server import address_of, serve
+    from app.console.webhooks.kept import default_file
     from app.program.system import System
     from app.robots.factory import create_link
     from app.runtime.clock import RealClock
@@ -182,6 +183,7 @@ async def _live(
         panels=panels,
         replay_options=access.replay_options,
         link=Link(link, seed=0),
+        webhooks_file=default_file(),
     )
     if link is not None and link.shapes:
         log.warning("the link to the pages is shaped: %s", link.words)

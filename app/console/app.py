@@ -51,9 +51,11 @@ from app.console.rest.tour_run import tour_run_router
 from app.console.rest.tours import tours_router
 from app.console.rest.viewers import viewers_router
 from app.console.rest.visitor import visitor_router
+from app.console.rest.webhooks import webhooks_router
 from app.console.view.relay import view_router
 from app.console.view.scene_port import AtPorts, scene_app
 from app.console.view.view import View
+from app.console.webhooks.webhooks import Webhooks
 
 if TYPE_CHECKING:
     from app.logs.replay.playback import Playback
@@ -74,6 +76,7 @@ def create_app(
     passwords: Passwords = (),
     replay_options: Sequence[str] = (),
     link: Link | None = None,
+    webhooks_file: Path | None = None,
 ) -> FastAPI:
     """The console of ``system``: REST and live stream under ``/api/v1``, the 3D view under ``/viser``, the page at /.
 
@@ -85,7 +88,7 @@ def create_app(
     start the 3D view with the program rather than with its first viewer. ``panels`` are those of packages, by name
     (:func:`app.console.panels.load_panels`). ``passwords`` are those of roles, asked for beside the token;
     ``replay_options`` are options of ``hbba replay`` for replays that are started from here. ``link`` shapes every
-    stream, for tests; None: not until it is asked to.
+    stream, for tests; None: not until it is asked to. Webhooks are kept in ``webhooks_file``; None: not kept.
     """
     link = link or Link()
     panels = panels or {}
@@ -96,17 +99,22 @@ def create_app(
     replays = Replays(host, token, host_names, options=replay_options)
     rehearsals = Rehearsals()
     visitors = TourVisitors(system, door)
+    webhooks = Webhooks(system.timeline, system.clock, webhooks_file) if playback is None else None
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         hub.open()
         view.open()
         leave = visitors.open()
+        if webhooks is not None:
+            await webhooks.open()
         try:
             yield
         finally:
             leave()
             hub.close()
+            if webhooks is not None:
+                await webhooks.close()
             await asyncio.gather(replays.close(), rehearsals.close(), view.close())
 
     # FastAPI's own documentation pages load scripts from elsewhere; ours need nothing but this server.
@@ -147,6 +155,7 @@ def create_app(
         playback_router(playback),
         link_router(link),
         lanes_router(hub, system.clock),
+        webhooks_router(webhooks),
     )
     add_routes(app, routers)
 

@@ -36,6 +36,7 @@ _TAGS = [
     {"name": "program", "description": "Modules and channels."},
     {"name": "recordings", "description": "Logs of the robot: record, list, download, replay."},
     {"name": "playback", "description": "The transport of a played recording: play, pause, seek, speed."},
+    {"name": "webhooks", "description": "Other programs that are called when something happens."},
     {"name": "session", "description": "Log in and out."},
 ]
 

@@ -60,6 +60,7 @@ OPERATIONS: dict[str, Role] = _table(
     supervisor="""
         save_map load_map rename_map delete_map begin_map
         delete_recording delete_tour delete_tour_report put_link
+        list_webhooks get_webhook create_webhook try_webhook delete_webhook
     """,
 )
 

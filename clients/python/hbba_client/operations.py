@@ -39,6 +39,8 @@ from .records import (
     NewRecording,
     NewRehearsal,
     NewTourRun,
+    NewWebhook,
+    NewWebhookReport,
     PlaceChange,
     PlacedPercepts,
     PlaceList,
@@ -75,6 +77,9 @@ from .records import (
     VisitorKey,
     VisitorLink,
     VisitorPress,
+    WebhookList,
+    WebhookReport,
+    WebhookTrial,
     Withdrawn,
     ZoneList,
     ZonesRequest,
@@ -251,6 +256,19 @@ class Operations(ABC):
         result: TourReport = self.ask(Request("POST", "/tours", TourReport, body=body))
         return result
 
+    def create_webhook(self, body: NewWebhook) -> NewWebhookReport:
+        """Have events posted to a URL.
+
+        From now on each event of these `kinds` is posted to `url`, in order, one at a time, signed as the
+        specification Standard Webhooks 1.0 says, until the receiver answers 2xx: again after 1 s, 5 s, 30 s, 2
+        min, and then every 10 min for a day. A receiver that answers 410 gets nothing more. `secret` is answered
+        once.
+
+        Role: supervisor.
+        """
+        result: NewWebhookReport = self.ask(Request("POST", "/webhooks", NewWebhookReport, body=body))
+        return result
+
     def delete_map(self, name: str) -> None:
         """Delete a map.
 
@@ -310,6 +328,16 @@ class Operations(ABC):
         """
 
         self.ask(Request("DELETE", f"/tour-reports/{Request.quoted(run_id)}", None))
+
+    def delete_webhook(self, webhook_id: str) -> None:
+        """Remove a webhook.
+
+        Nothing more is posted; events that wait are given up.
+
+        Role: supervisor.
+        """
+
+        self.ask(Request("DELETE", f"/webhooks/{Request.quoted(webhook_id)}", None))
 
     def dismiss_tour(self) -> None:
         """Wait for visitors no more.
@@ -664,6 +692,14 @@ class Operations(ABC):
         result: bytes = self.ask(Request("GET", f"/visitor/media/{Request.quoted(file)}", bytes))
         return result
 
+    def get_webhook(self, webhook_id: str) -> WebhookReport:
+        """One webhook.
+
+        Role: supervisor.
+        """
+        result: WebhookReport = self.ask(Request("GET", f"/webhooks/{Request.quoted(webhook_id)}", WebhookReport))
+        return result
+
     def get_zones(self) -> ZoneList:
         """Zones of the map in use.
 
@@ -820,6 +856,16 @@ class Operations(ABC):
         Role: spectator.
         """
         result: ViewerList = self.ask(Request("GET", "/viewers", ViewerList))
+        return result
+
+    def list_webhooks(self) -> WebhookList:
+        """List all webhooks.
+
+        In the order of their making, with how their deliveries go; without their secrets.
+
+        Role: supervisor.
+        """
+        result: WebhookList = self.ask(Request("GET", "/webhooks", WebhookList))
         return result
 
     def load_map(self, name: str, body: LoadRequest | None = None) -> CurrentMap:
@@ -1110,6 +1156,16 @@ class Operations(ABC):
         result: Withdrawn = self.ask(Request("POST", "/recordings/stop", Withdrawn))
         return result
 
+    def try_webhook(self, webhook_id: str) -> WebhookTrial:
+        """Post an event for a trial.
+
+        Posts one event, whose `data.data.trial` is true, once, and answers with what became of it.
+
+        Role: supervisor.
+        """
+        result: WebhookTrial = self.ask(Request("POST", f"/webhooks/{Request.quoted(webhook_id)}/trial", WebhookTrial))
+        return result
+
     def undo_tour(
         self, tour_id: str, *, to_begin: bool | None = None, if_match: str | None = None
     ) -> TourReport | None:
@@ -1311,6 +1367,19 @@ class AsyncOperations(ABC):
         result: TourReport = await self.ask(Request("POST", "/tours", TourReport, body=body))
         return result
 
+    async def create_webhook(self, body: NewWebhook) -> NewWebhookReport:
+        """Have events posted to a URL.
+
+        From now on each event of these `kinds` is posted to `url`, in order, one at a time, signed as the
+        specification Standard Webhooks 1.0 says, until the receiver answers 2xx: again after 1 s, 5 s, 30 s, 2
+        min, and then every 10 min for a day. A receiver that answers 410 gets nothing more. `secret` is answered
+        once.
+
+        Role: supervisor.
+        """
+        result: NewWebhookReport = await self.ask(Request("POST", "/webhooks", NewWebhookReport, body=body))
+        return result
+
     async def delete_map(self, name: str) -> None:
         """Delete a map.
 
@@ -1370,6 +1439,16 @@ class AsyncOperations(ABC):
         """
 
         await self.ask(Request("DELETE", f"/tour-reports/{Request.quoted(run_id)}", None))
+
+    async def delete_webhook(self, webhook_id: str) -> None:
+        """Remove a webhook.
+
+        Nothing more is posted; events that wait are given up.
+
+        Role: supervisor.
+        """
+
+        await self.ask(Request("DELETE", f"/webhooks/{Request.quoted(webhook_id)}", None))
 
     async def dismiss_tour(self) -> None:
         """Wait for visitors no more.
@@ -1726,6 +1805,14 @@ class AsyncOperations(ABC):
         result: bytes = await self.ask(Request("GET", f"/visitor/media/{Request.quoted(file)}", bytes))
         return result
 
+    async def get_webhook(self, webhook_id: str) -> WebhookReport:
+        """One webhook.
+
+        Role: supervisor.
+        """
+        result: WebhookReport = await self.ask(Request("GET", f"/webhooks/{Request.quoted(webhook_id)}", WebhookReport))
+        return result
+
     async def get_zones(self) -> ZoneList:
         """Zones of the map in use.
 
@@ -1882,6 +1969,16 @@ class AsyncOperations(ABC):
         Role: spectator.
         """
         result: ViewerList = await self.ask(Request("GET", "/viewers", ViewerList))
+        return result
+
+    async def list_webhooks(self) -> WebhookList:
+        """List all webhooks.
+
+        In the order of their making, with how their deliveries go; without their secrets.
+
+        Role: supervisor.
+        """
+        result: WebhookList = await self.ask(Request("GET", "/webhooks", WebhookList))
         return result
 
     async def load_map(self, name: str, body: LoadRequest | None = None) -> CurrentMap:
@@ -2174,6 +2271,18 @@ class AsyncOperations(ABC):
         Role: operator.
         """
         result: Withdrawn = await self.ask(Request("POST", "/recordings/stop", Withdrawn))
+        return result
+
+    async def try_webhook(self, webhook_id: str) -> WebhookTrial:
+        """Post an event for a trial.
+
+        Posts one event, whose `data.data.trial` is true, once, and answers with what became of it.
+
+        Role: supervisor.
+        """
+        result: WebhookTrial = await self.ask(
+            Request("POST", f"/webhooks/{Request.quoted(webhook_id)}/trial", WebhookTrial)
+        )
         return result
 
     async def undo_tour(

@@ -881,6 +881,46 @@ class NewTourRun(Struct, kw_only=True, frozen=True, omit_defaults=True):
     """That the robot speaks; left out: the tour's first."""
 
 
+class NewWebhook(Struct, kw_only=True, frozen=True, omit_defaults=True):
+    """Who is called, of what."""
+
+    url: str
+    """Where events are posted: http or https."""
+    kinds: list[
+        Literal[
+            "desire",
+            "intention",
+            "filter",
+            "exploitation",
+            "restart",
+            "overload",
+            "guard",
+            "solver",
+            "capacity",
+            "module",
+            "stale",
+            "goal",
+            "percept",
+            "battery",
+            "accomplishment",
+            "tour",
+        ]
+    ]
+    """Kinds of events of the timeline."""
+    subject: str | UnsetType = UNSET
+    """Only events about this: a desire class, a module; empty: about anything."""
+    secret: str | UnsetType | None = UNSET
+    """With which requests are signed: `whsec_` and 24 to 64 bytes in base64; left out: a new one."""
+
+
+class NewWebhookReport(Struct, kw_only=True, frozen=True):
+    """A webhook that has just been made, with its secret, which is not shown again."""
+
+    webhook: WebhookReport
+    secret: str
+    """The receiver verifies `webhook-signature` with it (Standard Webhooks, scheme v1), and keeps it."""
+
+
 class Notice(Struct, kw_only=True, frozen=True):
     """Something for this viewer, in words to show."""
 
@@ -2047,6 +2087,63 @@ class VisitorPress(Struct, kw_only=True, frozen=True, omit_defaults=True):
     """One of `buttons` now."""
     ask: str | UnsetType | None = UNSET
     """Id of a question, one of `questions` now."""
+
+
+class WebhookList(Struct, kw_only=True, frozen=True):
+    """Every webhook, in the order of their making."""
+
+    webhooks: list[WebhookReport]
+
+
+class WebhookReport(Struct, kw_only=True, frozen=True):
+    """Events of the timeline that are posted to a URL."""
+
+    id: str
+    url: str
+    kinds: list[
+        Literal[
+            "accomplishment",
+            "battery",
+            "capacity",
+            "desire",
+            "exploitation",
+            "filter",
+            "goal",
+            "guard",
+            "intention",
+            "module",
+            "overload",
+            "percept",
+            "restart",
+            "solver",
+            "stale",
+            "tour",
+        ]
+    ]
+    """Events of these kinds are posted."""
+    subject: str
+    """Only events about this: a desire class, a module, a person's code; empty: all."""
+    state: Literal["delivering", "gone", "idle", "retrying"]
+    waiting: int
+    """Events that wait to be delivered, the one under way included."""
+    delivered: int
+    """Events delivered since the program was started."""
+    dropped: int
+    """Events given up since the program was started: too old, or too many waited."""
+    problem: str
+    """Why the last attempt failed, in words; empty: it did not."""
+    succeeded: float | None
+    """When an event was delivered last (robot's clock, s); null: never."""
+
+
+class WebhookTrial(Struct, kw_only=True, frozen=True):
+    """What became of an event that was posted for a trial."""
+
+    delivered: bool
+    status: int | None
+    """The receiver's HTTP status; null: it did not answer."""
+    problem: str
+    """What went wrong, in words; empty: nothing."""
 
 
 class Withdrawn(Struct, kw_only=True, frozen=True):

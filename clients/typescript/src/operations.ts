@@ -32,6 +32,8 @@ import type {
   NewRecording,
   NewRehearsal,
   NewTourRun,
+  NewWebhook,
+  NewWebhookReport,
   PlaceChange,
   PlaceList,
   PlaceReplacement,
@@ -68,6 +70,9 @@ import type {
   VisitorKey,
   VisitorLink,
   VisitorPress,
+  WebhookList,
+  WebhookReport,
+  WebhookTrial,
   Withdrawn,
   ZoneList,
   ZonesRequest,
@@ -185,6 +190,16 @@ export abstract class Operations {
     return this.ask<TourReport>({ method: "POST", path: `/tours`, answer: "json", body });
   }
 
+  /**
+   * Have events posted to a URL. From now on each event of these `kinds` is posted to `url`, in order, one at a time,
+   * signed as the specification Standard Webhooks 1.0 says, until the receiver answers 2xx: again after 1 s, 5 s, 30 s,
+   * 2 min, and then every 10 min for a day. A receiver that answers 410 gets nothing more. `secret` is answered once.
+   * Role: supervisor.
+   */
+  createWebhook(body: NewWebhook): Promise<NewWebhookReport> {
+    return this.ask<NewWebhookReport>({ method: "POST", path: `/webhooks`, answer: "json", body });
+  }
+
   /** Delete a map. For good, with its zones. The map in use is refused. Role: supervisor. */
   deleteMap(name: string): Promise<void> {
     return this.ask<void>({ method: "DELETE", path: `/maps/${encodeURIComponent(name)}`, answer: "nothing" });
@@ -222,6 +237,11 @@ export abstract class Operations {
   /** Delete a report. Role: supervisor. */
   deleteTourReport(runId: string): Promise<void> {
     return this.ask<void>({ method: "DELETE", path: `/tour-reports/${encodeURIComponent(runId)}`, answer: "nothing" });
+  }
+
+  /** Remove a webhook. Nothing more is posted; events that wait are given up. Role: supervisor. */
+  deleteWebhook(webhookId: string): Promise<void> {
+    return this.ask<void>({ method: "DELETE", path: `/webhooks/${encodeURIComponent(webhookId)}`, answer: "nothing" });
   }
 
   /** Wait for visitors no more. A tour that is under way is ended by its button `end` before. Role: operator. */
@@ -434,6 +454,11 @@ export abstract class Operations {
     return this.ask<ArrayBuffer>({ method: "GET", path: `/visitor/media/${encodeURIComponent(file)}`, answer: "bytes" });
   }
 
+  /** One webhook. Role: supervisor. */
+  getWebhook(webhookId: string): Promise<WebhookReport> {
+    return this.ask<WebhookReport>({ method: "GET", path: `/webhooks/${encodeURIComponent(webhookId)}`, answer: "json" });
+  }
+
   /** Zones of the map in use. Role: spectator. */
   getZones(): Promise<ZoneList> {
     return this.ask<ZoneList>({ method: "GET", path: `/map/zones`, answer: "json" });
@@ -526,6 +551,14 @@ export abstract class Operations {
   /** Connected pages and 3D views, and their connections. Role: spectator. */
   listViewers(): Promise<ViewerList> {
     return this.ask<ViewerList>({ method: "GET", path: `/viewers`, answer: "json" });
+  }
+
+  /**
+   * List all webhooks. In the order of their making, with how their deliveries go; without their secrets. Role:
+   * supervisor.
+   */
+  listWebhooks(): Promise<WebhookList> {
+    return this.ask<WebhookList>({ method: "GET", path: `/webhooks`, answer: "json" });
   }
 
   /**
@@ -726,6 +759,14 @@ export abstract class Operations {
    */
   stopRecording(): Promise<Withdrawn> {
     return this.ask<Withdrawn>({ method: "POST", path: `/recordings/stop`, answer: "json" });
+  }
+
+  /**
+   * Post an event for a trial. Posts one event, whose `data.data.trial` is true, once, and answers with what became of
+   * it. Role: supervisor.
+   */
+  tryWebhook(webhookId: string): Promise<WebhookTrial> {
+    return this.ask<WebhookTrial>({ method: "POST", path: `/webhooks/${encodeURIComponent(webhookId)}/trial`, answer: "json" });
   }
 
   /**

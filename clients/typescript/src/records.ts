@@ -806,6 +806,41 @@ export interface NewTourRun {
   language?: string | null;
 }
 
+/** Who is called, of what. */
+export interface NewWebhook {
+  /** Where events are posted: http or https. */
+  url: string;
+  /** Kinds of events of the timeline. */
+  kinds:
+    | ("desire"
+    | "intention"
+    | "filter"
+    | "exploitation"
+    | "restart"
+    | "overload"
+    | "guard"
+    | "solver"
+    | "capacity"
+    | "module"
+    | "stale"
+    | "goal"
+    | "percept"
+    | "battery"
+    | "accomplishment"
+    | "tour")[];
+  /** Only events about this: a desire class, a module; empty: about anything. */
+  subject?: string;
+  /** With which requests are signed: `whsec_` and 24 to 64 bytes in base64; left out: a new one. */
+  secret?: string | null;
+}
+
+/** A webhook that has just been made, with its secret, which is not shown again. */
+export interface NewWebhookReport {
+  webhook: WebhookReport;
+  /** The receiver verifies `webhook-signature` with it (Standard Webhooks, scheme v1), and keeps it. */
+  secret: string;
+}
+
 /** Something for this viewer, in words to show. */
 export interface Notice {
   level: "error" | "info" | "warning";
@@ -1903,6 +1938,57 @@ export interface VisitorPress {
   button?: "start" | "agree" | "decline" | "next" | null;
   /** Id of a question, one of `questions` now. */
   ask?: string | null;
+}
+
+/** Every webhook, in the order of their making. */
+export interface WebhookList {
+  webhooks: WebhookReport[];
+}
+
+/** Events of the timeline that are posted to a URL. */
+export interface WebhookReport {
+  id: string;
+  url: string;
+  /** Events of these kinds are posted. */
+  kinds:
+    | ("accomplishment"
+    | "battery"
+    | "capacity"
+    | "desire"
+    | "exploitation"
+    | "filter"
+    | "goal"
+    | "guard"
+    | "intention"
+    | "module"
+    | "overload"
+    | "percept"
+    | "restart"
+    | "solver"
+    | "stale"
+    | "tour")[];
+  /** Only events about this: a desire class, a module, a person's code; empty: all. */
+  subject: string;
+  state: "delivering" | "gone" | "idle" | "retrying";
+  /** Events that wait to be delivered, the one under way included. */
+  waiting: number;
+  /** Events delivered since the program was started. */
+  delivered: number;
+  /** Events given up since the program was started: too old, or too many waited. */
+  dropped: number;
+  /** Why the last attempt failed, in words; empty: it did not. */
+  problem: string;
+  /** When an event was delivered last (robot's clock, s); null: never. */
+  succeeded: number | null;
+}
+
+/** What became of an event that was posted for a trial. */
+export interface WebhookTrial {
+  delivered: boolean;
+  /** The receiver's HTTP status; null: it did not answer. */
+  status: number | null;
+  /** What went wrong, in words; empty: nothing. */
+  problem: string;
 }
 
 /** Desires to record that were withdrawn, and those that remain. */
