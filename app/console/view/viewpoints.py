@@ -194,8 +194,8 @@ def between(begin: Shot, end: Shot, share: float) -> Shot:
 
 @dataclass(frozen=True, slots=True)
 class Glide:
-    """From a shot ``begin`` on a stage that lay at ``offset`` (``X_TS``) of its end, since ``began`` (s); it goes on for
-    the share ``hold`` (0 to 1) of its time, and stays there."""
+    """From a shot ``begin`` on a stage that lay at ``offset`` (``X_TS``) of its end, since ``began`` (s); it goes on
+    for the share ``hold`` (0 to 1) of its time, and stays there."""
 
     viewpoint: Viewpoint
     began: float
