@@ -12,7 +12,7 @@ import json
 import math
 import os
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +23,7 @@ from playwright.sync_api import Browser, Locator, Page, TimeoutError, ViewportSi
 
 from app.base.paths import config_dir
 from app.commands.doctor import find_chromium
+from app.console.view.viewpoints import VIEWPOINTS
 from app.modules.behaviors.face.expression import EXPRESSIONS
 from tests.browser.running import CHROMIUM_ARGUMENTS, Robot, running_robot
 
@@ -49,6 +50,14 @@ _GO_ON = """() => {
   window.requestAnimationFrame = window.draw;
   for (const callback of window.held) window.draw(callback);
 }"""
+#: Of a glide between two viewpoints so many pictures, at equal times from its beginning to its end, each so large (px).
+GLIDE_PICTURES = 6
+GLIDE_SIZE: ViewportSize = {"width": 320, "height": 200}
+#: Time (ms) for the 3D view to come, and to draw itself from elsewhere.
+SCENE_MS, REDRAWN_MS = 20_000, 3_000
+#: The 3D view's page by itself is its own parent, and hears from itself what the operator page says to it.
+_LOOK = """([viewpoint, number, hold]) =>
+  window.postMessage({ type: "viewpoint", viewpoint, number, hold }, location.origin)"""
 #: The tour that is configured by driving.
 TOUR = "A walk through the lab"
 #: A picture waits for a page in good health, looked at so many times, a second apart.
@@ -63,7 +72,7 @@ GOING_S = 300
 def main() -> None:
     """Take every picture, or those of the series that are named."""
     parser = argparse.ArgumentParser(description=__doc__)
-    series = {"faces": faces, "tour": tour, "guided": guided, "people": people}
+    series = {"faces": faces, "tour": tour, "guided": guided, "people": people, "glides": glides}
     parser.add_argument("series", nargs="*", metavar="SERIES", help=f"{', '.join(series)} (default: all)")
     wanted = parser.parse_args().series or list(series)
     if unknown := set(wanted) - set(series):
@@ -151,6 +160,30 @@ def tour(browser: Browser, robot: Robot) -> None:
     phone = opened(browser, f"{robot.url}/?scene=full", PHONE)
     phone.wait_for_timeout(20_000)
     shoot(phone, "phone")
+
+
+def glides(browser: Browser, robot: Robot) -> None:
+    """How the 3D view's camera goes from each viewpoint to the next, in the order of their keys: a strip for each."""
+    page = browser.new_context(viewport=GLIDE_SIZE, color_scheme="dark").new_page()
+    page.goto(f"{robot.url}/viser/")
+    page.wait_for_timeout(SCENE_MS)
+    strips: list[Image] = []
+    for number, viewpoint in enumerate((*VIEWPOINTS[1:], VIEWPOINTS[0]), 1):
+        pictures: list[Image] = []
+        for step in range(GLIDE_PICTURES):
+            page.evaluate(_LOOK, [viewpoint, number, step / (GLIDE_PICTURES - 1)])
+            page.wait_for_timeout(REDRAWN_MS)
+            pictures.append(taken(page))
+        strips.append(strip(pictures))
+    saved("viewpoint-glides", np.vstack(strips))
+    page.context.close()
+
+
+def strip(pictures: Sequence[Image]) -> Image:
+    """``pictures`` (H, W, 3) side by side with white between, and below."""
+    gap = np.full((pictures[0].shape[0], 4, 3), 255, np.uint8)
+    row = np.hstack([part for picture in pictures for part in (picture, gap)][:-1])
+    return np.vstack([row, np.full((8, row.shape[1], 3), 255, np.uint8)])
 
 
 def replay(browser: Browser, robot: Robot) -> None:

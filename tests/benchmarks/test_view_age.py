@@ -8,7 +8,7 @@ import pytest
 
 from app.console.live.protocol import CAMERA, VP9_DELTA, VP9_KEY, picture_header
 from app.robots.simulated.guard_log import GuardRow
-from benchmarks.view_age import Drawn, Watched, case_rows, mean_turn, pictures_of
+from benchmarks.view_age import Drawn, Watched, case_rows, mean_turn, pictures_of, rows_of
 
 
 def test_age_is_from_the_stamp_to_the_acknowledgement() -> None:
@@ -34,10 +34,12 @@ def test_a_case_has_its_rows_beside_jpeg() -> None:
     assert (rows["program", "ms/picture"].ours, rows["program", "% of a core"].ours) == (20, 20)
 
 
-def test_a_round_without_pictures_ends_it_in_words() -> None:
-    empty = Watched(5.0, [], program=0.0, renderers=0.0, turned=0.0)
-    with pytest.raises(SystemExit, match="no picture was drawn in 5 s"):
-        case_rows("desk", [empty], [empty])
+def test_cases_without_a_round_are_left_out_and_none_at_all_ends_it_in_words() -> None:
+    one = Watched(5.0, [Drawn(0.1, 6_000, 640, vp9=True)], program=0.0, renderers=0.0, turned=0.0)
+    rows = rows_of({("desk", None): [], ("desk", 4.0): [(one, one)]})
+    assert {each.case for each in rows} == {"desk, 4 Mbit/s"}
+    with pytest.raises(SystemExit, match="too busy"):
+        rows_of({("desk", None): []})
 
 
 def test_turning_counts_by_time() -> None:

@@ -6,10 +6,13 @@ import ast
 import json
 import re
 from collections.abc import Iterator
+from typing import Any
 
 import pytest
 
-from app.base.paths import checkout_dir
+from app.base.paths import checkout_dir, config_dir
+from app.program.config import load_configuration
+from app.program.desire_classes import desire_classes
 
 #: What the page makes of a sentence itself.
 OWN = frozenset({"would be at its best with"})
@@ -52,3 +55,19 @@ def test_the_program_still_says_what_the_page_translates() -> None:
         if any(part not in said and part not in OWN for part in parts(sentence))
     ]
     assert lost == []
+
+
+def texts_of(schema: dict[str, Any]) -> Iterator[str]:
+    """Titles and descriptions of a form's fields."""
+    for field in schema.get("properties", {}).values():
+        yield from (field[key] for key in ("title", "description") if key in field)
+
+
+def test_what_forms_say_of_desires_has_its_french() -> None:
+    words = french()
+    known = words["names"].keys() | words["sentences"].keys()
+    said: list[str] = []
+    for kind in desire_classes(load_configuration(config_dir() / "lab.yaml")).values():
+        said += [kind.title, kind.description, *texts_of(kind.parameters.model_json_schema())]
+    assert len(said) > 150
+    assert [text for text in said if text and text not in known] == []

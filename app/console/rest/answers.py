@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import gzip
 from typing import Any
 
+from fastapi import Request
 from fastapi.responses import Response
 
+from app.console.page import accepts
 from app.console.problems import MEDIA_TYPE
 from app.console.wire import encode
 
@@ -21,6 +24,21 @@ class Json(Response):
     def render(self, content: Any) -> bytes:
         """Encode ``content``; None is an empty body."""
         return b"" if content is None else encode(content)
+
+
+#: What is smaller stays as it is.
+_PACKED_FROM_BYTES = 2048
+
+
+def packed(answer: Json, request: Request) -> Json:
+    """``answer`` in gzip where the client of ``request`` takes that: a tenth of many records that are alike. Takes a
+    millisecond for 50 kB; for a worker thread."""
+    if len(answer.body) >= _PACKED_FROM_BYTES and accepts(request.headers.get("accept-encoding", ""), "gzip"):
+        answer.body = gzip.compress(bytes(answer.body), compresslevel=5, mtime=0)
+        answer.headers["Content-Encoding"] = "gzip"
+        answer.headers["Content-Length"] = str(len(answer.body))
+    answer.headers["Vary"] = "Accept-Encoding"
+    return answer
 
 
 _WORDS = {

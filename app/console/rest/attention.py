@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from typing import TYPE_CHECKING, Annotated, get_args
 
 from fastapi import APIRouter, Path, Query, Request
@@ -11,7 +12,7 @@ from app.attention.reports import resource_report, strategy_report
 from app.console import reports
 from app.console.problems import Problem
 from app.console.records.attention import EventList, ResourceList, StrategyList
-from app.console.rest.answers import Json, problems
+from app.console.rest.answers import Json, packed, problems
 from app.console.rest.desires import OPERATOR_PARAMETER, source_of
 from app.console.rest.models import ResourceChange
 from app.console.rest.routing import router as api_router
@@ -95,6 +96,8 @@ def attention_router(system: System) -> APIRouter:
         ] = None,
         after_id: Annotated[int, Query(ge=0, description="Only events with a greater id.")] = 0,
         limit: Annotated[int, Query(ge=1, le=MOST_EVENTS, description="At most so many, the newest.")] = 200,
+        *,
+        request: Request,
     ) -> Response:
         """Oldest first. To follow it, ask again with `after_id` of the last one had."""
         chosen = None if kinds is None else {kind.strip() for kind in kinds.split(",") if kind.strip()}
@@ -102,6 +105,6 @@ def attention_router(system: System) -> APIRouter:
             message = f"no such kind: {', '.join(unknown)}; there are: {', '.join(KINDS)}"
             raise Problem(422, "invalid-request", f"kinds: {message}", errors=[("query.kinds", message)])
         events = system.timeline.query(since, until, chosen, limit, after_id=after_id)
-        return Json(EventList(tuple(events)))
+        return await asyncio.to_thread(lambda: packed(Json(EventList(tuple(events))), request))
 
     return router

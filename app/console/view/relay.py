@@ -10,11 +10,12 @@ import asyncio
 import contextlib
 import importlib.util
 import logging
+import math
 import socket
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import TypeAlias
+from typing import Annotated, TypeAlias
 
 import msgspec
 import websockets
@@ -48,17 +49,25 @@ class Layers(msgspec.Struct, tag_field="type", tag="layers"):
 
 
 class Look(msgspec.Struct, tag_field="type", tag="viewpoint"):
-    """The viewer shall look from ``viewpoint``; the ``number`` is another for each choice."""
+    """The viewer shall look from ``viewpoint``; the ``number`` is another for each choice. Its glide goes as far as the
+    share ``hold`` of its time, for pictures of it; the same number with another goes on."""
 
     viewpoint: Viewpoint
     number: int
+    hold: Annotated[float, msgspec.Meta(ge=0.0, le=1.0)] = 1.0
+
+
+class SoftLimit(msgspec.Struct, tag_field="type", tag="soft_limit"):
+    """The head follows the view as far as ``angle`` (rad) aside; None: it does not."""
+
+    angle: Annotated[float, msgspec.Meta(gt=0.0, le=math.pi)] | None = None
 
 
 class Grab(msgspec.Struct, tag_field="type", tag="grab"):
     """The viewer's user takes the camera in hand."""
 
 
-Wish: TypeAlias = Layers | Look | Grab
+Wish: TypeAlias = Layers | Look | SoftLimit | Grab
 _wish: msgspec.json.Decoder[Wish] = msgspec.json.Decoder(Wish)
 
 
@@ -131,8 +140,10 @@ def view_router(view: View, page_origin: Callable[[Scope], str | None] = lambda 
             match wish:
                 case Layers(costmap):
                     view.set_layers(session, costmap)
-                case Look(viewpoint, number):
-                    view.choose(session, viewpoint, number)
+                case Look(viewpoint, number, hold):
+                    view.choose(session, viewpoint, number, hold)
+                case SoftLimit(angle):
+                    view.limit(session, angle)
                 case Grab():
                     view.grab(session)
 

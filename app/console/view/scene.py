@@ -27,6 +27,7 @@ from app.console.view.outlook import outlook
 from app.console.view.person_nodes import People
 from app.console.view.scene_state import World
 from app.console.view.screen_nodes import Screen, Screens
+from app.console.view.soft_limit import SoftLimitFan
 from app.console.view.viewer_camera import CameraState, ViewerCamera
 from app.console.view.viewer_rate import AT_LEAST, Pace
 from app.console.view.viewpoints import FIRST, Anchors, shot
@@ -131,6 +132,7 @@ class ViewerScene:
         self.camera = ViewerCamera(client)
         self._people = People(client, WORLD)
         self._forces = Forces(client, BASE)
+        self._soft_limit = SoftLimitFan(client, BASE)
         self._foreseen = Foreseen(client, WORLD, shared.footprint, shared.limits)
 
     def _points(self, name: str, size: float) -> viser.PointCloudHandle:
@@ -180,6 +182,7 @@ class ViewerScene:
             new += self._ground.draw(world, now, pace)
             new += self._screen.draw(world.picture, shown=through)
             new += self._steer(world, now, pace)
+            new += self._soft_limit.draw(pace.choice.soft_limit, self.camera.state.gaze)
         return new
 
     def steer(self, world: World, now: float, pace: Pace) -> None:

@@ -229,11 +229,16 @@ class View:
         """Show the viewer the local costmap, or not; None: as the pages do."""
         session.costmap = costmap
 
-    def choose(self, session: ViewerSession, viewpoint: Viewpoint, number: int) -> None:
-        """Let the viewer look from ``viewpoint``; each choice has another ``number``, and one said again is none."""
-        if number != session.choice.number:
-            session.choice = replace(session.choice, viewpoint=viewpoint, number=number)
+    def choose(self, session: ViewerSession, viewpoint: Viewpoint, number: int, hold: float = 1.0) -> None:
+        """Let the viewer look from ``viewpoint``, or glide there for the share ``hold`` of the time. Each choice has
+        another ``number``; one said again is none, or goes on to another ``hold``."""
+        if (number, hold) != (session.choice.number, session.choice.hold):
+            session.choice = replace(session.choice, viewpoint=viewpoint, number=number, hold=hold)
             self._draw_soon()
+
+    def limit(self, session: ViewerSession, soft_limit: float | None) -> None:
+        """Show the viewer the fan (rad) in which the head follows its view; None: it follows none."""
+        session.choice = replace(session.choice, soft_limit=soft_limit)
 
     def grab(self, session: ViewerSession) -> None:
         """The viewer's user takes the camera in hand: it glides no further."""

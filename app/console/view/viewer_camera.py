@@ -82,6 +82,8 @@ class ViewerCamera:
             self._offset = self._glide.offset.interpolate(Pose2(), self._glide.share(now))
             self._glide = None
         self._grabs = choice.grabs
+        if self._glide is not None and self._glide.hold != choice.hold:
+            self._glide = replace(self._glide, hold=choice.hold)
         if self._glide is None:
             self._X_OS = stage_of(self._viewpoint, anchors) @ self._offset
         else:

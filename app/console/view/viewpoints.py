@@ -194,16 +194,18 @@ def between(begin: Shot, end: Shot, share: float) -> Shot:
 
 @dataclass(frozen=True, slots=True)
 class Glide:
-    """From a shot ``begin`` on a stage that lay at ``offset`` (``X_TS``) of its end, since ``began`` (s)."""
+    """From a shot ``begin`` on a stage that lay at ``offset`` (``X_TS``) of its end, since ``began`` (s); it goes on
+    for the share ``hold`` (0 to 1) of its time, and stays there."""
 
     viewpoint: Viewpoint
     began: float
     begin: Shot
     offset: Pose2
+    hold: float = 1.0
 
     def share(self, now: float) -> float:
         """How far it is at ``now`` (s): 0 to 1, eased."""
-        return smoothstep((now - self.began) / GLIDE_S)
+        return smoothstep(min((now - self.began) / GLIDE_S, self.hold))
 
     def stage(self, now: float, anchors: Anchors) -> Pose2:
         """``X_OS`` at ``now``: the viewpoint's own from the end on."""
@@ -218,9 +220,12 @@ class Glide:
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """What one viewer chose last: its ``viewpoint``, the ``number`` of the choice, and how often its user has taken the
-    camera in hand (``grabs``)."""
+    """What one viewer chose last: its ``viewpoint``, the ``number`` of the choice, how often its user has taken the
+    camera in hand (``grabs``), the ``soft_limit`` (rad) within which the head follows the view (None: it does not), and
+    the share of its time at which a glide to it is to ``hold``."""
 
     viewpoint: Viewpoint = FIRST
     number: int = 0
     grabs: int = 0
+    soft_limit: float | None = None
+    hold: float = 1.0

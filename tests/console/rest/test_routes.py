@@ -253,6 +253,21 @@ async def test_the_timeline_is_queried_by_time_kind_and_number(client: httpx.Asy
     assert (await client.get("/desires", params={"again": 1})).status_code == 200
 
 
+async def test_a_long_timeline_comes_packed_to_whom_takes_that(client: httpx.AsyncClient, system: System) -> None:
+    for _ in range(10):
+        await client.post("/desires", json=NEW)
+    await system.translator.settled()
+    plain = await client.get("/timeline", headers={"Accept-Encoding": "identity"})
+    assert "Content-Encoding" not in plain.headers
+    small = await client.get("/timeline", headers={"Accept-Encoding": "gzip, br"})
+    assert small.headers["Content-Encoding"] == "gzip"
+    assert small.headers["Vary"] == plain.headers["Vary"] == "Accept-Encoding"
+    assert int(small.headers["Content-Length"]) < len(plain.content) / 4
+    assert small.json()["events"][: len(plain.json()["events"])] == plain.json()["events"]
+    short = await client.get("/timeline", params={"limit": 1}, headers={"Accept-Encoding": "gzip"})
+    assert "Content-Encoding" not in short.headers
+
+
 async def test_the_emergency_stop_is_latched_and_released(client: httpx.AsyncClient, body: Body) -> None:
     latched = (await client.post("/stop")).json()
     assert latched["e_stop"] == "latched"

@@ -8,11 +8,12 @@ import json
 import math
 from typing import Any
 
+import numpy as np
 import pytest
 import websockets
 
 from app.base.geometry import Pose2
-from app.console.view.viewpoints import Anchors, Shot, shot
+from app.console.view.viewpoints import Anchors, Shot, between, shot, shot_of
 from app.messages import Odometry
 from app.program.system import System
 from tests.console.program import Body
@@ -87,4 +88,37 @@ async def test_a_hand_on_the_camera_ends_a_glide(url: str) -> None:
         await pulse.send(json.dumps({"type": "viewpoint", "viewpoint": "map", "number": 1}))
         await pulse.send(json.dumps({"type": "grab"}))
         await pulse.send(json.dumps({"type": "viewpoint", "viewpoint": "top", "number": 2}))
+        await glided_to(viewer, shot("top", Anchors()))
+
+
+async def test_the_soft_limit_of_a_viewer_is_drawn_for_it(url: str) -> None:
+    pulse_address = f"{url.replace('http', 'ws')}/viser/pulse?viewer=abc"
+    async with (
+        looking(url) as viewer,
+        websockets.connect(pulse_address, proxy=None, close_timeout=1) as pulse,
+        asyncio.timeout(PATIENCE_S),
+    ):
+        await viewer.until(("PointCloudMessage", "/odom/cloud"))
+        # Of these only the last is one.
+        for angle in (-1.0, 4.0, "0.5", 0.5):
+            await pulse.send(json.dumps({"type": "soft_limit", "angle": angle}))
+        await viewer.until(("MeshMessage", "/base_link/soft_limit/surface"))
+        await pulse.send(json.dumps({"type": "soft_limit", "angle": None}))
+        await viewer.until(("SetSceneNodeVisibilityMessage", "/base_link/soft_limit/edge"))
+
+
+async def test_a_glide_is_held_at_a_share_of_its_time_and_goes_on(url: str) -> None:
+    pulse_address = f"{url.replace('http', 'ws')}/viser/pulse?viewer=abc"
+    async with (
+        looking(url) as viewer,
+        websockets.connect(pulse_address, proxy=None, close_timeout=1) as pulse,
+        asyncio.timeout(PATIENCE_S),
+    ):
+        await viewer.until(("PointCloudMessage", "/odom/cloud"))
+        first = shot_of(np.array(CAMERA.position), np.array(CAMERA.look_at), CAMERA.fov)
+        look = {"type": "viewpoint", "viewpoint": "top", "number": 1}
+        await pulse.send(json.dumps(look | {"hold": 0.5}))
+        await glided_to(viewer, between(first, shot("top", Anchors()), 0.5))
+        assert (await camera_said(pulse, number=1))["arrived"] is False
+        await pulse.send(json.dumps(look))
         await glided_to(viewer, shot("top", Anchors()))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -138,3 +139,12 @@ def test_a_camera_that_a_browser_reports_is_the_shot_that_it_was_set_to(at: Shot
 def test_a_camera_on_its_target_is_moved_off_it() -> None:
     is_sound(shot_of(np.zeros(3), np.zeros(3), 1.0))
     is_sound(shot_of(np.array([0.0, 0.0, 5.0]), np.zeros(3), 1.0))
+
+
+def test_a_glide_that_is_held_stays_where_it_is_then_and_goes_on() -> None:
+    glide = Glide("top", 0.0, shot("behind", Anchors()), Pose2(), hold=0.4)
+    there = replace(glide, hold=1.0)
+    assert glide.shot(0.2 * GLIDE_S, Anchors()) == there.shot(0.2 * GLIDE_S, Anchors())
+    held = there.shot(0.4 * GLIDE_S, Anchors())
+    assert math.dist(glide.shot(99.0, Anchors()).eye, held.eye) < 1e-9
+    assert there.shot(99.0, Anchors()) == shot("top", Anchors())

@@ -3,7 +3,7 @@
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { fromRobot, t } from "../i18n";
-import { idempotencyKey, Problem } from "../protocol/rest";
+import { idempotencyKey, inWords, Problem } from "../protocol/rest";
 import type { DesireClass } from "../protocol/types";
 import { useApp } from "../state/context";
 import { nameAndTitle, spaced } from "../ui/format";
@@ -56,7 +56,7 @@ function QuickButton({ one }: { one: Quick }) {
       await session.rest.addDesire(one.desire, idempotencyKey());
       store.notify("info", t("Added a desire: {title}.", { title: one.title }));
     } catch (error) {
-      store.notify("error", `${one.title}: ${error instanceof Problem ? error.detail || error.title : String(error)}`);
+      store.notify("error", `${one.title}: ${inWords(error)}`);
     } finally {
       busy.value = false;
     }
@@ -170,7 +170,10 @@ function Form({ classes, onClose }: { classes: DesireClass[]; onClose: () => voi
       const refused =
         error instanceof Problem ? error : new Problem(0, t("The desire could not be added"), String(error));
       const { byField, rest } = placeErrors(refused.errors, fields);
-      problem.value = { title: refused.title, lines: [refused.detail, ...rest].filter(Boolean) };
+      problem.value = {
+        title: fromRobot(refused.title),
+        lines: [refused.detail, ...rest].filter(Boolean).map(fromRobot),
+      };
       fail(byField);
     } finally {
       busy.value = false;

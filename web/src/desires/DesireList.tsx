@@ -2,7 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { fromRobot, named, t } from "../i18n";
-import { Problem } from "../protocol/rest";
+import { inWords } from "../protocol/rest";
 import type { Accomplishment, Desire, DesireReport } from "../protocol/types";
 import { useApp } from "../state/context";
 import { ago, clockTime, left, number, spaced } from "../ui/format";
@@ -66,10 +66,7 @@ function Row({ desire, report }: { desire: Desire; report: Accomplishment | null
       await work;
       return true;
     } catch (error) {
-      problem.value =
-        error instanceof Problem
-          ? [error.title, error.detail, ...error.errors.map((e) => e.message)].filter(Boolean).join(". ")
-          : String(error);
+      problem.value = inWords(error);
       return false;
     }
   };

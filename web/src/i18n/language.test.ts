@@ -97,3 +97,14 @@ test("a sentence of the program keeps its places", () => {
   const differ = Object.entries(robot.sentences).filter(([en, into]) => `${places(en)}` !== `${places(into)}`);
   expect(differ).toEqual([]);
 });
+
+test("a refusal is translated as a sentence by itself, and what it says within it", () => {
+  french();
+  expect(fromRobot("There is a map called lab already; delete it first, or choose another name.")).toBe(
+    "Il y a déjà une carte appelée lab\u202f; supprimez-la d’abord, ou choisissez un autre nom.",
+  );
+  expect(fromRobot("Nothing can be saved: the ring holds nothing yet.")).toBe(
+    "Rien ne peut être gardé\u202f: la boucle ne contient encore rien.",
+  );
+  expect(langOf("There is nothing like it.")).toBe("en");
+});

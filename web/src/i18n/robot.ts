@@ -24,13 +24,25 @@ export function named(name: string): string {
 /** A sentence of the program; as it is where the reader's language has none. */
 export function fromRobot(text: string): string {
   const { robot } = shown.value;
-  return robot ? (translated(text, robot) ?? text) : text;
+  return robot ? (spoken(text, robot) ?? text) : text;
 }
 
 /** "en" where the program's `text` stays English on a page of another language. */
 export function langOf(text: string): "en" | undefined {
   const { robot } = shown.value;
-  return robot && text !== "" && translated(text, robot) === null ? "en" : undefined;
+  return robot && text !== "" && spoken(text, robot) === null ? "en" : undefined;
+}
+
+/** A sentence by itself may be one that the program says within others, too: with a capital and a full stop. */
+function spoken(text: string, robot: RobotWords): string | null {
+  const whole = translated(text, robot);
+  if (whole !== null) return whole;
+  const bare = text.replace(/\.$/, "");
+  const stop = text.slice(bare.length);
+  const plain = stop ? translated(bare, robot) : null;
+  if (plain !== null) return plain + stop;
+  const inner = translated(bare.charAt(0).toLowerCase() + bare.slice(1), robot);
+  return inner === null ? null : inner.charAt(0).toUpperCase() + inner.slice(1) + stop;
 }
 
 function translated(text: string, robot: RobotWords, depth = 0): string | null {
@@ -47,7 +59,10 @@ function translated(text: string, robot: RobotWords, depth = 0): string | null {
 
 /** What stands in a sentence: a sentence, a name, a figure, or what people or the program call something. */
 function value(text: string, robot: RobotWords, depth: number): string {
-  return translated(text, robot, depth) ?? robot.names[spaceBetween(text)] ?? figures(text);
+  const whole = translated(text, robot, depth) ?? robot.names[spaceBetween(text)];
+  if (whole !== undefined) return whole;
+  const last = text.endsWith(".") ? translated(text.slice(0, -1), robot, depth) : null;
+  return last === null ? figures(text) : `${last}.`;
 }
 
 function figures(text: string): string {

@@ -1,6 +1,6 @@
 import { parseSync } from "vite";
 import { expect, test } from "vitest";
-import { fr } from "./fr";
+import { fr, robot } from "./fr";
 import type { Catalogue } from "./text";
 
 const CATALOGUE: Catalogue = fr;
@@ -99,6 +99,7 @@ test("a text has the same places for values in both languages", () => {
 test("French has its spaces and its apostrophes", () => {
   const wrong = Object.keys(CATALOGUE)
     .flatMap(forms)
+    .concat(Object.values(robot.names), Object.values(robot.sentences))
     .filter((text) => / [:;!?%»]|« |\w'\w|\w[;!?»]/.test(text));
   expect(wrong).toEqual([]);
 });

@@ -1,6 +1,6 @@
 /** What the lanes show of the robot's events: what was exploited, Ω and budgets, and those of no class, folded. Pure. */
 
-import { named } from "../i18n";
+import { fromRobot, langOf, named } from "../i18n";
 import type { RobotEvent } from "../protocol/types";
 
 export interface Spell {
@@ -89,5 +89,7 @@ export function folded(events: readonly RobotEvent[], apart: number): Folded[] {
 
 /** "imv stale 12×". */
 export function foldedWords({ kind, subject, count }: Folded): string {
-  return `${named(subject)} ${named(kind)}${count > 1 ? ` ${count}×` : ""}`;
+  const both = `${subject} ${kind}`;
+  const words = langOf(both) === undefined ? fromRobot(both) : `${named(subject)} ${named(kind)}`;
+  return `${words}${count > 1 ? ` ${count}×` : ""}`;
 }

@@ -2,7 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { named, t } from "../i18n";
-import { Problem } from "../protocol/rest";
+import { inWords } from "../protocol/rest";
 import type { Intention } from "../protocol/types";
 import { useApp } from "../state/context";
 import { number } from "../ui/format";
@@ -40,7 +40,7 @@ export function Budget({ name, label, use }: Props) {
         t("The budget is {capacity} {unit} now.", { capacity: number(capacity, 2), unit: named(use.unit) }),
       );
     } catch (error) {
-      problem.value = error instanceof Problem ? error.detail || error.title : String(error);
+      problem.value = inWords(error);
     }
   };
   return (

@@ -2,7 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { named, t } from "../i18n";
-import { idempotencyKey, Problem } from "../protocol/rest";
+import { idempotencyKey, inWords } from "../protocol/rest";
 import type { NewDesire } from "../protocol/types";
 import { useApp } from "../state/context";
 import { SpeechIcon } from "../ui/icons";
@@ -25,7 +25,7 @@ export function SayButton() {
       await session.rest.addDesire(wanted, idempotencyKey());
       return true;
     } catch (error) {
-      problem.value = error instanceof Problem ? error.detail || error.title : String(error);
+      problem.value = inWords(error);
       return false;
     }
   };

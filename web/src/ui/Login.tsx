@@ -3,7 +3,7 @@
 import { useSignal } from "@preact/signals";
 import { t } from "../i18n";
 import { LanguageChoice } from "../i18n/LanguageChoice";
-import { Problem } from "../protocol/rest";
+import { inWords } from "../protocol/rest";
 import { useApp } from "../state/context";
 
 export function Login() {
@@ -22,7 +22,7 @@ export function Login() {
     try {
       await session.logIn(token.value.trim());
     } catch (error) {
-      problem.value = error instanceof Problem ? error.detail || error.title : String(error);
+      problem.value = inWords(error);
     } finally {
       busy.value = false;
     }

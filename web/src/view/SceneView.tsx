@@ -58,6 +58,7 @@ export function SceneView() {
   useSignalEffect(() => scene.takeKeys(keysOfPage(store)));
   useSignalEffect(() => scene.drives(drive.holding.value));
   useSignalEffect(() => void (store.softLimit.value = follow.softLimit.value));
+  useSignalEffect(() => scene.limits(follow.softLimit.value?.angle ?? null));
   useEffect(() => {
     if (live) void scene.answered(); // not before the login
   }, [live]);
@@ -98,7 +99,8 @@ export function SceneView() {
 function SceneLegend() {
   const { store } = useApp();
   const { scans, places, faces, voices } = store.body.value;
-  if (!(scans || places || faces || voices)) return null;
+  const follows = store.softLimit.value !== null;
+  if (!(scans || places || faces || voices || follows)) return null;
   return (
     <ul class="scene-legend" data-testid="scene-legend" aria-label={t("Colours of the 3D view")}>
       {scans && <li>{rich("laser: near {colors} far", { colors: <i class="laser-colors" /> })}</li>}
@@ -120,6 +122,12 @@ function SceneLegend() {
           {t("voice")}
           <i class="sound-color" />
           {t("other sound")}
+        </li>
+      )}
+      {follows && (
+        <li>
+          <i class="limit-color" />
+          {t("the head turns alone")}
         </li>
       )}
     </ul>

@@ -52,6 +52,20 @@ test("the view hears whether somebody drives", async () => {
   expect(inner.postMessage).toHaveBeenLastCalledWith({ type: "driving", driving: true }, "http://127.0.0.1:8081");
 });
 
+test("the view hears how far aside the head follows it, again when its page was loaded again", async () => {
+  const { scene, say, inner } = framed(APART);
+  await scene.open();
+  scene.limits(null); // as it is
+  scene.limits(0.5);
+  say({ type: "ready" });
+  const limits = () => inner.postMessage.mock.calls.map(([said]) => said).filter(({ type }) => type === "soft_limit");
+  expect(limits()).toEqual([{ type: "soft_limit", angle: 0.5 }]);
+  scene.limits(0.5);
+  scene.limits(null);
+  expect(limits().at(-1)).toEqual({ type: "soft_limit", angle: null });
+  expect(limits()).toHaveLength(2);
+});
+
 test("pages of other origins are not heard", async () => {
   const { scene, say, struck } = framed(APART);
   await scene.open();

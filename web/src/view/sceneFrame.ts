@@ -42,6 +42,7 @@ export class SceneFrame {
   private readonly keys: SceneKeys;
   private choice: { viewpoint: Viewpoint; number: number } | null = null;
   private taken: string[] = [];
+  private softLimit: number | null = null;
   private turn = 0;
   /** Something has loaded that has not said yet that it is our page. */
   private ready: ReturnType<typeof setTimeout> | undefined;
@@ -93,6 +94,13 @@ export class SceneFrame {
     this.say({ type: "driving", driving });
   }
 
+  /** The head follows the view as far aside (rad); null: it does not. */
+  limits(angle: number | null): void {
+    if (angle === this.softLimit) return;
+    this.softLimit = angle;
+    this.say({ type: "soft_limit", angle });
+  }
+
   /** Looks from there; chosen again, it goes back there. */
   look(viewpoint: Viewpoint): void {
     this.choice = { viewpoint, number: (this.choice?.number ?? 0) + 1 };
@@ -108,6 +116,7 @@ export class SceneFrame {
       this.say({ type: "keys", codes: this.taken });
       this.camera.value = null;
       if (this.choice) this.say({ type: "viewpoint", ...this.choice });
+      if (this.softLimit !== null) this.say({ type: "soft_limit", angle: this.softLimit });
     } else if (message.type === "frames") this.parts.frames(message.ms);
     else if (message.type === "camera") this.takeCamera(message);
     else if (message.type === "hand") this.onHand(message.down);

@@ -50,6 +50,8 @@ export type ToScene =
   | { type: "keys"; codes: string[] }
   /** Another number is another choice. */
   | { type: "viewpoint"; viewpoint: Viewpoint; number: number }
+  /** How far aside (rad) the head follows the view; null: it does not. */
+  | { type: "soft_limit"; angle: number | null }
   /** Whether anything is held to drive: what is drawn waits for it, where the processor draws. */
   | { type: "driving"; driving: boolean }
   /** The robot answers again: viser shall try at once. */

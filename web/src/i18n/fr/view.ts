@@ -83,6 +83,7 @@ export const view = {
   "QR code found": "code QR trouvé",
   "person seen": "personne vue",
   "other sound": "autre son",
+  "the head turns alone": "la tête tourne seule",
   "Viewpoints of the 3D view": "Points de vue de la vue 3D",
   "Head follows the view": "La tête suit la vue",
   "The head follows the view while you drag it or drive; {limit}° aside, the robot turns after it":
