@@ -21,7 +21,8 @@ def check(text: str) -> int:
         raise failure if isinstance(failure, Refused) else Refused(f"it is not whole: {failure!r}") from None
 
 
-def _check(problem: Any, selected: Any, fulfilled: Any, relaxed: Any, prices: Any, trees: Any) -> int:
+def _check(certificate: Any, problem: Any, selected: Any, fulfilled: Any, relaxed: Any, trees: Any, prices: Any) -> int:
+    _require(certificate == 1, "its version is not 1")
     have, secure = {f"resource {name}": capacity for name, capacity in problem["capacities"].items()}, list[str]()
     for cls, desire in sorted(problem["desires"].items(), key=lambda item: (-item[1]["intensity"], item[0])):
         if desire["security"] and desire["utility"] and cls in relaxed:  # impossible beside those that are kept
@@ -39,7 +40,8 @@ def _check(problem: Any, selected: Any, fulfilled: Any, relaxed: Any, prices: An
         grain = gcd(*(rows[row] for group in groups for _, rows in group)) or 1
         _refute(groups, have | equal | {row: -reached.get(row, 0) - grain}, trees[row], prices, equal)
         equal[row] = -reached.get(row, 0)
-    return int(reached.get("criterion 0", 0) + problem["spare"] * have.get(f"resource {problem['spare_of']}", 0))
+    spare: int = problem["spare"] * have.get(f"resource {problem['spare_of']}", 0)
+    return spare + sum(rows["criterion 0"] for _, rows in chosen)
 
 
 def _refute(groups: Any, have: dict[str, int], tree: Any, prices: Any, equal: dict[str, int]) -> None:

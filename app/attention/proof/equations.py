@@ -1,7 +1,7 @@
 """A selection problem as its certificate states it, in rows: equations 4.4–4.10 and the order of ties.
 
-A *choice* of a class is a set of its strategies that may stand together, fulfilling it or not. A *row* is a sum over the
-choices of all classes, in thousandths: ``resource R`` is what is left of one, ``class K`` what is produced of one
+A *choice* of a class is a set of its strategies that may stand together, fulfilling it or not. A *row* is a sum over
+the choices of all classes, in thousandths: ``resource R`` is what is left of one, ``class K`` what is produced of one
 beyond what is asked of it, both 0 or more where a selection is possible; ``criterion N`` is to be as great as can be,
 the first of them first. This imports nothing of the program: the solver has its own way to state a problem.
 """

@@ -10,6 +10,7 @@ from __future__ import annotations
 import time
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, Final
 
 import numpy as np
@@ -32,6 +33,10 @@ Tree = list["str | int"]
 
 class NotProven(Exception):
     """There is no certificate; the message says why."""
+
+
+class NotBest(NotProven):
+    """There is no certificate, since there is a better selection."""
 
 
 @dataclass(slots=True)
@@ -118,7 +123,7 @@ class Refutation:
             return total < 0
         exact = sum(n * self._have[row] for row, n in prices.of.items())
         spans = [*self._starts, len(alive)]
-        for first, end in zip(spans[:-1], spans[1:], strict=True):
+        for first, end in pairwise(spans):
             left = (self._choices[place][1] for place in range(first, end) if alive[place])
             exact += max(sum(n * amounts[row] for row, n in prices.of.items()) for amounts in left)
         return exact < 0
@@ -145,6 +150,8 @@ class Refutation:
                 value[fact] = max(value.get(fact, -np.inf), float(prices.priced[place]))
         facts = sorted(value, key=lambda fact: (fact.startswith("fulfilled "), -value[fact], fact))
         named = [fact for fact in facts if not fact.startswith("fulfilled ")] or facts
+        if all(self._choices[place][0] & {*named} for place in mine):
+            named.pop()
         return prices, [(fact, *self._masks(fact, mine)) for fact in named]
 
     def _masks(self, fact: str, mine: Sequence[int]) -> tuple[Mask, Mask]:
@@ -158,7 +165,10 @@ class Refutation:
         """Whole prices of ``weights``, which are of rows in their greatest amounts."""
         weights = np.where(self._free, weights, np.maximum(weights, 0.0))
         top = float(np.abs(weights).max(initial=0.0)) or 1.0
-        whole = [round(float(w) / top * 2**_BITS * float(self._scale.max() / s)) for w, s in zip(weights, self._scale, strict=True)]
+        whole = [
+            round(float(w) / top * 2**_BITS * float(self._scale.max() / s))
+            for w, s in zip(weights, self._scale, strict=True)
+        ]
         of = {row: n for row, n in zip(self._have, whole, strict=True) if n}
         floats = np.array(whole, dtype=np.float64)
         fixed = float(sum(n * self._have[row] for row, n in of.items()))
@@ -175,7 +185,11 @@ class Refutation:
             if total < 0 or (total and row in self._equal):
                 sign = 1 if total < 0 else -1
                 return _Prices({row: sign}, sign * self._amounts[place], float(sign * have), float("inf"))
-        raise NotProven("there is a better selection")
+        raise NotBest(f"there is a better selection: {', '.join(self._names(alive)) or 'nothing'}")
+
+    def _names(self, alive: Mask) -> list[str]:
+        facts = {fact for place in np.flatnonzero(alive) for fact in self._choices[place][0]}
+        return sorted(fact for fact in facts if not fact.startswith("fulfilled "))
 
 
 class _Relaxation:
