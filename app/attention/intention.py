@@ -19,7 +19,8 @@ class Intention:
 
     ``stamp`` when it was applied; ``selection`` the solver's answer; ``strategies`` those selected; ``divisors`` φ of
     every filter that some strategy of the table sets (math.inf: closed); ``parameters`` P' by module; ``reasons`` by
-    desired class; ``desires`` the strongest of each class at the time; ``capacities`` the budgets at the time.
+    desired class; ``desires`` the strongest of each class at the time; ``capacities`` the budgets at the time;
+    ``previous`` the strategies that were selected then.
     """
 
     stamp: float
@@ -30,6 +31,7 @@ class Intention:
     reasons: Mapping[str, Reason]
     desires: Mapping[str, Desire]
     capacities: Mapping[str, float]
+    previous: frozenset[str] = frozenset()
 
 
 def divisors_of(strategies: Collection[Strategy], controlled: Collection[str]) -> dict[str, float]:

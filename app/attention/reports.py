@@ -9,6 +9,7 @@ from app.attention.intention import Intention
 from app.attention.strategies import Resource, Strategy, StrategyTable
 from app.attention.workspace import IntentionWorkspace
 from app.messages import (
+    Asked,
     DesireClassReport,
     Desires,
     IntentionReport,
@@ -93,4 +94,6 @@ def intention_report(intention: Intention, resources: Mapping[str, Resource]) ->
         reasons=intention.reasons,
         parameters=intention.parameters,
         desires={cls: desire.id for cls, desire in intention.desires.items()},
+        asked={cls: Asked(d.intensity, d.utility, d.security) for cls, d in intention.desires.items()},
+        previous=tuple(sorted(intention.previous)),
     )

@@ -292,6 +292,7 @@ class IntentionTranslator:
             reasons=selection.reasons,
             desires=problem.desires,
             capacities=problem.capacities,
+            previous=problem.previous,
         )
         self._configure(before.parameters if before is not None else {}, intention.parameters)
         old = before.divisors if before is not None else {}

@@ -1,4 +1,4 @@
-"""``hbba check FILE…``: is this configuration right, and if not, where is the mistake."""
+"""``hbba check FILE…``: is this configuration right, and if not, where is the mistake; is what was proven so."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from app.base.errors import ConfigError
+from app.commands.check_proofs import check_proofs
 from app.commands.output import add_json, print_json
 from app.commands.packaged import config_file
 
@@ -19,9 +20,11 @@ _Check = Callable[[Path], "tuple[str, ...] | None"]
 def add_parser(subparsers: Any) -> None:
     parser = subparsers.add_parser(
         "check",
-        help="validate configuration files",
+        help="validate configuration files; check what attention proved",
         description="Validate configuration: programs, robots, worlds, strategies, channels, problems to solve. "
-        "Each mistake is said as FILE:LINE: what is wrong and what is allowed. Exit code 2 if there is any.",
+        "Each mistake is said as FILE:LINE: what is wrong and what is allowed. Exit code 2 if there is any. "
+        "A certificate of `hbba solve --certificate` is checked without the solver; so is each proven selection of a "
+        "recording, once it is certified.",
     )
     parser.add_argument("files", nargs="+", metavar="FILE", help="a file, or a name as jackal or robots/webcam")
     add_json(parser)
@@ -32,17 +35,22 @@ def run(args: argparse.Namespace) -> int:
     results: list[dict[str, object]] = []
     for named in args.files:
         kind = mistake = None
+        result = ""
         warnings: list[str] = []
         path = Path(named)
         try:
             path = config_file(named, "configuration")
-            kind, cautions = check_file(path)
-            warnings = list(cautions)
+            proofs = check_proofs(path)
+            if proofs is not None:
+                kind, result, warnings = proofs.kind, proofs.result, list(proofs.cautions)
+            else:
+                kind, cautions = check_file(path)
+                result, warnings = "no mistake found", list(cautions)
         except ConfigError as failure:
             mistake = str(failure)
             print(mistake, file=sys.stderr)
         if kind is not None and not args.json:
-            print(f"{path}: {kind}, no mistake found{_counted(warnings)}{_packages(path, kind)}")
+            print(f"{path}: {kind}, {result}{_counted(warnings)}{_packages(path, kind)}")
         for warning in warnings:
             print(warning, file=sys.stderr)
         results.append({"file": str(path), "kind": kind, "mistake": mistake, "warnings": warnings})

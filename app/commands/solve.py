@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from app.base.yaml_source import Document
 
 LONGEST_S: Final = 86_400
+#: A problem in a file is of no time, and says itself what is desired.
+_OF_A_PROGRAM: Final = ("stamp", "desires", "asked", "previous")
 MORE_TIME: Final = "try a greater --time-limit"
 
 
@@ -34,6 +36,11 @@ def add_parser(subparsers: Any) -> None:
     )
     parser.add_argument("file", nargs="?", metavar="FILE", help="the problem; - reads standard input")
     add_json(parser)
+    parser.add_argument(
+        "--certificate",
+        metavar="FILE",
+        help="also write the proof that no selection is better, for `hbba check`; - prints it instead of the answer",
+    )
     parser.add_argument("--schema", action="store_true", help="print the JSON Schema of the problem format and leave")
     parser.add_argument(
         "--time-limit",
@@ -78,6 +85,12 @@ def run(args: argparse.Namespace) -> int:
     except SolverFailed as failure:
         print(f"hbba solve: {failure}; {MORE_TIME}", file=sys.stderr)
         return 1
+    code = 0
+    if args.certificate is not None:
+        # First of all: who reads the answer may close it before its end.
+        code = _certified(stated, selection, deadline, args.certificate)
+        if args.certificate == "-":
+            return code
     if args.json:
         print_json(_answer_as_json(stated, selection, deadline))
     else:
@@ -88,7 +101,7 @@ def run(args: argparse.Namespace) -> int:
         print(report_selection(stated, selection, plain=plain), flush=True)
         selection = _explained(stated, selection, deadline)
         print(report_consequences(stated, selection, *_consequences(stated, selection), plain=plain))
-    return 0
+    return code
 
 
 def _read(file: str, text: str | None) -> tuple[Document, StatedProblem]:
@@ -100,6 +113,31 @@ def _read(file: str, text: str | None) -> tuple[Document, StatedProblem]:
     else:
         document, folder = load_yaml(file), Path(file).resolve().parent
     return document, read_problem(document, folder)
+
+
+def _certified(stated: StatedProblem, selection: Selection, deadline: float, file: str) -> int:
+    """Write the certificate to ``file`` (``-``: print it); the exit code. Raises ConfigError if it cannot be
+    written."""
+    from app.attention.proof.certificate import certify
+    from app.attention.proof.prover import NotProven
+    from app.attention.proof.statement import claim_of
+
+    if not selection.proven:
+        print(f"hbba solve: no certificate: the selection is not proven; {MORE_TIME}", file=sys.stderr)
+        return 1
+    try:
+        text = certify(claim_of(stated.problem, selection), time_limit_s=deadline - time.perf_counter())
+    except NotProven as failure:
+        print(f"hbba solve: no certificate: {failure}", file=sys.stderr)
+        return 1
+    if file == "-":
+        print(text, end="")
+        return 0
+    try:
+        Path(file).write_text(text, encoding="utf-8")
+    except OSError as failure:
+        raise ConfigError(f"{file} cannot be written: {failure.strerror}") from None
+    return 0
 
 
 def _explained(stated: StatedProblem, selection: Selection, deadline: float) -> Selection:
@@ -140,8 +178,7 @@ def _answer_as_json(stated: StatedProblem, selection: Selection, deadline: float
         capacities=problem.capacities,
     )
     answer: dict[str, object] = msgspec.to_builtins(intention_report(intention, stated.table.resources))
-    # A problem in a file is of no time, and its desires have no ids.
-    return {k: v for k, v in answer.items() if k not in ("stamp", "desires")} | {"unexplained": unexplained(selection)}
+    return {k: v for k, v in answer.items() if k not in _OF_A_PROGRAM} | {"unexplained": unexplained(selection)}
 
 
 def _speaks_unicode() -> bool:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 YAML = "application/yaml"
+JSON = "application/json"
 
 
 @dataclass(frozen=True, slots=True)

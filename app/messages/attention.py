@@ -148,6 +148,15 @@ class ResourceUse:
 
 
 @dataclass(frozen=True, slots=True)
+class Asked:
+    """What the strongest desire of a class asked for, when the problem was solved."""
+
+    intensity: float
+    utility: float
+    security: bool
+
+
+@dataclass(frozen=True, slots=True)
 class IntentionReport:
     """The intention at work: what was selected, what follows from it, and why. Published when it is put in force, and
     again once its reasons are complete."""
@@ -168,6 +177,10 @@ class IntentionReport:
     reasons: Annotated[Mapping[str, Reason], doc("By desired class.")]
     parameters: Annotated[Mapping[str, Mapping[str, Any]], doc("What each module was handed.")]
     desires: Annotated[Mapping[str, str], doc("Id of the strongest desire of each class that it answers.")]
+    asked: Annotated[
+        Mapping[str, Asked], doc("By class, what that desire asked for; empty in recordings of older programs.")
+    ] = field(default_factory=dict)
+    previous: Annotated[tuple[str, ...], doc("Strategies that were selected before; of equals, they stay.")] = ()
 
 
 class LaneRow(Struct, frozen=True, rename={"cls": "class"}):

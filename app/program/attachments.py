@@ -6,13 +6,16 @@ import mimetypes
 import os
 import posixpath
 import subprocess
+from dataclasses import replace
 from pathlib import Path, PurePath
 
 from app.attention.calibration import calibration_file
+from app.attention.problem import SelectionProblem
+from app.attention.proof.statement import TABLE_FILE, table_data
 from app.base import paths
 from app.base.errors import ConfigError
 from app.base.extensions import ATTACHED, split_package_file
-from app.logs.manifest import YAML, AttachedFile, Manifest
+from app.logs.manifest import JSON, YAML, AttachedFile, Manifest
 from app.program.config import Configuration
 from app.robots.config import RobotConfig
 from app.robots.factory import Body, load_body
@@ -54,6 +57,12 @@ def snapshot(configuration: Configuration, graph: Graph, robot: str, body: Body 
         facts["scenario"] = "" if body.scenario is None else _of_body(body.scenario, configuration)
     facts.update(stream_facts(graph))
     return Manifest(tuple(_attached(name, file) for name, file in files.items()), facts)
+
+
+def with_table(manifest: Manifest, problem: SelectionProblem) -> Manifest:
+    """``manifest`` with the table of ``problem`` as attention has it: with calibrated costs, and without what the
+    program leaves out. Selections in the recording are checked with it."""
+    return replace(manifest, files=(*manifest.files, AttachedFile(TABLE_FILE, JSON, table_data(problem))))
 
 
 def _named(configuration: Configuration, path: Path) -> tuple[str, Path]:

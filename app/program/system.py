@@ -36,7 +36,7 @@ from app.maps.map_service import MapService
 from app.maps.place_service import PlaceService
 from app.maps.route_service import RouteService
 from app.messages import Accomplishment, BatteryState, Exploitation, LoadReport, PerceptEvent, PerceptKind
-from app.program.attachments import snapshot
+from app.program.attachments import snapshot, with_table
 from app.program.battery_watch import BatteryWatch
 from app.program.body_restart import BodyRestarter
 from app.program.config import Configuration, PowerConfig, load_configuration
@@ -145,7 +145,6 @@ class System:
             services=services,
             error=configuration.wiring_error,
         )
-        services[Manifest] = snapshot(configuration, self.graph, self.link.description.name, body)
         self.table = self._load_table()
         #: Warnings about the configuration.
         self.cautions = self._attend()
@@ -158,6 +157,8 @@ class System:
         self._modules = ModuleMeter(self.graph.modules, self.supervisor, self.load)
         self.watchdog = LoopWatchdog(meters)
         self.translator = self._make_translator()
+        manifest = snapshot(configuration, self.graph, self.link.description.name, body)
+        services[Manifest] = with_table(manifest, self.translator.problem())
         self._battery = BatteryWatch(self.timeline, self._power(), self.translator.set_capacity)
         self._lanes = None if "lanes" in recorded else self._lane_monitor()
         self.body_restarter = BodyRestarter(self.link, self.supervisor, self._renew_state, self.timeline, self.clock)

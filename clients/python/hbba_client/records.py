@@ -39,6 +39,14 @@ class Alternative(Struct, kw_only=True, frozen=True):
     """Of `without`: the other class; else empty."""
 
 
+class Asked(Struct, kw_only=True, frozen=True):
+    """What the strongest desire of a class asked for, when the problem was solved."""
+
+    intensity: float
+    utility: float
+    security: bool
+
+
 class Asker(Struct, kw_only=True, frozen=True):
     """Who asks the driver for the wheel."""
 
@@ -477,6 +485,10 @@ class IntentionReport(Struct, kw_only=True, frozen=True):
     """What each module was handed."""
     desires: dict[str, str]
     """Id of the strongest desire of each class that it answers."""
+    asked: dict[str, Asked]
+    """By class, what that desire asked for; empty in recordings of older programs."""
+    previous: list[str]
+    """Strategies that were selected before; of equals, they stay."""
 
 
 class Jump(Struct, kw_only=True, frozen=True):

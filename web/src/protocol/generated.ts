@@ -31,6 +31,13 @@ export interface Alternative {
   without: string;
 }
 
+/** What the strongest desire of a class asked for, when the problem was solved. */
+export interface Asked {
+  intensity: number;
+  utility: number;
+  security: boolean;
+}
+
 /** Who asks the driver for the wheel. */
 export interface Asker {
   operator: string;
@@ -419,6 +426,10 @@ export interface IntentionReport {
   parameters: Record<string, Record<string, unknown>>;
   /** Id of the strongest desire of each class that it answers. */
   desires: Record<string, string>;
+  /** By class, what that desire asked for; empty in recordings of older programs. */
+  asked: Record<string, Asked>;
+  /** Strategies that were selected before; of equals, they stay. */
+  previous: string[];
 }
 
 /** Where a recording goes on. */
