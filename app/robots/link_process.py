@@ -18,6 +18,8 @@ from app.robots.link_protocol import FrameReader, Sample, encode
 STOP_TIMEOUT_S = 0.6
 #: Bytes that a process may leave unread before commands to it are dropped: they would arrive too late.
 UNSENT_BYTES = 4096
+#: The exit status of a process whose last line says to people why it ended.
+REFUSED = 3
 _LAST_LINES = 12
 
 log = logging.getLogger(__name__)
@@ -157,6 +159,8 @@ class LinkProcess(asyncio.Protocol):
     def _sentence(self, status: int) -> str | None:
         """The process's error message for people, if it ended with one."""
         words = self._words()
+        if status == REFUSED and words:
+            return words[-1]
         return words[0] if status == 1 and len(words) == 1 else None
 
     def _exit_reason(self, status: int) -> str:

@@ -29,7 +29,9 @@ _TOPIC = re.compile(r"/?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*")
 
 def _is_topic(name: str) -> str:
     if not _TOPIC.fullmatch(name):
-        raise ValueError("a topic's name is of letters, digits and _, in parts joined by /, none beginning with a digit")
+        raise ValueError(
+            "a topic's name is of letters, digits and _, in parts joined by /, none beginning with a digit"
+        )
     return name
 
 
@@ -53,6 +55,9 @@ class GraphConfig(ConfigModel):
     namespace: Topic | Literal[""] = Field(default="", description="before every topic that does not begin with /")
     clock: Literal["header", "sim", "arrival"] = "header"
     clock_tolerance_s: Annotated[float, Field(gt=0, le=10)] = 0.5
+    found_within_s: Annotated[float, Field(gt=0, le=600)] = Field(
+        default=15.0, description="how long the robot may take to appear when the program starts"
+    )
 
 
 class TopicConfig(ConfigModel):
@@ -122,7 +127,9 @@ class Ros2Config(BodyConfig):
     def _requires_what_it_has(self) -> Self:
         required = self.limits.required_sensors
         if "odometry" not in required:
-            raise ValueError("limits: required_sensors must have odometry, by which it is known whether the robot lives")
+            raise ValueError(
+                "limits: required_sensors must have odometry, by which it is known whether the robot lives"
+            )
         for name in required:
             if name not in self.mapped:
                 raise ValueError(f"limits: required_sensors: {name!r} has no topic; {suggestion(name, [*self.mapped])}")
@@ -154,9 +161,10 @@ class Ros2Config(BodyConfig):
 
     def mistake(self, message: str, *key_path: str) -> ConfigError:
         """A :class:`ConfigError` (to raise) at ``key_path`` of the file that this was read from."""
+        sentence = f"{'.'.join(key_path)}: {message}"
         if self._document is None:
-            return ConfigError(message, key=".".join(key_path))
-        return self._document.error(f"{'.'.join(key_path)}: {message}", key_path)
+            return ConfigError(sentence, key=".".join(key_path))
+        return self._document.error(sentence, key_path)
 
 
 def load_ros2_config(path: Path | str) -> Ros2Config:

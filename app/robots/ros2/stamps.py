@@ -13,8 +13,8 @@ class WrongClock(ValueError):
 class StampClock:
     """Takes stamps (s) as ``clock`` of :class:`app.robots.ros2.config.GraphConfig` says.
 
-    With ``sim``, a stamp is placed by the newest ``/clock`` (:meth:`tick`), as far from its arrival as the stamp is from
-    it: exact while simulated time runs as fast as real time.
+    With ``sim``, a stamp is placed by the newest ``/clock`` (:meth:`tick`): as long before that one's arrival as it is
+    before its time. That is exact while simulated time runs as fast as real time.
     """
 
     def __init__(self, clock: Literal["header", "sim", "arrival"], tolerance_s: float) -> None:
@@ -22,9 +22,18 @@ class StampClock:
         self._tolerance_s = tolerance_s
         self._ticked: tuple[float, float] | None = None
 
-    def tick(self, simulated: float, arrival: float) -> None:
-        """Note a message of ``/clock``, which arrived at ``arrival``."""
-        self._ticked = (simulated, arrival)
+    def tick(self, simulated: float, arrival: float) -> bool:
+        """Note a message of ``/clock``, which arrived at ``arrival``; False where time went back since the last."""
+        before, self._ticked = self._ticked, (simulated, arrival)
+        return before is None or simulated >= before[0] - self._tolerance_s
+
+    def outgoing(self, now: float) -> float | None:
+        """The stamp of what is sent to the robot at ``now``, on its clock; None where that is unknown."""
+        if self._clock == "header":
+            return now
+        if self._clock == "arrival" or self._ticked is None:
+            return None
+        return self._ticked[0] + now - self._ticked[1]
 
     def placed(self, stamp: float | None, arrival: float) -> float:
         """The time of a message with ``stamp`` (None: it was left empty) that arrived at ``arrival``.
