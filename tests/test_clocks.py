@@ -56,6 +56,7 @@ ALLOWED = {
     "robots/devices/streams.py": "the pace of sound",
     "robots/ros2/body_loop.py": "a body's own clock, in the link's process",
     "robots/ros2/node.py": "likewise",
+    "robots/ros2/survey.py": "how far a robot's clock is from the computer's, and its topics' rates, for people",
     "robots/simulated/ros2_player.py": "when a simulated robot moved, for tests that watch it from another process",
     "robots/simulated/link.py": "the CPU time of this program, which its battery is discharged by",
     "robots/simulated/camera_thread.py": "how old a picture that waits to be drawn is, in the link's process",

@@ -190,7 +190,7 @@ class RosNode:
         reading.asked = asked
         take = self._tick if name == CLOCK else lambda message: self._take(name, message)
         reading.entity = self._node.create_subscription(
-            reading.message_class, reading.topic, take, _profile(asked, _DEPTH)
+            reading.message_class, reading.topic, take, profile(asked, _DEPTH)
         )
 
     def _look(self) -> None:
@@ -200,7 +200,7 @@ class RosNode:
             ours = [info for info in infos if info.topic_type == reading.type]
             self._mistyped[name] = _other_type(infos, ours, reading.type)
             self._seen[name] = replace(self._seen[name], others=len(ours))
-            asked = qos.reader(_qos(info) for info in ours)
+            asked = qos.reader(offered_by(info) for info in ours)
             if ours and asked != reading.asked and reading.entity is not None:
                 self._subscribe(name, reading, asked)
         self._look_at_commands()
@@ -211,7 +211,7 @@ class RosNode:
         ours = [info for info in infos if info.topic_type == kind]
         problem = _other_type(infos, ours, kind)
         self._commands = replace(self._commands, problem=problem, others=len(ours))
-        offered = qos.writer(_qos(info) for info in ours)
+        offered = qos.writer(offered_by(info) for info in ours)
         if ours and offered != self._offered:
             self._offered = offered
             with self._publishing:
@@ -223,12 +223,12 @@ class RosNode:
 
     def _create_writer(self) -> Any:
         kind = TwistStamped if self._config.base.type == TWIST_STAMPED else Twist
-        profile = _profile(self._offered, _NEWEST)
+        offer = profile(self._offered, _NEWEST)
         if self._config.graph.clock == "header":
             # The two clocks agree within the tolerance: what waits longer, as in a frozen robot's socket, is not taken.
             limits = self._config.limits
-            profile.lifespan = Duration(seconds=limits.command_timeout_s + self._config.graph.clock_tolerance_s)
-        return self._node.create_publisher(kind, self._commands.topic, profile)
+            offer.lifespan = Duration(seconds=limits.command_timeout_s + self._config.graph.clock_tolerance_s)
+        return self._node.create_publisher(kind, self._commands.topic, offer)
 
     def _tick(self, message: Any) -> None:
         now = self._now()
@@ -266,7 +266,8 @@ class RosNode:
         return time.monotonic() + self._offset
 
 
-def _profile(wanted: qos.Qos, depth: int) -> QoSProfile:
+def profile(wanted: qos.Qos, depth: int) -> QoSProfile:
+    """rclpy's profile of ``wanted``, which keeps the last ``depth`` messages."""
     deadline = {} if wanted.deadline_s is None else {"deadline": Duration(seconds=wanted.deadline_s)}
     return QoSProfile(
         history=HistoryPolicy.KEEP_LAST,
@@ -277,12 +278,13 @@ def _profile(wanted: qos.Qos, depth: int) -> QoSProfile:
     )
 
 
-def _qos(info: Any) -> qos.Qos:
-    profile = info.qos_profile
-    deadline_s = profile.deadline.nanoseconds / 1e9
+def offered_by(info: Any) -> qos.Qos:
+    """What an endpoint (rclpy's TopicEndpointInfo) offers or asks for."""
+    offered = info.qos_profile
+    deadline_s = offered.deadline.nanoseconds / 1e9
     return qos.Qos(
-        reliable=profile.reliability == ReliabilityPolicy.RELIABLE,
-        transient_local=profile.durability == DurabilityPolicy.TRANSIENT_LOCAL,
+        reliable=offered.reliability == ReliabilityPolicy.RELIABLE,
+        transient_local=offered.durability == DurabilityPolicy.TRANSIENT_LOCAL,
         # Without a deadline the middleware says 0, or the longest time that it can.
         deadline_s=deadline_s if 0 < deadline_s < 1e8 else None,
     )

@@ -16,6 +16,10 @@ _USUAL = {
     "battery": ("battery_state", "battery"),
 }
 _COMMANDS = ("cmd_vel", "cmd_vel_unstamped", "diff_drive_controller/cmd_vel", "stretch/cmd_vel")
+_NOT_MAPPED = (
+    *("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage", "sensor_msgs/msg/PointCloud2"),
+    *("sensor_msgs/msg/Imu", "tf2_msgs/msg/TFMessage"),
+)
 _NAMES = {"odometry": "odometry", "joints": "joints", "hokuyo": "laser", "battery": "battery"}
 
 
@@ -36,11 +40,13 @@ class Topic:
 
 @dataclass(frozen=True, slots=True)
 class Proposal:
-    """A mapping as YAML text, and what it lacks, in sentences."""
+    """A mapping as YAML text, and what it lacks, in sentences. ``drivable``: there is odometry, and something takes
+    velocities."""
 
     text: str
     missing: tuple[str, ...]
-    remarks: tuple[str, ...] = ()
+    remarks: tuple[str, ...]
+    drivable: bool
 
 
 @dataclass(slots=True)
@@ -67,11 +73,14 @@ def propose(topics: Iterable[Topic], links: Mapping[str, bool] | None = None) ->
         "limits:                         # ? below the robot's own",
         "  {linear_mps: 0.2, angular_radps: 0.8, linear_mps2: 0.4, angular_radps2: 2.0, required_sensors: [odometry]}",
         f"graph: {{clock: {_clock(chosen.values(), simulated, writing)}}}",
-        "streams:",
+        "streams:" if any(chosen.values()) else "streams: {}",
     ]
     lines += [_stream(stream, topic, links, writing) for stream, topic in chosen.items() if topic is not None]
     lines += _base(known, writing)
-    return Proposal("\n".join(lines) + "\n", tuple(writing.missing), tuple(writing.remarks))
+    if left := sorted(topic.name for topic in known if topic.publishers and topic.type in _NOT_MAPPED):
+        writing.remarks.append(f"Topics of cameras, IMUs and frames are not mapped yet: {', '.join(left)}.")
+    drivable = chosen["odometry"] is not None and bool(_takers(known))
+    return Proposal("\n".join(lines) + "\n", tuple(writing.missing), tuple(writing.remarks), drivable)
 
 
 def _chosen(topics: list[Topic], stream: str, writing: _Writing) -> Topic | None:
@@ -125,9 +134,14 @@ def _clock(chosen: Iterable[Topic | None], simulated: bool, writing: _Writing) -
     return "header"
 
 
-def _base(topics: list[Topic], writing: _Writing) -> list[str]:
+def _takers(topics: list[Topic]) -> list[Topic]:
+    """The topics on which something takes velocities, the likeliest first."""
     fitting = [topic for topic in topics if topic.type in (TWIST, TWIST_STAMPED) and topic.subscribers]
-    fitting.sort(key=lambda topic: (_place(topic.name, _COMMANDS), topic.name))
+    return sorted(fitting, key=lambda topic: (_place(topic.name, _COMMANDS), topic.name))
+
+
+def _base(topics: list[Topic], writing: _Writing) -> list[str]:
+    fitting = _takers(topics)
     if not fitting:
         writing.missing.append(f"base: nothing listens to a topic of the type {TWIST} or {TWIST_STAMPED}.")
     topic = fitting[0] if fitting else Topic("/cmd_vel", TWIST_STAMPED)

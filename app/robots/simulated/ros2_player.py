@@ -2,8 +2,8 @@
 
 ``python -m app.robots.simulated.ros2_player --robot ROBOT.yaml --map MAP.yaml [options]``, where ROBOT is a mapping of
 kind ``ros2``, whose model and sizes the body has. Topics: ``/scan`` and ``/odom`` (best effort, as a TurtleBot's),
-``/joint_states``, and ``/clock`` with ``--sim-time``; it takes ``/cmd_vel``. Without a command for ``--watchdog``
-seconds it stops by itself.
+``/joint_states``, ``/battery_state``, and ``/clock`` with ``--sim-time``; it takes ``/cmd_vel``. Without a command
+for ``--watchdog`` seconds it stops by itself.
 
 It prints ``ready`` once it moves. Lines on its standard input are faults: ``odometry off``, ``odometry on``,
 ``clock SECONDS`` (its clock is ahead by so much from then on), ``clock stop`` (of ``/clock``), ``origin`` (odometry
@@ -29,6 +29,7 @@ from nav_msgs.msg import Odometry as RosOdometry
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.qos import qos_profile_sensor_data
 from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import BatteryState as RosBattery
 from sensor_msgs.msg import JointState as RosJointState
 from sensor_msgs.msg import LaserScan as RosScan
 
@@ -38,8 +39,10 @@ from app.logs.stamps import SECOND, to_ns
 from app.maps.map_file import read_map
 from app.messages import JointState, LaserScan, Odometry
 from app.messages import Twist as Command
+from app.robots.battery_config import BatteryConfig
 from app.robots.config import StartPose
 from app.robots.ros2.config import TWIST_STAMPED, Ros2Config, load_ros2_config
+from app.robots.simulated.battery import Battery
 from app.robots.simulated.kinematic.config import KinematicLaserConfig, kinematic_of
 from app.robots.simulated.kinematic.link import KinematicLink
 from app.runtime.clock import RealClock
@@ -47,6 +50,8 @@ from app.runtime.clock import RealClock
 #: Robot's laser: an RPLIDAR A1's rays, all around.
 _LASER: dict[str, Any] = {"rays": 360, "fov_deg": 359.0, "range_max_m": 12.0, "range_min_m": 0.15}
 _SIM_BEGAN_S = 1000.0
+_BATTERY = BatteryConfig(capacity_wh=26.0, charge=0.9, empty_v=12.0, full_v=16.4)
+_LOAD_W, _BATTERY_S = 12.0, 1.0
 
 
 class Ros2Player:
@@ -79,6 +84,9 @@ class Ros2Player:
         self._odometry = node.create_publisher(RosOdometry, "/odom", qos_profile_sensor_data)
         self._scans = node.create_publisher(RosScan, "/scan", qos_profile_sensor_data)
         self._joints = node.create_publisher(RosJointState, "/joint_states", 10)
+        self._batteries = node.create_publisher(RosBattery, "/battery_state", qos_profile_sensor_data)
+        self._battery = Battery(_BATTERY)
+        self._drawn = self._began
         self._ticker = node.create_publisher(Clock, "/clock", 10) if self._sim_time else None
         self._loop = asyncio.get_running_loop()
         stamped = config.base.type == TWIST_STAMPED
@@ -134,6 +142,7 @@ class Ros2Player:
             tick = Clock()
             tick.clock.sec, tick.clock.nanosec = divmod(to_ns(_SIM_BEGAN_S + odometry.stamp - self._began), SECOND)
             self._ticker.publish(tick)
+        self._draw(odometry.stamp)
         if not self.gives_odometry:
             return
         message = RosOdometry()
@@ -146,6 +155,18 @@ class Ros2Player:
         message.twist.twist.linear.x, message.twist.twist.linear.y = odometry.linear_mps, odometry.lateral_mps
         message.twist.twist.angular.z = odometry.angular_radps
         self._odometry.publish(message)
+
+    def _draw(self, now: float) -> None:
+        """Discharge the battery, once a second, and say what is left."""
+        if now - self._drawn < _BATTERY_S:
+            return
+        self._battery.advance(now - self._drawn, _LOAD_W, charging=False)
+        self._drawn = now
+        state, message = self._battery.state(now), RosBattery()
+        self._stamp(message.header, now)
+        message.voltage, message.current, message.percentage = state.voltage_v, state.current_a, state.charge
+        message.power_supply_status = RosBattery.POWER_SUPPLY_STATUS_DISCHARGING
+        self._batteries.publish(message)
 
     def _give_joints(self, joints: JointState) -> None:
         message = RosJointState()

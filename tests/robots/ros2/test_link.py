@@ -4,18 +4,22 @@ status of the link says why."""
 from __future__ import annotations
 
 import asyncio
+import json
 import os
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import psutil
 import pytest
 
 from app.base import paths
+from app.base.child_processes import python
 from app.link import LinkFailed
 from app.messages import JointState, LaserScan
 from tests.patience import PATIENCE_S
@@ -54,7 +58,7 @@ async def test_whatever_goes_wrong_with_the_robot_its_base_stops(start_robot: Ca
     robot = start_robot()
     async with Driver(mapping()) as driver:
         await driver.set_out()
-        await driver.wait_for("a scan and joints", lambda seen: {"hokuyo", "joints"} <= seen.keys())
+        await driver.wait_for("every stream", lambda seen: {"hokuyo", "joints", "battery"} <= seen.keys())
         check_what_came(driver)
         # No command any more
         driver.commands = False
@@ -107,12 +111,30 @@ def check_what_came(driver: Driver) -> None:
     # The room's nearest wall is 0.95 m behind the robot's start, the farthest 4.95 m ahead.
     assert 0.3 < float(scan.ranges.min()) < 1.0
     assert not scan.ranges.flags.writeable
+    assert 0.8 < driver.newest["battery"].charge <= 0.9
     assert set(joints.names) == {"left_wheel_joint", "right_wheel_joint"}
     assert abs(odometry(driver.newest).stamp - driver.clock.now()) < 0.5 + PATIENCE_S
 
 
+def survey() -> dict[str, Any]:
+    """What `hbba ros map` says of the robot in this worker's domain, once it has heard all of its topics."""
+    command = python("-m", "app.cli", "ros", "map", "--json", "--listen", "3", "--domain", str(domain()))
+    around = os.environ | {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+    deadline = time.monotonic() + PATIENCE_S
+    while True:  # a busy computer may not hear all in time
+        said = subprocess.run(command, capture_output=True, text=True, env=around, cwd=paths.config_dir().parent)
+        found: dict[str, Any] = json.loads(said.stdout)
+        heard = {topic["name"] for topic in found["topics"] if topic["rate_hz"]}
+        if heard >= {"/odom", "/scan", "/joint_states", "/battery_state"}:
+            return found
+        assert time.monotonic() < deadline, f"never heard all: {found['topics']}"
+
+
 async def test_simulated_time_and_a_type_that_does_not_fit(start_robot: Callable[..., Robot]) -> None:
     robot = start_robot("--sim-time")
+    found = await asyncio.to_thread(survey)
+    assert (found["mapping"].count("topic: "), "clock: sim" in found["mapping"]) == (5, True)
+    assert [sentence.partition(":")[0] for sentence in found["missing"]] == ["watchdog"]
     async with Driver(mapping(clock="sim")) as driver:
         await driver.set_out()
         # Its clock reads a thousand seconds; what comes of it is on the program's.
