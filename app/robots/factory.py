@@ -16,6 +16,8 @@ from app.maps.map_file import read_map
 from app.messages import JointState, LinkStatus, Odometry
 from app.robots.config import BodyConfig, RobotConfig, StartPose, load_robot_config
 from app.robots.devices.config import DevicesConfig, load_devices_config
+from app.robots.ros2.config import Ros2Config, load_ros2_config
+from app.robots.ros2.link import Ros2Link
 from app.robots.simulated.kinematic.config import KinematicConfig, load_kinematic_config
 from app.robots.simulated.kinematic.link import KinematicLink
 from app.robots.simulated.link import SimulatedLink
@@ -137,6 +139,10 @@ def _kinematic(config: KinematicConfig, clock_offset: float) -> RobotLink:
     return create_kinematic(config, RealClock(clock_offset))
 
 
+def _ros2(config: Ros2Config, clock_offset: float) -> RobotLink:
+    return Ros2Link(config, clock_offset)
+
+
 def create_kinematic(config: KinematicConfig, clock: Clock, *, scenario: ScenarioConfig | None = None) -> KinematicLink:
     """The kinematic body ``config`` on ``clock``, with the people of ``scenario``, or else of the one that its file
     names. Raises ConfigError (file, line, key) if its map or that scenario is wrong."""
@@ -180,3 +186,4 @@ SIMULATED_KIND = "simulated"
 SIMULATED = BodyKind(load_robot_config, _simulated)
 DEVICES = BodyKind(load_devices_config, _devices)
 KINEMATIC = BodyKind(load_kinematic_config, _kinematic)
+ROS2 = BodyKind(load_ros2_config, _ros2)

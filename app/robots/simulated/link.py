@@ -4,17 +4,12 @@ once."""
 from __future__ import annotations
 
 import asyncio
-import contextlib
-import logging
 import math
 import os
-import socket
 import time
-from collections import deque
 from collections.abc import Callable
 from typing import Any
 
-from app.base.child_processes import python
 from app.base.geometry import Pose2
 from app.link import LinkFailed, RobotDescription, StreamDescription
 from app.messages import (
@@ -32,6 +27,7 @@ from app.messages import (
     read_only,
 )
 from app.robots.config import RobotConfig
+from app.robots.link_process import UNSENT_BYTES, LinkProcess
 from app.robots.receivers import Receivers
 from app.robots.simulated import link_protocol
 from app.robots.simulated.camera_models import lenses, picture_formats
@@ -41,18 +37,13 @@ from app.robots.simulated.scenery.scenario_config import ScenarioConfig
 from app.robots.simulated.world_config import WorldConfig
 
 START_TIMEOUT_S = 20.0
-STOP_TIMEOUT_S = 0.6
 LOAD_PERIOD_S = 1.0
-_UNSENT_BYTES = 4096
-_LAST_LINES = 12
 #: The arrays of a body's messages, which no subscriber may change.
 _ARRAYS = {
     LaserScan: ("ranges", "intensities"),
     Audio: ("samples", "p_BM"),
     Image: ("color", "depth"),
 }
-
-log = logging.getLogger(__name__)
 
 
 class SimulatedBody:
@@ -110,7 +101,8 @@ class SimulatedLink(SimulatedBody):
         super().__init__(robot, world, scenario)
         self._clock_offset = clock_offset
         self._lenses = lenses(robot)
-        self._session: _Session | None = None
+        self._session: LinkProcess | None = None
+        self._rings: ImageRings | None = None
         self._metering: asyncio.Task[None] | None = None
         self.images_overwritten = 0
         self.commands_dropped = 0
@@ -128,8 +120,7 @@ class SimulatedLink(SimulatedBody):
             await self._release()
         if picture_formats(self._robot) and (problem := check_gl()):
             raise LinkFailed(problem)
-        session = await _Session.open(self._robot, self._take)
-        self._session = session
+        session = await self._open()
         session.send(
             link_protocol.Start(
                 self._robot,
@@ -158,7 +149,7 @@ class SimulatedLink(SimulatedBody):
             began, used = time.monotonic(), time.process_time()
             await asyncio.sleep(LOAD_PERIOD_S)
             cores = (time.process_time() - used) / (time.monotonic() - began)
-            if self._session is not None and self._session.unsent_bytes <= _UNSENT_BYTES:
+            if self._session is not None and self._session.unsent_bytes <= UNSENT_BYTES:
                 self._session.send(link_protocol.ComputerLoad(cores))
 
     async def stop(self) -> None:
@@ -175,13 +166,13 @@ class SimulatedLink(SimulatedBody):
 
     def command(self, command: Twist | JointCommand) -> None:
         """Give a command; dropped while a frozen link does not read: it would arrive too late."""
-        if self._session is None or self._session.unsent_bytes > _UNSENT_BYTES:
+        if self._session is None or self._session.unsent_bytes > UNSENT_BYTES:
             self.commands_dropped += 1
             return
         self._session.send(link_protocol.request(command))
 
     def play(self, audio: Audio) -> None:
-        if self._session is not None and self._session.unsent_bytes <= _UNSENT_BYTES:
+        if self._session is not None and self._session.unsent_bytes <= UNSENT_BYTES:
             self._session.send(link_protocol.Play(audio))
 
     def _send(self, frame: object) -> None:
@@ -193,8 +184,33 @@ class SimulatedLink(SimulatedBody):
             self._metering.cancel()
             self._metering = None
         session, self._session = self._session, None
-        if session is not None:
-            await session.close()
+        rings, self._rings = self._rings, None
+        try:
+            if session is not None:
+                await session.close()
+        finally:
+            if rings is not None:
+                rings.close()
+
+    async def _open(self) -> LinkProcess:
+        """Start the process, with a memory of its own."""
+        formats = picture_formats(self._robot)
+        memory = create_memory(memory_bytes(formats))
+        try:
+            self._rings = ImageRings(memory, formats)
+            self._session = await LinkProcess.open(
+                "simulated robot",
+                "app.robots.simulated.process",
+                self._take,
+                descriptors=(memory,),
+                environment=gl_environment(),
+            )
+        except LinkFailed:
+            await self._release()
+            raise
+        finally:
+            os.close(memory)
+        return self._session
 
     def _take(self, frame: Any) -> None:
         match frame:
@@ -204,9 +220,9 @@ class SimulatedLink(SimulatedBody):
                 self._deliver_image(frame)
 
     def _deliver_image(self, notice: link_protocol.ImageNotice) -> None:
-        if not self._receivers.listened(notice.stream) or self._session is None:
+        if not self._receivers.listened(notice.stream) or self._rings is None:
             return
-        pictures = self._session.rings.read(notice.stream, notice.slot, notice.sequence)
+        pictures = self._rings.read(notice.stream, notice.slot, notice.sequence)
         if pictures is None:
             self.images_overwritten += 1
             return
@@ -256,139 +272,3 @@ def describe(robot: RobotConfig) -> RobotDescription:
         groups=dict(robot.groups),
         arms=dict(robot.arm_descriptions),
     )
-
-
-class _Session(asyncio.Protocol):
-    """One run of the link's process: its socket, shared memory and error output."""
-
-    def __init__(self, rings: ImageRings, receive: Callable[[Any], None]) -> None:
-        self.rings = rings
-        self._receive = receive
-        self._reader = link_protocol.FrameReader()
-        self._running = asyncio.Event()
-        self._transport: asyncio.Transport | None = None
-        self._ended = asyncio.get_running_loop().create_future()
-        self._expected = False
-        self._last_lines: deque[str] = deque(maxlen=_LAST_LINES)
-        #: Result of the start: an error before the process runs is raised in the waiting start().
-        self._held_lines: list[str] = []
-        self.process: asyncio.subprocess.Process
-        self._watch: asyncio.Task[None]
-
-    @staticmethod
-    async def open(robot: RobotConfig, receive: Callable[[Any], None]) -> _Session:
-        """Start the process, with a socket and a memory of its own."""
-        formats = picture_formats(robot)
-        memory = create_memory(memory_bytes(formats))
-        ours, theirs = socket.socketpair()
-        try:
-            session = _Session(ImageRings(memory, formats), receive)
-            session.process = await asyncio.create_subprocess_exec(
-                *python("-m", "app.robots.simulated.process", str(theirs.fileno()), str(memory)),
-                pass_fds=(theirs.fileno(), memory), stdin=asyncio.subprocess.DEVNULL, stdout=asyncio.subprocess.DEVNULL,
-                stderr=asyncio.subprocess.PIPE, env=os.environ | gl_environment(), start_new_session=True,
-            )  # fmt: skip
-        except OSError as failure:
-            ours.close()
-            raise LinkFailed(f"The simulated robot's process cannot be started: {failure.strerror}.") from None
-        finally:
-            theirs.close()
-            os.close(memory)
-        session._watch = asyncio.create_task(session._watch_process(), name="simulated link")
-        await asyncio.get_running_loop().create_connection(lambda: session, sock=ours)
-        return session
-
-    @property
-    def ended(self) -> bool:
-        return self._ended.done()
-
-    @property
-    def unsent_bytes(self) -> int:
-        """Bytes the process has not read yet, beyond what the socket holds."""
-        return self._transport.get_write_buffer_size() if self._transport is not None else 0
-
-    def send(self, frame: Any) -> None:
-        if self._transport is not None and not self._transport.is_closing():
-            self._transport.write(link_protocol.encode(frame))
-
-    def expect_end(self) -> None:
-        self._expected = True
-
-    async def wait_running(self) -> None:
-        """Wait for the first sample; raises LinkFailed if the process ends before."""
-        running = asyncio.ensure_future(self._running.wait())
-        try:
-            await asyncio.wait({running, self._ended}, return_when=asyncio.FIRST_COMPLETED)
-            if self._ended.done():
-                raise self._ended.result()
-        finally:
-            running.cancel()
-
-    async def wait_failed(self) -> LinkFailed:
-        failure: LinkFailed = await asyncio.shield(self._ended)
-        return failure
-
-    async def close(self) -> None:
-        """Let the process end by itself for a moment, then kill it; release socket and memory."""
-        self._expected = True
-        try:
-            async with asyncio.timeout(STOP_TIMEOUT_S):
-                await asyncio.shield(self._watch)
-        except TimeoutError:
-            with contextlib.suppress(ProcessLookupError):
-                self.process.kill()
-            await self._watch
-        finally:
-            if self._transport is not None:
-                self._transport.abort()
-            self.rings.close()
-
-    # asyncio.Protocol
-
-    def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        assert isinstance(transport, asyncio.Transport)
-        self._transport = transport
-
-    def data_received(self, data: bytes) -> None:
-        for frame in self._reader.feed(data):
-            if isinstance(frame, link_protocol.Sample) and not self._running.is_set():
-                self._running.set()
-                self._notify_held()
-            self._receive(frame)
-
-    async def _watch_process(self) -> None:
-        """Follow the process's standard error and wait for its end."""
-        assert self.process.stderr is not None
-        async for raw in self.process.stderr:
-            line = raw.decode(errors="replace").rstrip()
-            self._last_lines.append(line)
-            self._held_lines.append(line)
-            if self._running.is_set():
-                self._notify_held()
-        status = await self.process.wait()
-        sentence = self._sentence(status)
-        if sentence is None:
-            self._notify_held()
-        failure = LinkFailed(sentence or self._exit_reason(status))
-        if not self._expected and self._running.is_set():
-            log.error("%s", failure)
-        self._ended.set_result(failure)
-
-    def _notify_held(self) -> None:
-        for line in self._held_lines:
-            log.warning("simulated robot: %s", line)
-        self._held_lines.clear()
-
-    def _words(self) -> list[str]:
-        return [line.strip() for line in self._last_lines if line.strip(" ^~")]
-
-    def _sentence(self, status: int) -> str | None:
-        """The process's error message for people, if it ended with one."""
-        words = self._words()
-        return words[0] if status == 1 and len(words) == 1 else None
-
-    def _exit_reason(self, status: int) -> str:
-        how = f"was killed by signal {-status}" if status < 0 else f"ended with status {status}"
-        words = self._words()
-        said = "; its last words: " + " | ".join(words[-3:]) if words else ""
-        return f"The simulated robot's process {how}{said}."

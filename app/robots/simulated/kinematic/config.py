@@ -79,7 +79,9 @@ def kinematic_of(body: BodyConfig, map_file: Path, start: StartPose, **more: Any
         name: getattr(body, name) for name in ("name", "model", "footprint", "height_m", "limits", "actuators", "arms")
     }
     if (laser := getattr(getattr(body, "streams", None), "hokuyo", None)) is not None:
-        more = {"laser": KinematicLaserConfig(link=laser.link, fov_deg=laser.fov_deg), **more}
+        # A robot's mapping does not say how far its laser sees around.
+        seen = {"fov_deg": laser.fov_deg} if isinstance(laser, HokuyoConfig) else {}
+        more = {"laser": KinematicLaserConfig(link=laser.link, **seen), **more}
     config = KinematicConfig(kind="kinematic", map=map_file, start=start, **shared, **more)
     config._groups.update(body.groups)
     config._arms.update(body.arm_descriptions)

@@ -1,0 +1,178 @@
+"""The control loop of the process of a robot over ROS 2: the guard decides and its velocity is sent, many times a
+second, whatever comes or does not come from program and robot."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import select
+import sys
+import time
+
+from app.base.kinematic_model import load_model
+from app.messages import JointState, LinkStatus, Twist
+from app.robots import guard
+from app.robots.link_protocol import (
+    ClearEStop,
+    Demand,
+    DriveRequest,
+    EStopRequest,
+    Ready,
+    Sample,
+    Socket,
+    Stop,
+)
+from app.robots.ros2.config import STATUS_HZ, Ros2Config
+from app.robots.ros2.health import decide, faults
+from app.robots.ros2.node import RosNode
+from app.robots.ros2.protocol import Start
+
+
+class Unavailable(Exception):
+    """The robot is not there, not as it is mapped, or began again; the message is for people."""
+
+
+class BodyLoop:
+    """The robot of ``start`` for the program at the other end of ``sock``."""
+
+    def __init__(self, start: Start, sock: Socket) -> None:
+        config = start.config
+        self._config: Ros2Config = config
+        self._socket = sock
+        self._offset = start.clock_offset
+        self._limits = config.limits.guard()
+        self._period_s = 1.0 / config.base.rate_hz
+        self._state = guard.GuardState(e_stop=start.e_stop)
+        self._wake_read, self._wake_write = os.pipe()
+        os.set_blocking(self._wake_read, False)
+        os.set_blocking(self._wake_write, False)
+        model = load_model(config.model)
+        self._unmoved = dict.fromkeys(model.joint_names, 0.0)
+        self._node = RosNode(config, model, start.clock_offset, self._wake)
+        self._node.wanted = frozenset(start.demanded)
+        self._reported = self._moved = 0.0
+        self._ending = False
+
+    def end(self) -> None:
+        """Have :meth:`run` stop the base and return; may be called from a signal handler."""
+        self._ending = True
+        self._wake()
+
+    def run(self) -> None:
+        """Run until the end. Raises Unavailable, having stopped the base, and errors of rclpy's thread."""
+        began = time.monotonic()
+        self._node.start()
+        try:
+            if self._found(began):
+                self._socket.send(Ready(setup_s=time.monotonic() - began))
+                if self._config.base.watchdog_s is None:
+                    self._say(f"{self._config.name} has no watchdog of its own: it drives on where this computer fails")
+                self._drive()
+        finally:
+            # The last word, whatever ended it.
+            self._node.publish(guard.ZERO, self._now())
+            self._node.close()
+            self._socket.flush()
+            self._socket.close()
+
+    def _found(self, began: float) -> bool:
+        """Wait until all is there that driving requires; False where the program ended before. Raises Unavailable."""
+        within_s = self._config.graph.found_within_s
+        while not self._ended():
+            now = self._now()
+            reasons = faults(self._node.required, self._node.commands, now, self._limits.sensor_timeout_s)
+            if not reasons:
+                return True
+            if (mistake := self._node.mistake) is not None:
+                raise Unavailable(str(mistake))
+            if time.monotonic() - began > within_s:
+                others = ", ".join(self._node.topics()) or "none"
+                raise Unavailable(
+                    f"{self._config.name} was not found within {within_s:g} s: {'; '.join(reasons)}. "
+                    f"Topics that are there: {others}."
+                )
+            self._wait(self._period_s)
+        return False
+
+    def _drive(self) -> None:
+        due = before = time.monotonic()
+        while not self._ended():
+            now = time.monotonic()
+            if now >= due:
+                self._turn(now, min(now - before, 2 * self._period_s))
+                before, due = now, max(due + self._period_s, now)
+            self._hand_over()
+            self._wait(max(due - time.monotonic(), 0.0))
+
+    def _turn(self, monotonic: float, seconds: float) -> None:
+        now = monotonic + self._offset
+        reasons = faults(self._node.required, self._node.commands, now, self._limits.sensor_timeout_s)
+        action = decide(now, self._state, reasons, self._limits)
+        self._state = guard.step(self._state, action, self._limits, seconds)
+        self._node.publish(self._state.applied, now)
+        if monotonic - self._reported >= 1.0 / STATUS_HZ:
+            self._reported = monotonic
+            applied = self._state.applied
+            self._send(
+                "status",
+                LinkStatus(
+                    stamp=now,
+                    guard=action.mode.value,
+                    reason=action.reason,
+                    e_stopped=self._state.e_stop is not None,
+                    command_age_s=guard.command_age(self._state, now),
+                    applied=Twist(now, applied.linear_mps, applied.angular_radps, applied.lateral_mps),
+                    world_rate=1.0,
+                ),
+            )
+        if self._config.streams.joints is None and monotonic - self._moved >= 1.0 / self._config.standing_rates_hz[1]:
+            self._moved = monotonic
+            self._send("joints", JointState(now, tuple(self._unmoved), tuple(self._unmoved.values())))
+
+    def _ended(self) -> bool:
+        """Read what the program sent; whether it is over. Raises Unavailable and errors of rclpy's thread."""
+        for frame in self._socket.receive():
+            match frame:
+                case DriveRequest(stamp, linear, angular, lateral):
+                    velocity = guard.BaseVelocity(linear, angular, lateral)
+                    self._state = guard.accept(self._state, guard.VelocityCommand(stamp, velocity))
+                case EStopRequest(reason):
+                    self._state = guard.e_stop(self._state, reason)
+                case ClearEStop():
+                    self._state = guard.clear_e_stop(self._state)
+                case Demand(stream, rate_hz):
+                    wanted = self._node.wanted - {stream}
+                    self._node.wanted = wanted | {stream} if rate_hz > 0 else wanted
+                case Stop():
+                    self._ending = True
+        if self._node.failure is not None:
+            raise self._node.failure
+        if self._node.void:
+            raise Unavailable(self._node.void)
+        return self._ending or self._socket.closed
+
+    def _hand_over(self) -> None:
+        while self._node.arrived:
+            self._send(*self._node.arrived.popleft())
+        while self._node.cautions:
+            self._say(self._node.cautions.popleft())
+        self._socket.flush()
+
+    def _send(self, stream: str, message: object) -> None:
+        self._socket.send(Sample(stream, message))
+
+    def _say(self, sentence: str) -> None:
+        print(sentence, file=sys.stderr, flush=True)
+
+    def _wake(self) -> None:
+        with contextlib.suppress(BlockingIOError):  # full: the loop is already being woken
+            os.write(self._wake_write, b"\0")
+
+    def _wait(self, timeout_s: float) -> None:
+        link = self._socket.fileno()
+        ready, _, _ = select.select([link, self._wake_read], [link] if self._socket.has_unsent else [], [], timeout_s)
+        if self._wake_read in ready:
+            os.read(self._wake_read, 4096)
+
+    def _now(self) -> float:
+        return time.monotonic() + self._offset

@@ -1,0 +1,189 @@
+"""The mapping of a robot that speaks ROS 2: the models of ``config/robots/turtlebot4.yaml`` and its like."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Annotated, Literal, Self
+
+from pydantic import AfterValidator, Field, PrivateAttr, field_validator, model_validator
+
+from app.base.errors import ConfigError
+from app.base.kinematic_model import KinematicModel, load_model
+from app.base.yaml_source import Document, load_yaml, suggestion
+from app.robots.actuator_config import ActuatorConfig
+from app.robots.config import BodyConfig, load_body_config
+from app.robots.config_model import ConfigModel, Positive
+
+TWIST, TWIST_STAMPED = "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"
+#: The ROS type that each stream is read from.
+TYPES = {
+    "odometry": "nav_msgs/msg/Odometry",
+    "joints": "sensor_msgs/msg/JointState",
+    "hokuyo": "sensor_msgs/msg/LaserScan",
+    "battery": "sensor_msgs/msg/BatteryState",
+}
+STATUS_HZ = 20.0
+_TOPIC = re.compile(r"/?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*")
+
+
+def _is_topic(name: str) -> str:
+    if not _TOPIC.fullmatch(name):
+        raise ValueError(
+            "a topic's name is of letters, digits and _, in parts joined by /, none beginning with a digit"
+        )
+    return name
+
+
+Topic = Annotated[str, AfterValidator(_is_topic)]
+
+
+class GraphConfig(ConfigModel):
+    """Where the robot is found, and how its clock is taken.
+
+    ``clock``: ``header`` takes the stamps of its messages as they are, and refuses those that are farther than
+    ``clock_tolerance_s`` from this computer's clock; ``sim`` takes them as times of ``/clock`` (the robot's nodes run
+    with ``use_sim_time``), with the same tolerance; ``arrival`` ignores them and takes the time of arrival.
+    """
+
+    domain: Annotated[int, Field(ge=0, le=232)] | None = Field(
+        default=None, description="ROS_DOMAIN_ID; null: that of the environment, else 0"
+    )
+    discovery: Literal["localhost", "subnet", "environment"] = Field(
+        default="environment", description="how far it looks; environment: as the variables of ROS say"
+    )
+    namespace: Topic | Literal[""] = Field(default="", description="before every topic that does not begin with /")
+    clock: Literal["header", "sim", "arrival"] = "header"
+    clock_tolerance_s: Annotated[float, Field(gt=0, le=10)] = 0.5
+    found_within_s: Annotated[float, Field(gt=0, le=600)] = Field(
+        default=15.0, description="how long the robot may take to appear when the program starts"
+    )
+
+
+class TopicConfig(ConfigModel):
+    """One stream: its topic, and the rate (Hz) at which the robot gives it."""
+
+    topic: Topic
+    rate_hz: Positive = 20.0
+
+
+class LaserTopicConfig(TopicConfig):
+    """Stream ``hokuyo``: scans of a planar laser at ``link`` of the model, fixed to the base."""
+
+    link: str
+    rate_hz: Positive = 10.0
+
+
+class BatteryTopicConfig(TopicConfig):
+    """Stream ``battery``."""
+
+    rate_hz: Positive = 1.0
+
+
+class TopicsConfig(ConfigModel):
+    """The streams of the body; null for one that the robot does not have."""
+
+    odometry: TopicConfig = TopicConfig(topic="odom")
+    joints: TopicConfig | None = None
+    hokuyo: LaserTopicConfig | None = None
+    battery: BatteryTopicConfig | None = None
+
+
+class BaseTopicConfig(ConfigModel):
+    """The topic that the base takes velocities on.
+
+    ``watchdog_s`` is what the robot's own computer does when commands end: after so long (s) it stops the base. It has
+    to be stated; null says that there is none, and that the robot drives on where this computer or the network fails.
+    """
+
+    topic: Topic = "cmd_vel"
+    type: Literal["geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"]
+    frame: str = Field(default="base_link", description="frame_id of a TwistStamped")
+    rate_hz: Annotated[float, Field(ge=10, le=100)] = Field(default=50.0, description="of the guard, and of commands")
+    watchdog_s: Positive | None
+
+
+class Ros2Config(BodyConfig):
+    """A robot that speaks ROS 2. :func:`load_ros2_config` takes paths relative to the file."""
+
+    kind: Literal["ros2"]
+    footprint: Annotated[tuple[tuple[float, float], ...], Field(min_length=3, max_length=64)] = Field(
+        description="corners (m) in base_link, convex, counter-clockwise, of what it covers"
+    )
+    graph: GraphConfig = GraphConfig()
+    streams: TopicsConfig = TopicsConfig()
+    base: BaseTopicConfig
+
+    _document: Document | None = PrivateAttr(default=None)
+
+    @field_validator("actuators")
+    @classmethod
+    def _joints_are_not_commanded(cls, actuators: dict[str, ActuatorConfig]) -> dict[str, ActuatorConfig]:
+        if actuators:
+            raise ValueError("joints are not commanded over ROS 2 yet; leave the actuators out")
+        return actuators
+
+    @model_validator(mode="after")
+    def _requires_what_it_has(self) -> Self:
+        required = self.limits.required_sensors
+        if "odometry" not in required:
+            raise ValueError(
+                "limits: required_sensors must have odometry, by which it is known whether the robot lives"
+            )
+        for name in required:
+            if name not in self.mapped:
+                raise ValueError(f"limits: required_sensors: {name!r} has no topic; {suggestion(name, [*self.mapped])}")
+        if self.base.watchdog_s is not None and self.base.watchdog_s <= 1.0 / self.base.rate_hz:
+            raise ValueError(
+                f"base: watchdog_s {self.base.watchdog_s:g} is no longer than the time between two commands, "
+                f"{1.0 / self.base.rate_hz:g} s"
+            )
+        return self
+
+    @property
+    def mapped(self) -> dict[str, TopicConfig]:
+        """The streams that have a topic, by name."""
+        topics = {name: getattr(self.streams, name) for name in TYPES}
+        return {name: topic for name, topic in topics.items() if topic is not None}
+
+    @property
+    def standing_rates_hz(self) -> tuple[float, float, float]:
+        """How often the streams that every body has come: odometry, joints, status."""
+        joints = self.streams.joints
+        return self.streams.odometry.rate_hz, 1.0 if joints is None else joints.rate_hz, STATUS_HZ
+
+    def full_name(self, topic: str) -> str:
+        """``topic`` with the namespace, beginning with /."""
+        if topic.startswith("/"):
+            return topic
+        namespace = self.graph.namespace.strip("/")
+        return f"/{namespace}/{topic}" if namespace else f"/{topic}"
+
+    def mistake(self, message: str, *key_path: str) -> ConfigError:
+        """A :class:`ConfigError` (to raise) at ``key_path`` of the file that this was read from."""
+        sentence = f"{'.'.join(key_path)}: {message}"
+        if self._document is None:
+            return ConfigError(sentence, key=".".join(key_path))
+        return self._document.error(sentence, key_path)
+
+
+def load_ros2_config(path: Path | str) -> Ros2Config:
+    """Read the mapping. Raises ConfigError (file, line, key), also for files that are missing, and for a laser whose
+    link the model does not have or moves."""
+    config = load_body_config(path, Ros2Config)
+    document = load_yaml(path)
+    config._document = Document(None, document.file, document.lines)
+    laser = config.streams.hokuyo
+    if laser is not None:
+        _check_fixed(config, load_model(config.model), laser.link)
+    return config
+
+
+def _check_fixed(config: Ros2Config, model: KinematicModel, link: str) -> None:
+    at = ("streams", "hokuyo", "link")
+    if link not in model.links:
+        raise config.mistake(f"the model {config.model} has no link {link!r}; {suggestion(link, model.links)}", *at)
+    if joints := model.moved_by(link):
+        raise config.mistake(
+            f"the joint {joints[0]!r} of the model moves {link!r}; the laser must be fixed to the base", *at
+        )

@@ -1,0 +1,75 @@
+"""ROS messages as rclpy gives them into ours; those that logs have, too, by the functions of logs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+from app.base.geometry import Pose3
+from app.logs.importers import ros_messages
+from app.logs.importers.ros_messages import Unreadable
+from app.logs.stamps import SECOND, from_ns, to_ns
+from app.messages import BatteryState, Odometry
+
+#: sensor_msgs/BatteryState: values of ``power_supply_status`` with a charger.
+_CHARGING, _FULL = 1, 4
+
+Converter = Callable[[Any, float], Any]
+
+
+def seconds(stamp: Any) -> float:
+    """Seconds of a builtin_interfaces/Time."""
+    return from_ns(stamp.sec * SECOND + stamp.nanosec)
+
+
+def stamp_of(message: Any) -> float | None:
+    """Stamp (s) of a message with a header, None where its sender left it empty."""
+    stamp = message.header.stamp
+    return seconds(stamp) if stamp.sec or stamp.nanosec else None
+
+
+def set_stamp(header: Any, stamp: float | None) -> None:
+    """Write ``stamp`` (s) into a std_msgs/Header; None leaves it empty."""
+    if stamp is not None:
+        header.stamp.sec, header.stamp.nanosec = divmod(to_ns(stamp), SECOND)
+
+
+def odometry(message: Any, at: float) -> Odometry:
+    """nav_msgs/Odometry. Raises Unreadable for a value that is not finite."""
+    read = ros_messages.odometry(message, at)
+    pose = read.X_OB
+    values = (pose.x, pose.y, pose.theta, read.linear_mps, read.angular_radps, read.lateral_mps)
+    if not all(map(math.isfinite, values)):
+        raise Unreadable("its pose or its twist has a value that is not finite")
+    return read
+
+
+def battery(message: Any, at: float) -> BatteryState:
+    """sensor_msgs/BatteryState. Raises Unreadable where it does not give the charge."""
+    charge = float(message.percentage)
+    if not 0.0 <= charge <= 1.0:
+        raise Unreadable(f"its percentage is {charge:g}; a share of the capacity is 0 to 1")
+    voltage, current = (0.0 if math.isnan(value) else float(value) for value in (message.voltage, message.current))
+    charging = int(message.power_supply_status) in (_CHARGING, _FULL)
+    return BatteryState(at, charge, voltage_v=voltage, current_a=current, charging=charging, remaining_s=None)
+
+
+def converters(X_BL: Pose3 | None) -> dict[str, Converter]:
+    """How the message of each stream is read; ``X_BL``: pose of the laser in ``base_link``.
+
+    The second argument of each is the message's time (s), whatever its header says.
+    """
+    plain: dict[str, Converter] = {
+        "odometry": odometry,
+        "joints": ros_messages.joint_state,
+        "battery": battery,
+    }
+    if X_BL is not None:
+        plain["hokuyo"] = lambda message, at: ros_messages.laser_scan(message, at, X_BL)
+
+    def placed(convert: Converter) -> Converter:
+        return lambda message, at: replace(convert(message, at), stamp=at)
+
+    return {name: placed(convert) for name, convert in plain.items()}

@@ -1,0 +1,20 @@
+"""What the process of a robot over ROS 2 is sent beyond the messages of every body's
+(:mod:`app.robots.link_protocol`)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from app.robots.ros2.config import Ros2Config
+
+
+@dataclass(frozen=True, slots=True)
+class Start:
+    """Program to link, first. ``clock_offset`` makes the robot's clock of ``monotonic()``; ``demanded``: rates (Hz) by
+    stream; ``e_stop``: reason of an emergency stop that is latched already, or None."""
+
+    config: Ros2Config
+    clock_offset: float
+    demanded: Mapping[str, float]
+    e_stop: str | None = None

@@ -1,0 +1,123 @@
+"""What a live graph, or a bag, has: its topics, what comes on them and how often."""
+
+from __future__ import annotations
+
+import os
+import statistics
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from app.logs.importers.ros_messages import frame_of
+from app.logs.importers.ros_open import DAMAGE, opened, words
+from app.logs.log import LogError
+from app.logs.mcap.decompression import TooMuch
+from app.robots.ros2.config import TWIST, TWIST_STAMPED, TYPES
+from app.robots.ros2.messages import stamp_of
+from app.robots.ros2.proposal import Topic
+
+_FOUND_S = 1.0
+"""How long a graph is given to appear before its topics are listened to."""
+
+
+@dataclass(slots=True)
+class _Heard:
+    """What came on a topic: times of arrival (s), frame, and by how much the stamps were later."""
+
+    arrivals: list[float] = field(default_factory=list)
+    frame: str = ""
+    ahead_s: list[float] = field(default_factory=list)
+
+    def take(self, message: Any) -> None:
+        """Note a message with a header."""
+        self.arrivals.append(time.monotonic())
+        self.frame = frame_of(message)
+        if (stamp := stamp_of(message)) is not None:
+            self.ahead_s.append(stamp - time.time())
+
+    @property
+    def rate_hz(self) -> float | None:
+        """Messages a second, None where there were fewer than two."""
+        if len(self.arrivals) < 2:
+            return None
+        return (len(self.arrivals) - 1) / max(self.arrivals[-1] - self.arrivals[0], 1e-3)
+
+
+def live(listen_s: float, domain: int | None) -> list[Topic]:
+    """The topics of the graph of ``domain`` (None: the environment's), listened to for ``listen_s`` seconds.
+
+    Raises ImportError where there is no rclpy.
+    """
+    os.environ.setdefault("FASTDDS_BUILTIN_TRANSPORTS", "UDPv4")
+    import rclpy
+    from rclpy.executors import SingleThreadedExecutor
+
+    from app.robots.ros2.node import CLASSES, offered_by, profile
+    from app.robots.ros2.qos import reader
+
+    rclpy.init(args=["--ros-args", "--disable-external-lib-logs"], domain_id=domain)
+    node = rclpy.create_node("hbba_survey", enable_rosout=False, start_parameter_services=False)
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
+    heard: dict[tuple[str, str], _Heard] = {}
+    classes = {TYPES[stream]: message_class for stream, message_class in CLASSES.items()}
+    try:
+        _spin(executor, _FOUND_S)
+        for name, kinds in node.get_topic_names_and_types():
+            for kind in filter(classes.__contains__, kinds):
+                came = heard[name, kind] = _Heard()
+                asked = reader(offered_by(info) for info in node.get_publishers_info_by_topic(name))
+                node.create_subscription(classes[kind], name, came.take, profile(asked, 10))
+        _spin(executor, listen_s)
+        topics = []
+        for name, kinds in node.get_topic_names_and_types():
+            publishers = [info.topic_type for info in node.get_publishers_info_by_topic(name)]
+            own = node.get_name()
+            subscribers = [i.topic_type for i in node.get_subscriptions_info_by_topic(name) if i.node_name != own]
+            for kind in kinds:
+                topic = Topic(name, kind, publishers.count(kind), subscribers.count(kind))
+                if (came := heard.get((name, kind), _Heard())).arrivals:
+                    ahead_s = statistics.median(came.ahead_s) if came.ahead_s else None
+                    topic = replace(topic, rate_hz=came.rate_hz, frame=came.frame, ahead_s=ahead_s)
+                topics.append(topic)
+        return [topic for topic in topics if topic.publishers or topic.subscribers]
+    finally:
+        executor.shutdown()
+        node.destroy_node()
+        rclpy.shutdown()
+
+
+def _spin(executor: Any, seconds: float) -> None:
+    end = time.monotonic() + seconds
+    while (left := end - time.monotonic()) > 0:
+        executor.spin_once(timeout_sec=left)
+
+
+def bag(path: Path) -> list[Topic]:
+    """The topics of a bag, with their mean rates. Of commands it only says that they were given: what it has is taken
+    for listened to. Raises LogError where it cannot be read."""
+    reader, others, unpacked = opened(path)
+    try:
+        seconds = max(reader.duration / 1e9, 1e-3)
+        topics = []
+        for name, info in sorted(reader.topics.items()):
+            connections = [connection for connection in reader.connections if connection.topic == name]
+            kind = info.msgtype or connections[0].msgtype
+            first: Callable[[], Any] = lambda found=connections: next(reader.messages(found), None)  # noqa: E731
+            frame = ""
+            if kind in TYPES.values() and info.msgcount and (sample := first()) is not None:
+                frame = frame_of(reader.deserialize(sample[2], kind))
+            rate = None if info.msgcount < 2 else (info.msgcount - 1) / seconds
+            listened = int(kind in (TWIST, TWIST_STAMPED))
+            topics.append(Topic(name, kind, 0 if listened else 1, listened, rate, frame))
+        return topics + [Topic(other.topic, other.msgtype) for other in others]
+    except TooMuch as refusal:
+        raise LogError(f"{path}: a message, or a chunk of them, {refusal}") from None
+    except DAMAGE as failure:
+        raise LogError(f"{path}: is damaged: {words(failure)}") from None
+    finally:
+        reader.close()
+        if unpacked is not None:
+            unpacked.cleanup()

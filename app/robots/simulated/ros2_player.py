@@ -1,0 +1,228 @@
+"""A simulated robot that speaks ROS 2: a kinematic body on a kept map as a TurtleBot, in a process of its own.
+
+``python -m app.robots.simulated.ros2_player --robot ROBOT.yaml --map MAP.yaml [options]``, where ROBOT is a mapping of
+kind ``ros2``, whose model and sizes the body has. Topics: ``/scan`` and ``/odom`` (best effort, as a TurtleBot's),
+``/joint_states``, ``/battery_state``, and ``/clock`` with ``--sim-time``; it takes ``/cmd_vel``. Without a command
+for ``--watchdog`` seconds it stops by itself.
+
+It prints ``ready`` once it moves. Lines on its standard input are faults: ``odometry off``, ``odometry on``,
+``clock SECONDS`` (its clock is ahead by so much from then on), ``clock stop`` (of ``/clock``), ``origin`` (odometry
+begins again at zero). With ``--log FILE`` each step is a line ``MONOTONIC LINEAR ANGULAR`` of its true velocity.
+"""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import math
+import os
+import signal
+import sys
+import threading
+import time
+from pathlib import Path
+from typing import IO, Any
+
+import rclpy
+from geometry_msgs.msg import Twist, TwistStamped
+from nav_msgs.msg import Odometry as RosOdometry
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.qos import qos_profile_sensor_data
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import BatteryState as RosBattery
+from sensor_msgs.msg import JointState as RosJointState
+from sensor_msgs.msg import LaserScan as RosScan
+
+from app.base.child_processes import end_with_parent
+from app.base.geometry import Pose2
+from app.logs.stamps import SECOND, to_ns
+from app.maps.map_file import read_map
+from app.messages import JointState, LaserScan, Odometry
+from app.messages import Twist as Command
+from app.robots.battery_config import BatteryConfig
+from app.robots.config import StartPose
+from app.robots.ros2.config import TWIST_STAMPED, Ros2Config, load_ros2_config
+from app.robots.simulated.battery import Battery
+from app.robots.simulated.kinematic.config import KinematicLaserConfig, kinematic_of
+from app.robots.simulated.kinematic.link import KinematicLink
+from app.runtime.clock import RealClock
+
+#: Robot's laser: an RPLIDAR A1's rays, all around.
+_LASER: dict[str, Any] = {"rays": 360, "fov_deg": 359.0, "range_max_m": 12.0, "range_min_m": 0.15}
+_SIM_BEGAN_S = 1000.0
+_BATTERY = BatteryConfig(capacity_wh=26.0, charge=0.9, empty_v=12.0, full_v=16.4)
+_LOAD_W, _BATTERY_S = 12.0, 1.0
+
+
+class Ros2Player:
+    """The body of ``config`` on the map, and its node."""
+
+    def __init__(self, config: Ros2Config, options: argparse.Namespace) -> None:
+        laser = config.streams.hokuyo
+        limits = config.limits.model_copy(update={"command_timeout_s": options.watchdog})
+        x, y, heading = options.start
+        body = kinematic_of(
+            config.model_copy(update={"limits": limits}),
+            options.map,
+            StartPose(x=x, y=y, heading_deg=heading),
+            laser=None if laser is None else KinematicLaserConfig(link=laser.link, rate_hz=10, **_LASER),
+        )
+        self._clock = RealClock()
+        self._link = KinematicLink(body, read_map(body.map), self._clock)
+        self._sim_time = bool(options.sim_time)
+        self._began = self._clock.now()
+        #: By how much (s) the robot's clock is ahead.
+        self.ahead_s = float(options.ahead)
+        self.gives_odometry = True
+        self.ticks = True
+        #: ``X_OO'``: where odometry began again.
+        self.origin = Pose2(0.0, 0.0, 0.0)
+        self._last: Odometry | None = None
+        self._log: IO[str] | None = None if options.log is None else options.log.open("w", encoding="utf-8")
+        rclpy.init(args=["--ros-args", "--disable-external-lib-logs"], domain_id=options.domain)
+        node = self._node = rclpy.create_node("turtlebot", enable_rosout=False, start_parameter_services=False)
+        self._odometry = node.create_publisher(RosOdometry, "/odom", qos_profile_sensor_data)
+        self._scans = node.create_publisher(RosScan, "/scan", qos_profile_sensor_data)
+        self._joints = node.create_publisher(RosJointState, "/joint_states", 10)
+        self._batteries = node.create_publisher(RosBattery, "/battery_state", qos_profile_sensor_data)
+        self._battery = Battery(_BATTERY)
+        self._drawn = self._began
+        self._ticker = node.create_publisher(Clock, "/clock", 10) if self._sim_time else None
+        self._loop = asyncio.get_running_loop()
+        stamped = config.base.type == TWIST_STAMPED
+        kind = TwistStamped if stamped else Twist
+        node.create_subscription(kind, "/cmd_vel", self._commanded, qos_profile_sensor_data)
+        for stream, receive in (
+            ("odometry", self._give_odometry),
+            ("joints", self._give_joints),
+            ("hokuyo", self._give_scan),
+        ):
+            if stream in self._link.description.streams:
+                self._link.attach(stream, receive)
+                self._link.demand(stream, 100.0)
+        threading.Thread(target=self._spin, name="rclpy", daemon=True).start()
+
+    async def run(self) -> None:
+        """Move for ever."""
+        await self._link.start()
+        print("ready", flush=True)
+        await self._link.wait_failed()
+
+    def fault(self, line: str) -> None:
+        """Do what a line of standard input says. Raises ValueError for an unknown one."""
+        match line.split():
+            case ["odometry", ("on" | "off") as state]:
+                self.gives_odometry = state == "on"
+            case ["clock", "stop"]:
+                self.ticks = False
+            case ["clock", seconds]:
+                self.ahead_s = float(seconds)
+            case ["origin"] if self._last is not None:
+                self.origin = self._last.X_OB
+            case _:
+                raise ValueError(f"no such fault: {line!r}")
+
+    # The robot's computer
+
+    def _commanded(self, message: Any) -> None:
+        twist = getattr(message, "twist", message)
+        velocity = (twist.linear.x, twist.angular.z, twist.linear.y)
+        self._loop.call_soon_threadsafe(lambda: self._link.command(Command(self._clock.now(), *velocity)))
+
+    def _stamp(self, header: Any, stamp: float) -> None:
+        own = _SIM_BEGAN_S + stamp - self._began if self._sim_time else stamp
+        header.stamp.sec, header.stamp.nanosec = divmod(to_ns(own + self.ahead_s), SECOND)
+
+    def _give_odometry(self, odometry: Odometry) -> None:
+        self._last = odometry
+        if self._log is not None:
+            self._log.write(f"{time.monotonic()} {odometry.linear_mps} {odometry.angular_radps}\n")
+            self._log.flush()
+        if self._ticker is not None and self.ticks:
+            tick = Clock()
+            tick.clock.sec, tick.clock.nanosec = divmod(to_ns(_SIM_BEGAN_S + odometry.stamp - self._began), SECOND)
+            self._ticker.publish(tick)
+        self._draw(odometry.stamp)
+        if not self.gives_odometry:
+            return
+        message = RosOdometry()
+        self._stamp(message.header, odometry.stamp)
+        message.header.frame_id, message.child_frame_id = "odom", "base_link"
+        pose = self.origin.inverse() @ odometry.X_OB
+        message.pose.pose.position.x, message.pose.pose.position.y = pose.x, pose.y
+        message.pose.pose.orientation.w = math.cos(pose.theta / 2)
+        message.pose.pose.orientation.z = math.sin(pose.theta / 2)
+        message.twist.twist.linear.x, message.twist.twist.linear.y = odometry.linear_mps, odometry.lateral_mps
+        message.twist.twist.angular.z = odometry.angular_radps
+        self._odometry.publish(message)
+
+    def _draw(self, now: float) -> None:
+        """Discharge the battery, once a second, and say what is left."""
+        if now - self._drawn < _BATTERY_S:
+            return
+        self._battery.advance(now - self._drawn, _LOAD_W, charging=False)
+        self._drawn = now
+        state, message = self._battery.state(now), RosBattery()
+        self._stamp(message.header, now)
+        message.voltage, message.current, message.percentage = state.voltage_v, state.current_a, state.charge
+        message.power_supply_status = RosBattery.POWER_SUPPLY_STATUS_DISCHARGING
+        self._batteries.publish(message)
+
+    def _give_joints(self, joints: JointState) -> None:
+        message = RosJointState()
+        self._stamp(message.header, joints.stamp)
+        message.name, message.position = list(joints.names), list(joints.positions)
+        self._joints.publish(message)
+
+    def _give_scan(self, scan: LaserScan) -> None:
+        message = RosScan()
+        self._stamp(message.header, scan.stamp)
+        message.header.frame_id = scan.frame
+        message.angle_min, message.angle_increment = scan.angle_min, scan.angle_increment
+        message.angle_max = scan.angle_min + scan.angle_increment * (len(scan.ranges) - 1)
+        message.range_min, message.range_max = scan.range_min, scan.range_max
+        message.ranges, message.intensities = scan.ranges.tolist(), scan.intensities.tolist()
+        self._scans.publish(message)
+
+    def _spin(self) -> None:
+        executor = SingleThreadedExecutor()
+        executor.add_node(self._node)
+        try:
+            executor.spin()
+        except ExternalShutdownException:
+            return
+
+
+async def play(options: argparse.Namespace) -> None:
+    """Play the robot until standard input ends."""
+    player = Ros2Player(load_ros2_config(options.robot), options)
+    loop = asyncio.get_running_loop()
+    reader = asyncio.StreamReader()
+    await loop.connect_read_pipe(lambda: asyncio.StreamReaderProtocol(reader), sys.stdin)
+    moving = asyncio.create_task(player.run(), name="player")
+    async for line in reader:
+        player.fault(line.decode())
+    moving.cancel()
+
+
+def main() -> int:
+    """Play the robot of the command line."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    end_with_parent()
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--robot", type=Path, required=True, help="its mapping")
+    parser.add_argument("--map", type=Path, required=True, help="YAML file of a kept map")
+    parser.add_argument("--start", type=float, nargs=3, default=(0.0, 0.0, 0.0), metavar=("X", "Y", "DEGREES"))
+    parser.add_argument("--domain", type=int, default=None, help="ROS_DOMAIN_ID")
+    parser.add_argument("--watchdog", type=float, default=0.5, help="seconds after which it stops by itself")
+    parser.add_argument("--sim-time", action="store_true", help="publish /clock, and stamp by it")
+    parser.add_argument("--ahead", type=float, default=0.0, help="seconds by which its clock is ahead")
+    parser.add_argument("--log", type=Path, default=None, help="file for its true velocity")
+    asyncio.run(play(parser.parse_args()))
+    return 0
+
+
+if __name__ == "__main__":
+    status = main()
+    sys.stdout.flush()
+    os._exit(status)  # rclpy's exit handlers wait for its thread

@@ -1,0 +1,101 @@
+"""A mapping's mistakes name file, line, key and what is allowed."""
+
+from __future__ import annotations
+
+import pickle
+from pathlib import Path
+
+import pytest
+
+from app.base.errors import ConfigError
+from app.robots.factory import load_body
+from app.robots.ros2.config import Ros2Config, load_ros2_config
+from app.robots.ros2.link import describe, environment
+from tests.robots.ros2.robot import MAPPING
+
+
+def changed(folder: Path, before: str, after: str) -> Path:
+    """The mapping as shipped with one passage changed."""
+    text = MAPPING.read_text("utf-8")
+    assert before in text
+    text = text.replace(before, after, 1)
+    for name in ("turtlebot4.urdf", "../turtlebot4.yaml"):
+        text = text.replace(f": {name}\n", f": {(MAPPING.parent / name).resolve()}\n")
+    path = folder / "robot.yaml"
+    path.write_text(text, "utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "said"),
+    [
+        ("topic: odom,", "topic: od om,", "streams.odometry.topic: a topic's name is of letters, digits and _"),
+        (
+            "TwistStamped",
+            "Wrench",
+            "base.type: should be 'geometry_msgs/msg/Twist' or 'geometry_msgs/msg/TwistStamped'",
+        ),
+        ("  watchdog_s: 0.5", "", "base.watchdog_s: is missing"),
+        (
+            "watchdog_s: 0.5",
+            "watchdog_s: 0.01",
+            "base: watchdog_s 0.01 is no longer than the time between two commands",
+        ),
+        ("clock: header", "clock: wall", "graph.clock: should be 'header', 'sim' or 'arrival', not 'wall'"),
+        ("domain: null", "domain: 300", "graph.domain: should be less than or equal to 232, not 300"),
+        ("link: rplidar_link", "link: laser", "streams.hokuyo.link: the model"),
+        ("link: rplidar_link", "link: left_wheel", "streams.hokuyo.link: the joint 'left_wheel_joint' of the model"),
+        (
+            "[odometry]",
+            "[odometry, kinect]",
+            "required_sensors: 'kinect' has no topic; allowed: battery, hokuyo, joints",
+        ),
+        ("[odometry]", "[hokuyo]", "required_sensors must have odometry"),
+        ("  hokuyo:", "  lidar:", "streams.lidar: unknown key; allowed: battery, hokuyo, joints, odometry"),
+        (
+            "height_m: 0.35",
+            "actuators: {head: {joints: [left_wheel_joint]}}",
+            "joints are not commanded over ROS 2 yet",
+        ),
+    ],
+)
+def test_a_mistake_has_its_place(tmp_path: Path, before: str, after: str, said: str) -> None:
+    path = changed(tmp_path, before, after)
+    with pytest.raises(ConfigError) as refused:
+        load_body(path)
+    assert said in refused.value.message
+    assert refused.value.file == str(path)
+    assert refused.value.line > 0
+
+
+def test_a_mistake_of_the_robot_has_the_mappings_place(tmp_path: Path) -> None:
+    path = changed(tmp_path, "TurtleBot 4 over", "TurtleBot 4 over")
+    mistake = load_ros2_config(path).mistake("is of another type", "streams", "hokuyo", "topic")
+    line = 1 + next(n for n, text in enumerate(path.read_text("utf-8").splitlines()) if "hokuyo:" in text)
+    assert str(mistake) == f"{path}:{line}: streams.hokuyo.topic: is of another type"
+    assert str(pickle.loads(pickle.dumps(load_ros2_config(path))).mistake("x", "name")).startswith(f"{path}:3: ")
+
+
+def test_topics_are_in_the_namespace_unless_they_begin_at_the_root(tmp_path: Path) -> None:
+    config = load_ros2_config(changed(tmp_path, 'namespace: ""', "namespace: robot1"))
+    assert config.full_name("odom") == "/robot1/odom"
+    assert config.full_name("/tf") == "/tf"
+    assert load_ros2_config(MAPPING).full_name("odom") == "/odom"
+
+
+def test_the_body_is_described_by_its_mapping() -> None:
+    body = load_body(MAPPING)
+    assert isinstance(body, Ros2Config)
+    described = describe(body)
+    assert {name: stream.rate_hz for name, stream in described.streams.items()} == {
+        "odometry": 20, "joints": 20, "hokuyo": 7.5, "battery": 0.2, "status": 20,
+    }  # fmt: skip
+    assert (described.simulated, described.restartable, described.limits.linear_mps) == (False, True, 0.3)
+
+
+def test_how_far_the_process_looks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("FASTDDS_BUILTIN_TRANSPORTS", raising=False)
+    assert environment(load_ros2_config(MAPPING)) == {"FASTDDS_BUILTIN_TRANSPORTS": "UDPv4"}
+    monkeypatch.setenv("FASTDDS_BUILTIN_TRANSPORTS", "LARGE_DATA")
+    local = load_ros2_config(changed(tmp_path, "discovery: environment", "discovery: localhost"))
+    assert environment(local) == {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}

@@ -1,0 +1,79 @@
+"""ROS messages into ours. Their classes are stood for by plain objects with the same fields."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace as Fields
+from typing import Any
+
+import numpy as np
+import pytest
+
+from app.base.geometry import Pose3
+from app.logs.importers.ros_messages import Unreadable
+from app.messages import BatteryState, LaserScan, Odometry
+from app.robots.ros2.messages import battery, converters, odometry, set_stamp, stamp_of
+
+AT = 1_700_000_000.25
+
+
+def header(sec: int = 12, nanosec: int = 500_000_000, frame: str = "odom") -> Fields:
+    return Fields(stamp=Fields(sec=sec, nanosec=nanosec), frame_id=frame)
+
+
+def drive(x: float = 1.0) -> Fields:
+    position, orientation = Fields(x=x, y=2.0, z=0.0), Fields(x=0.0, y=0.0, z=math.sin(0.25), w=math.cos(0.25))
+    twist = Fields(linear=Fields(x=0.2, y=0.0, z=0.0), angular=Fields(x=0.0, y=0.0, z=-0.1))
+    return Fields(
+        header=header(), pose=Fields(pose=Fields(position=position, orientation=orientation)), twist=Fields(twist=twist)
+    )
+
+
+def test_the_time_that_a_message_is_given_replaces_its_own() -> None:
+    read = converters(None)["odometry"](drive(), AT)
+    assert isinstance(read, Odometry)
+    assert read.stamp == AT
+    assert read.X_OB.theta == pytest.approx(0.5)
+    assert (read.X_OB.x, read.X_OB.y, read.linear_mps, read.angular_radps) == (1.0, 2.0, 0.2, -0.1)
+
+
+def test_a_pose_that_is_no_number_is_refused() -> None:
+    with pytest.raises(Unreadable, match="a value that is not finite"):
+        odometry(drive(x=math.nan), AT)
+
+
+def test_a_scan_is_placed_by_the_mapping() -> None:
+    X_BL = Pose3.identity()
+    message = Fields(
+        header=header(frame="laser"), ranges=[0.5, math.inf, math.nan], intensities=[], angle_min=-1.0, angle_max=1.0,
+        angle_increment=1.0, time_increment=0.0, scan_time=0.1, range_min=0.15, range_max=12.0,
+    )  # fmt: skip
+    read = converters(X_BL)["hokuyo"](message, AT)
+    assert isinstance(read, LaserScan)
+    assert np.array_equal(read.ranges, np.array([0.5, np.inf, 0.0], np.float32))
+    assert (read.stamp, read.frame, read.X_BL) == (AT, "laser", X_BL)
+
+
+def charged(**fields: Any) -> Fields:
+    values = {"percentage": 0.8, "voltage": 15.2, "current": -0.6, "power_supply_status": 2}
+    return Fields(header=header(), **(values | fields))
+
+
+def test_a_battery() -> None:
+    assert battery(charged(), AT) == BatteryState(AT, 0.8, 15.2, -0.6, charging=False, remaining_s=None)
+    assert battery(charged(power_supply_status=1), AT).charging
+    assert battery(charged(current=math.nan), AT).current_a == 0.0
+    with pytest.raises(Unreadable, match="its percentage is nan; a share of the capacity is 0 to 1"):
+        battery(charged(percentage=math.nan), AT)
+    with pytest.raises(Unreadable, match="its percentage is 80"):
+        battery(charged(percentage=80.0), AT)
+
+
+def test_stamps_go_both_ways() -> None:
+    assert stamp_of(Fields(header=header())) == 12.5
+    assert stamp_of(Fields(header=header(0, 0))) is None
+    written = header(0, 0)
+    set_stamp(written, 12.5)
+    assert stamp_of(Fields(header=written)) == 12.5
+    set_stamp(written, None)
+    assert stamp_of(Fields(header=written)) == 12.5
