@@ -12,7 +12,7 @@ from typing import Literal
 
 BEAT_S = 0.2
 #: So many beats in a row without an answer: frozen, within a second.
-MISSED_BEATS = 4
+MISSED_BEATS = 3
 #: The newest round trips that are looked at; with 20, the second longest is the 95th percentile (nearest rank).
 WINDOW = 20
 #: A link that was not well must answer so many beats in a row, within the deadline, before it is used again.

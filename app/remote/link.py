@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 log = logging.getLogger("hbba.remote")
 
+#: Messages of an input on their way: one is worked at while the next one comes.
+MOST_UNDER_WAY = 2
 #: Beats whose answers are still waited for.
 _MOST_BEATS = 32
 #: Bytes that a beat is filled with at most.
@@ -40,10 +42,33 @@ class StandIn(Protocol):
         ...
 
 
-@dataclass(slots=True)
+class _UnderWay:
+    """Messages of one input that were sent and not handled yet: :meth:`room` waits until another may follow."""
+
+    def __init__(self) -> None:
+        self._count = 0
+        self._changed = asyncio.Event()
+
+    def add(self) -> None:
+        self._count += 1
+
+    def end(self, count: int | None = None) -> None:
+        """One of them, or all, is handled or given up."""
+        self._count = 0 if count is None else max(self._count - count, 0)
+        self._changed.set()
+
+    async def room(self) -> None:
+        while self._count >= MOST_UNDER_WAY:
+            self._changed.clear()
+            await self._changed.wait()
+
+
+@dataclass(frozen=True, slots=True)
 class _Sent:
     stamp: float
-    handled: asyncio.Future[None] | None
+    under_way: _UnderWay
+    #: Gives it up when the deadline is over.
+    timer: asyncio.TimerHandle
 
 
 class NodeLink:
@@ -62,11 +87,13 @@ class NodeLink:
         self._clock = clock
         self._stand_ins: dict[str, StandIn] = {}
         self._observers: Observers[[bool, str]] = Observers(f"the link to {name}")
+        self._trip_observers: Observers[[float]] = Observers(f"round trips to {name}")
         self._reported = (False, self.health.why)
         self._outbox: Outbox | None = None
         self._mailbox: Mailbox[bytes] | None = None
         self._subscriber: zenoh.Subscriber[None] | None = None
         self._sent: dict[int, _Sent] = {}
+        self._under_way: dict[tuple[str, str], _UnderWay] = {}
         self._beats: dict[int, float] = {}
         self._seq = 0
         self._message_bytes = 0
@@ -80,6 +107,11 @@ class NodeLink:
         """Call ``callback(usable, why)`` now and at each change; returns a function that ends this."""
         callback(*self._reported)
         return self._observers.add(callback)
+
+    def observe_trips(self, callback: Callable[[float], None]) -> Callable[[], None]:
+        """Call ``callback`` with the round trip (s) of each message that was handled; returns a function that ends
+        this."""
+        return self._trip_observers.add(callback)
 
     # --- Modules at home ---------------------------------------------------------------------------------------------
 
@@ -101,8 +133,9 @@ class NodeLink:
             self._outbox.send(wire.encode(orders))
 
     async def send(self, module: str, port: str, payload: bytes, *, kept: Mapping[str, int], awaits: bool) -> None:
-        """Send a message while the node may be used. With ``awaits``, return once it was handled there, or was not
-        within the deadline: the next one is then newer than what a queue would hold."""
+        """Send a message while the node may be used. With ``awaits``, return once another may follow: when all but one
+        before it were handled there, or not within the deadline. The next is then newer than what a queue would hold.
+        """
         outbox = self._outbox
         if outbox is None or not self.usable:
             return
@@ -114,13 +147,12 @@ class NodeLink:
             outbox.send(data)
             return
         self._message_bytes = len(data)
-        handled = asyncio.get_running_loop().create_future()
-        self._sent[seq] = _Sent(self._clock.now(), handled)
+        under_way = self._under_way.setdefault((module, port), _UnderWay())
+        under_way.add()
+        timer = asyncio.get_running_loop().call_later(self.settings.deadline_s, self._give_up, seq)
+        self._sent[seq] = _Sent(self._clock.now(), under_way, timer)
         outbox.send(data, newest=True)
-        done, _ = await asyncio.wait({handled}, timeout=self.settings.deadline_s)
-        if not done and self._sent.pop(seq, None) is not None:
-            self.health.trip(self._clock.now(), math.inf)
-            self._report()
+        await under_way.room()
 
     # --- The node ----------------------------------------------------------------------------------------------------
 
@@ -149,8 +181,9 @@ class NodeLink:
             self._outbox.close()
         self._subscriber, self._mailbox, self._outbox, self.offer = None, None, None, None
         for sent in self._sent.values():
-            if sent.handled is not None and not sent.handled.done():
-                sent.handled.set_result(None)
+            sent.timer.cancel()
+        for under_way in self._under_way.values():
+            under_way.end()
         self._sent.clear()
         self._beats.clear()
         if why:
@@ -184,9 +217,10 @@ class NodeLink:
         if isinstance(envelope, Handled):
             sent = self._sent.pop(envelope.seq, None)
             if sent is not None:
+                sent.timer.cancel()
+                sent.under_way.end(1)
                 self.health.trip(now, now - sent.stamp)
-                if sent.handled is not None and not sent.handled.done():
-                    sent.handled.set_result(None)
+                self._trip_observers.notify(now - sent.stamp)
         elif isinstance(envelope, Pulse):
             stamp = self._beats.pop(envelope.seq, None)
             if stamp is not None:
@@ -195,6 +229,13 @@ class NodeLink:
         else:
             self._result(envelope)
         self._report()
+
+    def _give_up(self, seq: int) -> None:
+        sent = self._sent.pop(seq, None)
+        if sent is not None:
+            sent.under_way.end(1)
+            self.health.trip(self._clock.now(), math.inf)
+            self._report()
 
     def _result(self, result: Result) -> None:
         stand_in = self._stand_ins.get(result.module)

@@ -101,7 +101,7 @@ def open_session(settings: dict[str, Any]) -> zenoh.Session:
 
 
 class Mailbox(Generic[T]):
-    """Passes on to ``take``, on the event loop, what other threads put; bounded: the oldest are lost, which is logged."""
+    """Passes on to ``take``, on the event loop, what other threads put; bounded: the oldest are lost, and logged."""
 
     def __init__(self, name: str, take: Callable[[T], None], capacity: int = MOST_WAITING) -> None:
         self._name = name

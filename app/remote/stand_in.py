@@ -2,7 +2,7 @@
 
     images, odometry … ─▶ φ ─▶ RemoteModule ─▶ link ─▶ the module itself ─▶ link ─▶ RemoteModule ─▶ faces …
 
-An input whose inbox holds one message is answered before the next is sent: what comes meanwhile replaces what waits, so
+Of an input whose inbox holds one message, two are on their way at most: what comes meanwhile replaces what waits, so
 that the newest is looked at. All others are sent as they come. Results are published with the source's own stamp.
 """
 
