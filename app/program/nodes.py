@@ -12,7 +12,16 @@ from app.program.config import Configuration
 from app.remote.contract import Described, NotElsewhere, describe
 from app.remote.hub import NodeHub, stand_in_name
 from app.remote.settings import NodeSettings
-from app.remote.strategies import JPEG_BYTES, OTHER_BYTES, RAW_BYTES, Elsewhere, Stream, with_nodes
+from app.remote.strategies import (
+    JPEG_BYTES,
+    OTHER_BYTES,
+    RAW_BYTES,
+    Elsewhere,
+    Stream,
+    differs,
+    strategies_of,
+    with_nodes,
+)
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.clock import Clock
 
@@ -29,6 +38,8 @@ class ProgramNodes:
             described_modules(configuration, name, node)
         self.hub = NodeHub(settings, configuration.program.modules, clock, configuration.folder)
         modules = {**configuration.program.modules, **self.hub.stand_ins()}
+        self._home = StrategyTable((), {})
+        self._elsewhere: dict[str, Elsewhere] = {}
         self.configuration = replace(
             configuration, program=configuration.program.model_copy(update={"modules": modules})
         )
@@ -36,10 +47,11 @@ class ProgramNodes:
     def extend(self, table: StrategyTable) -> StrategyTable:
         """``table`` with the strategies of all nodes. Raises ConfigError for a module that none of them opens."""
         program, document = self.configuration.program, self.configuration.program_document
-        elsewhere = [
-            Elsewhere(name, link.settings, self._streams(link.settings)) for name, link in self.hub.links.items()
-        ]
-        extended = with_nodes(table, elsewhere)
+        self._home = table
+        self._elsewhere = {
+            name: Elsewhere(name, link.settings, self._streams(link.settings)) for name, link in self.hub.links.items()
+        }
+        extended = with_nodes(table, list(self._elsewhere.values()))
         assert program.nodes is not None
         for name, node in program.nodes.computers.items():
             for number, module in enumerate(node.modules):
@@ -50,6 +62,20 @@ class ProgramNodes:
                         ("nodes", "computers", name, "modules", number),
                     )
         return extended
+
+    def measured(self) -> dict[str, dict[str, float]]:
+        """New costs of the strategies of those nodes whose messages differ in size from what was reckoned with."""
+        costs: dict[str, dict[str, float]] = {}
+        for name, node in self._elsewhere.items():
+            sizes = self.hub.link(name).sizes
+            streams = {
+                port: replace(stream, size=sizes[port]) if differs(sizes.get(port), stream.size) else stream
+                for port, stream in node.streams.items()
+            }
+            if streams != node.streams:
+                self._elsewhere[name] = replace(node, streams=streams)
+                costs |= {s.name: dict(s.costs) for s in strategies_of(self._home, self._elsewhere[name])}
+        return costs
 
     def observe(self, set_capacity: Callable[[str, float, str], None]) -> Callable[[], None]:
         """Give each node's CPU to attention while it may be used, and nothing otherwise, with the reason."""

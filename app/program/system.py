@@ -372,6 +372,9 @@ class System:
             await self.pace.sleep(LOAD_WINDOW_S)
             if not self._reproducible:
                 self._sample_load()
+            if self.nodes is not None and (costs := self.nodes.measured()):
+                self.translator.set_costs(costs, "messages to nodes are of another size than reckoned")
+                self.table = self.translator.table
             self._feed.freshness(self.freshness.sample(self.clock.now()))
             self._note_exploitation(self._exploitation.expire(self.clock.now()))
 

@@ -24,6 +24,8 @@ log = logging.getLogger("hbba.remote")
 
 #: Messages of an input on their way: one is worked at while the next one comes.
 MOST_UNDER_WAY = 2
+#: Weight of the messages before in the mean of their sizes.
+_REMEMBERED = 0.95
 #: Beats whose answers are still waited for.
 _MOST_BEATS = 32
 #: Bytes that a beat is filled with at most.
@@ -98,6 +100,8 @@ class NodeLink:
         self._seq = 0
         self._message_bytes = 0
         self.sent_bytes = 0
+        #: Mean bytes of a message by input ``Module.port``, of those that were sent lately.
+        self.sizes: dict[str, float] = {}
 
     @property
     def usable(self) -> bool:
@@ -143,6 +147,8 @@ class NodeLink:
         seq = self._seq
         data = wire.encode(Data(module, port, seq, payload, dict(kept)))
         self.sent_bytes += len(data)
+        name, size = f"{module}.{port}", float(len(data))
+        self.sizes[name] = size + _REMEMBERED * (self.sizes.get(name, size) - size)
         if not awaits:
             outbox.send(data)
             return

@@ -22,6 +22,10 @@ JPEG_BYTES, RAW_BYTES, OTHER_BYTES = 200e3, 1_200e3, 200.0
 IMAGE_CPU_S = 0.006
 
 
+#: Sizes of messages that differ by less than this share are taken for the same: each change is a new problem to solve.
+SAME = 0.25
+
+
 @dataclass(frozen=True, slots=True)
 class Stream:
     """What comes to an input at home: nominal ``rate_hz``, bytes of a message on the link, and whether it is encoded
@@ -70,6 +74,11 @@ def strategies_of(table: StrategyTable, node: Elsewhere) -> Iterator[Strategy]:
         modules = {name.partition(".")[0] for name in strategy.filters}
         if modules and modules <= set(node.settings.modules):
             yield _moved(strategy, node)
+
+
+def differs(measured: float | None, reckoned: float) -> bool:
+    """Whether the ``measured`` size of a message (None: there was none) is another than the ``reckoned`` one."""
+    return measured is not None and not (1 - SAME) * reckoned <= measured <= (1 + SAME) * reckoned
 
 
 def _moved(strategy: Strategy, node: Elsewhere) -> Strategy:

@@ -7,7 +7,7 @@ from app.attention.solver import solve
 from app.attention.strategies import CLOSED, Resource, Strategy, StrategyTable, exclusive
 from app.messages import Desire, Source
 from app.remote.settings import NodeSettings
-from app.remote.strategies import Elsewhere, Stream, with_nodes
+from app.remote.strategies import Elsewhere, Stream, differs, with_nodes
 
 LOOK = Strategy(
     "look",
@@ -70,3 +70,11 @@ def test_a_strategy_that_costs_nothing_goes_nowhere_without_its_computer() -> No
     free = StrategyTable((Strategy("look", "Faces", 4.0, filters={"Faces.images": 1.0}),), HOME.resources)
     table = with_nodes(free, [node("desk")])
     assert table["look@desk"].costs["cpu@desk"] > 0
+
+
+def test_sizes_that_hardly_differ_change_no_costs() -> None:
+    assert not differs(None, 200e3)
+    assert not differs(160e3, 200e3)
+    assert not differs(240e3, 200e3)
+    assert differs(400e3, 200e3)
+    assert differs(100e3, 200e3)
