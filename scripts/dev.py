@@ -66,7 +66,7 @@ def main() -> int:
         if args.task == "clean":
             return clean()
         if args.task == "run":
-            set_up({"speech", "video"}, debian=True, browser=False)
+            set_up({"speech", "video", "remote"}, debian=True, browser=False)
             run_hbba(args.arguments)
         if args.task == "setup":
             set_up({"test", "docs"})
@@ -330,6 +330,7 @@ HURRIED = (
     "tests/console/test_without_driving.py",
     "tests/experiments/overload",
     "tests/modules/recording",
+    "tests/remote/test_nodes.py",
     "tests/logs/replay/test_playback.py",
     "tests/robots/devices",
     "tests/robots/replayed",

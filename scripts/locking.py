@@ -19,7 +19,7 @@ import installing
 UV_REQUIREMENT = "uv>=0.8,<1"
 HEADER = "# Made by `make lock` from pyproject.toml; not to be edited.\n"
 #: The extras of pyproject.toml that the Makefile's tasks need.
-EXTRAS = ("test", "bench", "docs", "speech", "video", "ros2")
+EXTRAS = ("test", "bench", "docs", "speech", "video", "remote", "ros2")
 #: Packages of these have no wheel, and are pure Python.
 _SOURCE_ONLY = ("empy", "forbiddenfruit")
 _OLDEST_GLIBC = "manylinux_2_34"

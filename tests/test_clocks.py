@@ -43,6 +43,7 @@ ALLOWED = {
     "experiments/barn/trial.py": "how long a trial took on this computer",
     "experiments/observation.py": "how late the event loop is, which is what the experiment measures",
     "experiments/tour/tour_run.py": "how long a trial took on this computer",
+    "remote/node.py": "how far the robot's clock is from this computer's own",
     "base/log_rate_limit.py": "how often a line of the log is repeated",
     "tours/media.py": "the age of a file that an upload left behind",
     "maps/library.py": "the age of a file that somebody left behind",

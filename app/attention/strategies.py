@@ -108,6 +108,16 @@ class StrategyTable:
         """Every filter that some strategy sets, ``"Module.port"``."""
         return frozenset(name for strategy in self.strategies for name in strategy.filters)
 
+    def with_costs(self, costs: Mapping[str, Mapping[str, float]]) -> StrategyTable:
+        """The same table with other costs of the strategies named. Raises ValueError for a strategy or a resource that
+        there is not."""
+        unknown = sorted(costs.keys() - {strategy.name for strategy in self.strategies})
+        unknown += sorted({name for each in costs.values() for name in each} - self.resources.keys())
+        if unknown:
+            raise ValueError(f"costs of what does not exist: {', '.join(unknown)}")
+        strategies = (replace(s, costs=dict(costs[s.name])) if s.name in costs else s for s in self.strategies)
+        return replace(self, strategies=tuple(strategies))
+
     def capacities(self) -> dict[str, float]:
         """The declared capacity of each resource."""
         return {name: resource.capacity for name, resource in self.resources.items()}

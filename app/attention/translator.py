@@ -153,6 +153,16 @@ class IntentionTranslator:
         self._timeline.add("capacity", resource, text, {"before": before, "after": after, "reason": reason})
         self._touch()
 
+    def set_costs(self, costs: Mapping[str, Mapping[str, float]], reason: str) -> None:
+        """Change what strategies cost, by name and resource, and solve again. Raises ValueError for a strategy or a
+        resource that there is not."""
+        table = self.table.with_costs(costs)
+        # What cannot be reckoned with changes nothing.
+        self._prepared = prepare(table.strategies)
+        self.table = table
+        _log.info("other costs of %d strategies: %s", len(costs), reason)
+        self._touch()
+
     @property
     def is_settled(self) -> bool:
         """Whether the current desires and budgets are answered: applied, held back or failed."""

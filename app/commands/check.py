@@ -112,7 +112,7 @@ def _program(path: Path) -> tuple[str, ...]:
 
     configuration = load_configuration(path)
     _robot(configuration.path(configuration.program.robot))
-    return tuple(str(caution) for caution in System(configuration).cautions)
+    return tuple(str(caution) for caution in System(configuration, nodes=True).cautions)
 
 
 def _robot(path: Path) -> None:

@@ -169,8 +169,9 @@ async def _live(
     log.info("starting", extra={"configuration": configuration.program_document.file})
     clock = RealClock()
     system = System(
-        configuration, link=create_link(body, clock.offset), body=body, clock=clock, runs=RunLibrary(default_folder())
-    )
+        configuration, link=create_link(body, clock.offset), body=body, clock=clock, runs=RunLibrary(default_folder()),
+        nodes=True,
+    )  # fmt: skip
     panels = await asyncio.to_thread(load_panels)
     # Building takes long enough to disturb driving.
     app = create_app(

@@ -15,6 +15,7 @@ from app.base import paths
 from app.base.errors import ConfigError
 from app.base.extensions import package_file, split_package_file
 from app.base.yaml_source import Document, load_yaml
+from app.remote.settings import NodesSettings
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.graph import ModuleSpec
 
@@ -89,6 +90,7 @@ class ProgramConfig(_Model):
     calibration: Path = Field(Path("calibration"), description="folder of what modules cost, a file for each computer")
     attention: AttentionConfig = AttentionConfig()
     console: ConsoleConfig = ConsoleConfig()
+    nodes: NodesSettings | None = Field(None, description="other computers that may run modules of this program")
     modules: dict[str, ModuleSpec] = Field(min_length=1)
 
 

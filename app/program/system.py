@@ -42,8 +42,10 @@ from app.program.body_restart import BodyRestarter
 from app.program.config import Configuration, PowerConfig, load_configuration
 from app.program.desire_classes import desire_classes
 from app.program.module_meter import ModuleMeter
+from app.program.nodes import ProgramNodes
 from app.program.self_report import SelfReport
 from app.program.timeline_feed import TimelineFeed
+from app.remote.hub import NodeHub
 from app.robots.factory import Body, create_link, load_body
 from app.runtime.channel import Channel
 from app.runtime.channel_table import ChannelTable
@@ -90,6 +92,7 @@ class System:
         partial: bool = False,
         reproducible: bool = False,
         recorded: Collection[str] = (),
+        nodes: bool = False,
     ) -> None:
         """Build everything; ``link`` and ``clock`` replace the configured body and the real clock.
 
@@ -100,14 +103,18 @@ class System:
         exist, and are used without them. ``reproducible``: nothing may depend on the speed of this
         computer, so that two runs in virtual time are equal: the solver finds the optimum without a time limit and
         reports no solve time, the watchdog of the loop is off, no load is reported. ``recorded``: channels that come
-        from a recording, so that the program does not publish on them what it knows of itself. Raises ConfigError.
+        from a recording, so that the program does not publish on them what it knows of itself. ``nodes``: the computers
+        that the configuration declares may join. Raises ConfigError.
         """
-        program = configuration.program
-        self.config = configuration
         self._partial = partial
         self._reproducible = reproducible
         real = RealClock()
         self.clock: Clock = clock or real
+        self.nodes = ProgramNodes(configuration, self.clock) if nodes and configuration.program.nodes else None
+        if self.nodes is not None:
+            configuration = self.nodes.configuration
+        program = configuration.program
+        self.config = configuration
         #: Paces work for people, which goes on while a recording is paused; else the robot's clock itself.
         self.pace: Clock = self.clock.pace if isinstance(self.clock, ReplayClock) else self.clock
         self.link = link or create_link(load_body(configuration.path(program.robot)), real.offset)
@@ -138,6 +145,8 @@ class System:
             RouteService: self.routes,
             ChannelTable: ChannelTable(configuration.channels),
         }
+        if self.nodes is not None:
+            services[NodeHub] = self.nodes.hub
         self.graph = Graph(
             clock=self.clock,
             channels=configuration.channels,
@@ -201,6 +210,9 @@ class System:
                     stack.callback(channel.observe(self.workspace.accomplish))
             if not self._reproducible:
                 await stack.enter_async_context(self.watchdog)
+            if self.nodes is not None:
+                await stack.enter_async_context(self.nodes.hub)
+                stack.callback(self.nodes.observe(self.translator.set_capacity))
             await stack.enter_async_context(self.supervisor)
             for name, coroutine in {
                 "translator": self.translator.run(),
@@ -316,7 +328,8 @@ class System:
             undivided=self.graph.filters.undivided(),
             calibration=self.config.calibration,
         )
-        return trimmed(table, self.graph.ports()) if self._partial else table
+        table = trimmed(table, self.graph.ports()) if self._partial else table
+        return table if self.nodes is None else self.nodes.extend(table)
 
     def _make_translator(self) -> IntentionTranslator:
         settings, power = self.config.program.attention, self._power()
@@ -360,6 +373,9 @@ class System:
             await self.pace.sleep(LOAD_WINDOW_S)
             if not self._reproducible:
                 self._sample_load()
+            if self.nodes is not None and (costs := self.nodes.measured()):
+                self.translator.set_costs(costs, "messages to nodes are of another size than reckoned")
+                self.table = self.translator.table
             self._feed.freshness(self.freshness.sample(self.clock.now()))
             self._note_exploitation(self._exploitation.expire(self.clock.now()))
 

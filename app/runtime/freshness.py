@@ -123,8 +123,8 @@ def commanded_divisors(graph: Graph) -> dict[str, float]:
     own: dict[str, float] = {}
     thinned: dict[str, float] = {}
     feeds: dict[str, list[Feed]] = {}
-    for channel, producer in graph.producers.items():
-        module, _, port = producer.partition(".")
+    for channel in graph.producers:
+        module, _, port = graph.producer_at_work(channel).partition(".")
         context = graph.modules[module].context
         output = context.outputs[port]
         own[channel] = output.filter.divisor
@@ -190,7 +190,7 @@ class FreshnessWatch:
         held, _, opened = self._since.get(name, (CLOSED, now, now))
         if held != divisor or name not in self._since:
             self._since[name] = (divisor, now, now if held == CLOSED else opened)
-        producer = self._graph.producers.get(name)
+        producer = self._graph.producer_at_work(name) if name in self._graph.producers else None
         state = None if producer is None else self._states.get(producer.partition(".")[0])
         _, since, opened = self._since[name]
         if state is not None and state.status == "running":

@@ -46,6 +46,9 @@ class ModuleSpec(BaseModel, frozen=True, extra="forbid"):
     hang_after_s: float = Field(1.0, gt=0, description="hung when it takes nothing for this long while messages wait")
     start_within_s: float = Field(30.0, gt=0, description="hung when it has not started after this long")
     cpu_budget: float | None = Field(None, gt=0, description="per cent of one core it is expected to stay under")
+    stands_for: str | None = Field(
+        None, description="a module before it, whose channels it publishes on as well: the same, on another computer"
+    )
 
 
 class ModuleSlot:
@@ -134,6 +137,8 @@ class Graph:
         for name, spec in modules.items():
             self.modules[name] = self._make_slot(name, spec, services)
         self.producers: dict[str, str] = {}
+        #: By channel the outputs of those that stand for its producer.
+        self.alternatives: dict[str, tuple[str, ...]] = {}
         self.filters = FilterBank()
         for slot in self.modules.values():
             self._wire_outputs(slot)
@@ -142,6 +147,7 @@ class Graph:
         for slot in self.modules.values():
             _follow_demand(slot)
         self._refuse_cycles()
+        self._refuse_motion_elsewhere()
         for name, slot in self.modules.items():
             try:
                 slot.module.check_wiring()
@@ -207,6 +213,22 @@ class Graph:
             if port.moves and port.channel is not None and port.channel.name in self.producers
         }
 
+    def producer_at_work(self, channel: str) -> str:
+        """The output that publishes on ``channel`` now: of those that stand for the producer the first that is fed,
+        unless the producer itself is. Raises KeyError for a channel without a producer."""
+        candidates = (self.producers[channel], *self.alternatives.get(channel, ()))
+        return (
+            next((name for name in candidates if self._fed(name)), candidates[0]) if candidates[1:] else candidates[0]
+        )
+
+    def _fed(self, output: str) -> bool:
+        context = self.modules[output.partition(".")[0]].context
+        return any(
+            not port.always_open and port.subscription.filter.is_open and self.specs[port.channel.name].decimable
+            for port in context.inputs.values()
+            if port.channel is not None
+        )
+
     def configure(self, module: str, parameters: Mapping[str, Any]) -> None:
         """Hand the intention's parameters to ``module``. Raises KeyError for one that is not in the graph."""
         self.modules[module].configure(parameters)
@@ -246,6 +268,10 @@ class Graph:
         try:
             context = ModuleContext(name, self.clock, settings, services)
             context.pending_work = self.pending_work
+            if spec.stands_for is not None:
+                context.persistent = self._known(
+                    self.modules, "module", spec.stands_for, (*key, "stands_for")
+                ).context.persistent
             return ModuleSlot(name, module_class, spec, context)
         except ModuleFailed as failure:
             raise self._error(str(failure), key) from None
@@ -257,8 +283,12 @@ class Graph:
             channel = self._channel_for(port, channel_name, key)
             if channel_name in self.producers:
                 other = self.producers[channel_name]
-                raise self._error(f"channel {channel_name} already has a producer, {other}", key)
-            self.producers[channel_name] = f"{slot.name}.{port_name}"
+                if other != f"{slot.spec.stands_for}.{port_name}":
+                    raise self._error(f"channel {channel_name} already has a producer, {other}", key)
+                others = self.alternatives.get(channel_name, ())
+                self.alternatives[channel_name] = (*others, f"{slot.name}.{port_name}")
+            else:
+                self.producers[channel_name] = f"{slot.name}.{port_name}"
             port.connect(channel)
         for port_name, port in slot.context.outputs.items():
             decimable = port.channel is None or self.specs[port.channel.name].decimable
@@ -295,6 +325,17 @@ class Graph:
             kind, wanted = channel.message_type.__name__, port.message_type.__name__
             raise self._error(f"channel {name} carries {kind}, the port wants {wanted}", key)
         return channel
+
+    def _refuse_motion_elsewhere(self) -> None:
+        for output, moved in self.moving().items():
+            module, _, port = output.partition(".")
+            channel = self.modules[module].context.outputs[port].channel
+            if channel is not None and channel.name in self.alternatives:
+                other = self.alternatives[channel.name][0].partition(".")[0]
+                raise self._error(
+                    f"{output} leads to {moved} and can move the robot: nothing elsewhere may stand for it",
+                    ("modules", other),
+                )
 
     def _refuse_cycles(self) -> None:
         followers: dict[str, set[str]] = {name: set() for name in self.modules}

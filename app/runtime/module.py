@@ -69,6 +69,8 @@ class ModuleContext:
         self.background_worker = ModuleWorker(f"{name}, background")
         #: Counts calls in threads; one object for the whole graph.
         self.pending_work = PendingWork()
+        #: Called with the port's name and each message whose handler has returned.
+        self.handled: Callable[[str, Message], None] | None = None
 
 
 class Module:
@@ -85,6 +87,9 @@ class Module:
     streams: ClassVar[Mapping[str, str]] = {}
     #: Those of ``streams`` without which it runs all the same.
     optional_streams: ClassVar[frozenset[str]] = frozenset()
+    #: Whether it may run on another computer (docs/nodes.md): all it knows comes by its inputs, it needs no service,
+    #: and what it must keep is numbers in :attr:`persistent`, which it also reads there before it uses them.
+    runs_elsewhere: ClassVar[bool] = False
     #: Inputs that improve the results of other inputs and are useless alone.
     auxiliary_inputs: ClassVar[frozenset[str]] = frozenset()
 
@@ -312,6 +317,8 @@ class Module:
                 continue
             if (handled := handler(message)) is not None:
                 await handled
+            if self._context.handled is not None:
+                self._context.handled(port.name, message)
             if self._superseded:
                 # It outlived its cancellation; what comes now is for its successor.
                 return

@@ -232,6 +232,26 @@ async def test_budgets_move_filters() -> None:
 
 
 @in_virtual_time
+async def test_costs_that_were_measured_move_filters() -> None:
+    s = Setting()
+    async with s.running():
+        s.add("FindQRCodes")
+        await s.translator.settled()
+        before = s.translator.table
+        (chosen,) = s.selected
+        s.translator.set_costs({chosen: {"cpu": 1000.0}}, "it takes more than was thought")
+        await s.translator.settled()
+        assert s.selected != (chosen,)
+        assert s.translator.table[chosen].costs == {"cpu": 1000.0}
+        s.translator.set_costs({chosen: before[chosen].costs}, "or not")
+        await s.translator.settled()
+        assert s.selected == (chosen,)
+        for costs in ({"no such": {"cpu": 1.0}}, {chosen: {"gpu": 1.0}}):
+            with pytest.raises(ValueError, match="costs of what does not exist: (no such|gpu)"):
+                s.translator.set_costs(costs, "")
+
+
+@in_virtual_time
 async def test_equal_problems_are_recalled() -> None:
     s = Setting()
     async with s.running():

@@ -52,6 +52,7 @@ DETECT_DARKNESS = DesireClass(
 class DarknessDetector(Module):
     title = "Darkness detector"
     desire_classes = (DETECT_DARKNESS,)
+    runs_elsewhere = True
     Settings = DarknessDetectorSettings
     settings: DarknessDetectorSettings
 

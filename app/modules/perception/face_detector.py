@@ -80,6 +80,7 @@ LOCATE_FACES = DesireClass(
 class FaceDetector(Module):
     title = "Face detector"
     desire_classes = (LOCATE_FACES,)
+    runs_elsewhere = True
     Settings = FaceDetectorSettings
     settings: FaceDetectorSettings
 
@@ -117,6 +118,8 @@ class FaceDetector(Module):
     async def _detect(self, image: Image) -> None:
         sightings = await self.compute(self._find, image, self._min_score, self._fine)
         X_OB = await self._poses.logged_at(image.stamp) if sightings else None
+        # The same module on another computer may have given numbers meanwhile.
+        self._tracks.next = max(self._tracks.next, self.persistent.get(_NEXT_TRACK, 1))
         placed = self._tracks.see(image.stamp, image.frame, sightings, None if X_OB is None else X_OB.to_pose3())
         self.persistent[_NEXT_TRACK] = self._tracks.next
         faces = tuple(_face(sighting, where) for sighting, where in zip(sightings, placed, strict=True))
