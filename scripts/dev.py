@@ -29,6 +29,7 @@ import alongside
 import installing
 import locking
 import page
+import suite
 from parts import Parts, processor_s
 
 ROOT = page.ROOT
@@ -57,7 +58,7 @@ class SetupFailed(Exception):
 def main() -> int:
     """Do what the Makefile's target asks for."""
     parser = argparse.ArgumentParser(prog="scripts/dev.py", description=__doc__)
-    tasks = ["setup", "run", "test", "check-sources", "lint", "lint-page", "lock", "docs", "types"]
+    tasks = ["setup", "run", "test", "test-others", "check-sources", "lint", "lint-page", "lock", "docs", "types"]
     parser.add_argument("task", choices=[*tasks, "soak", "bench", "references", "clean"])
     parser.add_argument("arguments", nargs=argparse.REMAINDER, help="handed on to hbba run, pytest or the benchmarks")
     args = parser.parse_args()
@@ -66,7 +67,7 @@ def main() -> int:
         if args.task == "clean":
             return clean()
         if args.task == "run":
-            set_up({"speech", "video", "remote"}, debian=True, browser=False)
+            set_up({"speech", "video"}, debian=True, browser=False)
             run_hbba(args.arguments)
         if args.task == "setup":
             set_up({"test", "docs"})
@@ -97,6 +98,8 @@ def main() -> int:
             return run([PYTHON, "-m", "benchmarks", *args.arguments])
         if args.task == "check-sources":
             return check_sources()
+        if args.task == "test-others":
+            return test_others()
         return test(args.arguments)
     except SetupFailed as failure:
         sys.stderr.write(f"\n{failure}\n")
@@ -311,40 +314,6 @@ def read_stamp() -> dict[str, Any] | None:
     return stamp
 
 
-#: Prefix of a command with lower priority: tests in virtual time leave the processor to those against the clock.
-GIVING_WAY = ("nice", "-n", "3")
-
-#: Libraries of linear algebra compute in the calling thread, as in the program: theirs spin while they wait, at the
-#: cost of the tests beside. Read when numpy is loaded, which a plugin of pytest does before any file of ours.
-SINGLE = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-
-#: Tests that drive programs against the clock, or a browser: these go first, one after another.
-HURRIED = (
-    "tests/browser",
-    "tests/commands/test_body_options.py",
-    "tests/commands/test_run.py",
-    "tests/console/live/test_late_commands.py",
-    "tests/console/live/test_lost_body.py",
-    "tests/console/test_playback.py",
-    "tests/console/test_replays.py",
-    "tests/console/test_without_driving.py",
-    "tests/experiments/overload",
-    "tests/modules/recording",
-    "tests/remote/test_nodes.py",
-    "tests/logs/replay/test_playback.py",
-    "tests/robots/devices",
-    "tests/robots/replayed",
-    "tests/robots/simulated/acoustics/test_link_sound.py",
-    "tests/robots/simulated/test_guard_for_real.py",
-    "tests/robots/simulated/test_link.py",
-    "tests/runtime/test_clock.py",
-    "tests/runtime/test_load.py",
-    "tests/runtime/test_realtime.py",
-    "tests/runtime/test_watchdog.py",
-    "tests/program/test_system.py",
-)
-
-
 # --- Tasks -------------------------------------------------------------------------------------------------------
 
 
@@ -384,22 +353,18 @@ def test(arguments: list[str]) -> int:
     began, parts = time.monotonic(), Parts()
     set_up({"test", "docs"}, debian=True, parts=parts)
     say(f"set-up took {time.monotonic() - began:.0f} s: {parts}")
-    os.environ.update(dict.fromkeys(SINGLE, "1"))
+    os.environ.update(dict.fromkeys(suite.SINGLE, "1"))
     if arguments:
         return run([PYTHON, "-m", "pytest", *arguments])
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # so that nothing of ours goes on without us
-    workers = str(min(os.cpu_count() or 1, 4))
-    # Files go to processes in the order that tests/conftest.py puts them in.
-    by_file = ["-n", workers, "--dist", "loadfile", "--no-loadscope-reorder", "-p", "no:cacheprovider"]
-    patient = [PYTHON, "-m", "pytest", *by_file, *(f"--ignore={room}" for room in HURRIED), "tests"]
     with (
-        alongside.alongside([*GIVING_WAY, PYTHON, __file__, "check-sources"]) as sources,
-        alongside.alongside([*GIVING_WAY, *patient]) as others,
+        alongside.alongside([*suite.GIVING_WAY, PYTHON, __file__, "check-sources"]) as sources,
+        alongside.alongside([PYTHON, __file__, "test-others"]) as others,
     ):
-        say("running the tests that run against the clock; beside them lint, the page's tests and all others")
+        say("running tests that run against the clock; beside them lint, the page's tests and all others")
         parts = Parts()
         with parts.timed("tests against the clock"):
-            hurried = run([PYTHON, "-m", "pytest", *HURRIED])
+            hurried = run(suite.hurried(PYTHON))
         say("lint and the page's tests:")
         checked = sources.show()
         say("the others, while they go on:" if others.running() else "the others:")
@@ -412,6 +377,17 @@ def test(arguments: list[str]) -> int:
             say(f"{what}: failed, see above")
     say(f"everything took {time.monotonic() - began:.0f} s, of {os.cpu_count()} processors {processor_s():.0f} s")
     return hurried or tested or checked
+
+
+def test_others() -> int:
+    """All patient tests, then the rest of those against the clock."""
+    parts = Parts()
+    with parts.timed("patient tests"):
+        status = run(suite.patient(PYTHON, min(os.cpu_count() or 1, 4)))
+    with parts.timed("the rest against the clock"):
+        rest = run(suite.afterwards(PYTHON))
+    say(f"the others took: {parts}")
+    return status or rest
 
 
 def check_sources() -> int:

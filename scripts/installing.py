@@ -16,6 +16,9 @@ from typing import TextIO
 
 #: Without a terminal: a line after this time (s), and at most one in it.
 LINE_EVERY_S = 10.0
+#: Compiling all of twelve thousand files to bytecode takes pip as long as all else it does, on one core; Python does it
+#: for each that is imported, a quarter of them.
+OPTIONS = ("--disable-pip-version-check", "--progress-bar=off", "--no-compile")
 _PROXY = re.compile(r"ProxyError\(.*?(Tunnel connection failed: [^'\")]+|Connection refused|Name or service not known)")
 
 
@@ -87,7 +90,7 @@ def install(
     ``environment`` is added to this process's own.
     """
     said: list[str] = []
-    command = [str(python), "-m", "pip", "install", "--disable-pip-version-check", "--progress-bar=off", *arguments]
+    command = [str(python), "-m", "pip", "install", *OPTIONS, *arguments]
     with (
         _shown(title, sys.stdout if out is None else out) as show,
         subprocess.Popen(

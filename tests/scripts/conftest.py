@@ -54,8 +54,19 @@ def parts() -> Iterator[ModuleType]:
 
 
 @pytest.fixture(scope="session")
+def suite() -> Iterator[ModuleType]:
+    yield _load("suite")
+    del sys.modules["suite"]
+
+
+@pytest.fixture(scope="session")
 def dev(
-    page: ModuleType, installing: ModuleType, locking: ModuleType, alongside: ModuleType, parts: ModuleType
+    page: ModuleType,
+    installing: ModuleType,
+    locking: ModuleType,
+    alongside: ModuleType,
+    parts: ModuleType,
+    suite: ModuleType,
 ) -> Iterator[ModuleType]:
     yield _load("dev")
     del sys.modules["dev"]

@@ -101,7 +101,7 @@ def test_pip_is_asked_for_just_what_was_wanted(installing: ModuleType, tmp_path:
     python = pip(tmp_path, f'echo "$@ $HBBA_SKIP_WEB" > {tmp_path / "asked"}')
     installing.install(python, "-e", ".[test]", title="x", environment={"HBBA_SKIP_WEB": "1"}, out=sys.stdout)
     asked = (tmp_path / "asked").read_text()
-    assert asked == "-m pip install --disable-pip-version-check --progress-bar=off -e .[test] 1\n"
+    assert asked == "-m pip install --disable-pip-version-check --progress-bar=off --no-compile -e .[test] 1\n"
 
 
 @pytest.mark.parametrize(

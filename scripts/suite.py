@@ -1,0 +1,61 @@
+"""Which tests run when: three commands, so that two cores are busy from beginning to end. Standard library only."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+#: Prefix of a command with lower priority: tests in virtual time leave the processor to those against the clock.
+GIVING_WAY = ("nice", "-n", "3")
+
+#: Libraries of linear algebra compute in the calling thread, as in the program: theirs spin while they wait, at the
+#: cost of the tests beside. Read when numpy is loaded, which a plugin of pytest does before any file of ours.
+SINGLE = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+
+#: Tests against the clock, or of a browser: these go from the beginning, one after another.
+HURRIED = (
+    "tests/browser",
+    "tests/commands/test_body_options.py",
+    "tests/console/test_playback.py",
+    "tests/console/test_replays.py",
+    "tests/console/test_without_driving.py",
+    "tests/experiments/overload",
+    "tests/modules/recording",
+    "tests/logs/replay/test_playback.py",
+    "tests/robots/devices",
+    "tests/robots/replayed",
+    "tests/runtime/test_clock.py",
+    "tests/runtime/test_load.py",
+    "tests/runtime/test_realtime.py",
+    "tests/runtime/test_watchdog.py",
+    "tests/program/test_system.py",
+)
+
+#: Tests against the clock that go once all patient ones have ended, beside the last hurried ones alone. So many that
+#: both end at about the same time: what `make test` says that its parts took, says which files to move.
+AFTERWARDS = (
+    "tests/commands/test_run.py",
+    "tests/console/live/test_late_commands.py",
+    "tests/console/live/test_lost_body.py",
+    "tests/remote/test_nodes.py",
+    "tests/robots/simulated/acoustics/test_link_sound.py",
+    "tests/robots/simulated/test_guard_for_real.py",
+    "tests/robots/simulated/test_link.py",
+)
+
+
+def hurried(python: Path) -> list[object]:
+    """The command for :data:`HURRIED`."""
+    return [python, "-m", "pytest", *HURRIED]
+
+
+def patient(python: Path, workers: int) -> list[object]:
+    """The command for all tests that leave the processor to others, in so many processes."""
+    # Files go to processes in the order that tests/conftest.py puts them in.
+    by_file = ["-n", workers, "--dist", "loadfile", "--no-loadscope-reorder", "-p", "no:cacheprovider"]
+    others = [f"--ignore={room}" for room in (*HURRIED, *AFTERWARDS)]
+    return [*GIVING_WAY, python, "-m", "pytest", *by_file, *others, "tests"]
+
+
+def afterwards(python: Path) -> list[object]:
+    """The command for :data:`AFTERWARDS`."""
+    return [python, "-m", "pytest", "-p", "no:cacheprovider", *AFTERWARDS]

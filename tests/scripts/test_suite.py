@@ -1,0 +1,51 @@
+"""Every test file runs once: with the hurried ones, with the patient ones, or afterwards."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import ModuleType, SimpleNamespace
+
+import pytest
+
+from app.base.paths import checkout_dir
+
+PYTHON = Path("python")
+
+
+def asked(command: list[object]) -> list[str]:
+    """The files and folders of tests that pytest is given."""
+    return [str(word) for word in command if str(word).startswith("tests")]
+
+
+def test_what_is_hurried_or_comes_afterwards_exists_and_is_left_out_of_the_patient_ones(suite: ModuleType) -> None:
+    root = checkout_dir()
+    assert root is not None
+    against_the_clock = [*asked(suite.hurried(PYTHON)), *asked(suite.afterwards(PYTHON))]
+    assert [name for name in against_the_clock if not (root / name).exists()] == []
+    patient = suite.patient(PYTHON, 2)
+    assert asked(patient) == ["tests"]
+    ignored = [word.removeprefix("--ignore=") for word in map(str, patient) if word.startswith("--ignore=")]
+    assert ignored == against_the_clock
+    files = {path for name in against_the_clock for path in (root / name).rglob("test_*.py")}
+    files |= {root / name for name in against_the_clock if name.endswith(".py")}
+    counted = sum(len(list((root / name).rglob("test_*.py"))) or 1 for name in against_the_clock)
+    assert len(files) == counted, "none runs twice"
+
+
+@pytest.mark.parametrize(("failing", "status"), [(None, 0), ("-n", 1), ("tests/one.py", 1)])
+def test_a_failure_of_either_run_is_one_of_both(
+    dev: ModuleType, monkeypatch: pytest.MonkeyPatch, failing: str | None, status: int
+) -> None:
+    monkeypatch.setattr(dev.suite, "AFTERWARDS", ("tests/one.py",))
+    commands: list[list[str]] = []
+
+    def run(command: list[str], **_: object) -> SimpleNamespace:
+        commands.append(command)
+        # The patient ones leave out the others by options.
+        return SimpleNamespace(returncode=int(failing in command))
+
+    monkeypatch.setattr(dev.subprocess, "run", run)
+    assert dev.test_others() == status
+    patient, afterwards = commands
+    assert patient[: len(dev.suite.GIVING_WAY)] == list(dev.suite.GIVING_WAY)
+    assert "nice" not in afterwards, "they are against the clock"
