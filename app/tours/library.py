@@ -13,8 +13,9 @@ from typing import ClassVar
 
 from app.base.errors import ConfigError
 from app.base.named_library import NamedLibrary, data_folder
+from app.base.plain_file import megabytes
 from app.tours.model import Tour
-from app.tours.tour_file import load_tour, tour_text
+from app.tours.tour_file import MOST_BYTES, load_tour, tour_text
 
 #: More tours are not kept.
 MOST_TOURS = 500
@@ -38,6 +39,10 @@ class ShippedTour(TourError):
 
 class TooManyTours(TourError):
     """There are as many tours as are kept."""
+
+
+class TourTooLarge(TourError):
+    """Its file would be larger than what is read."""
 
 
 class NoVersion(TourError):
@@ -98,13 +103,17 @@ class TourLibrary(NamedLibrary):
         return None
 
     def write(self, tour: Tour) -> None:
-        """Keep ``tour`` under its id, wholly or not at all."""
-        path = self.path(tour.id)
+        """Keep ``tour`` under its id, wholly or not at all. Raises TourTooLarge."""
+        path, text = self.path(tour.id), tour_text(tour)
+        if len(text.encode()) > MOST_BYTES:
+            raise TourTooLarge(
+                f"The file of {tour.id} would have more than {megabytes(MOST_BYTES)}, the most that is read"
+            )
         self.folder.mkdir(parents=True, exist_ok=True)
         new = path.with_name(f".{path.name}.new")
         try:
             with new.open("wb") as file:
-                file.write(tour_text(tour).encode())
+                file.write(text.encode())
                 file.flush()
                 os.fsync(file.fileno())
             new.replace(path)

@@ -244,12 +244,14 @@ class Guarded:
         try:
             if (problem := objection_to_scope(scope)) is not None:
                 raise problem
-            streamed = self._limits.of_streamed(scope)
-            if streamed is None:
+            streamed, whole = self._limits.of_streamed(scope), self._limits.of_whole(scope)
+            if streamed is None and whole is None:
                 receive = await with_body(Headers(scope=scope), receive)
             await self._door.enter(scope)
             if streamed is not None:
                 receive = counted(scope, receive, streamed)
+            elif whole is not None:
+                receive = await with_body(Headers(scope=scope), receive, whole)
         except ClientLeft:
             return
         except Problem as refusal:

@@ -1,14 +1,14 @@
 """Limits of a request's size: its header and its body, counted before anything else looks at them.
 
 A body is read here, up to the limit, before the request goes on: by its size as it arrives, not by what the header
-says of it. A file that is handed in is too large for that: its route reads it as it comes, counted here as well, once
-the door has let the request in.
+says of it. A document that may be larger than most is read here as well, but only once the door has let the request in.
+A file that is handed in is too large for that: its route reads it as it comes, then too, and counted.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from starlette.datastructures import Headers
@@ -30,13 +30,26 @@ _STREAMED = "hbba.streamed"
 
 @dataclass(frozen=True, slots=True)
 class BodyLimits:
-    """Greatest bodies (bytes), by method and path: of ``streamed`` requests, whose routes read files as they come."""
+    """Greatest bodies (bytes), by method and path, where they are not ``LARGEST_BODY_BYTES``: of ``streamed`` requests,
+    whose routes read files as they come, and of ``whole`` ones, which are read before. A ``*`` in a path of ``whole``
+    is any one segment."""
 
     streamed: Mapping[tuple[str, str], int]
+    whole: Mapping[tuple[str, str], int] = field(default_factory=dict)
 
     def of_streamed(self, scope: Scope) -> int | None:
         """The limit of the request of ``scope``; None: its body is read like all others."""
         return self.streamed.get((scope["method"], scope["path"]))
+
+    def of_whole(self, scope: Scope) -> int | None:
+        """The limit of the request of ``scope``; None: that of most."""
+        method, path = scope["method"], scope["path"].split("/")
+        for (named, pattern), most in self.whole.items():
+            parts = pattern.split("/")
+            alike = len(parts) == len(path) and all(a in ("*", b) for a, b in zip(parts, path, strict=True))
+            if named == method and alike:
+                return most
+        return None
 
 
 def is_streamed(scope: Mapping[str, Any]) -> bool:
@@ -69,8 +82,8 @@ def objection_to_scope(scope: Scope) -> Problem | None:
     return objection_to_header(target + b"?" + scope["query_string"], scope["headers"])
 
 
-async def with_body(headers: Headers, receive: Receive) -> Receive:
-    """Read a request's body; gives what the application is to receive instead.
+async def with_body(headers: Headers, receive: Receive, most: int = LARGEST_BODY_BYTES) -> Receive:
+    """Read a request's body of at most ``most`` bytes; gives what the application is to receive instead.
 
     Raises Problem for one that is too large or of two sizes at once (RFC 9112, section 6.3: a request that two readers
     may understand in two ways), ClientLeft when the connection ends before it is whole.
@@ -78,8 +91,9 @@ async def with_body(headers: Headers, receive: Receive) -> Receive:
     length = _length(headers)
     if length is None and "transfer-encoding" not in headers:
         return receive
-    if length is not None and length.isdecimal() and int(length) > DRAINED_BYTES:
-        raise _too_large(LARGEST_BODY_BYTES, length, close=True)
+    drained = max(DRAINED_BYTES, 2 * most)
+    if length is not None and length.isdecimal() and int(length) > drained:
+        raise _too_large(most, length, close=True)
     read, parts = 0, list[bytes]()
     more = True
     while more:
@@ -88,14 +102,14 @@ async def with_body(headers: Headers, receive: Receive) -> Receive:
             raise ClientLeft
         part, more = message.get("body", b""), message.get("more_body", False)
         read += len(part)
-        if read <= LARGEST_BODY_BYTES:
+        if read <= most:
             parts.append(part)
-        elif read > DRAINED_BYTES:
-            raise _too_large(LARGEST_BODY_BYTES, "more", close=True)
+        elif read > drained:
+            raise _too_large(most, "more", close=True)
         else:
             parts.clear()
-    if read > LARGEST_BODY_BYTES:
-        raise _too_large(LARGEST_BODY_BYTES, str(read), close=False)
+    if read > most:
+        raise _too_large(most, str(read), close=False)
     body: Message | None = {"type": "http.request", "body": b"".join(parts), "more_body": False}
 
     async def receive_read() -> Message:

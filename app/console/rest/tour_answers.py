@@ -18,7 +18,15 @@ from app.program.recognizer import recognizer_of
 from app.tours.archive import BadArchive
 from app.tours.checks import check
 from app.tours.consistency import tour_of
-from app.tours.library import NoVersion, ShippedTour, TooManyTours, TourError, TourTaken, UnknownTour
+from app.tours.library import (
+    NoVersion,
+    ShippedTour,
+    TooManyTours,
+    TourError,
+    TourTaken,
+    TourTooLarge,
+    UnknownTour,
+)
 from app.tours.media import MediaError, NoRoom, ShippedMedia
 from app.tours.media_content import NotShown
 from app.tours.model import Tour
@@ -148,6 +156,8 @@ def _problem(refusal: Exception) -> Problem:
             return Problem(409, "tour-shipped", f"{refusal}.")
         case TooManyTours():
             return Problem(409, "too-many-tours", f"{refusal}.")
+        case TourTooLarge():
+            return Problem(413, "body-too-large", f"{refusal}.", errors=[("body", str(refusal))])
         case NoVersion():
             return Problem(409, "no-other-version", f"{refusal}.")
         case NoRoom():

@@ -30,13 +30,20 @@ from app.tours.media_content import (
     TooLarge,
     kind_of_head,
 )
+from app.tours.tour_file import MOST_BYTES
 
 if TYPE_CHECKING:
     from app.program.system import System
 
-#: Bodies that are files, read as they come.
+#: Bodies that are files, read as they come, and tours as JSON.
 LIMITS = BodyLimits(
-    {("POST", f"{API}/tour-media"): LARGEST_VIDEO_BYTES, ("POST", f"{API}/tours/import"): archive.LARGEST_BYTES}
+    {("POST", f"{API}/tour-media"): LARGEST_VIDEO_BYTES, ("POST", f"{API}/tours/import"): archive.LARGEST_BYTES},
+    {
+        ("POST", f"{API}/tours"): MOST_BYTES,
+        ("POST", f"{API}/tours/validate"): MOST_BYTES,
+        ("PUT", f"{API}/tours/*"): MOST_BYTES,
+        ("PATCH", f"{API}/tours/*"): MOST_BYTES,
+    },
 )
 #: So many files come at once; others wait until one is there.
 UPLOADS_AT_ONCE = 3

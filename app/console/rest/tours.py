@@ -44,6 +44,8 @@ TourBody = Annotated[
 ]
 LOCATION: dict[str, Any] = {"Location": {"schema": {"type": "string"}, "description": "Where the tour is."}}
 CREATED: dict[int | str, dict[str, Any]] = {201: {"description": "It was created.", "headers": LOCATION}}
+#: As MOST_BYTES of a tour's file.
+_LARGE: dict[int | str, dict[str, Any]] = {413: {"description": "A tour has at most 1 MB."}}
 _GONE: dict[int | str, dict[str, Any]] = {204: {"description": "There was no such tour at that time: it is gone."}}
 
 
@@ -63,13 +65,18 @@ def tours_router(system: System) -> APIRouter:
         response_model=TourReport,
         status_code=201,
         summary="Create a tour",
-        responses=with_etag({201: {"headers": LOCATION}, **problems(400, 409, 422)}, 201),
+        responses=with_etag({201: {"headers": LOCATION}, **_LARGE, **problems(400, 409, 422)}, 201),
     )
     async def create_tour(new: TourBody) -> Response:
         """Under the id in it. What it refers to need not exist yet: the `problems` say what it lacks to run."""
         return await answers.answer(store.create, tour_from(new), status=201)
 
-    @router.post("/tours/validate", response_model=TourVerdict, summary="Check a tour", responses=problems(400, 422))
+    @router.post(
+        "/tours/validate",
+        response_model=TourVerdict,
+        summary="Check a tour",
+        responses={**_LARGE, **problems(400, 422)},
+    )
     async def validate_tour(draft: TourBody) -> Response:
         """Without keeping it. Every mistake is found, with what else it lacks to run on this robot."""
         return Json(await on_disk(answers.verdict, draft))
@@ -89,7 +96,7 @@ def tours_router(system: System) -> APIRouter:
         "/tours/{tour_id}",
         response_model=TourReport,
         summary="Replace a tour, or create it under this id",
-        responses={**with_etag(problems(400, 409, 412, 422)), **with_etag(CREATED, 201)},
+        responses={**with_etag({**_LARGE, **problems(400, 409, 412, 422)}), **with_etag(CREATED, 201)},
     )
     async def replace_tour(tour_id: TourId, new: TourBody, if_match: IfMatch = None) -> Response:
         """The id in it may be left out. With `If-Match`, nothing is created."""
@@ -108,7 +115,7 @@ def tours_router(system: System) -> APIRouter:
         "/tours/{tour_id}",
         response_model=TourReport,
         summary="Change a tour",
-        responses=with_etag(problems(400, 404, 409, 412, 422)),
+        responses=with_etag({**_LARGE, **problems(400, 404, 409, 412, 422)}),
     )
     async def change_tour(
         tour_id: TourId,

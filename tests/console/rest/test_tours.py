@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import os
 from typing import Any
 
@@ -11,6 +12,7 @@ import jsonschema
 import yaml
 
 from app.base import paths
+from app.console.access.request_limits import LARGEST_BODY_BYTES
 from app.console.records.tours import TourList, TourReport, TourVerdict
 from app.messages import Place
 from app.program.system import System
@@ -70,6 +72,49 @@ async def test_the_second_of_two_editors_is_refused(client: httpx.AsyncClient) -
     assert (await client.get("/tours/new-tour")).json()["tour"]["map"] == "office"
     await client.delete("/tours/new-tour", headers={"If-Match": second.headers["ETag"]})
     is_problem(await client.put("/tours/new-tour", json=NEW, headers=match), 412, "changed-meanwhile")
+
+
+def long_tour(stops: int = 100, words: int = 60) -> dict[str, Any]:
+    """A tour of so many stops with three texts each, of so many words in two languages."""
+    text = {"en": " ".join(["explains"] * words), "fr": " ".join(["expliqué"] * words)}
+    each = [
+        {"id": f"stop-{number}", "place": "robotics-lab", "title": {"en": "The arm", "fr": "Le bras"}}
+        | {"do": [{"say": text}] * 3}
+        for number in range(stops)
+    ]
+    return NEW | {"languages": ["en", "fr"], "title": {"en": "All", "fr": "Tout"}, "stops": each}
+
+
+async def test_a_tour_of_a_hundred_stops_in_two_languages_is_taken(client: httpx.AsyncClient) -> None:
+    large = long_tour()
+    assert len(json.dumps(large)) > 4 * LARGEST_BODY_BYTES
+    made = await client.post("/tours", json=large)
+    assert made.status_code == 201
+    whole = made.json()["tour"]
+    again = await client.put("/tours/new-tour", json=whole | {"home": "robotics-lab"})
+    assert (again.status_code, len(again.json()["tour"]["stops"])) == (200, 100)
+    changed = await client.patch("/tours/new-tour", json={"stops": whole["stops"][:99]})
+    assert len(changed.json()["tour"]["stops"]) == 99
+    assert (await client.post("/tours/validate", json=large)).status_code == 200
+
+
+async def test_a_tour_that_is_too_large_is_refused_with_the_limit(client: httpx.AsyncClient) -> None:
+    too_large = json.dumps(long_tour()).encode().ljust(MOST_BYTES + 1)
+    for method, path in (("PUT", "new-tour"), ("PATCH", "new-tour"), ("POST", ""), ("POST", "validate")):
+        headers = {"Content-Type": "application/json"}
+        refused = await client.request(method, f"/tours/{path}".rstrip("/"), content=too_large, headers=headers)
+        assert f"{MOST_BYTES} bytes" in is_problem(refused, 413, "body-too-large")["detail"]
+    is_problem(await client.post("/tours/new-tour/undo", content=too_large), 413, "body-too-large")
+
+
+async def test_a_tour_whose_file_would_not_be_read_again_is_not_kept(client: httpx.AsyncClient) -> None:
+    made = await client.post("/tours", json=long_tour(words=130))
+    assert made.status_code == 201
+    kept = made.json()["tour"]
+    greeting = {"do": long_tour(words=200)["stops"][0]["do"] * 16}
+    refused = await client.patch("/tours/new-tour", json={"greeting": greeting, "farewell": greeting})
+    assert "1 MB" in is_problem(refused, 413, "body-too-large")["detail"]
+    assert (await client.get("/tours/new-tour")).json()["tour"] == kept
 
 
 async def test_replacing_creates_what_is_not_there(client: httpx.AsyncClient) -> None:

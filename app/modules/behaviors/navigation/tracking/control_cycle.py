@@ -16,7 +16,7 @@ from app.messages import Image, LaserScan, OccupancyGrid
 from app.modules.behaviors.navigation.controller import BodyModel, Controller, DistanceField, MotionState
 from app.modules.behaviors.navigation.costmap.blind_corners import hidden_distance
 from app.modules.behaviors.navigation.costmap.footprint import Footprint
-from app.modules.behaviors.navigation.costmap.leg_inflation import beside
+from app.modules.behaviors.navigation.costmap.leg_inflation import LegMemory
 from app.modules.behaviors.navigation.costmap.local_costmap import CostmapSettings, CostmapWindow, LocalCostmap
 from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import PersistentObstacleLayer
 from app.modules.behaviors.navigation.costmap.scan_costmap import points_of
@@ -151,7 +151,7 @@ class ControlCycle:
         self._costmap = LocalCostmap(self.footprint, description.height_m, self._settings.costmap)
         self._scan_stamp: float | None = None
         self._scan: LaserScan | None = None
-        self._scan_from = Pose2()
+        self._legs = LegMemory(self._settings.costmap)
         self._laser_O: tuple[float, NDArray[np.float64]] | None = None
         self._depth = DepthHealth() if depth else None
         self._limits = description.limits
@@ -227,7 +227,7 @@ class ControlCycle:
     def _see(self, inputs: CycleInput) -> None:
         if inputs.scan is not None:
             scan, begin, _ = inputs.scan
-            self._scan, self._scan_stamp, self._scan_from = scan, scan.stamp, begin
+            self._scan, self._scan_stamp = scan, scan.stamp
             if self.persistent_obstacles is not None:
                 self._laser_O = scan.stamp, points_of(scan, begin)
         if inputs.image is not None and self._depth is not None:
@@ -262,9 +262,12 @@ class ControlCycle:
             known = self.persistent_obstacles.near(
                 inputs.X_MO, inputs.motion.pose, 0.5 * self._settings.costmap.memory_m
             )
-        if self._settings.people_m > 0.0 and self._scan is not None and inputs.grid is not None:
-            room = beside(self._scan, self._scan_from, inputs.X_MO, inputs.grid, self._settings.people_m)
-            known = np.concatenate((known, room))
+        if self._settings.people_m > 0.0:
+            if inputs.scan is not None and inputs.grid is not None:
+                scan, begin, _ = inputs.scan
+                self._legs.see(scan, begin, inputs.X_MO, inputs.grid)
+            # A recovery that clears the costmap leaves these: beside the body nothing would show them again.
+            known = np.concatenate((known, self._legs.room(inputs.now, self._settings.people_m)))
         return known
 
     def persistent_points(self) -> NDArray[np.float64]:

@@ -124,6 +124,49 @@ def test_room_beside_people_that_the_body_stands_in_does_not_let_it_turn_into_th
     assert min(clearance_m(pose, shins(gap_m)) for pose in way) > 0.03
 
 
+def passes(control: ControlCycle, at: tuple[float, float], cycles: int) -> tuple[float, Pose2]:
+    """How near (m) the hull comes to the trunk (radius 0.22 m) of one who stands ``at`` the flank, as the body follows
+    a way ahead and then around them to the right; and where it is then. The laser sees legs, and nothing beside
+    itself."""
+    x, y = at
+    world = World(tuple((x + s - 0.05, y - 0.05, x + s + 0.05, y + 0.05, 0.0, 1.7) for s in (-0.08, 0.08)))
+    ahead, right = np.linspace(0.0, 0.9, 40), np.linspace(0.0, -3.0, 60)[1:]
+    poses = np.zeros((99, 3))
+    poses[:40, 0], poses[40:] = ahead, np.column_stack((np.full(59, 0.9), right, np.full(59, -math.pi / 2)))
+    goal = NavigationGoal(Pose2(0.9, -3.0, math.nan))
+    plan: GlobalPlan | None = GlobalPlan("way", "", poses, goal.pose, 3.9)
+    here, linear, angular, least = Pose2(), 0.0, 0.0, math.inf
+    for k in range(cycles):
+        scan = (world.scan(0.1 * k, here, noise_m=0.02), here, here)
+        motion = MotionState(here, linear, angular)
+        output = control.run(CycleInput(0.1 * k, motion, Pose2(), "", goal, scan, None, plan, None, EMPTY), 0.1)
+        plan, linear, angular = None, output.step.linear_mps, output.step.angular_radps
+        middle = here.theta + 0.05 * angular
+        here = Pose2(
+            here.x + 0.1 * linear * math.cos(middle),
+            here.y + 0.1 * linear * math.sin(middle),
+            here.theta + 0.1 * angular,
+        )
+        person = here.inverse() @ Pose2(*at)
+        least = min(least, math.hypot(max(abs(person.x) - 0.25, 0.0), max(abs(person.y) - 0.25, 0.0)) - 0.22)
+    return least, here
+
+
+@pytest.mark.parametrize(("controller", "at"), [("mppi", (0.25, -0.51)), ("pursuit", (0.3, -0.5))])
+def test_one_who_stands_at_the_flank_is_not_touched_when_the_laser_sees_their_legs_no_more(
+    controller: str, at: tuple[float, float]
+) -> None:
+    here = ControlCycle(DrivenLink().description, controller, ControlCycleSettings(people_m=0.18), depth=False)
+    least_m, _ = passes(here, at, 450)
+    assert least_m > 0.01
+
+
+def test_one_who_stands_at_the_flank_is_passed() -> None:
+    here = ControlCycle(DrivenLink().description, "mppi", ControlCycleSettings(people_m=0.18), depth=False)
+    _, end = passes(here, (0.35, -0.55), 200)
+    assert end.y < -2.5
+
+
 @pytest.mark.parametrize("inside_m", [0.01, 0.03])
 def test_what_is_remembered_within_the_body_does_not_let_it_turn_into_legs(inside_m: float) -> None:
     here = seeing_no_depth()
