@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from urllib.parse import parse_qs, urlsplit
 
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Page, Position, expect
 
 from tests.browser.running import Robot, running_robot
 from tests.patience import PATIENCE_S
@@ -119,8 +119,14 @@ def test_a_click_in_the_picture_is_a_goal(robot: Robot, page: Page) -> None:
     page.get_by_test_id("camera-go").click()
     box = picture.bounding_box()
     assert box is not None
-    picture.click(position={"x": box["width"] / 2, "y": box["height"] / 2})
+    middle: Position = {"x": box["width"] / 2, "y": box["height"] / 2}
+    picture.click(position=middle)
     goal = page.locator("[data-testid=desire-row][data-class=GoTo]")
+    given_up = time.monotonic() + PATIENCE_S
+    while not robot.get("/goal")["desire"] and time.monotonic() < given_up:
+        # On a busy computer the picture may be too old for a goal, which the page says.
+        if page.get_by_test_id("notice").count():
+            picture.click(position=middle, modifiers=["Shift"])
     goal.wait_for(state="attached")
     params = next(desire for desire in robot.get("/desires")["desires"] if desire["class"] == "GoTo")["params"]
     pose = robot.get("/robot")["odometry"]
