@@ -21,7 +21,7 @@ _SAID = """
 () => {
   const said = new Set();
   const shown = (element) => element.checkVisibility({ visibilityProperty: true });
-  // The parameters of a desire are described by the program, which speaks English.
+  // What a desire's parameter may be are words of the program, which speaks English.
   const described = "[data-testid=desire-form]";
   const french = (element) => element.closest("[lang]").lang === "fr" && !element.closest(described);
   const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);

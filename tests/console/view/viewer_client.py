@@ -13,6 +13,8 @@ class Node:
     """A node of the scene, with what it was given."""
 
     points: Any
+    vertices: Any
+    opacity: Any
     position: Any
     visible: Any
 

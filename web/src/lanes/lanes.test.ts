@@ -12,6 +12,7 @@ import {
   SHORTEST_S,
   stepZoom,
   TRAIL_S,
+  ticks,
   togglePause,
   zoom,
 } from "./viewport";
@@ -301,4 +302,10 @@ describe("viewport", () => {
     expect(stepZoom({ windowS: 3600, heldAt: null }, 1).windowS).toBe(3600);
     expect(stepZoom({ windowS: 10, heldAt: null }, -1).windowS).toBe(10);
   });
+});
+
+test("a tick has no label where it would run into the edge's", () => {
+  const labels = (edge: string) => ticks(30, 230, edge).map(({ label }) => label);
+  expect(labels("now")).toEqual(["now", "−10 s", "−20 s"]);
+  expect(labels("maintenant")).toEqual(["maintenant", "", "−20 s"]);
 });

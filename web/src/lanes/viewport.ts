@@ -77,6 +77,10 @@ export interface Tick {
   label: string;
 }
 
+/** About the width of a letter of the axis, and of half a label with the room beside it (CSS pixels). */
+const LETTER_PX = 6.5;
+const HALF_LABEL_PX = 26;
+
 /** The ticks of an axis over `windowS` and `width` (CSS pixels), from its right edge on, which is called `edge`. */
 export function ticks(windowS: number, width: number, edge: string): Tick[] {
   const every = tickStep(windowS, Math.max(2, Math.floor(width / 70)));
@@ -84,8 +88,11 @@ export function ticks(windowS: number, width: number, edge: string): Tick[] {
   for (let s = every; s <= windowS; s += every) {
     const share = 1 - s / windowS;
     // The label is centred on its line, and has to have room on its left.
-    if (share * width >= 20)
-      found.push({ share, label: every >= 60 ? t("−{minutes} min", { minutes: s / 60 }) : `−${s} s` });
+    if (share * width < 20) continue;
+    // Nor may it run into the edge's, which ends there.
+    const room = (1 - share) * width >= LETTER_PX * edge.length + HALF_LABEL_PX;
+    const label = every >= 60 ? t("−{minutes} min", { minutes: s / 60 }) : `−${s} s`;
+    found.push({ share, label: room ? label : "" });
   }
   return found;
 }
