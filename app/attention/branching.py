@@ -15,11 +15,13 @@ from operator import add, itemgetter, le, sub
 from typing import Final
 
 from app.attention.integer_program import Infeasible
-from app.attention.prepared import ClassSet, PreparedTable, thousandths
+from app.attention.prepared import ClassSets, PreparedTable, thousandths
 from app.attention.problem import SelectionProblem, spare_resource, thrift_resource
 
 MOST_COMBINATIONS: Final = 5_000
 """Of the sets of all classes; beyond it the bounds of other searches pay."""
+MOST_SETS_TOGETHER: Final = 40_000
+"""Of the sets that were not compared yet: beyond it, too many are hardly ever dominated to be worth the look."""
 MOST_STEPS: Final = 600
 """Of the search; a problem that takes more is left to other searches, and has cost half a millisecond."""
 
@@ -60,11 +62,17 @@ def solve_small(problem: SelectionProblem, relaxed: frozenset[str] = frozenset()
     return stated.solve(problem.capacities) if stated is not None else None
 
 
-def _groups(
-    problem: SelectionProblem, sets: dict[str, tuple[ClassSet, ...]], relaxed: frozenset[str]
-) -> list[list[Option]] | None:
-    """The options of each class concerned, by falling value, without those that another dominates."""
+def _groups(problem: SelectionProblem, sets: ClassSets, relaxed: frozenset[str]) -> list[list[Option]] | None:
+    """The options of each class concerned, by falling value, without those that another dominates; None if there are
+    too many."""
     table, desires = problem.table, problem.desires
+    concerned = _concerned(problem, relaxed)
+    together = 1
+    for cls in concerned:
+        # Alone and none are the fewest there are.
+        together *= 1 + len(table.members[cls].all)
+    if together > MOST_SETS_TOGETHER:
+        return None
     of_intensity, of_utility, of_spare, spare = _weights(problem)
     # The radix of a criterion is one more than the greatest sum of all that are below it.
     count = len(table.strategies)
@@ -83,7 +91,7 @@ def _groups(
     spare_column = table.columns.get(spare) if of_spare and spare is not None else None
     combinations = 1
     groups: list[list[Option]] = []
-    for cls in _concerned(problem, relaxed):
+    for cls in concerned:
         desire = desires.get(cls)
         column = table.columns.get((cls,))
         wanted = intensity = 0
@@ -94,7 +102,10 @@ def _groups(
         gain = of_intensity * intensity * per_omega
         each = of_utility * per_omega + intensity * per_worth
         options: list[Option] = []
-        for own in sets[cls]:
+        listed = sets.of(table, cls)
+        if listed is None:
+            return None
+        for own in listed:
             chosen, costs = own.strategies, own.costs
             size = len(chosen)
             fresh = size if kept is None else size - sum(kept[s] for s in chosen)

@@ -223,7 +223,7 @@ class _Stage:
             allowed = int(min(most, self._most_steps - self.steps, max(left_s, 0) * _STEPS_PER_S))
             tree = _Tree(level, self._reduced[kept], limit, self._prices, rows)
             found = np.zeros((ties, tree.depth + 1), dtype=np.int64)
-            total, count, steps = tree.search(found, allowed)
+            total, count, steps = tree.search(found, self._unit, allowed)
             self.steps += steps
             if steps <= allowed:
                 break
@@ -338,7 +338,7 @@ class _Tree:
         width = max(slack // 2, extent // at_most, 0) + 1
         return origin, width, extent // width + 1
 
-    def search(self, found: Whole, most: int) -> tuple[int, int, int]:
+    def search(self, found: Whole, unit: int, most: int) -> tuple[int, int, int]:
         """The least reduced loss, the number of selections that have it, and the steps taken; see the kernel."""
         if not len(self._table):
             return 0, 0, 0
@@ -352,6 +352,7 @@ class _Tree:
             prices=self._prices,
             limits=self._limits,
             found=found,
+            unit=unit,
             most=most,
         )
         return int(total), int(count), int(steps)

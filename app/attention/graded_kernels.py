@@ -9,9 +9,9 @@ from app.base.compiled import kernel
 
 @kernel(
     "Tuple((int64, int64, int64))(int64[::1], int64[:, ::1], int64[:, ::1], int64[:, ::1], int64[::1], int64[::1],"
-    " int64[::1], int64[::1], int64[:, ::1], int64)"
+    " int64[::1], int64[::1], int64[:, ::1], int64, int64)"
 )
-def search(offsets, options, levels, tail, cells, grid, prices, limits, found, most):  # type: ignore[no-untyped-def]
+def search(offsets, options, levels, tail, cells, grid, prices, limits, found, unit, most):  # type: ignore[no-untyped-def]
     """All selections of least reduced loss within ``limits``: (that loss, their number, steps taken).
 
     ``prices`` has an entry for each of R constraints. A row of ``options`` has Q reduced losses, the objective's last,
@@ -20,6 +20,7 @@ def search(offsets, options, levels, tail, cells, grid, prices, limits, found, m
     its origin, width and count; r, the same; q) p and r are the constraints that place a row in a cell, q the one
     whose cost orders a cell. ``levels`` has, for each class and the tail, the least and then the greatest that what
     follows may use. ``limits`` has the greatest reduced losses (Q) and the capacities (R).
+    What is better is so by ``unit`` of reduced loss at least.
 
     Each row of ``found`` takes a selection: its options, then the row of the tail. With one row in it, what is only as
     good is not looked for. Their number exceeds the rows of ``found`` where there were more; steps exceed ``most``
@@ -89,7 +90,7 @@ def search(offsets, options, levels, tail, cells, grid, prices, limits, found, m
                                 found[count, size] = row
                             count += 1
                             # Once there is no room for another, only better ones are looked for.
-                            known[goal] = total if several and count <= rows else total - 1
+                            known[goal] = total if several and count <= rows else total - unit
                         row += 1
             depth -= 1
             continue

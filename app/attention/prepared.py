@@ -60,15 +60,30 @@ class ClassSet:
     order: int
 
 
+class ClassSets:
+    """The sets of the strategies of each class that may stand together, listed when they are asked for: problems over
+    large tables never do."""
+
+    def __init__(self) -> None:
+        self._listed: dict[str, tuple[ClassSet, ...] | None] = {}
+
+    def of(self, table: PreparedTable, cls: str) -> tuple[ClassSet, ...] | None:
+        """All of ``cls``, the empty one first; None if there are too many. Two threads may both list them: the same."""
+        if cls not in self._listed:
+            members = table.members[cls]
+            listed = sets_of(members.all, members.cliques, members.exclusive)
+            self._listed[cls] = None if listed is None else tuple([_class_set(table, chosen) for chosen in listed])
+        return self._listed[cls]
+
+
 @dataclass(frozen=True, slots=True)
 class PreparedTable:
     """A table in whole thousandths: by index of its strategy ``utility``, ``requires`` (what is needed of a class) and
     ``costs`` (of a resource); ``members`` by class, in table order; ``totals`` of each resource, all costs together.
 
     ``needed`` are the classes that some strategy requires, ``required`` those that strategies of a class require,
-    ``produced`` all utilities together. ``sets`` by class has all its sets of strategies that may stand together, the
-    empty one first; None where the table is large. ``columns`` places resources (by name) and needed classes (by name,
-    in a tuple of one) in their costs.
+    ``produced`` all utilities together. ``sets`` are of each class's strategies; None where the table is large.
+    ``columns`` places resources (by name) and needed classes (by name, in a tuple of one) in their costs.
     """
 
     strategies: tuple[Strategy, ...]
@@ -81,7 +96,7 @@ class PreparedTable:
     required: dict[str, tuple[str, ...]]
     produced: int
     columns: dict[str | tuple[str], int]
-    sets: dict[str, tuple[ClassSet, ...]] | None
+    sets: ClassSets | None
 
 
 def prepare(strategies: tuple[Strategy, ...]) -> PreparedTable:
@@ -110,24 +125,6 @@ def prepare(strategies: tuple[Strategy, ...]) -> PreparedTable:
         if (found := tuple(dict.fromkeys(c for index in indices for c in requires[index])))
     }
 
-    def class_set(chosen: tuple[int, ...]) -> ClassSet:
-        row = [0] * len(columns)
-        for index in chosen:
-            for name, cost in costs[index].items():
-                row[columns[name]] += cost
-            for c, need in requires[index].items():
-                row[columns[c,]] += need
-        produced = sum(utility[index] for index in chosen)
-        if chosen and (own := columns.get((strategies[chosen[0]].cls,))) is not None:
-            row[own] -= produced
-        order = sum(1 << (len(strategies) - 1 - index) for index in chosen)
-        return ClassSet(chosen, produced, tuple(row), order)
-
-    sets: dict[str, tuple[ClassSet, ...]] | None = None
-    if len(strategies) <= _SMALL:
-        listed = {cls: sets_of(own.all, own.cliques, own.exclusive) for cls, own in members.items()}
-        sets = {cls: tuple(map(class_set, own)) for cls, own in listed.items() if own is not None}
-        sets = sets if len(sets) == len(members) else None
     return PreparedTable(
         strategies,
         utility,
@@ -139,8 +136,23 @@ def prepare(strategies: tuple[Strategy, ...]) -> PreparedTable:
         required=required,
         produced=sum(utility),
         columns=columns,
-        sets=sets,
+        sets=ClassSets() if len(strategies) <= _SMALL else None,
     )
+
+
+def _class_set(table: PreparedTable, chosen: tuple[int, ...]) -> ClassSet:
+    columns = table.columns
+    row = [0] * len(columns)
+    for index in chosen:
+        for name, cost in table.costs[index].items():
+            row[columns[name]] += cost
+        for c, need in table.requires[index].items():
+            row[columns[c,]] += need
+    produced = sum(table.utility[index] for index in chosen)
+    if chosen and (own := columns.get((table.strategies[chosen[0]].cls,))) is not None:
+        row[own] -= produced
+    order = sum(1 << (len(table.strategies) - 1 - index) for index in chosen)
+    return ClassSet(chosen, produced, tuple(row), order)
 
 
 def _members(strategies: Sequence[Strategy], indices: Sequence[int]) -> Members:

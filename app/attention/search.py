@@ -288,7 +288,7 @@ def _ordered(choice: ClassOptions, multipliers: Sequence[int]) -> tuple[ClassOpt
         return (-rarest, -regret)
 
     groups = [
-        [replace(o, costs=tuple([o.costs[j] for j in dims])) for o in group]
+        [Option(o.loss, tuple([o.costs[j] for j in dims]), o.strategies, o.serves) for o in group]
         for group in sorted(choice.groups, key=place)
     ]
     ordered = replace(choice, groups=groups, capacities=tuple(choice.capacities[j] for j in dims))

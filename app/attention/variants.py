@@ -106,11 +106,16 @@ class Variants:
         best = enough_at(total)
         if best is None:
             return None
-        # By halves of what there could be at most: other classes then ask for the same amounts.
-        short, most = capacity, total
+        short, most, halving = capacity, total, True
         while (enough := best.use[resource]) - short > grain and most - short > grain:
-            at = (most + short) // 2
+            if self._small is not None:
+                # By halves of what there could be at most: other classes then ask for the same amounts.
+                at = (most + short) // 2
+            else:
+                # By halves; but optima change in steps, so a look just below what is enough often ends the search.
+                at = (enough + short) // 2 if halving else enough - grain
             optimum = enough_at(at) if at < enough else best
+            halving = optimum is not None
             best, short, most = (best, at, most) if optimum is None else (optimum, short, at)
         unit = self._resources[resource].unit if resource in self._resources else ""
         amount = round((best.use[resource] - capacity) / GRAIN, 3)

@@ -185,7 +185,7 @@ class Channel(Generic[M]):
         subscriptions = self._subscriptions
         if len(subscriptions) == 1:
             # Most channels: attention rewrites thousands of filters in one step of the loop.
-            divisor = subscriptions[0].filter.divisor if subscriptions[0].demands else CLOSED
+            divisor = subscriptions[0].filter.phi if subscriptions[0].demands else CLOSED
         else:
             divisors = [int(s.filter.divisor) for s in subscriptions if s.demands and s.filter.is_open]
             divisor = float(math.gcd(*divisors)) if divisors else CLOSED

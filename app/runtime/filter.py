@@ -26,32 +26,33 @@ def check_divisor(divisor: float) -> float:
 class RateFilter:
     """Counts messages and lets one in ``divisor`` pass.
 
-    ``skip`` messages are still to be stopped before one passes; after it, ``reload`` of them.
+    ``skip`` messages are still to be stopped before one passes; after it, ``reload`` of them. ``phi`` is the divisor, to
+    be read where thousands are read at a time.
     """
 
-    __slots__ = ("_divisor", "on_change", "reload", "skip")
+    __slots__ = ("on_change", "phi", "reload", "skip")
 
     def __init__(self, divisor: float = 1, on_change: Callable[[float, float], None] | None = None) -> None:
         self.on_change = on_change
-        self._divisor = check_divisor(divisor)
+        self.phi = check_divisor(divisor)
         self.reload = divisor - 1
         self.skip: float = CLOSED if divisor == CLOSED else 0
 
     @property
     def divisor(self) -> float:
         """φ: an integer >= 1, or ``CLOSED``."""
-        return self._divisor
+        return self.phi
 
     @divisor.setter
     def divisor(self, divisor: float) -> None:
         """Change φ; ``on_change(before, after)`` is called if it is another. Raises ValueError, changing nothing."""
-        if check_divisor(divisor) != self._divisor:
+        if check_divisor(divisor) != self.phi:
             self.change(divisor)
 
     def change(self, divisor: float) -> None:
         """Change φ to another one, which :func:`check_divisor` has let pass."""
-        before = self._divisor
-        self._divisor = divisor
+        before = self.phi
+        self.phi = divisor
         self.reload = divisor - 1
         self.skip = CLOSED if divisor == CLOSED else 0
         if self.on_change is not None:
@@ -65,7 +66,7 @@ class RateFilter:
     @property
     def is_open(self) -> bool:
         """Whether anything passes at all."""
-        return self._divisor != CLOSED
+        return self.phi != CLOSED
 
     def offer(self, periods: int = 1) -> int:
         """Count a message that ends ``periods`` of its source, all but the last without a message of their own; returns
@@ -76,5 +77,5 @@ class RateFilter:
             self.skip -= periods
             return 0
         after = periods - self.skip - 1
-        self.skip = self.reload - after % self._divisor
-        return int(1 + after // self._divisor)
+        self.skip = self.reload - after % self.phi
+        return int(1 + after // self.phi)

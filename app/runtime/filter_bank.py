@@ -96,25 +96,25 @@ class FilterBank:
         filters, pinned, delayed = self._filters, self._pinned, self._delayed
         changes: dict[str, tuple[float, float]] = {}
         checked: set[float] = set()
-        opening: list[str] = []
-        closing: list[str] = []
+        opening: list[tuple[str, RateFilter, float]] = []
+        closing: list[tuple[str, RateFilter, float]] = []
         for name, divisor in divisors.items():
             rate_filter = filters.get(name)
             if rate_filter is None:
                 module = f"{name.partition('.')[0]}."
                 beside = [known for known in filters if known.startswith(module)]
                 raise KeyError(unknown("filter", name, beside or filters))
-            before = rate_filter.divisor
+            before = rate_filter.phi
             if divisor not in checked:
                 checked.add(check_divisor(divisor))
             if divisor != before and name not in pinned:
                 changes[name] = (before, divisor)
-                (closing if divisor > before else opening).append(name)
-        for name in (*opening, *closing):
-            after = divisors[name]
-            filters[name].change(after)
-            if delayed and after != CLOSED and name in delayed:
-                filters[name].begin(delayed.pop(name))
+                (closing if divisor > before else opening).append((name, rate_filter, divisor))
+        for some in (opening, closing):
+            for name, rate_filter, after in some:
+                rate_filter.change(after)
+                if delayed and after != CLOSED and name in delayed:
+                    rate_filter.begin(delayed.pop(name))
         if self._resting:
             for module in {name.partition(".")[0] for name in changes}:
                 self._rest(module)

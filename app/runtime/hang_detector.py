@@ -56,13 +56,14 @@ class HangDetector:
         #: By what may be stuck: a mark that changes with its progress, when that mark was first seen, and the time
         #: given until then.
         self._seen: dict[str, tuple[float, float, float]] = {}
-        #: Live collections, of which none contains anything while the module is idle: messages that wait, periodic
-        #: handlers, and what the last look saw.
-        self.signs: tuple[Collection[object], ...] = (
+        #: Live collections, of which none contains anything while the module is idle: messages that wait, and periodic
+        #: handlers.
+        self.wakes: tuple[Collection[object], ...] = (
             ticks,
-            self._seen,
             *(port.subscription.inbox for port in inputs if port.connected),
         )
+        #: These, and what the last look saw.
+        self.signs: tuple[Collection[object], ...] = (self._seen, *self.wakes)
 
     def look(self, now: float) -> str | None:
         """A description of what blocks the module, or None."""

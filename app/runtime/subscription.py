@@ -257,8 +257,9 @@ class Subscription(Generic[M]):
 
     def _filter_changed(self, _before: float, after: float) -> None:
         if after == CLOSED:
-            self._discarded += len(self._inbox)
-            self._inbox.clear()
+            if self._inbox:
+                self._discarded += len(self._inbox)
+                self._inbox.clear()
             if self._senders:
                 self._wake_senders()
         self._on_filter()

@@ -124,3 +124,23 @@ def test_without_time_what_was_known_stays_with_its_bound() -> None:
     best = solve_cpsat(instance, float("inf"))
     assert best is not None
     assert best.bound <= answer.bound <= known.bound
+
+
+@pytest.mark.parametrize("seed", [6, 8])
+def test_what_is_no_better_is_not_looked_for(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """200 strategies for half of each of four resources: once the best is found, little is left to look at. Counted in
+    steps; that any fraction of a loss less was looked for took over a hundred times as many."""
+    monkeypatch.setattr("app.attention.graded._MOST_STEPS", 3_000_000)
+    monkeypatch.setattr("app.attention.graded._ROWS", ((500, 1_000_000), (16_000, 3_000_000)))
+    chance = random.Random(seed)
+    full = dict.fromkeys(("r0", "r1", "r2", "r3"), 0.0)
+    table: list[Strategy] = []
+    for k in range(50):
+        wants = {name: chance.uniform(5, 40) for name in full}
+        full = {name: amount + wants[name] for name, amount in full.items()}
+        for phi in (1, 2, 4, 8):
+            costs = {name: round(amount / phi, 3) for name, amount in wants.items()}
+            table.append(Strategy(f"K{k}-{phi}", f"K{k}", 8 / phi, filters={f"K{k}.x": phi}, costs=costs))
+    capacities = {name: round(amount / 2, 3) for name, amount in full.items()}
+    desires = [desire(f"K{k}", chance.randint(1, 8)) for k in range(50)]
+    assert graded(problem(desires, tuple(table), capacities)) is not None

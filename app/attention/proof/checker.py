@@ -40,8 +40,9 @@ def _check(certificate: Any, problem: Any, selected: Any, fulfilled: Any, relaxe
         grain = gcd(*(rows[row] for group in groups for _, rows in group)) or 1
         _refute(groups, have | equal | {row: -reached.get(row, 0) - grain}, trees[row], prices, equal)
         equal[row] = -reached.get(row, 0)
-    spare: int = problem["spare"] * have.get(f"resource {problem['spare_of']}", 0)
-    return spare + sum(rows["criterion 0"] for _, rows in chosen)
+    spare = problem["spare"] * have.get(f"resource {problem['spare_of']}", 0)
+    omega: int = sum((rows["criterion 0"] for _, rows in chosen), spare)
+    return omega
 
 
 def _refute(groups: Any, have: dict[str, int], tree: Any, prices: Any, equal: dict[str, int]) -> None:
