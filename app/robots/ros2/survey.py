@@ -110,7 +110,7 @@ def bag(path: Path) -> list[Topic]:
                 frame = "" if sample is None else frame_of(reader.deserialize(sample[2], kind))
             rate = None if info.msgcount < 2 else (info.msgcount - 1) / seconds
             listened = int(kind in (TWIST, TWIST_STAMPED))
-            topics.append(Topic(name, kind, 0 if listened else 1, listened, rate, frame))
+            topics.append(Topic(name, kind, 0 if listened else 1, listened, rate_hz=rate, frame=frame))
         return topics + [Topic(other.topic, other.msgtype) for other in others]
     except TooMuch as refusal:
         raise LogError(f"{path}: a message, or a chunk of them, {refusal}") from None
