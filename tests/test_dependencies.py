@@ -14,7 +14,10 @@ ROOT = Path(__file__).resolve().parent.parent
 PARTS = {"starlette", "pydantic-core", "llvmlite", "backports-zstd", "compression"}
 
 #: Packages of extras that need not be installed, where their name is not that of the import.
-GIVEN_BY = {"piper": "piper-tts", "zenoh": "eclipse-zenoh"}
+GIVEN_BY = {"piper": "piper-tts", "zenoh": "eclipse-zenoh"} | {
+    package: f"ros-jazzy-{package.replace('_', '-')}"
+    for package in ("geometry_msgs", "nav_msgs", "rclpy", "rosgraph_msgs", "sensor_msgs")
+}
 
 
 def normal(name: str) -> str:
@@ -43,7 +46,7 @@ def imported(folder: Path) -> dict[str, Path]:
 def test_every_package_that_is_imported_is_asked_for() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     optional = project["optional-dependencies"]
-    used = ("video", "devices", "speech", "piper", "words", "remote")
+    used = ("video", "devices", "speech", "piper", "words", "remote", "ros2")
     extras = [requirement for extra in used for requirement in optional[extra]]
     asked = {named(requirement) for requirement in (*project["dependencies"], *extras)} | PARTS
     providers = metadata.packages_distributions()
@@ -51,7 +54,8 @@ def test_every_package_that_is_imported_is_asked_for() -> None:
     for package, path in imported(ROOT / "app").items():
         if package in sys.stdlib_module_names or package == "app":
             continue
-        given_by = {normal(name) for name in providers.get(package, [GIVEN_BY.get(package, package)])}
+        known = [GIVEN_BY[package]] if package in GIVEN_BY else providers.get(package, [package])
+        given_by = {normal(name) for name in known}
         if not given_by & asked:
             strangers[package] = f"{path.relative_to(ROOT)}, from {', '.join(sorted(given_by))}"
     assert not strangers

@@ -74,7 +74,10 @@ def test_barn_reports_its_results_and_draws_them(tmp_path: Path, capsys: pytest.
     [
         (["--only", "5"], "has no world '5'; there are 4"),
         (["--plot", "5"], "--plot: world '5' is not among those to run"),
-        (["--config", "none.yaml"], "--config: there is no program none.yaml; a file, or one of: jackal, lab, webcam"),
+        (
+            ["--config", "none.yaml"],
+            "--config: there is no program none.yaml; a file, or one of: jackal, lab, turtlebot4, ",
+        ),
         (["--controller", "dwb"], "--controller: there is no controller 'dwb'; did you mean 'dwa'? allowed: dwa, dwa_"),
         (["--jobs", "0"], "a whole number from 1 to 256"),
         (["--seed", "-1"], "whole number"),

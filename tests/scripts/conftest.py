@@ -60,6 +60,12 @@ def suite() -> Iterator[ModuleType]:
 
 
 @pytest.fixture(scope="session")
+def ros_environment(installing: ModuleType) -> Iterator[ModuleType]:
+    yield _load("ros_environment")
+    del sys.modules["ros_environment"]
+
+
+@pytest.fixture(scope="session")
 def dev(
     page: ModuleType,
     installing: ModuleType,
@@ -67,6 +73,7 @@ def dev(
     alongside: ModuleType,
     parts: ModuleType,
     suite: ModuleType,
+    ros_environment: ModuleType,
 ) -> Iterator[ModuleType]:
     yield _load("dev")
     del sys.modules["dev"]

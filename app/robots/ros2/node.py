@@ -21,6 +21,7 @@ from rclpy.duration import Duration
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.signals import SignalHandlerOptions
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import BatteryState, JointState, LaserScan
 
@@ -96,7 +97,8 @@ class RosNode:
         self._ending = False
         # No log files in the person's home; no services of parameters, which nobody needs of this node.
         arguments = ["--ros-args", "--disable-external-lib-logs"]
-        rclpy.init(args=arguments, domain_id=config.graph.domain)
+        # Signals are the process's own: rclpy's handlers would close the writer before its last word.
+        rclpy.init(args=arguments, domain_id=config.graph.domain, signal_handler_options=SignalHandlerOptions.NO)
         self._node = Node("hbba", enable_rosout=False, start_parameter_services=False)
         self._executor = SingleThreadedExecutor()
         self._executor.add_node(self._node)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import statistics
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -105,13 +104,13 @@ def bag(path: Path) -> list[Topic]:
         for name, info in sorted(reader.topics.items()):
             connections = [connection for connection in reader.connections if connection.topic == name]
             kind = info.msgtype or connections[0].msgtype
-            first: Callable[[], Any] = lambda found=connections: next(reader.messages(found), None)  # noqa: E731
             frame = ""
-            if kind in TYPES.values() and info.msgcount and (sample := first()) is not None:
-                frame = frame_of(reader.deserialize(sample[2], kind))
+            if kind in TYPES.values() and info.msgcount:
+                sample = next(reader.messages(connections), None)
+                frame = "" if sample is None else frame_of(reader.deserialize(sample[2], kind))
             rate = None if info.msgcount < 2 else (info.msgcount - 1) / seconds
             listened = int(kind in (TWIST, TWIST_STAMPED))
-            topics.append(Topic(name, kind, 0 if listened else 1, listened, rate, frame))
+            topics.append(Topic(name, kind, 0 if listened else 1, listened, rate_hz=rate, frame=frame))
         return topics + [Topic(other.topic, other.msgtype) for other in others]
     except TooMuch as refusal:
         raise LogError(f"{path}: a message, or a chunk of them, {refusal}") from None

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import importlib.util
 import pickle
 from pathlib import Path
 
 import pytest
 
 from app.base.errors import ConfigError
+from app.link import LinkFailed
 from app.robots.factory import load_body
 from app.robots.ros2.config import Ros2Config, load_ros2_config
-from app.robots.ros2.link import describe, environment
+from app.robots.ros2.link import Ros2Link, describe, environment
+from app.robots.ros2.process import MISSING
 from tests.robots.ros2.robot import MAPPING
 
 
@@ -99,3 +102,11 @@ def test_how_far_the_process_looks(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     monkeypatch.setenv("FASTDDS_BUILTIN_TRANSPORTS", "LARGE_DATA")
     local = load_ros2_config(changed(tmp_path, "discovery: environment", "discovery: localhost"))
     assert environment(local) == {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+
+
+@pytest.mark.blocking(reason="reads the mapping")
+@pytest.mark.skipif(importlib.util.find_spec("rclpy") is not None, reason="ROS 2 is installed")
+async def test_without_ros_the_remedy_is_one_sentence() -> None:
+    with pytest.raises(LinkFailed) as refused:
+        await Ros2Link(load_ros2_config(MAPPING), 0.0).start()
+    assert str(refused.value) == MISSING
