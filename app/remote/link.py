@@ -260,4 +260,4 @@ class NodeLink:
 
 def kept_of(persistent: Mapping[str, Any]) -> dict[str, int]:
     """What a module keeps over restarts, as far as it can go over the network: whole numbers."""
-    return {key: value for key, value in persistent.items() if type(value) is int}
+    return {key: value for key, value in persistent.items() if type(value) is int and abs(value) <= wire.MOST_KEPT}
