@@ -144,7 +144,7 @@ class NodeLink:
         if outbox is None or not self.usable:
             return
         self._seq += 1
-        seq = self._seq
+        seq = self._seq if awaits else 0
         data = wire.encode(Data(module, port, seq, payload, dict(kept)))
         self.sent_bytes += len(data)
         name, size = f"{module}.{port}", float(len(data))

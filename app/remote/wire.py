@@ -21,7 +21,7 @@ Kept: TypeAlias = Annotated[
 
 
 class Data(msgspec.Struct, frozen=True, tag=True):
-    """A message for input ``port`` of ``module``, number ``seq`` of this link."""
+    """A message for input ``port`` of ``module``, number ``seq`` of this link; 0: it need not be confirmed."""
 
     module: str
     port: str
