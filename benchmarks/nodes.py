@@ -20,18 +20,20 @@ import tempfile
 from collections.abc import AsyncIterator, Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 from app.attention.desires import Source
+from app.base import paths
 from app.base.child_processes import python
 from app.base.geometry import Pose2
+from app.link import BaseLimits, LinkFailed, RobotDescription
 from app.logs.library import RecordingLibrary
 from app.maps.library import MapLibrary
-from app.messages import Faces, Odometry
+from app.messages import Audio, Faces, JointCommand, Odometry, Twist
 from app.program.config import load_configuration
 from app.program.system import System
 from benchmarks.report import Row, benchmark_main, row
 from benchmarks.shaped_tcp import ShapedTcp
-from tests.console.program import Body
 from tests.scenery.face_scenes import NAMES, facing, kinect_image
 
 BENCHMARK = "nodes"
@@ -78,6 +80,42 @@ families:
     parameters: {FaceDetector: {fine: false}}
     costs: {cpu: {base: 0, slope: 22}}
 """
+
+
+class _StillBody:
+    """A RobotLink of a body without streams, which never moves."""
+
+    description = RobotDescription(
+        "a still body",
+        paths.config_dir() / "robots" / "irl1_tr.urdf",
+        BaseLimits(0.4, 1.0, 0.4, 4.0),
+        {},
+        simulated=True,
+    )
+
+    async def start(self) -> None: ...
+
+    async def stop(self) -> None: ...
+
+    async def wait_failed(self) -> LinkFailed:
+        await asyncio.Event().wait()
+        raise AssertionError
+
+    def attach(self, stream: str, receive: Callable[[Any], None]) -> Callable[[], None]:
+        return lambda: None
+
+    def demand(self, stream: str, rate_hz: float) -> None: ...
+
+    def periods(self, stream: str) -> int:
+        return 1
+
+    def command(self, command: Twist | JointCommand) -> None: ...
+
+    def play(self, audio: Audio) -> None: ...
+
+    def e_stop(self, reason: str) -> None: ...
+
+    def clear_e_stop(self) -> None: ...
 
 
 @dataclass(slots=True)
@@ -256,7 +294,7 @@ def _build(folder: Path, port: int, deadline_s: float) -> System:
         (folder / f"{name}.yaml").write_text(text)
     return System(
         load_configuration(folder / "program.yaml"),
-        link=Body(),
+        link=_StillBody(),
         recordings=RecordingLibrary(folder / "recordings"),
         maps=MapLibrary(folder / "maps"),
         nodes=True,

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from app.attention.strategies import StrategyTable
 from app.base.errors import ConfigError
-from app.messages import Image
+from app.messages import Audio, Image
 from app.program.config import Configuration
 from app.remote.contract import Described, NotElsewhere, describe
 from app.remote.hub import NodeHub, stand_in_name
@@ -16,6 +16,7 @@ from app.remote.strategies import (
     JPEG_BYTES,
     OTHER_BYTES,
     RAW_BYTES,
+    SOUND_BYTES,
     Elsewhere,
     Stream,
     differs,
@@ -127,5 +128,8 @@ def node_of(configuration: Configuration, name: str | None) -> tuple[str, NodeSe
 
 def _stream(channel: ChannelSpec, node: NodeSettings) -> Stream:
     image = channel.message_type is Image
-    size = OTHER_BYTES if not image else JPEG_BYTES if node.images == "jpeg" else RAW_BYTES
+    if image:
+        size = JPEG_BYTES if node.images == "jpeg" else RAW_BYTES
+    else:
+        size = SOUND_BYTES if channel.message_type is Audio else OTHER_BYTES
     return Stream(channel.rate_hz or 0.0, size, image)

@@ -70,8 +70,8 @@ def describe(name: str, spec: ModuleSpec) -> Described:
         if why := travels(kind):
             raise NotElsewhere(f"{name}.{port} cannot go over the network: {why}")
     for port, end in inputs.items():
-        if end.lossless or end.moves:
-            raise NotElsewhere(f"{name}.{port} may lose nothing, or moves the robot: it stays on the robot")
+        if end.moves:
+            raise NotElsewhere(f"what comes to {name}.{port} moves the robot: it stays there")
     return Described(name, module_class, spec, inputs, outputs)
 
 

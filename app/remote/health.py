@@ -78,6 +78,9 @@ class LinkHealth:
         if down:
             self._good = 0
             self._fail(now, f"at {self.name}, {down}")
+        elif self.state == "well":
+            # A beat waits behind what was sent before: sound, of which nothing is confirmed, makes it late.
+            self.trip(now, round_trip_s)
         elif round_trip_s > self.deadline_s:
             self._good = 0
         elif self.state == "proving":

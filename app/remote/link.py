@@ -144,7 +144,7 @@ class NodeLink:
         if outbox is None or not self.usable:
             return
         self._seq += 1
-        seq = self._seq
+        seq = self._seq if awaits else 0
         data = wire.encode(Data(module, port, seq, payload, dict(kept)))
         self.sent_bytes += len(data)
         name, size = f"{module}.{port}", float(len(data))
@@ -260,4 +260,4 @@ class NodeLink:
 
 def kept_of(persistent: Mapping[str, Any]) -> dict[str, int]:
     """What a module keeps over restarts, as far as it can go over the network: whole numbers."""
-    return {key: value for key, value in persistent.items() if type(value) is int}
+    return {key: value for key, value in persistent.items() if type(value) is int and abs(value) <= wire.MOST_KEPT}

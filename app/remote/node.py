@@ -221,7 +221,8 @@ class _Running:
         for key, value in data.kept.items():
             slot.context.persistent[key] = max(value, slot.context.persistent.get(key, value))
         message = self._codecs[data.module, data.port].decode(data.payload)
-        self._at_work[id(message)] = (data.seq, message)
+        if data.seq:
+            self._at_work[id(message)] = (data.seq, message)
         while len(self._at_work) > _MOST_RESULTS:
             del self._at_work[next(iter(self._at_work))]
         channel.publish(message)

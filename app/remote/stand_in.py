@@ -20,6 +20,7 @@ from app.remote.contract import describe
 from app.remote.hub import NodeHub
 from app.remote.link import NodeLink, kept_of
 from app.remote.wire import Orders, Result
+from app.runtime.errors import InboxOverflow
 from app.runtime.filter import CLOSED
 from app.runtime.graph import ModuleSpec
 from app.runtime.module import Input, Module, ModuleContext, Settings
@@ -49,6 +50,7 @@ class RemoteModule(Module):
                 name,
                 port.message_type,
                 capacity=port.capacity,
+                lossless=port.lossless,
                 always_open=port.always_open,
                 wants=port.wants,
                 rests=port.rests,
@@ -70,6 +72,10 @@ class RemoteModule(Module):
     def configure(self, parameters: Mapping[str, Any]) -> None:
         self._parameters = dict(parameters)
         self._link.send_orders(self.orders())
+
+    def overflowed(self, port: str, loss: InboxOverflow) -> None:
+        """The module there sees the gap for itself."""
+        self.log.warning("%s", loss)
 
     def orders(self) -> Orders:
         """P' and demand, for the module there."""
@@ -96,7 +102,7 @@ class RemoteModule(Module):
         return self.service(NodeHub).link(self.settings.node)
 
     def _sender(self, port: Input[Any], codec: Codec) -> Callable[[Message], Awaitable[None]]:
-        awaits = port.capacity == 1 and not port.always_open
+        awaits = port.capacity == 1 and not port.always_open and not port.lossless
 
         async def send(message: Message) -> None:
             link = self._link

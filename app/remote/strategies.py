@@ -16,8 +16,8 @@ from app.attention.desires import GRAIN
 from app.attention.strategies import CLOSED, Resource, Strategy, StrategyTable
 from app.remote.settings import NodeSettings
 
-#: Until messages were measured: bytes of an image, with its depth, as JPEG and raw; of anything else.
-JPEG_BYTES, RAW_BYTES, OTHER_BYTES = 200e3, 1_200e3, 200.0
+#: Until messages were measured: bytes of an image, with its depth, as JPEG and raw; of a frame of sound; of all else.
+JPEG_BYTES, RAW_BYTES, SOUND_BYTES, OTHER_BYTES = 200e3, 1_200e3, 8.5e3, 200.0
 #: CPU time (s) of an image at home, to encode and send it.
 IMAGE_CPU_S = 0.006
 

@@ -7,16 +7,21 @@ node ─▶ robot   Offer, asked as a query          Admission, its answer
 
 from __future__ import annotations
 
-from typing import Any, TypeAlias
+from typing import Annotated, Any, TypeAlias
 
 import msgspec
 
+#: Whole numbers up to here are what they are in every recording and on every page.
+MOST_KEPT = 2**53
 #: Numbers that a module keeps over restarts (``Module.persistent``), which the same module elsewhere goes on from.
-Kept: TypeAlias = dict[str, int]
+Kept: TypeAlias = Annotated[
+    dict[Annotated[str, msgspec.Meta(max_length=64)], Annotated[int, msgspec.Meta(ge=-MOST_KEPT, le=MOST_KEPT)]],
+    msgspec.Meta(max_length=16),
+]
 
 
 class Data(msgspec.Struct, frozen=True, tag=True):
-    """A message for input ``port`` of ``module``, number ``seq`` of this link."""
+    """A message for input ``port`` of ``module``, number ``seq`` of this link; 0: it need not be confirmed."""
 
     module: str
     port: str

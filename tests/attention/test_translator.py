@@ -247,7 +247,7 @@ async def test_costs_that_were_measured_move_filters() -> None:
         await s.translator.settled()
         assert s.selected == (chosen,)
         for costs in ({"no such": {"cpu": 1.0}}, {chosen: {"gpu": 1.0}}):
-            with pytest.raises(ValueError, match="costs of what does not exist: (no such|gpu)"):
+            with pytest.raises(ValueError, match=r"costs of what does not exist: (no such|gpu)"):
                 s.translator.set_costs(costs, "")
 
 

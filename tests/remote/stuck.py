@@ -1,11 +1,12 @@
-"""A detector of darkness that never comes to an end with some images."""
+"""Modules for nodes: a detector that never comes to an end with some images, one of the robot's own, one for sound."""
 
 from __future__ import annotations
 
 import asyncio
 
-from app.messages import Darkness, Image
-from app.modules.perception.darkness_detector import DarknessDetector
+from app.messages import Audio, Darkness, Image
+from app.modules.perception.darkness_detector import DETECT_DARKNESS, DarknessDetector
+from app.runtime.module import Module, ModuleContext
 
 STUCK = "stuck"
 
@@ -25,5 +26,17 @@ class Homebody(DarknessDetector):
     runs_elsewhere = False
 
 
-def darkness(stamp: float) -> Darkness:
-    return Darkness(stamp, "camera", 0.0, True)
+class SampleCounter(Module):
+    """Answers each frame of sound with the number of its first sample."""
+
+    desire_classes = (DETECT_DARKNESS,)
+    runs_elsewhere = True
+
+    def __init__(self, context: ModuleContext) -> None:
+        super().__init__(context)
+        self.sound = self.input("images", Audio, capacity=94, lossless=True)
+        self.counted = self.output("darkness", Darkness)
+        self.on(self.sound, self._count)
+
+    def _count(self, audio: Audio) -> None:
+        self.counted.publish(Darkness(audio.stamp, audio.frame, float(audio.first_sample), False))

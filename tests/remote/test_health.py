@@ -106,3 +106,10 @@ def test_a_node_that_left_is_absent_until_it_joins_again() -> None:
     health.join()
     beats(health, 20.0, GOOD_BEATS)
     assert health.usable
+
+
+def test_beats_that_wait_behind_what_was_sent_are_a_reason() -> None:
+    """Sound is not confirmed: only beats say that it piles up."""
+    health = well()
+    beats(health, 2.0, 2, round_trip_s=0.7)
+    assert (health.usable, health.why) == (False, "desk answers too late: p95 0.70 s within 0.5 s")

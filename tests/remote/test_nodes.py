@@ -13,6 +13,7 @@ import pytest
 from app.program.system import System
 from app.remote.node import Refused
 from app.remote.settings import TlsFiles
+from tests.console.program import sound
 from tests.patience import PATIENCE_S
 from tests.remote.program import (
     ME,
@@ -97,6 +98,34 @@ async def _stick(system: System) -> None:
         stamp += 0.1
         system.graph.channels["camera"].publish(image(stamp, STUCK))
         await system.clock.sleep(0.05)
+
+
+async def test_of_sound_nothing_is_lost(tmp_path: Path) -> None:
+    program = await asyncio.to_thread(write, tmp_path / "robot", free_port())
+    await asyncio.to_thread(_for_sound, program)
+    system = await asyncio.to_thread(build, program)
+    made = await asyncio.to_thread(node_of_program, program)
+    async with system, joined(made):
+        _desire(system)
+        await until(system, lambda: chosen(system) == AT_DESK)
+        counted = system.graph.channels["darkness"].subscribe("test", capacity=400)
+        for number in range(300):
+            system.graph.channels["camera"].publish(sound(float(number), 512 * number))
+            await system.clock.sleep(0)
+        async with asyncio.timeout(PATIENCE_S):
+            messages = [await counted.receive() for _ in range(300)]
+        assert [message.luma for message in messages] == [512.0 * number for number in range(300)]
+
+
+def _for_sound(program: Path) -> None:
+    """Let the program's module take sound instead of images."""
+    for name, old, new in (
+        ("program.yaml", "StuckDetector", "SampleCounter"),
+        ("channels.yaml", "camera: {type: Image", "camera: {decimable: false, type: Audio"),
+        ("strategies.yaml", "Darkness.images: 2", "Darkness.images: 1"),
+    ):
+        file = program.with_name(name)
+        file.write_text(file.read_text().replace(old, new))
 
 
 async def test_a_node_with_other_settings_is_refused_in_words(tmp_path: Path) -> None:

@@ -49,6 +49,7 @@ class SoundClassifier(Module):
 
     title = "Sound classifier"
     desire_classes = (CLASSIFY_SOUNDS,)
+    runs_elsewhere = True
     Settings = SoundClassifierSettings
     settings: SoundClassifierSettings
 

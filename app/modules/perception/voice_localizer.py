@@ -98,6 +98,7 @@ class VoiceLocalizer(Module):
     title = "Voice localizer"
     desire_classes = (LOCATE_VOICES,)
     auxiliary_inputs = frozenset({"played"})
+    runs_elsewhere = True
     Settings = VoiceLocalizerSettings
     settings: VoiceLocalizerSettings
 
@@ -165,6 +166,9 @@ class VoiceLocalizer(Module):
             self._doubted = False
         if audio.first_sample != self._next_sample:
             self._reset()
+            if self._pipeline is not None and self.persistent.get(_NEXT_TRACK, 1) > self._pipeline.next_track:
+                # The same module on another computer gave numbers meanwhile.
+                self._retire()
         self._next_sample = audio.first_sample + len(audio.samples)
         first_sample, samples = await self._without_own_voice(audio)
         if not self._waiting_length:

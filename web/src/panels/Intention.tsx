@@ -150,6 +150,9 @@ const RESOURCES: Record<string, { label: Text; unit: Text }> = {
 };
 
 function resourceLabel(name: string): string {
+  const [what, node] = name.split("@");
+  if (node && what === "cpu") return t("CPU of {node}", { node });
+  if (node && what === "bandwidth") return t("Link to {node}", { node });
   return RESOURCES[name] ? t(RESOURCES[name].label) : capital(spaced(name));
 }
 

@@ -75,6 +75,8 @@ export const panels = {
   "φ of {port}": "φ de {port}",
   "CPU promised": "CPU promis",
   "CPU for recording": "CPU pour l’enregistrement",
+  "CPU of {node}": "CPU de {node}",
+  "Link to {node}": "Liaison avec {node}",
   "% CPU to record": "% CPU pour enregistrer",
   "Power promised": "Puissance promise",
   W: "W",
