@@ -32,8 +32,8 @@ def test_what_is_hurried_or_comes_afterwards_exists_and_is_left_out_of_the_patie
     assert len(files) == counted, "none runs twice"
 
 
-@pytest.mark.parametrize(("failing", "status"), [(None, 0), ("-n", 1), ("tests/one.py", 1)])
-def test_a_failure_of_either_run_is_one_of_both(
+@pytest.mark.parametrize(("failing", "status"), [(None, 0), ("-n", 1), ("tests/one.py", 1), ("ros", 1)])
+def test_a_failure_of_any_run_is_one_of_all(
     dev: ModuleType, monkeypatch: pytest.MonkeyPatch, failing: str | None, status: int
 ) -> None:
     monkeypatch.setattr(dev.suite, "AFTERWARDS", ("tests/one.py",))
@@ -45,7 +45,7 @@ def test_a_failure_of_either_run_is_one_of_both(
         return SimpleNamespace(returncode=int(failing in command))
 
     monkeypatch.setattr(dev.subprocess, "run", run)
-    assert dev.test_others() == status
-    patient, afterwards = commands
+    assert dev.test_others(["ros"]) == status
+    patient, afterwards, _ = commands
     assert patient[: len(dev.suite.GIVING_WAY)] == list(dev.suite.GIVING_WAY)
     assert "nice" not in afterwards, "they are against the clock"
