@@ -393,7 +393,7 @@ def test(arguments: list[str]) -> int:
     # Files go to processes in the order that tests/conftest.py puts them in.
     by_file = ["-n", workers, "--dist", "loadfile", "--no-loadscope-reorder", "-p", "no:cacheprovider"]
     patient = [PYTHON, "-m", "pytest", *by_file, *(f"--ignore={room}" for room in HURRIED), "tests"]
-    with_ros = [ros or PYTHON, "-m", "pytest", "-p", "no:cacheprovider", ros_environment.TESTS]
+    with_ros = [ros or PYTHON, "-m", "pytest", "-p", "no:cacheprovider", *ros_environment.TESTS]
     with (
         alongside.alongside([*GIVING_WAY, PYTHON, __file__, "check-sources"]) as sources,
         alongside.alongside([*GIVING_WAY, *patient]) as others,
