@@ -406,7 +406,7 @@ def test_others(arguments: list[str]) -> int:
     driven = 0
     for ros in arguments:
         with parts.timed("robots over ROS 2"):
-            driven = run([ros, "-m", "pytest", "-p", "no:cacheprovider", ros_environment.TESTS])
+            driven = run([ros, "-m", "pytest", "-p", "no:cacheprovider", *ros_environment.TESTS])
     say(f"the others took: {parts}")
     return status or rest or driven
 

@@ -16,8 +16,8 @@ import installing
 
 #: What wheels there are (requirements/ros2.lock) are for this machine alone.
 MACHINE = "x86_64"
-TESTS = "tests/robots/ros2/test_link.py"
-"""What is run in it; in ``.venv`` these are skipped."""
+TESTS = ("tests/robots/ros2/test_link.py", "tests/robots/ros2/test_program.py")
+"""Those that are run in it; in ``.venv`` these are skipped."""
 
 
 def python_with_ros(python: Path, root: Path, folder: Path) -> Path | None:
