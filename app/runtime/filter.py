@@ -26,8 +26,8 @@ def check_divisor(divisor: float) -> float:
 class RateFilter:
     """Counts messages and lets one in ``divisor`` pass.
 
-    ``skip`` messages are still to be stopped before one passes; after it, ``reload`` of them. ``phi`` is the divisor, to
-    be read where thousands are read at a time.
+    ``skip`` messages are still to be stopped before one passes; after it, ``reload`` of them. ``phi`` is the divisor,
+    to be read where thousands are read at a time.
     """
 
     __slots__ = ("on_change", "phi", "reload", "skip")

@@ -35,8 +35,8 @@ LONGEST_DELAY_S = 30.0
 #: A module that ran this long without failing is trusted again.
 TRUSTED_AFTER_S = 60.0
 WATCH_PERIOD_S = 0.1
-#: Inboxes and periodic handlers of idle modules that are glanced at each time: all of some hundred modules. Of 2000 with
-#: an input each, one that hangs is reported up to 0.4 s later.
+#: Inboxes and periodic handlers of idle modules that are glanced at each time: all of some hundred modules. Of 2000
+#: with an input each, one that hangs is reported up to 0.4 s later.
 GLANCE = 1000
 #: A cancelled module gets this long to end before its task is left behind.
 CANCEL_GRACE_S = 0.5

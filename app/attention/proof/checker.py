@@ -53,7 +53,8 @@ def _refute(groups: Any, have: dict[str, int], tree: Any, prices: Any, equal: di
 
     @cache
     def most(at: int, k: int, left: tuple[int, ...]) -> int:
-        return max(sum(price * groups[k][c][1][row] for row, price in prices[at].items()) for c in left)
+        total: int = max(sum(price * groups[k][c][1][row] for row, price in prices[at].items()) for c in left)
+        return total
 
     branches = [[tuple(range(len(group))) for group in groups]]
     for at in tree:
