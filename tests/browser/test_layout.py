@@ -20,7 +20,7 @@ SIZES = (
 
 #: What lies in dark letters over the map, which is dark in every theme; of words over a canvas axe decides nothing.
 _DARK_OVER_MAP = """
-() => [...document.querySelectorAll(".map-where, .map-view-buttons .icon-button")].filter((each) => {
+() => [...document.querySelectorAll(".map-where, .map-empty, .map-view-buttons .icon-button")].filter((each) => {
   const [red, green, blue] = getComputedStyle(each).color.match(/[0-9.]+/g).map(Number);
   return 0.2126 * red + 0.7152 * green + 0.0722 * blue < 128;
 }).map((each) => each.dataset.testid)
@@ -120,7 +120,7 @@ def test_axe_finds_nothing(page: Page, theme: str) -> None:
     expect(page.locator(f"html[data-theme={theme}]")).to_have_count(1)
     found = {"page": violations(page, axe)}
     page.get_by_test_id("tab-map").click()
-    page.get_by_test_id("map-where").wait_for()
+    page.locator(".map-stage .icon-button").first.wait_for()
     assert page.evaluate(_DARK_OVER_MAP) == []
     for tab in ("map", "tour", "found", "load", "events", "recordings"):
         page.get_by_test_id(f"tab-{tab}").click()

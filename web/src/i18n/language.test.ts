@@ -106,5 +106,9 @@ test("a refusal is translated as a sentence by itself, and what it says within i
   expect(fromRobot("Nothing can be saved: the ring holds nothing yet.")).toBe(
     "Rien ne peut être gardé\u202f: la boucle ne contient encore rien.",
   );
+  expect(fromRobot("The body has reported nothing for 1.1 s.")).toBe("Le corps n’a rien signalé depuis 1,1 s.");
+  expect(fromRobot("Commands arrive up to 0.5 s late: driving waits.")).toBe(
+    "Les commandes arrivent avec jusqu’à 0,5 s de retard\u202f: la conduite attend.",
+  );
   expect(langOf("There is nothing like it.")).toBe("en");
 });

@@ -66,7 +66,7 @@ function value(text: string, robot: RobotWords, depth: number): string {
 }
 
 function figures(text: string): string {
-  return /^[−-]?\d+\.\d+$/.test(text) ? decimals(text) : text;
+  return /^[−-]?\d+\.\d+(?: (?:s|m|ms|%))?$/.test(text) ? decimals(text) : text;
 }
 
 /** `FindQRCodes` as `Find QR codes`. */
