@@ -23,6 +23,8 @@ ALLOWED = {
     "attention/reasons.py": "the time limit of reasons, likewise",
     "attention/search.py": "the solver's time limit",
     "attention/graded.py": "the solver's time limit",
+    "attention/proof/certificate.py": "the time limit of a proof, for people",
+    "attention/proof/prover.py": "likewise",
     "attention/problem.py": "how long the solver took",
     "attention/solver.py": "the solver's time limit, and how long it took",
     "attention/variants.py": "the time limit of reasons",

@@ -13,7 +13,7 @@ from app.attention.proof.prover import Limits, NotProven, Refutation
 from app.attention.proof.statement import Claim
 
 MOST_LEAVES: Final = 50_000
-"""Branches of all trees of a certificate together: about 15 MB, and ten seconds to check."""
+"""Branches of all trees of a certificate together: about 15 MB, and twenty seconds to check."""
 HEAD: Final = '{"certificate": 1'
 """The first characters of every certificate."""
 

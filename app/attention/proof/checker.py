@@ -41,8 +41,7 @@ def _check(certificate: Any, problem: Any, selected: Any, fulfilled: Any, relaxe
         _refute(groups, have | equal | {row: -reached.get(row, 0) - grain}, trees[row], prices, equal)
         equal[row] = -reached.get(row, 0)
     spare = problem["spare"] * have.get(f"resource {problem['spare_of']}", 0)
-    omega: int = sum((rows["criterion 0"] for _, rows in chosen), spare)
-    return omega
+    return sum((rows["criterion 0"] for _, rows in chosen), int(spare))
 
 
 def _refute(groups: Any, have: dict[str, int], tree: Any, prices: Any, equal: dict[str, int]) -> None:
@@ -53,8 +52,8 @@ def _refute(groups: Any, have: dict[str, int], tree: Any, prices: Any, equal: di
 
     @cache
     def most(at: int, k: int, left: tuple[int, ...]) -> int:
-        total: int = max(sum(price * groups[k][c][1][row] for row, price in prices[at].items()) for c in left)
-        return total
+        best: int = max(sum(price * groups[k][c][1][row] for row, price in prices[at].items()) for c in left)
+        return best
 
     branches = [[tuple(range(len(group))) for group in groups]]
     for at in tree:

@@ -90,7 +90,9 @@ class Refutation:
         self._scale = np.maximum(np.abs(self._amounts).max(axis=1, initial=0.0), 1.0)
         self._free = np.array([row in self._equal for row in self._have], dtype=bool)
         self._nothing = _Prices({}, np.zeros(len(self._choices)), 0.0, 0.0)
-        self._relaxation = _Relaxation(self._amounts, self._have, self._scale, self._starts, goal, self._equal)
+        self._relaxation = _Relaxation(
+            self._amounts, self._have, self._scale, self._starts, goal=goal, equal=self._equal
+        )
 
     def tree(self, prices: list[dict[str, int]], limits: Limits) -> Tree:
         """The tree, whose leaves number entries of ``prices``; new ones are added to it. Raises NotProven."""

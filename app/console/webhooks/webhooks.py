@@ -108,7 +108,9 @@ class Webhooks:
         delivery = self._found(id_)
         kind = delivery.hook.kinds[0]
         number = secrets.randbelow(2**31) + 2**31  # no number of the timeline's
-        event = TimelineEvent(number, self._clock.now(), kind, "trial", "A trial of this webhook.", {"trial": True})
+        event = TimelineEvent(
+            number, self._clock.now(), kind, "trial", "A trial of this webhook.", data={"trial": True}
+        )
         return await delivery.attempt(event)
 
     def _found(self, id_: str) -> Delivery:

@@ -20,7 +20,7 @@ from tests.console.program import Body, build
 
 DOCUMENT = Path(__file__).parents[3] / "docs" / "live-stream.md"
 #: Described elsewhere (REST, JSON Schema) or free by nature.
-FOREIGN = {"costs", "data", "desires", "divisors", "filters", "parameters", "reasons", "schema", "use"}
+FOREIGN = {"asked", "costs", "data", "desires", "divisors", "filters", "parameters", "reasons", "schema", "use"}
 
 
 @pytest.fixture
