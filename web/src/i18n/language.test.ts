@@ -110,5 +110,6 @@ test("a refusal is translated as a sentence by itself, and what it says within i
   expect(fromRobot("Commands arrive up to 0.5 s late: driving waits.")).toBe(
     "Les commandes arrivent avec jusqu’à 0,5 s de retard\u202f: la conduite attend.",
   );
+  expect(fromRobot("slowed: something 0.6 m to the left")).toBe("ralenti\u202f: quelque chose à 0,6 m à gauche");
   expect(langOf("There is nothing like it.")).toBe("en");
 });
