@@ -275,6 +275,24 @@ async def test_a_hung_handler_is_reported_cancelled_and_restarted(build: Build, 
 
 
 @in_virtual_time
+async def test_of_modules_that_are_glanced_at_in_turns_the_hung_one_is_found(
+    build: Build, make: Make, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its turn comes within as many looks as there are turns: here some tenths of a second later."""
+    monkeypatch.setattr("app.runtime.supervisor.GLANCE", 1)
+    bench = Bench(build)
+    bench.plan.hang = True
+    async with bench.supervisor:
+        await asyncio.sleep(1)
+        bench.publish(make(1))
+        await asyncio.sleep(5)
+        assert bench.status == "running"
+        bench.publish(make(2))
+        await asyncio.sleep(2)
+        assert next(what for at, what in bench.plan.events if at > 6.0) == "stop"
+
+
+@in_virtual_time
 async def test_the_declared_time_decides_what_is_hung(build: Build, make: Make) -> None:
     bench = Bench(build, hang_after_s=20)
     bench.plan.hang = True
