@@ -26,8 +26,6 @@ ALLOWED = {
     "attention/proof/certificate.py": "the time limit of a proof, for people",
     "attention/proof/prover.py": "likewise",
     "attention/problem.py": "how long the solver took",
-    "attention/proof/certificate.py": "the time limit of certificates: nobody waits longer for one",
-    "attention/proof/prover.py": "the time limit of certificates, likewise",
     "attention/solver.py": "the solver's time limit, and how long it took",
     "attention/variants.py": "the time limit of reasons",
     "commands/calibrate.py": "the date in a calibration file",

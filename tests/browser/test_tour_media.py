@@ -37,8 +37,8 @@ def prepare(robot: Robot) -> None:
     status, _, answer = robot.request("POST", "/desires", {"class": "SLAM", "intensity": 5, "utility": 1})
     assert status == 201, answer
     given_up = time.monotonic() + PATIENCE_S
-    while robot.request("PUT", "/maps/room")[0] == 409 and time.monotonic() < given_up:
-        time.sleep(0.5)  # until it has seen something
+    while robot.request("PUT", "/maps/room")[0] == 409:  # until it has seen something
+        assert time.monotonic() < given_up
     for method, path, body in (
         ("PUT", "/maps/room", None),
         ("POST", "/places", {"id": "here", "name": "Here", "here": True}),

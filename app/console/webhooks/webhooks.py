@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import logging
 import secrets
 from collections.abc import Callable, Sequence
@@ -21,9 +20,6 @@ from app.runtime.clock import Clock
 if TYPE_CHECKING:
     import httpx
 
-#: A receiver answers within this (s), or the attempt has failed.
-ANSWERS_WITHIN_S = 10.0
-
 log = logging.getLogger(__name__)
 
 
@@ -37,6 +33,9 @@ class TooManyWebhooks(Exception):
 
 class Webhooks:
     """Made, removed and run; ``file`` None: they last as long as the program. Nothing is sent before :meth:`open`."""
+
+    #: A receiver answers within this (s, of the computer's clock), or the attempt has failed.
+    answers_within_s = 10.0
 
     def __init__(self, timeline: Timeline, clock: Clock, file: Path | None = None) -> None:
         self._timeline = timeline
@@ -136,21 +135,17 @@ class Webhooks:
         import httpx  # a tenth of a second that a robot without webhooks does not spend
 
         if self._client is None:
-            # Where a receiver sends on to was not agreed upon; and a robot's proxy is its receiver's business.
-            self._client = httpx.AsyncClient(timeout=ANSWERS_WITHIN_S, follow_redirects=False)
+            # Where a receiver sends on to was not agreed upon.
+            self._client = httpx.AsyncClient(timeout=None, follow_redirects=False)
         sent = {"content-type": "application/json", "user-agent": "hbba", **headers}
         try:
-            async with self._client.stream("POST", url, content=body, headers=sent) as answer:
+            async with (
+                asyncio.timeout(self.answers_within_s),
+                self._client.stream("POST", url, content=body, headers=sent) as answer,
+            ):
                 status = answer.status_code
+        except TimeoutError:
+            return Answer(None, f"the receiver did not answer within {self.answers_within_s:g} s")
         except (httpx.HTTPError, httpx.InvalidURL) as error:
-            return Answer(None, _in_words(error))
+            return Answer(None, f"the receiver could not be reached: {str(error) or type(error).__name__}")
         return Answer(status, "" if 200 <= status < 300 else f"the receiver answered {status}")
-
-
-def _in_words(error: Exception) -> str:
-    with contextlib.suppress(ImportError):
-        import httpx
-
-        if isinstance(error, httpx.TimeoutException):
-            return f"the receiver did not answer within {ANSWERS_WITHIN_S:g} s"
-    return f"the receiver could not be reached: {str(error) or type(error).__name__}"

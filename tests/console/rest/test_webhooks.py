@@ -17,6 +17,7 @@ import pytest
 from fastapi import FastAPI, Request, Response
 
 from app.console.app import create_app
+from app.console.webhooks.webhooks import Webhooks
 from app.program.system import System
 from tests.console.program import served
 from tests.logs.replay.logs import lab_log
@@ -123,6 +124,24 @@ async def test_a_trial_says_what_became_of_it(client: httpx.AsyncClient, receive
     answer = (await client.post(f"/webhooks/{nobody['id']}/trial")).json()
     assert (answer["delivered"], answer["status"]) == (False, None)
     assert answer["problem"].startswith("the receiver could not be reached: ")
+
+
+async def test_a_receiver_that_takes_the_event_and_says_nothing_has_failed(
+    client: httpx.AsyncClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Webhooks, "answers_within_s", 0.2)
+
+    async def read_on(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        await reader.read()
+        writer.close()
+        await writer.wait_closed()
+
+    silent = await asyncio.start_server(read_on, "127.0.0.1", 0)
+    async with silent:
+        url = f"http://127.0.0.1:{silent.sockets[0].getsockname()[1]}/"
+        made = (await client.post("/webhooks", json={**NEW, "url": url})).json()["webhook"]
+        answer = (await client.post(f"/webhooks/{made['id']}/trial")).json()
+        assert answer == {"delivered": False, "status": None, "problem": "the receiver did not answer within 0.2 s"}
 
 
 @pytest.mark.parametrize(
