@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 
 #: Period (s) of checking for connected viewers.
 LOOK_S = 1.0
+#: Everything has stopped by then, or is made to. No robot moves: longer than in `hbba run`.
+STOP_WITHIN_S = 10.0
 
 
 def add_parser(subparsers: Any) -> None:
@@ -185,7 +187,7 @@ def _with_console(
     scene = stack.enter_context(listen_for_scene(host, address_of(listener)[1], scene_port))
     listeners = (listener, scene)
     live = _live(args, replay, clock=clock, past=past, listeners=listeners, access=access, host_names=host_names)
-    return asyncio.run(until_stopped(live, Stopping()))
+    return asyncio.run(until_stopped(live, Stopping(within_s=STOP_WITHIN_S)))
 
 
 async def _live(

@@ -7,11 +7,13 @@ import asyncio
 import atexit
 import gc
 import logging
+import math
 import os
 import signal
 import socket
 import sys
 import threading
+import time
 import webbrowser
 from collections.abc import Callable, Coroutine, Sequence
 from contextlib import ExitStack
@@ -39,6 +41,8 @@ if TYPE_CHECKING:
 
 #: Everything has stopped by then, or is made to.
 STOP_WITHIN_S = 2.0
+#: Seconds of one step of its countdown.
+COUNT_S = 0.02
 
 log = logging.getLogger("hbba.run")
 
@@ -272,11 +276,12 @@ class Stopping:
         if self._begun:
             return
         self._begun = True
-        timer = threading.Timer(self._within_s, self._overdue)
-        timer.daemon = True
-        timer.start()
+        threading.Thread(target=self._count_down, name="stopping", daemon=True).start()
 
-    def _overdue(self) -> None:
+    def _count_down(self) -> None:
+        """Count in small steps: time in which a busy computer does not let this process run hardly counts."""
+        for _ in range(math.ceil(self._within_s / COUNT_S)):
+            time.sleep(COUNT_S)
         log.error("not stopped within %g s: ended by force", self._within_s)
         self._force(1)
 
