@@ -14,7 +14,7 @@ ROOT = Path(__file__).resolve().parent.parent
 PARTS = {"starlette", "pydantic-core", "llvmlite", "backports-zstd", "compression"}
 
 #: Packages of extras that need not be installed, where their name is not that of the import.
-GIVEN_BY = {"piper": "piper-tts", "zenoh": "eclipse-zenoh"} | {
+GIVEN_BY = {"piper": "piper-tts", "zenoh": "eclipse-zenoh", "foxglove": "foxglove-sdk"} | {
     package: f"ros-jazzy-{package.replace('_', '-')}"
     for package in ("geometry_msgs", "nav_msgs", "rclpy", "rosgraph_msgs", "sensor_msgs")
 }
@@ -46,7 +46,7 @@ def imported(folder: Path) -> dict[str, Path]:
 def test_every_package_that_is_imported_is_asked_for() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     optional = project["optional-dependencies"]
-    used = ("video", "devices", "speech", "piper", "words", "remote", "ros2")
+    used = ("video", "devices", "speech", "piper", "words", "remote", "ros2", "foxglove")
     extras = [requirement for extra in used for requirement in optional[extra]]
     asked = {named(requirement) for requirement in (*project["dependencies"], *extras)} | PARTS
     providers = metadata.packages_distributions()

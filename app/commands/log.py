@@ -11,6 +11,7 @@ from typing import Any
 
 from app.base.errors import ConfigError
 from app.commands.arguments import TIMES, find_log, moment, names, whole
+from app.commands.log_rerun import add_rerun, show
 from app.commands.output import add_json, print_json
 
 
@@ -31,6 +32,7 @@ def add_parser(subparsers: Any) -> None:
     _add_cut(actions)
     _add_repair(actions)
     _add_export(actions)
+    add_rerun(actions)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -38,7 +40,9 @@ def run(args: argparse.Namespace) -> int:
     from app.logs.log import LogError
     from app.logs.output_file import DiskTrouble
 
-    doing = {"info": _info, "cut": _cut, "repair": _repair, "export": _export, None: _list, "list": _list}[args.action]
+    doing = {
+        "info": _info, "cut": _cut, "repair": _repair, "export": _export, "rerun": _rerun, None: _list, "list": _list,
+    }[args.action]  # fmt: skip
     try:
         return doing(args)
     except LogError as failure:
@@ -202,6 +206,10 @@ def _export(args: argparse.Namespace) -> int:
     for line in result.lines():
         print(line)
     return 0
+
+
+def _rerun(args: argparse.Namespace) -> int:
+    return show(args, _find_mcap)
 
 
 # --- Arguments ---------------------------------------------------------------------------------------------------

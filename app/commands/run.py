@@ -31,6 +31,7 @@ from app.commands.console_access import (
     warn_of_plain_connections,
 )
 from app.commands.kernels import kernels_ready
+from app.commands.viewers import add_viewer_options, with_viewers
 from app.runtime.realtime import garbage_held, tune_for_latency
 
 if TYPE_CHECKING:
@@ -56,6 +57,7 @@ def add_parser(subparsers: Any) -> None:
     add_config(parser)
     add_body_options(parser)
     add_console_options(parser)
+    add_viewer_options(parser)
     parser.add_argument(
         "--link",
         type=_link,
@@ -102,6 +104,7 @@ def _run(args: argparse.Namespace) -> int:
 
     share_arenas()
     configuration, body = chosen(args)
+    configuration = with_viewers(configuration, args.foxglove)
     console = configuration.program.console
     host = args.host or console.host
     access = console_access(args, host)

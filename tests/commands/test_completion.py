@@ -43,7 +43,7 @@ def script(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Path:
     ("line", "completed"),
     [
         ("sol", {"solve"}),
-        ("log re", {"repair"}),
+        ("log re", {"repair", "rerun"}),
         ("replay t", {"talk", "tour", "tape.bag"}),
         ("log info to", {"tour"}),
         ("log export tour p", {"png", "pcd"}),
