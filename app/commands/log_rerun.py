@@ -20,8 +20,8 @@ def add_rerun(actions: Any) -> None:
     parser = actions.add_parser(
         "rerun",
         help="show a log in Rerun",
-        description="Open a log in the viewer Rerun, or convert it into a file of Rerun's own. It draws pictures, depth, "
-        "points, transforms, maps and the robot, and shows the fields of everything else.",
+        description="Open a log in the viewer Rerun, or convert it into a file of Rerun's own. It draws pictures, "
+        "depth, points, transforms, maps and the robot, and shows the fields of everything else.",
     )
     parser.add_argument("file", metavar="FILE", help="an MCAP file, or the name of one of your recordings")
     parser.add_argument("-o", "--out", type=Path, metavar="OUT", help="write this .rrd file and show nothing")
