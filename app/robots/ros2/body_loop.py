@@ -10,7 +10,7 @@ import sys
 import time
 
 from app.base.kinematic_model import load_model
-from app.messages import JointState, LinkStatus, Twist
+from app.messages import Image, JointState, LinkStatus, Twist
 from app.robots import guard
 from app.robots.link_protocol import (
     ClearEStop,
@@ -153,7 +153,12 @@ class BodyLoop:
 
     def _hand_over(self) -> None:
         while self._node.arrived:
-            self._send(*self._node.arrived.popleft())
+            stream, message = self._node.arrived.popleft()
+            if isinstance(message, Image):
+                self._socket.flush()
+                if self._socket.has_unsent:
+                    continue  # the program still reads what came before: a queue of pictures would make all else late
+            self._send(stream, message)
         while self._node.cautions:
             self._say(self._node.cautions.popleft())
         self._socket.flush()

@@ -11,6 +11,7 @@ from pydantic import AfterValidator, Field, PrivateAttr, field_validator, model_
 from app.base.errors import ConfigError
 from app.base.kinematic_model import KinematicModel, load_model
 from app.base.yaml_source import Document, load_yaml, suggestion
+from app.logs.importers.ros_topics import rectified
 from app.robots.actuator_config import ActuatorConfig
 from app.robots.config import BodyConfig, load_body_config
 from app.robots.config_model import ConfigModel, Positive
@@ -23,6 +24,11 @@ TYPES = {
     "hokuyo": "sensor_msgs/msg/LaserScan",
     "battery": "sensor_msgs/msg/BatteryState",
 }
+IMAGE, COMPRESSED_IMAGE = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
+CAMERA_INFO = "sensor_msgs/msg/CameraInfo"
+#: The streams of pictures, and the topics beside theirs: names are ``stream.part``.
+CAMERAS = ("camera", "kinect")
+INFO, DEPTH = "info", "depth"
 STATUS_HZ = 20.0
 _TOPIC = re.compile(r"/?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*")
 
@@ -80,6 +86,42 @@ class BatteryTopicConfig(TopicConfig):
     rate_hz: Positive = 1.0
 
 
+class CameraTopicConfig(TopicConfig):
+    """Stream ``camera``: pictures, raw or compressed, of a camera at ``link`` of the model.
+
+    ``link`` is the camera's optical frame: z ahead, x to the right (REP 103). Joints may move it.
+    """
+
+    rate_hz: Positive = 15.0
+    link: str
+    info: Topic | None = Field(default=None, description="its CameraInfo; null: camera_info beside the pictures")
+    horizontal_fov_deg: Annotated[float, Field(gt=0, lt=170)] | None = Field(
+        default=None, description="of a camera without distortion that has no CameraInfo: none is read then"
+    )
+    rectified: bool | None = Field(
+        default=None, description="whether the pictures have no distortion any more; null: as their topic's name says"
+    )
+
+    @property
+    def info_topic(self) -> str | None:
+        """The topic of the calibration; None where the mapping has the field of view."""
+        if self.horizontal_fov_deg is not None:
+            return None
+        parts = self.topic.removesuffix("/compressed").split("/")
+        return self.info or "/".join((*parts[:-1], "camera_info"))
+
+    @property
+    def is_rectified(self) -> bool:
+        """Whether pictures have no distortion."""
+        return rectified(self.topic) if self.rectified is None else self.rectified
+
+
+class DepthCameraTopicConfig(CameraTopicConfig):
+    """Stream ``kinect``: pictures with ``depth``, which is registered: a pixel of both is the same point."""
+
+    depth: Topic
+
+
 class TopicsConfig(ConfigModel):
     """The streams of the body; null for one that the robot does not have."""
 
@@ -87,6 +129,8 @@ class TopicsConfig(ConfigModel):
     joints: TopicConfig | None = None
     hokuyo: LaserTopicConfig | None = None
     battery: BatteryTopicConfig | None = None
+    camera: CameraTopicConfig | None = None
+    kinect: DepthCameraTopicConfig | None = None
 
 
 class BaseTopicConfig(ConfigModel):
@@ -143,8 +187,27 @@ class Ros2Config(BodyConfig):
     @property
     def mapped(self) -> dict[str, TopicConfig]:
         """The streams that have a topic, by name."""
-        topics = {name: getattr(self.streams, name) for name in TYPES}
+        topics = {name: getattr(self.streams, name) for name in (*TYPES, *CAMERAS)}
         return {name: topic for name, topic in topics.items() if topic is not None}
+
+    @property
+    def cameras(self) -> dict[str, CameraTopicConfig]:
+        """The streams of pictures, by name."""
+        return {name: topic for name, topic in self.mapped.items() if isinstance(topic, CameraTopicConfig)}
+
+    @property
+    def readings(self) -> dict[str, tuple[str, str]]:
+        """Every topic that is read, with its namespace, and its ROS type, by stream; those beside a camera's pictures
+        by ``stream.part``."""
+        read = {name: (topic.topic, TYPES[name]) for name, topic in self.mapped.items() if name in TYPES}
+        for name, camera in self.cameras.items():
+            read[name] = (camera.topic, COMPRESSED_IMAGE if camera.topic.endswith("/compressed") else IMAGE)
+            if camera.info_topic is not None:
+                read[f"{name}.{INFO}"] = (camera.info_topic, CAMERA_INFO)
+            if isinstance(camera, DepthCameraTopicConfig):
+                packed = camera.depth.endswith(("/compressed", "/compressedDepth"))
+                read[f"{name}.{DEPTH}"] = (camera.depth, COMPRESSED_IMAGE if packed else IMAGE)
+        return {name: (self.full_name(topic), kind) for name, (topic, kind) in read.items()}
 
     @property
     def standing_rates_hz(self) -> tuple[float, float, float]:
@@ -168,22 +231,33 @@ class Ros2Config(BodyConfig):
 
 
 def load_ros2_config(path: Path | str) -> Ros2Config:
-    """Read the mapping. Raises ConfigError (file, line, key), also for files that are missing, and for a laser whose
-    link the model does not have or moves."""
+    """Read the mapping. Raises ConfigError (file, line, key), also for files that are missing, for a sensor whose link
+    the model does not have, for a laser that a joint moves, and for a camera that one moves whose joints are not
+    mapped."""
     config = load_body_config(path, Ros2Config)
     document = load_yaml(path)
     config._document = Document(None, document.file, document.lines)
+    model = load_model(config.model)
     laser = config.streams.hokuyo
-    if laser is not None:
-        _check_fixed(config, load_model(config.model), laser.link)
+    if laser is not None and (joints := _moving(config, model, "hokuyo", laser.link)):
+        raise config.mistake(
+            f"the joint {joints[0]!r} of the model moves {laser.link!r}; the laser must be fixed to the base",
+            *("streams", "hokuyo", "link"),
+        )
+    for name, camera in config.cameras.items():
+        joints = _moving(config, model, name, camera.link)
+        if joints and config.streams.joints is None:
+            raise config.mistake(
+                f"the joint {joints[0]!r} of the model moves {camera.link!r}; its position is needed: map joints",
+                *("streams", name, "link"),
+            )
     return config
 
 
-def _check_fixed(config: Ros2Config, model: KinematicModel, link: str) -> None:
-    at = ("streams", "hokuyo", "link")
+def _moving(config: Ros2Config, model: KinematicModel, stream: str, link: str) -> tuple[str, ...]:
+    """The joints that move ``link``. Raises ConfigError where the model does not have it."""
     if link not in model.links:
-        raise config.mistake(f"the model {config.model} has no link {link!r}; {suggestion(link, model.links)}", *at)
-    if joints := model.moved_by(link):
         raise config.mistake(
-            f"the joint {joints[0]!r} of the model moves {link!r}; the laser must be fixed to the base", *at
+            f"the model {config.model} has no link {link!r}; {suggestion(link, model.links)}", "streams", stream, "link"
         )
+    return model.moved_by(link)

@@ -7,10 +7,13 @@ import os
 from collections.abc import Callable
 from typing import Any
 
+from numpy.typing import NDArray
+
 from app.link import LinkFailed, RobotDescription, StreamDescription
 from app.messages import (
     Audio,
     BatteryState,
+    Image,
     JointCommand,
     JointState,
     LaserScan,
@@ -32,6 +35,8 @@ _TYPES: dict[str, type[Any]] = {
     "joints": JointState,
     "hokuyo": LaserScan,
     "battery": BatteryState,
+    "camera": Image,
+    "kinect": Image,
 }
 #: Loopback and the network alike by UDP: a process that is frozen while it holds a lock in shared memory would block
 #: the guard's writer.
@@ -140,10 +145,18 @@ class Ros2Link:
     def _take(self, frame: Any) -> None:
         if not isinstance(frame, Sample):
             return
-        if isinstance(frame.message, LaserScan):
-            for array in (frame.message.ranges, frame.message.intensities):
-                read_only(array)
+        for array in _arrays(frame.message):
+            read_only(array)
         self._receivers.deliver(frame.stream, frame.message)
+
+
+def _arrays(message: object) -> list[NDArray[Any]]:
+    """The arrays of a message that came in a pickle, which does not keep that they are read only."""
+    if isinstance(message, LaserScan):
+        return [message.ranges, message.intensities]
+    if isinstance(message, Image):
+        return [message.color] if message.depth is None else [message.color, message.depth]
+    return []
 
 
 def describe(config: Ros2Config) -> RobotDescription:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -12,6 +12,8 @@ from app.logs.importers import ros_messages
 from app.logs.importers.ros_messages import Unreadable
 from app.logs.stamps import SECOND, from_ns, to_ns
 from app.messages import BatteryState, Odometry
+from app.robots.ros2.camera import CameraReader
+from app.robots.ros2.config import DEPTH, INFO
 
 #: sensor_msgs/BatteryState: values of ``power_supply_status`` with a charger.
 _CHARGING, _FULL = 1, 4
@@ -56,10 +58,11 @@ def battery(message: Any, at: float) -> BatteryState:
     return BatteryState(at, charge, voltage_v=voltage, current_a=current, charging=charging, remaining_s=None)
 
 
-def converters(X_BL: Pose3 | None) -> dict[str, Converter]:
-    """How the message of each stream is read; ``X_BL``: pose of the laser in ``base_link``.
+def converters(X_BL: Pose3 | None, cameras: Mapping[str, CameraReader] | None = None) -> dict[str, Converter]:
+    """How the message of each reading is read; ``X_BL``: pose of the laser in ``base_link``; ``cameras`` by stream.
 
-    The second argument of each is the message's time (s), whatever its header says.
+    The second argument of each is the message's time (s), whatever its header says. Those of cameras give None while an
+    image is not complete.
     """
     plain: dict[str, Converter] = {
         "odometry": odometry,
@@ -72,4 +75,7 @@ def converters(X_BL: Pose3 | None) -> dict[str, Converter]:
     def placed(convert: Converter) -> Converter:
         return lambda message, at: replace(convert(message, at), stamp=at)
 
-    return {name: placed(convert) for name, convert in plain.items()}
+    found = {name: placed(convert) for name, convert in plain.items()}
+    for name, camera in (cameras or {}).items():
+        found |= {name: camera.picture, f"{name}.{INFO}": camera.info, f"{name}.{DEPTH}": camera.depth}
+    return found

@@ -23,24 +23,36 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import BatteryState, JointState, LaserScan
+from sensor_msgs.msg import BatteryState, CameraInfo, CompressedImage, Image, JointState, LaserScan
 
 from app.base.errors import ConfigError
+from app.base.joint_buffer import JointBuffer
 from app.base.kinematic_model import KinematicModel
 from app.logs.importers.ros_messages import Unreadable
+from app.messages import JointState as Joints
 from app.messages import Odometry
 from app.robots.guard import BaseVelocity
 from app.robots.ros2 import qos
-from app.robots.ros2.config import TWIST_STAMPED, TYPES, Ros2Config
+from app.robots.ros2.camera import CameraReader, setting
+from app.robots.ros2.config import INFO, TWIST_STAMPED, Ros2Config
 from app.robots.ros2.health import Seen, began_again
 from app.robots.ros2.messages import converters, seconds, set_stamp, stamp_of
 from app.robots.ros2.stamps import StampClock, WrongClock
 
-CLASSES: dict[str, Any] = {"odometry": RosOdometry, "joints": JointState, "hokuyo": LaserScan, "battery": BatteryState}
+CLASSES: dict[str, Any] = {
+    f"{package}/msg/{each.__name__}": each
+    for package, classes in (
+        ("nav_msgs", (RosOdometry,)),
+        ("sensor_msgs", (BatteryState, CameraInfo, CompressedImage, Image, JointState, LaserScan)),
+    )
+    for each in classes
+}
 CLOCK = "clock"
 LOOK_S = 0.5
 """How often the graph is asked who publishes and who listens."""
 _SPIN_S = 0.05
+_SILENT_S = 5.0
+"""How long a topic that is wanted may be without a publisher before that is said."""
 _ACKNOWLEDGED_S = 0.2
 _DEPTH = 5
 #: Depth of the topic for commands: an older one is worth nothing.
@@ -75,14 +87,13 @@ class RosNode:
         self.void = ""
         self.failure: BaseException | None = None
         laser = config.streams.hokuyo
-        self._convert = converters(None if laser is None else model.pose(laser.link))
+        self._joints = JointBuffer()
+        cameras = {name: CameraReader(setting(camera), model, self._joints) for name, camera in config.cameras.items()}
+        self._convert = converters(None if laser is None else model.pose(laser.link), cameras)
         self._clock = StampClock(config.graph.clock, config.graph.clock_tolerance_s)
         self._required = config.limits.required_sensors
         self.wanted: frozenset[str] = frozenset()
-        self._readings = {
-            name: _Reading(config.full_name(topic.topic), TYPES[name], CLASSES[name])
-            for name, topic in config.mapped.items()
-        }
+        self._readings = {name: _Reading(topic, kind, CLASSES[kind]) for name, (topic, kind) in config.readings.items()}
         if config.graph.clock == "sim":
             self._required = (CLOCK, *self._required)
             self._readings[CLOCK] = _Reading("/clock", "rosgraph_msgs/msg/Clock", Clock)
@@ -94,6 +105,7 @@ class RosNode:
         self._publishing = threading.Lock()
         self._said: set[str] = set()
         self._looked = -math.inf
+        self._began = time.monotonic()
         self._ending = False
         # No log files in the person's home; no services of parameters, which nobody needs of this node.
         arguments = ["--ros-args", "--disable-external-lib-logs"]
@@ -128,7 +140,8 @@ class RosNode:
             return self._config.mistake(f"{self._commands.topic} {self._commands.problem}", "base", "type")
         for name, problem in self._mistyped.items():
             if problem and name != CLOCK:
-                return self._config.mistake(f"{self._seen[name].topic} {problem}", "streams", name, "topic")
+                stream, _, part = name.partition(".")
+                return self._config.mistake(f"{self._seen[name].topic} {problem}", "streams", stream, part or "topic")
         return None
 
     def topics(self) -> list[str]:
@@ -179,7 +192,8 @@ class RosNode:
 
     def _follow_demand(self) -> None:
         for name, reading in self._readings.items():
-            wanted = name in self.wanted or name in self._required or name in ("odometry", "joints")
+            stream = name.partition(".")[0]
+            wanted = stream in self.wanted or stream in self._required or name in ("odometry", "joints")
             if wanted and reading.entity is None:
                 self._subscribe(name, reading, reading.asked or qos.reader(()))
             elif not wanted and reading.entity is not None:
@@ -205,6 +219,8 @@ class RosNode:
             asked = qos.reader(offered_by(info) for info in ours)
             if ours and asked != reading.asked and reading.entity is not None:
                 self._subscribe(name, reading, asked)
+            if not infos and reading.entity is not None and time.monotonic() - self._began > _SILENT_S:
+                self._caution(f"{name}: {reading.topic} has no publisher")
         self._look_at_commands()
 
     def _look_at_commands(self) -> None:
@@ -241,7 +257,9 @@ class RosNode:
     def _take(self, name: str, message: Any) -> None:
         now = self._now()
         try:
-            taken = self._convert[name](message, self._clock.placed(stamp_of(message), now))
+            # A calibration holds whenever it was made.
+            at = now if name.endswith(f".{INFO}") else self._clock.placed(stamp_of(message), now)
+            taken = self._convert[name](message, at)
         except (WrongClock, Unreadable) as failure:
             self._seen[name] = replace(self._seen[name], problem=str(failure))
             self._caution(f"{name} ({self._seen[name].topic}): {failure}", f"{name}: {type(failure).__name__}")
@@ -250,9 +268,12 @@ class RosNode:
             if began_again(self._odometry, taken, self._config.limits.base()):
                 self.void = "The robot's odometry jumped: it began again, and what was built on it is void."
             self._odometry = taken
+        elif isinstance(taken, Joints):
+            self._joints.add(taken.stamp, dict(zip(taken.names, taken.positions, strict=True)))
         self._seen[name] = replace(self._seen[name], last=now, problem="")
-        self.arrived.append((name, taken))
-        self._wake()
+        if taken is not None:
+            self.arrived.append((name.partition(".")[0], taken))
+            self._wake()
 
     def _with_type(self, name: str) -> Seen:
         seen = self._seen[name]

@@ -6,7 +6,8 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
-from app.robots.ros2.config import TWIST, TWIST_STAMPED, TYPES
+from app.logs.importers.ros_topics import Ambiguous, BagTopic, FromCamera, guessed, registered
+from app.robots.ros2.config import CAMERA_INFO, COMPRESSED_IMAGE, IMAGE, TWIST, TWIST_STAMPED, TYPES
 
 #: Names that robots commonly use, the likeliest first, by stream; the namespace before them does not matter.
 _USUAL = {
@@ -16,10 +17,8 @@ _USUAL = {
     "battery": ("battery_state", "battery"),
 }
 _COMMANDS = ("cmd_vel", "cmd_vel_unstamped", "diff_drive_controller/cmd_vel", "stretch/cmd_vel")
-_NOT_MAPPED = (
-    *("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage", "sensor_msgs/msg/PointCloud2"),
-    *("sensor_msgs/msg/Imu", "tf2_msgs/msg/TFMessage"),
-)
+_NOT_MAPPED = ("sensor_msgs/msg/PointCloud2", "sensor_msgs/msg/Imu", "tf2_msgs/msg/TFMessage")
+_OF_CAMERAS = (IMAGE, COMPRESSED_IMAGE, CAMERA_INFO)
 _NAMES = {"odometry": "odometry", "joints": "joints", "hokuyo": "laser", "battery": "battery"}
 
 
@@ -27,7 +26,7 @@ _NAMES = {"odometry": "odometry", "joints": "joints", "hokuyo": "laser", "batter
 class Topic:
     """A topic of a graph or a bag: its ``name``, ``type``, how many ``publishers`` and ``subscribers`` it has, and its
     rate (Hz, None: nothing was heard). ``frame``: frame_id of its messages; ``ahead_s``: median by which their stamps
-    were later than they arrived."""
+    were later than they arrived; ``holds``: ``color``, ``mono`` or ``depth`` of pictures, "" where it is not known."""
 
     name: str
     type: str
@@ -36,6 +35,7 @@ class Topic:
     rate_hz: float | None = None
     frame: str = ""
     ahead_s: float | None = None
+    holds: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,17 +68,18 @@ def propose(topics: Iterable[Topic], links: Mapping[str, bool] | None = None) ->
         "kind: ros2",
         "name: My robot                  # ?",
         "model: robot.urdf               # ? where its sensors are",
-        "program: turtlebot4.yaml        # ? a program for a base with a laser",
+        "program: turtlebot4.yaml        # ? for a base with laser, camera and battery: without what it lacks",
         "footprint: [[0.2, -0.2], [0.2, 0.2], [-0.2, 0.2], [-0.2, -0.2]]   # ? its outline, m",
         "limits:                         # ? below the robot's own",
         "  {linear_mps: 0.2, angular_radps: 0.8, linear_mps2: 0.4, angular_radps2: 2.0, required_sensors: [odometry]}",
         f"graph: {{clock: {_clock(chosen.values(), simulated, writing)}}}",
-        "streams:" if any(chosen.values()) else "streams: {}",
+        "streams:" if any(chosen.values()) or any(topic.holds for topic in known) else "streams: {}",
     ]
     lines += [_stream(stream, topic, links, writing) for stream, topic in chosen.items() if topic is not None]
+    lines += _camera(known, links, writing)
     lines += _base(known, writing)
     if left := sorted(topic.name for topic in known if topic.publishers and topic.type in _NOT_MAPPED):
-        writing.remarks.append(f"Topics of cameras, IMUs and frames are not mapped yet: {', '.join(left)}.")
+        writing.remarks.append(f"Topics of clouds, IMUs and frames are not mapped yet: {', '.join(left)}.")
     drivable = chosen["odometry"] is not None and bool(_takers(known))
     return Proposal("\n".join(lines) + "\n", tuple(writing.missing), tuple(writing.remarks), drivable)
 
@@ -103,10 +104,13 @@ def _place(name: str, usual: tuple[str, ...]) -> int:
     return next((at for at, end in enumerate(usual) if name == f"/{end}" or name.endswith(f"/{end}")), len(usual))
 
 
+def _rate(topic: Topic) -> str:
+    return "10" if topic.rate_hz is None else f"{float(f'{topic.rate_hz:.2g}'):g}"
+
+
 def _stream(stream: str, topic: Topic, links: Mapping[str, bool] | None, writing: _Writing) -> str:
-    rate = "10             # ?" if topic.rate_hz is None else f"{float(f'{topic.rate_hz:.2g}'):g}"
     if stream != "hokuyo":
-        return f"  {stream}: {{topic: {topic.name}, rate_hz: {rate.split()[0]}}}"
+        return f"  {stream}: {{topic: {topic.name}, rate_hz: {_rate(topic)}}}"
     if not topic.frame:
         writing.missing.append("laser: its frame is not known; link must name the link of the model where it is.")
     elif links is not None and topic.frame not in links:
@@ -116,7 +120,39 @@ def _stream(stream: str, topic: Topic, links: Mapping[str, bool] | None, writing
     elif links is not None and not links[topic.frame]:
         writing.missing.append(f"laser: a joint of the model moves {topic.frame!r}; it must be fixed to the base.")
     link = topic.frame or "laser_link"
-    return f"  {stream}: {{topic: {topic.name}, rate_hz: {rate.split()[0]}, link: {link}}}"
+    return f"  {stream}: {{topic: {topic.name}, rate_hz: {_rate(topic)}, link: {link}}}"
+
+
+def _camera(topics: list[Topic], links: Mapping[str, bool] | None, writing: _Writing) -> list[str]:
+    """The line of the camera: as ``kinect`` with a registered depth, else as ``camera``."""
+    known = {topic.name: topic for topic in topics if topic.type in _OF_CAMERAS and topic.publishers}
+    pictures = [BagTopic(topic.name, topic.type, 1, topic.holds, topic.frame) for topic in known.values()]
+    try:
+        source = guessed(pictures, None).get("kinect")
+    except Ambiguous as doubt:
+        source = doubt.guess["kinect"]
+        others = ", ".join(doubt.candidates[1:])
+        writing.remarks.append(f"camera: {doubt.candidates[0]} was chosen; there are also {others}.")
+    if not isinstance(source, FromCamera):
+        return []
+    color = known[source.color]
+    if links is not None and color.frame not in links:
+        writing.missing.append(
+            f"camera: the model has no link {color.frame!r}, which its pictures name; it has {', '.join(links)}."
+        )
+    members = {"topic": color.name, "rate_hz": _rate(color), "link": color.frame or "camera_optical_frame"}
+    depth = next((picture for picture in pictures if picture.name == source.depth), None)
+    stream = "camera"
+    if depth is not None and registered(depth, next(each for each in pictures if each.name == color.name)):
+        stream, members["depth"] = "kinect", depth.name
+    elif depth is not None:
+        writing.remarks.append(f"camera: {depth.name} is not mapped: it may not be registered to the pictures.")
+    if source.info is not None:
+        members["info"] = source.info
+    else:
+        members["horizontal_fov_deg"] = "60"
+        writing.missing.append(f"camera: {color.name} has no CameraInfo: measure its horizontal_fov_deg.")
+    return [f"  {stream}: {{{', '.join(f'{key}: {value}' for key, value in members.items())}}}"]
 
 
 def _clock(chosen: Iterable[Topic | None], simulated: bool, writing: _Writing) -> str:

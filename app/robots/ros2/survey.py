@@ -9,16 +9,17 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from app.logs.importers.ros_messages import frame_of
+from app.logs.importers.ros_messages import encoding_of, frame_of
 from app.logs.importers.ros_open import DAMAGE, opened, words
 from app.logs.log import LogError
 from app.logs.mcap.decompression import TooMuch
-from app.robots.ros2.config import TWIST, TWIST_STAMPED, TYPES
+from app.robots.ros2.config import COMPRESSED_IMAGE, IMAGE, TWIST, TWIST_STAMPED, TYPES
 from app.robots.ros2.messages import stamp_of
 from app.robots.ros2.proposal import Topic
 
 _FOUND_S = 1.0
 """How long a graph is given to appear before its topics are listened to."""
+_LOOKED_INTO = frozenset((*TYPES.values(), IMAGE, COMPRESSED_IMAGE))
 
 
 @dataclass(slots=True)
@@ -27,12 +28,14 @@ class _Heard:
 
     arrivals: list[float] = field(default_factory=list)
     frame: str = ""
+    holds: str = ""
     ahead_s: list[float] = field(default_factory=list)
 
     def take(self, message: Any) -> None:
         """Note a message with a header."""
         self.arrivals.append(time.monotonic())
         self.frame = frame_of(message)
+        self.holds = self.holds or _holds(message)
         if (stamp := stamp_of(message)) is not None:
             self.ahead_s.append(stamp - time.time())
 
@@ -61,14 +64,13 @@ def live(listen_s: float, domain: int | None) -> list[Topic]:
     executor = SingleThreadedExecutor()
     executor.add_node(node)
     heard: dict[tuple[str, str], _Heard] = {}
-    classes = {TYPES[stream]: message_class for stream, message_class in CLASSES.items()}
     try:
         _spin(executor, _FOUND_S)
         for name, kinds in node.get_topic_names_and_types():
-            for kind in filter(classes.__contains__, kinds):
+            for kind in filter(CLASSES.__contains__, kinds):
                 came = heard[name, kind] = _Heard()
                 asked = reader(offered_by(info) for info in node.get_publishers_info_by_topic(name))
-                node.create_subscription(classes[kind], name, came.take, profile(asked, 10))
+                node.create_subscription(CLASSES[kind], name, came.take, profile(asked, 10))
         _spin(executor, listen_s)
         topics = []
         for name, kinds in node.get_topic_names_and_types():
@@ -79,13 +81,18 @@ def live(listen_s: float, domain: int | None) -> list[Topic]:
                 topic = Topic(name, kind, publishers.count(kind), subscribers.count(kind))
                 if (came := heard.get((name, kind), _Heard())).arrivals:
                     ahead_s = statistics.median(came.ahead_s) if came.ahead_s else None
-                    topic = replace(topic, rate_hz=came.rate_hz, frame=came.frame, ahead_s=ahead_s)
+                    topic = replace(topic, rate_hz=came.rate_hz, frame=came.frame, ahead_s=ahead_s, holds=came.holds)
                 topics.append(topic)
         return [topic for topic in topics if topic.publishers or topic.subscribers]
     finally:
         executor.shutdown()
         node.destroy_node()
         rclpy.shutdown()
+
+
+def _holds(message: Any) -> str:
+    """What a picture holds, "" for what is none."""
+    return encoding_of(message) if hasattr(message, "encoding") or hasattr(message, "format") else ""
 
 
 def _spin(executor: Any, seconds: float) -> None:
@@ -104,13 +111,13 @@ def bag(path: Path) -> list[Topic]:
         for name, info in sorted(reader.topics.items()):
             connections = [connection for connection in reader.connections if connection.topic == name]
             kind = info.msgtype or connections[0].msgtype
-            frame = ""
-            if kind in TYPES.values() and info.msgcount:
-                sample = next(reader.messages(connections), None)
-                frame = "" if sample is None else frame_of(reader.deserialize(sample[2], kind))
+            frame = holds = ""
+            if kind in _LOOKED_INTO and info.msgcount and (sample := next(reader.messages(connections), None)):
+                message = reader.deserialize(sample[2], kind)
+                frame, holds = frame_of(message), _holds(message)
             rate = None if info.msgcount < 2 else (info.msgcount - 1) / seconds
             listened = int(kind in (TWIST, TWIST_STAMPED))
-            topics.append(Topic(name, kind, 0 if listened else 1, listened, rate_hz=rate, frame=frame))
+            topics.append(Topic(name, kind, int(not listened), listened, rate_hz=rate, frame=frame, holds=holds))
         return topics + [Topic(other.topic, other.msgtype) for other in others]
     except TooMuch as refusal:
         raise LogError(f"{path}: a message, or a chunk of them, {refusal}") from None

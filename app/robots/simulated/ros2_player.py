@@ -1,9 +1,11 @@
-"""A simulated robot that speaks ROS 2: a kinematic body on a kept map as a TurtleBot, in a process of its own.
+"""A simulated robot that speaks ROS 2, in a process of its own: a kinematic body on a kept map as a TurtleBot, or the
+simulated lab.
 
 ``python -m app.robots.simulated.ros2_player --robot ROBOT.yaml --map MAP.yaml [options]``, where ROBOT is a mapping of
-kind ``ros2``, whose model and sizes the body has. Topics: ``/scan`` and ``/odom`` (best effort, as a TurtleBot's),
-``/joint_states``, ``/battery_state``, and ``/clock`` with ``--sim-time``; it takes ``/cmd_vel``. Without a command
-for ``--watchdog`` seconds it stops by itself.
+kind ``ros2``, whose model and sizes the body has; or ``--body BODY.yaml`` in place of the map, a simulated body with
+its world. Topics: ``/scan`` and ``/odom`` (best effort, as a TurtleBot's), ``/joint_states``, ``/battery_state``, those
+of the mapping's cameras where the body has them, and ``/clock`` with ``--sim-time``; it takes ``/cmd_vel``. Without a
+command for ``--watchdog`` seconds (a body: as its file says) it stops by itself.
 
 It prints ``ready`` once it moves. Lines on its standard input are faults: ``odometry off``, ``odometry on``,
 ``clock SECONDS`` (its clock is ahead by so much from then on), ``clock stop`` (of ``/clock``), ``origin`` (odometry
@@ -20,6 +22,7 @@ import signal
 import sys
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import IO, Any
 
@@ -35,16 +38,19 @@ from sensor_msgs.msg import LaserScan as RosScan
 
 from app.base.child_processes import end_with_parent
 from app.base.geometry import Pose2
+from app.link import RobotLink
 from app.logs.stamps import SECOND, to_ns
 from app.maps.map_file import read_map
 from app.messages import JointState, LaserScan, Odometry
 from app.messages import Twist as Command
 from app.robots.battery_config import BatteryConfig
 from app.robots.config import StartPose
+from app.robots.factory import create_link, load_body
 from app.robots.ros2.config import TWIST_STAMPED, Ros2Config, load_ros2_config
 from app.robots.simulated.battery import Battery
 from app.robots.simulated.kinematic.config import KinematicLaserConfig, kinematic_of
 from app.robots.simulated.kinematic.link import KinematicLink
+from app.robots.simulated.ros2_camera import CameraPublisher
 from app.runtime.clock import RealClock
 
 #: Robot's laser: an RPLIDAR A1's rays, all around.
@@ -54,21 +60,28 @@ _BATTERY = BatteryConfig(capacity_wh=26.0, charge=0.9, empty_v=12.0, full_v=16.4
 _LOAD_W, _BATTERY_S = 12.0, 1.0
 
 
+def _body(config: Ros2Config, options: argparse.Namespace, clock: RealClock) -> RobotLink:
+    """The body that is played: that of a file, or the mapping's own on the map."""
+    if options.body is not None:
+        return create_link(load_body(options.body), clock.offset)
+    laser = config.streams.hokuyo
+    limits = config.limits.model_copy(update={"command_timeout_s": options.watchdog})
+    x, y, heading = options.start
+    body = kinematic_of(
+        config.model_copy(update={"limits": limits}),
+        options.map,
+        StartPose(x=x, y=y, heading_deg=heading),
+        laser=None if laser is None else KinematicLaserConfig(link=laser.link, rate_hz=10, **_LASER),
+    )
+    return KinematicLink(body, read_map(body.map), clock)
+
+
 class Ros2Player:
-    """The body of ``config`` on the map, and its node."""
+    """The body of ``config``, and its node."""
 
     def __init__(self, config: Ros2Config, options: argparse.Namespace) -> None:
-        laser = config.streams.hokuyo
-        limits = config.limits.model_copy(update={"command_timeout_s": options.watchdog})
-        x, y, heading = options.start
-        body = kinematic_of(
-            config.model_copy(update={"limits": limits}),
-            options.map,
-            StartPose(x=x, y=y, heading_deg=heading),
-            laser=None if laser is None else KinematicLaserConfig(link=laser.link, rate_hz=10, **_LASER),
-        )
         self._clock = RealClock()
-        self._link = KinematicLink(body, read_map(body.map), self._clock)
+        self._link = _body(config, options, self._clock)
         self._sim_time = bool(options.sim_time)
         self._began = self._clock.now()
         #: By how much (s) the robot's clock is ahead.
@@ -92,11 +105,13 @@ class Ros2Player:
         stamped = config.base.type == TWIST_STAMPED
         kind = TwistStamped if stamped else Twist
         node.create_subscription(kind, "/cmd_vel", self._commanded, qos_profile_sensor_data)
-        for stream, receive in (
-            ("odometry", self._give_odometry),
-            ("joints", self._give_joints),
-            ("hokuyo", self._give_scan),
-        ):
+        receivers: dict[str, Callable[[Any], None]] = {
+            "odometry": self._give_odometry,
+            "joints": self._give_joints,
+            "hokuyo": self._give_scan,
+            **{name: CameraPublisher(node, config, name, self._stamp).give for name in config.cameras},
+        }
+        for stream, receive in receivers.items():
             if stream in self._link.description.streams:
                 self._link.attach(stream, receive)
                 self._link.demand(stream, 100.0)
@@ -211,7 +226,9 @@ def main() -> int:
     end_with_parent()
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--robot", type=Path, required=True, help="its mapping")
-    parser.add_argument("--map", type=Path, required=True, help="YAML file of a kept map")
+    where = parser.add_mutually_exclusive_group(required=True)
+    where.add_argument("--map", type=Path, help="YAML file of a kept map")
+    where.add_argument("--body", type=Path, help="a simulated body, in its world")
     parser.add_argument("--start", type=float, nargs=3, default=(0.0, 0.0, 0.0), metavar=("X", "Y", "DEGREES"))
     parser.add_argument("--domain", type=int, default=None, help="ROS_DOMAIN_ID")
     parser.add_argument("--watchdog", type=float, default=0.5, help="seconds after which it stops by itself")

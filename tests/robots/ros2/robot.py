@@ -37,9 +37,9 @@ def domain() -> int:
     return 1 + (zlib.crc32(str(paths.config_dir()).encode()) + 7 * int(worker)) % 100
 
 
-def mapping(**graph: Any) -> Ros2Config:
-    """The mapping as shipped, in the domain of this worker and on this computer alone."""
-    config = load_ros2_config(MAPPING)
+def mapping(file: Path = MAPPING, **graph: Any) -> Ros2Config:
+    """The mapping of ``file``, by default as shipped, in the domain of this worker and on this computer alone."""
+    config = load_ros2_config(file)
     wanted = {"domain": domain(), "discovery": "localhost", "found_within_s": PATIENCE_S} | graph
     return config.model_copy(update={"graph": config.graph.model_copy(update=wanted)})
 
@@ -60,10 +60,12 @@ class Row:
 class Robot:
     """A robot in a process of its own, which keeps a log of its true velocity."""
 
-    def __init__(self, folder: Path, *options: str) -> None:
+    def __init__(self, folder: Path, *options: str, file: Path = MAPPING, body: Path | None = None) -> None:
+        """The robot of the mapping ``file``, in a room, or as the simulated ``body`` in its world."""
         log = folder / "robot.log"
+        where = ("--map", str(kept(folder))) if body is None else ("--body", str(body))
         command = python(
-            *("-m", "app.robots.simulated.ros2_player", "--robot", str(MAPPING), "--map", str(kept(folder))),
+            *("-m", "app.robots.simulated.ros2_player", "--robot", str(file), *where),
             *("--log", str(log), "--domain", str(domain()), *options),
         )
         around = os.environ | {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST", "FASTDDS_BUILTIN_TRANSPORTS": "UDPv4"}

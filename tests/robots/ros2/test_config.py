@@ -51,10 +51,19 @@ def changed(folder: Path, before: str, after: str) -> Path:
         (
             "[odometry]",
             "[odometry, kinect]",
-            "required_sensors: 'kinect' has no topic; allowed: battery, hokuyo, joints",
+            "required_sensors: 'kinect' has no topic; allowed: battery, camera, hokuyo, joints",
         ),
         ("[odometry]", "[hokuyo]", "required_sensors must have odometry"),
-        ("  hokuyo:", "  lidar:", "streams.lidar: unknown key; allowed: battery, hokuyo, joints, odometry"),
+        (
+            "  hokuyo:",
+            "  lidar:",
+            "streams.lidar: unknown key; allowed: battery, camera, hokuyo, joints, kinect, odometry",
+        ),
+        (
+            "link: oakd_rgb_camera_optical_frame",
+            "link: oakd",
+            "streams.camera.link: the model",
+        ),
         (
             "height_m: 0.35",
             "actuators: {head: {joints: [left_wheel_joint]}}",
@@ -92,7 +101,7 @@ def test_the_body_is_described_by_its_mapping() -> None:
     assert isinstance(body, Ros2Config)
     described = describe(body)
     assert {name: stream.rate_hz for name, stream in described.streams.items()} == {
-        "odometry": 20, "joints": 20, "hokuyo": 7.5, "battery": 0.2, "status": 20,
+        "odometry": 20, "joints": 20, "hokuyo": 7.5, "battery": 0.2, "camera": 10, "status": 20,
     }  # fmt: skip
     assert (described.simulated, described.restartable, described.limits.linear_mps) == (False, True, 0.3)
 
@@ -111,3 +120,24 @@ async def test_without_ros_the_remedy_is_one_sentence() -> None:
     with pytest.raises(LinkFailed) as refused:
         await Ros2Link(load_ros2_config(MAPPING), 0.0).start()
     assert str(refused.value) == MISSING
+
+
+def test_the_topics_of_a_camera(tmp_path: Path) -> None:
+    config = load_ros2_config(MAPPING)
+    assert config.readings["camera"] == ("/oakd/rgb/preview/image_raw", "sensor_msgs/msg/Image")
+    assert config.readings["camera.info"] == ("/oakd/rgb/preview/camera_info", "sensor_msgs/msg/CameraInfo")
+    packed = load_ros2_config(changed(tmp_path, "image_raw, rate_hz: 10", "image_rect/compressed, rate_hz: 10"))
+    assert packed.readings["camera"][1] == "sensor_msgs/msg/CompressedImage"
+    assert packed.readings["camera.info"][0] == "/oakd/rgb/preview/camera_info"
+    assert packed.streams.camera is not None
+    assert packed.streams.camera.is_rectified
+    wide = load_ros2_config(changed(tmp_path, "rate_hz: 10, link: oakd", "horizontal_fov_deg: 70, link: oakd"))
+    assert "camera.info" not in wide.readings
+
+
+def test_a_camera_that_joints_move_needs_them(tmp_path: Path) -> None:
+    path = changed(tmp_path, "link: oakd_rgb_camera_optical_frame", "link: left_wheel")
+    load_ros2_config(path)
+    path.write_text(path.read_text("utf-8").replace("  joints: {topic: joint_states, rate_hz: 20}\n", ""), "utf-8")
+    with pytest.raises(ConfigError, match=r"'left_wheel_joint' of the model moves 'left_wheel'.*map joints"):
+        load_ros2_config(path)

@@ -8,7 +8,7 @@ import pytest
 
 from app.base import paths
 from app.cli import main
-from app.robots.ros2.config import TWIST, TWIST_STAMPED, TYPES, load_ros2_config
+from app.robots.ros2.config import CAMERA_INFO, IMAGE, TWIST, TWIST_STAMPED, TYPES, load_ros2_config
 from app.robots.ros2.proposal import Proposal, Topic, propose
 from tests.logs.importers import bags
 
@@ -92,7 +92,7 @@ def test_a_wrong_clock_and_a_simulated_one_are_noticed() -> None:
 
 def test_what_is_not_mapped_yet_is_named() -> None:
     remarks = propose([*WHOLE, Topic("/imu", "sensor_msgs/msg/Imu"), Topic("/tf", "tf2_msgs/msg/TFMessage")]).remarks
-    assert remarks == ("Topics of cameras, IMUs and frames are not mapped yet: /imu, /tf.",)
+    assert remarks == ("Topics of clouds, IMUs and frames are not mapped yet: /imu, /tf.",)
 
 
 def test_a_bag_is_looked_at(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -117,3 +117,39 @@ def test_a_bag_is_looked_at(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
 def test_a_bag_that_is_not_there_is_one_sentence(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["ros", "map", str(tmp_path / "none")]) == 2
     assert f"{tmp_path / 'none'}: is a bag that cannot be read" in capsys.readouterr().err
+
+
+COLOR = Topic("/head/color/image_raw", IMAGE, rate_hz=14.9, frame="camera_optical", holds="color")
+INFO = Topic("/head/color/camera_info", CAMERA_INFO)
+
+
+def test_a_camera_is_mapped_with_its_calibration(tmp_path: Path) -> None:
+    proposal = propose([*WHOLE, COLOR, INFO], {"base_link": True, "rplidar_link": True, "camera_optical": False})
+    assert [sentence[: len(MEASURE_IT)] for sentence in proposal.missing] == [MEASURE_IT]
+    path = written(proposal, tmp_path)
+    path.write_text(path.read_text("utf-8").replace("camera_optical", "oakd_rgb_camera_optical_frame"), "utf-8")
+    camera = load_ros2_config(path).streams.camera
+    assert camera is not None
+    assert (camera.topic, camera.info_topic, camera.rate_hz) == (COLOR.name, INFO.name, 15.0)
+
+
+def test_a_registered_depth_makes_it_a_depth_camera() -> None:
+    depth = Topic("/head/aligned_depth_to_color/image_raw", IMAGE, rate_hz=15.0, frame="other", holds="depth")
+    assert f"  kinect: {{topic: {COLOR.name}, " in propose([*WHOLE, COLOR, INFO, depth]).text
+    apart = Topic("/head/depth/image_raw", IMAGE, rate_hz=15.0, frame="depth_optical", holds="depth")
+    proposal = propose([*WHOLE, COLOR, INFO, apart])
+    assert f"  camera: {{topic: {COLOR.name}, " in proposal.text
+    assert f"camera: {apart.name} is not mapped: it may not be registered to the pictures." in proposal.remarks
+
+
+def test_what_a_camera_lacks_is_said() -> None:
+    proposal = propose([*WHOLE, COLOR], {"base_link": True, "rplidar_link": True})
+    assert f"camera: {COLOR.name} has no CameraInfo: measure its horizontal_fov_deg." in proposal.missing
+    assert any("the model has no link 'camera_optical', which its pictures name" in s for s in proposal.missing)
+    assert "horizontal_fov_deg: 60" in proposal.text
+
+
+def test_the_likeliest_camera_of_several_is_taken() -> None:
+    other = Topic("/rear/color/image_raw", IMAGE, rate_hz=15.0, frame="rear_optical", holds="color")
+    proposal = propose([*WHOLE, COLOR, INFO, other])
+    assert f"camera: {COLOR.name} was chosen; there are also {other.name}." in proposal.remarks
