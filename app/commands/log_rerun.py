@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import shutil
 import subprocess
-import sys
+import sysconfig
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -48,7 +48,7 @@ def show(args: argparse.Namespace, find: Callable[[str], Path]) -> int:
 
 def rerun_program() -> Path:
     """The viewer: of this program's environment, or else of the shell. Raises ConfigError where there is none."""
-    beside = Path(sys.executable).with_name("rerun")
+    beside = Path(sysconfig.get_path("scripts"), "rerun")
     found = str(beside) if beside.exists() else shutil.which("rerun")
     if found is None:
         raise ConfigError(_REMEDY)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import sys
+import sysconfig
 from pathlib import Path
 
 import pytest
@@ -35,7 +35,7 @@ def test_another_kind_of_file_is_refused(tmp_path: Path, capsys: pytest.CaptureF
 def test_without_rerun_the_remedy_is_said(
     walk: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(sys, "executable", str(walk.with_name("python")))
+    monkeypatch.setattr(sysconfig, "get_path", lambda _: str(walk.parent))
     monkeypatch.setenv("PATH", str(walk.parent))
     assert cli.main(["log", "rerun", str(walk)]) == 2
     assert "pip install 'hbba[rerun]'" in capsys.readouterr().err
@@ -46,7 +46,7 @@ def test_nothing_is_replaced_unasked(
 ) -> None:
     program = walk.with_name("rerun")
     program.touch(mode=0o755)
-    monkeypatch.setattr(sys, "executable", str(walk.with_name("python")))
+    monkeypatch.setattr(sysconfig, "get_path", lambda _: str(walk.parent))
     out = walk.with_suffix(".rrd")
     out.write_bytes(b"kept")
     assert cli.main(["log", "rerun", str(walk), "-o", str(out)]) == 2
