@@ -46,7 +46,7 @@ def imported(folder: Path) -> dict[str, Path]:
 def test_every_package_that_is_imported_is_asked_for() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     optional = project["optional-dependencies"]
-    used = ("video", "devices", "speech", "piper", "words", "remote", "ros2", "foxglove")
+    used = ("video", "devices", "speech", "piper", "words", "remote", "ros2", "foxglove", "models")
     extras = [requirement for extra in used for requirement in optional[extra]]
     asked = {named(requirement) for requirement in (*project["dependencies"], *extras)} | PARTS
     providers = metadata.packages_distributions()

@@ -190,6 +190,9 @@ def _joint(element: ElementTree.Element) -> Joint:
     rpy = _vector(origin.get("rpy", "0 0 0") if origin is not None else "0 0 0")
     axis_element = element.find("axis")
     axis = np.array(_vector(axis_element.attrib["xyz"] if axis_element is not None else "1 0 0"))
+    length = float(np.linalg.norm(axis))
+    if element.attrib["type"] in MOVING_TYPES and length == 0.0:
+        raise ValueError(f"the axis of joint {element.get('name')!r} is 0 0 0, which is no direction")
     limit, dynamics = element.find("limit"), element.find("dynamics")
     return Joint(
         name=element.attrib["name"],
@@ -197,7 +200,7 @@ def _joint(element: ElementTree.Element) -> Joint:
         parent=_child(element, "parent").attrib["link"],
         child=_child(element, "child").attrib["link"],
         X_PJ=Pose3.from_translation_rpy(xyz, rpy),
-        axis=axis / np.linalg.norm(axis),
+        axis=axis / (length or 1.0),
         lower=float(limit.get("lower", "-inf")) if limit is not None else -math.inf,
         upper=float(limit.get("upper", "inf")) if limit is not None else math.inf,
         velocity=float(limit.get("velocity", "inf")) if limit is not None else math.inf,

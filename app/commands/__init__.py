@@ -11,6 +11,7 @@ from types import ModuleType
 
 from app.commands import (
     bench,
+    body,
     calibrate,
     check,
     completion,
@@ -42,6 +43,7 @@ COMMANDS: Mapping[str, ModuleType] = {
     "slam": slam,
     "tour": tour,
     "ros": ros,
+    "body": body,
     "node": node,
     "new": new,
     "password": password,

@@ -14,7 +14,7 @@ import viser
 
 from app.base.geometry import Pose3
 from app.base.kinematic_model import KinematicModel, load_model
-from app.console.view.shapes import Color, merged, visual_shapes
+from app.base.model_shapes import Color, merged, visual_shapes
 
 OPACITY = 0.6
 #: Joints that moved less (rad or m) are not sent.

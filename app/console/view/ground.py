@@ -16,12 +16,12 @@ import viser
 from numpy.typing import NDArray
 
 from app.base.geometry import Pose2
+from app.base.model_shapes import merged
 from app.console.view.drawing import moved, pose_arrays, thinned
 from app.console.view.floor import KEEP_OUT, SLOW, Layer, cost_points, floor_layer, rails, ribbon
 from app.console.view.map_pose import MapPose
 from app.console.view.mark_nodes import arrow_mesh
 from app.console.view.scene_state import World
-from app.console.view.shapes import merged
 from app.console.view.viewer_rate import Pace
 from app.console.view.viewpoints import MapExtent
 from app.console.view.walls import wall_boxes

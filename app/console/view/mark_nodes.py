@@ -12,8 +12,8 @@ import numpy as np
 import trimesh
 import viser
 
+from app.base.model_shapes import merged
 from app.console.view.marks import Arrow, FaceFrame, assigned
-from app.console.view.shapes import merged
 
 MarkT = TypeVar("MarkT", Arrow, FaceFrame)
 NodesT = TypeVar("NodesT")

@@ -9,6 +9,7 @@ import numpy as np
 import trimesh
 import viser
 
+from app.base.model_shapes import merged
 from app.console.view.mark_nodes import (
     MarkNodes,
     Marks,
@@ -30,7 +31,6 @@ from app.console.view.marks import (
     face_marks,
     flash_mark,
 )
-from app.console.view.shapes import merged
 from app.messages import PlacedPercepts
 
 _FACE_COLOR = (70, 225, 140)

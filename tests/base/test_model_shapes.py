@@ -10,7 +10,7 @@ import pytest
 import trimesh
 
 from app.base import paths
-from app.console.view.shapes import visual_shapes
+from app.base.model_shapes import visual_shapes
 
 MODEL = """<robot name="sketch">
   <material name="red"><color rgba="1 0 0 1"/></material>

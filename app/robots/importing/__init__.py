@@ -1,0 +1,1 @@
+"""Robot models of others, made into bodies."""
