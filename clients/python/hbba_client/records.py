@@ -1631,6 +1631,35 @@ class SceneAddress(Struct, kw_only=True, frozen=True):
     """On its own port; null: from the console's, at `viser/`."""
 
 
+class SceneClick(Struct, kw_only=True, frozen=True):
+    """A point of a 3D view."""
+
+    viewer: str
+    """The view's name for itself, as `GET /viewers` lists it."""
+    u: float
+    """From its left edge, as a share of its width."""
+    v: float
+    """From its top edge, as a share of its height."""
+
+
+class ScenePoint(Struct, kw_only=True, frozen=True):
+    """What a point of a 3D view shows."""
+
+    kind: Literal["floor", "nothing", "poster", "seen", "wall"]
+    """`poster`: one that was found; `wall`: of the map; `seen`: by the depth camera; `nothing`: the sky."""
+    frame: Literal["map", "odom"]
+    """`odom` while it is not known where the robot is on the map."""
+    x: float | None
+    """In m, as `y` and `z`: of a poster its middle; null: nothing is there."""
+    y: float | None
+    z: float | None
+    """Above the floor."""
+    text: str | None
+    """What the poster says."""
+    landmark: int | None
+    """The poster's `id`, which it keeps on its map."""
+
+
 class SelectedStrategy(Struct, kw_only=True, frozen=True, rename={"class_": "class"}):
     """A strategy at work."""
 
