@@ -15,6 +15,7 @@ from app.console.view.picking import FARTHEST_M, Boxes, Kind, Pickable, Ray, dis
 from app.console.view.viewpoints import Anchors, Shot, shot
 from app.console.view.voxels import VOXEL_M
 from app.messages import Landmark
+from tests.console.view.projection import projected
 
 NONE = (np.zeros((0, 3)), np.zeros((0, 3)))
 SHOTS = st.builds(
@@ -59,17 +60,6 @@ def surface(x: float) -> NDArray[np.float64]:
 def toward(p: tuple[float, float, float], eye: tuple[float, float, float] = (0.0, 0.0, 1.2)) -> Ray:
     way = np.array(p) - eye
     return Ray(np.array(eye), way / np.linalg.norm(way))
-
-
-def projected(camera: Shot, aspect: float, p: NDArray[np.float64]) -> tuple[float, float]:
-    """Where a camera of that width over height has ``p`` in its picture, by a matrix of the kind that browsers make."""
-    back = np.array(camera.eye) - camera.target
-    back /= np.linalg.norm(back)
-    right = np.cross([0.0, 0.0, 1.0], back)
-    right /= np.linalg.norm(right)
-    x, y, z = np.stack([right, np.cross(back, right), back]) @ (p - camera.eye)
-    scale = 1.0 / math.tan(camera.fov / 2)
-    return 0.5 + 0.5 * scale / aspect * x / -z, 0.5 - 0.5 * scale * y / -z
 
 
 @given(SHOTS, st.floats(0.4, 3), st.floats(0, 1), st.floats(0, 1), st.floats(0.5, 30))
