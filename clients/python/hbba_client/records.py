@@ -306,13 +306,17 @@ class EventList(Struct, kw_only=True, frozen=True):
     events: list[TimelineEvent]
 
 
-class FieldProblem(Struct, kw_only=True, frozen=True):
+class FieldProblem(Struct, kw_only=True, frozen=True, omit_defaults=True):
     """The error in one field."""
 
     field: str
     """Dotted path of the field: `params.rate`, `query.limit`."""
     message: str
     """What is allowed there."""
+    kind: str | UnsetType = UNSET
+    """The rule that the value breaks, as `greater_than`: for other languages. Empty: none."""
+    values: dict[str, str | float] | UnsetType = UNSET
+    """What `kind` says, as `{"gt": 0}`, and the value that was `given`."""
 
 
 class GivenUpModel(Struct, kw_only=True, frozen=True):

@@ -278,6 +278,10 @@ export interface FieldProblem {
   field: string;
   /** What is allowed there. */
   message: string;
+  /** The rule that the value breaks, as `greater_than`: for other languages. Empty: none. */
+  kind?: string;
+  /** What `kind` says, as `{"gt": 0}`, and the value that was `given`. */
+  values?: Record<string, string | number>;
 }
 
 /** A goal that the robot has given up. */

@@ -91,7 +91,7 @@ def test_a_box_is_entered_at_its_surface_or_missed_all_along(
     (distance,) = distances(ray, (low, high))
     # Far enough for every box there is, in steps of a few centimetres.
     along = ray.origin + np.linspace(0.0, 25.0, 1001)[:, None] * ray.direction
-    inside = ((along > low + 1e-6) & (along < high - 1e-6)).all(axis=1)
+    inside = np.all((along > low + 1e-6) & (along < high - 1e-6), axis=1)
     if math.isinf(distance):
         assert not inside.any()
         return

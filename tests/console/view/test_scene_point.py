@@ -7,7 +7,6 @@ import dataclasses
 import math
 
 import httpx
-import numpy as np
 import pytest
 import websockets
 
@@ -65,7 +64,7 @@ async def test_a_click_in_a_view_is_what_it_shows_there(
         # Half of the camera's 1 rad down: 1.2 m / tan(0.5) ahead of it, on the map along its y.
         ahead = 1.2 / math.tan(0.5)
         assert (low.kind, low.frame, low.z) == ("floor", "map", 0.0)
-        np.testing.assert_allclose((low.x, low.y), (5.0 - 2.0, 1.0 + ahead), atol=2e-3)
+        assert (low.x, low.y) == (pytest.approx(5.0 - 2.0, abs=2e-3), pytest.approx(1.0 + ahead, abs=2e-3))
         is_problem(await client.post("/scene/point", json=MIDDLE | {"u": 1.1}), 422, "invalid-request")
 
 
