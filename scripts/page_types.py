@@ -24,7 +24,7 @@ from app.console.records.camera import CameraPoint
 from app.console.records.lanes import LanesPast
 from app.console.records.maps import MapList
 from app.console.records.places import PlaceReport
-from app.console.records.program import SceneAddress
+from app.console.records.program import SceneAddress, ScenePoint
 from app.console.records.recordings import RecordingList, ReplayReport, Saved
 from app.console.records.route import RouteReport
 from app.console.records.tours import RehearsalReport, RunReportList, TourList, TourMediaList, TourReport, TourRunReport
@@ -39,6 +39,7 @@ from app.console.rest.rehearsal import NewRehearsal
 from app.console.rest.route_models import RouteRequest
 from app.console.rest.session import LoginRequest
 from app.console.rest.tour_run_models import NewTourRun, TourPress
+from app.console.rest.viewers import SceneClick
 from app.console.rest.visitor_models import VisitorKey, VisitorPress
 from app.tours.model import Tour
 
@@ -59,6 +60,7 @@ ANSWERS = (
     RunReportList,
     Saved,
     SceneAddress,
+    ScenePoint,
     StrategyList,
     Tour,
     TourList,
@@ -71,6 +73,7 @@ ANSWERS = (
 #: Bodies of requests to REST that the page makes.
 REQUESTS = (
     CameraClick,
+    SceneClick,
     DesireChange,
     GoalRequest,
     LoadRequest,

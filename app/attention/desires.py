@@ -13,6 +13,7 @@ from typing import Any, Final
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
+from app.base.broken_rule import Rule, broken_rule
 from app.base.yaml_source import dotted, suggestion, validation_message
 from app.messages import Desire as Desire
 from app.messages import Source as Source
@@ -35,11 +36,13 @@ class UnknownDesireClass(Exception):
 
 
 class InvalidDesire(Exception):
-    """A desire was refused. ``field`` is the dotted name of the invalid field, ``message`` says what is allowed."""
+    """A desire was refused. ``field`` is the dotted name of the invalid field, ``message`` says what is allowed,
+    ``rule`` is the rule of its parameters that it breaks, if any."""
 
-    def __init__(self, field: str, message: str) -> None:
+    def __init__(self, field: str, message: str, rule: Rule | None = None) -> None:
         self.field = field
         self.message = message
+        self.rule = rule
         super().__init__(f"{field}: {message}")
 
 
@@ -79,7 +82,7 @@ class DesireClass:
         except ValidationError as failure:
             detail = failure.errors(include_url=False)[0]
             field = dotted(("params", *detail["loc"]))
-            raise InvalidDesire(field, validation_message(self.parameters, detail)) from None
+            raise InvalidDesire(field, validation_message(self.parameters, detail), broken_rule(detail)) from None
 
 
 class DesireClasses(Mapping[str, DesireClass]):

@@ -283,17 +283,18 @@ def validation_message(model: type[BaseModel] | None, detail: ErrorDetails, mapp
         return "is missing"
     given = detail.get("input")
     if (shape := _SHAPES.get(detail["type"])) is not None:
-        return f"should be {mapping if shape == MAPPING else shape}, not {_shown(given)}"
+        return f"should be {mapping if shape == MAPPING else shape}, not {shown(given)}"
     text = str(detail["msg"])
     if detail["type"] == "string_pattern_mismatch" and (choices := _CHOICES.search(text)):
         text = f"should be one of {', '.join(choices[1].split('|'))}"
     text = _LIBRARYS_WORDS.sub("", text.removeprefix("Value error, "))
     if isinstance(given, str | int | float | bool):
-        text += f", not {_shown(given)}"
+        text += f", not {shown(given)}"
     return text
 
 
-def _shown(given: object) -> str:
+def shown(given: object) -> str:
+    """A value as messages repeat it: no longer than :data:`_LONGEST` characters."""
     match given:
         case None:
             return "nothing"

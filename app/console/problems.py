@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Iterable
+from dataclasses import dataclass
 from http import HTTPStatus
 from typing import Any, get_args
 
@@ -15,6 +17,7 @@ from starlette.routing import compile_path
 
 from app.attention.desires import InvalidDesire, UnknownDesireClass
 from app.attention.workspace import UnknownDesire
+from app.base.broken_rule import Rule, broken_rule
 from app.base.yaml_source import validation_message
 from app.console.wire import encode
 
@@ -27,6 +30,12 @@ class FieldProblem(BaseModel):
 
     field: str = Field(description="Dotted path of the field: `params.rate`, `query.limit`.")
     message: str = Field(description="What is allowed there.")
+    kind: str = Field(
+        default="", description="The rule that the value breaks, as `greater_than`: for other languages. Empty: none."
+    )
+    values: dict[str, str | float] = Field(
+        default={}, description='What `kind` says, as `{"gt": 0}`, and the value that was `given`.'
+    )
 
 
 class ProblemDocument(BaseModel, extra="allow"):
@@ -39,10 +48,20 @@ class ProblemDocument(BaseModel, extra="allow"):
     errors: list[FieldProblem] = Field(default=[], description="Field by field, where fields are wrong.")
 
 
+@dataclass(frozen=True, slots=True)
+class FieldFault:
+    """What is wrong with one field, in words; ``rule``: the rule of the request's model that it breaks, if any."""
+
+    field: str
+    message: str
+    rule: Rule | None = None
+
+
 class Problem(Exception):
     """Ends a request with a problem document.
 
-    ``kind`` is the last part of its type, ``errors`` pairs of field and message, ``more`` further members.
+    ``kind`` is the last part of its type, ``errors`` are faults, or pairs of field and message, ``more`` further
+    members.
     """
 
     def __init__(
@@ -51,7 +70,7 @@ class Problem(Exception):
         kind: str,
         detail: str,
         *,
-        errors: list[tuple[str, str]] | None = None,
+        errors: Iterable[tuple[str, str] | FieldFault] = (),
         headers: dict[str, str] | None = None,
         **more: Any,
     ) -> None:
@@ -59,7 +78,7 @@ class Problem(Exception):
         self.status = status
         self.kind = kind
         self.detail = detail
-        self.errors = errors or []
+        self.errors = [each if isinstance(each, FieldFault) else FieldFault(*each) for each in errors]
         self.headers = headers or {}
         self.more = more
 
@@ -72,8 +91,13 @@ def problem_body(problem: Problem) -> bytes:
         "detail": problem.detail,
     }
     if problem.errors:
-        document["errors"] = [{"field": field, "message": message} for field, message in problem.errors]
+        document["errors"] = [_error(fault) for fault in problem.errors]
     return encode(document | problem.more)
+
+
+def _error(fault: FieldFault) -> dict[str, Any]:
+    said = {"field": fault.field, "message": fault.message}
+    return said if fault.rule is None else said | {"kind": fault.rule.kind, "values": dict(fault.rule.values)}
 
 
 def problem_response(problem: Problem) -> Response:
@@ -100,7 +124,8 @@ def install_problem_handlers(app: FastAPI) -> None:
 
     @app.exception_handler(InvalidDesire)
     async def on_invalid_desire(_: Request, error: InvalidDesire) -> Response:
-        return problem_response(Problem(422, "invalid-desire", str(error), errors=[(error.field, error.message)]))
+        fault = FieldFault(error.field, error.message, error.rule)
+        return problem_response(Problem(422, "invalid-desire", str(error), errors=[fault]))
 
     @app.exception_handler(UnknownDesire)
     async def on_unknown_desire(_: Request, error: UnknownDesire) -> Response:
@@ -148,8 +173,8 @@ def _validation_problem(error: RequestValidationError, model: type[BaseModel] | 
     if details and details[0]["loc"] == ("body",):
         message = "should be a JSON object, sent with the header Content-Type: application/json"
         return Problem(422, "invalid-request", f"The body {message}.", errors=[("body", message)])
-    errors = [(_field(detail["loc"]), _message(detail, model)) for detail in details]
-    listed = "; ".join(f"{field}: {message}" for field, message in errors)
+    errors = [FieldFault(_field(detail["loc"]), _message(detail, model), broken_rule(detail)) for detail in details]
+    listed = "; ".join(f"{fault.field}: {fault.message}" for fault in errors)
     return Problem(422, "invalid-request", listed, errors=errors)
 
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from typing import Literal
 
 from pydantic import ValidationError
 
+from app.base.broken_rule import Rule, broken_rule
 from app.base.yaml_source import KeyPath, validation_message
 from app.tours.model import Tour
 
@@ -16,11 +18,13 @@ Severity = Literal["mistake", "error", "warning"]
 
 @dataclass(frozen=True, slots=True)
 class TourProblem:
-    """A problem of the value at ``path``; ``message`` is one sentence with what is allowed or what follows."""
+    """A problem of the value at ``path``; ``message`` is one sentence with what is allowed or what follows, ``rule``
+    the rule of the model that the value breaks, if any."""
 
     path: KeyPath
     message: str
     severity: Severity = "mistake"
+    rule: Rule | None = dataclasses.field(default=None, compare=False)
 
     @property
     def field(self) -> str:
@@ -45,7 +49,8 @@ def of_validation(failure: ValidationError) -> tuple[TourProblem, ...]:
         # A list whose values are all wrong is called too short, too.
         if detail["type"] == "too_short" and any(other[: len(path)] == path != other for other in paths):
             continue
-        found.setdefault(path, TourProblem(path, validation_message(Tour, {**detail, "loc": path}, "a mapping")))
+        message = validation_message(Tour, {**detail, "loc": path}, "a mapping")
+        found.setdefault(path, TourProblem(path, message, rule=broken_rule(detail)))
     return tuple(found.values())
 
 

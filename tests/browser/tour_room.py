@@ -23,8 +23,8 @@ POSTERS: dict[str, dict[str, Any]] = {
 VISITORS = {"pilot": ([4.6, 3.4], 1.3, 0.6), "lecturer": ([4.6, 2.2], 1.6, 1.2)}
 
 
-def write_program(folder: Path, *, visitors: bool) -> Path:
-    """The lab's program in the room, its files in ``folder``."""
+def write_program(folder: Path, *, visitors: bool, heading_deg: float = START["heading_deg"]) -> Path:
+    """The lab's program in the room, its files in ``folder``; the robot begins with that heading (degrees)."""
     config = config_dir()
     lab = yaml.safe_load((config / "worlds" / "lab.yaml").read_text())
     used = ("terrazzo", "ceiling", "white_plaster", "brick", "blue_plaster", "green_plaster")
@@ -64,7 +64,7 @@ def write_program(folder: Path, *, visitors: bool) -> Path:
         "model": str(config / "robots" / body["model"]),
         "world": "room.yaml",
         "scenario": "scenario.yaml",
-        "start": START,
+        "start": START | {"heading_deg": heading_deg},
         "guard_log": str(folder / "guard.log"),
     }
     program: dict[str, Any] = yaml.safe_load((config / "lab.yaml").read_text())

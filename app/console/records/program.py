@@ -90,6 +90,22 @@ class SceneAddress:
 
 
 @dataclass(frozen=True, slots=True)
+class ScenePoint:
+    """What a point of a 3D view shows."""
+
+    kind: Annotated[
+        Literal["poster", "wall", "seen", "floor", "nothing"],
+        doc("`poster`: one that was found; `wall`: of the map; `seen`: by the depth camera; `nothing`: the sky."),
+    ]
+    frame: Annotated[Literal["map", "odom"], doc("`odom` while it is not known where the robot is on the map.")]
+    x: Annotated[float | None, doc("In m, as `y` and `z`: of a poster its middle; null: nothing is there.")]
+    y: float | None
+    z: Annotated[float | None, doc("Above the floor.")]
+    text: Annotated[str | None, doc("What the poster says.")]
+    landmark: Annotated[int | None, doc("The poster's `id`, which it keeps on its map.")]
+
+
+@dataclass(frozen=True, slots=True)
 class PageReport:
     """A page on the live stream."""
 

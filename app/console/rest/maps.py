@@ -12,13 +12,14 @@ from fastapi import APIRouter, Path
 from fastapi.responses import Response
 from pydantic import ValidationError
 
+from app.base.broken_rule import broken_rule
 from app.base.errors import ConfigError
 from app.base.geometry import Pose2
 from app.base.yaml_source import validation_message
 from app.console import reports
 from app.console.drive.goals import dismiss_given_up, withdraw_all
 from app.console.page_forms import zone_reports
-from app.console.problems import Problem
+from app.console.problems import FieldFault, Problem
 from app.console.records.maps import CurrentMap, KeptMap, MapList, ZoneList
 from app.console.rest.answers import BYTES, Json, problems
 from app.console.rest.map_models import NAME_PATTERN, LoadRequest, PoseRequest, RenameRequest, ZonesRequest
@@ -244,7 +245,7 @@ def _zones(zones: ZonesRequest) -> tuple[Zone, ...]:
     for number, name in enumerate(names):
         if name in names[:number]:
             message = f"another zone is called {name!r} too; each needs a name of its own"
-            raise _invalid_zones([(f"zones.{number}.name", message)])
+            raise _invalid_zones([FieldFault(f"zones.{number}.name", message)])
     messages = tuple(
         Zone(zone.name, zone.kind, read_only(np.array(zone.polygon, np.float64)), zone.speed) for zone in zones.zones
     )
@@ -253,13 +254,17 @@ def _zones(zones: ZonesRequest) -> tuple[Zone, ...]:
             checked([zone])
         except ValidationError as refusal:
             raise _invalid_zones(
-                [(f"zones.{number}.{e['loc'][0]}", validation_message(ZoneEntry, e)) for e in refusal.errors()]
+                [
+                    FieldFault(f"zones.{number}.{e['loc'][0]}", validation_message(ZoneEntry, e), broken_rule(e))
+                    for e in refusal.errors()
+                ]
             ) from None
     return messages
 
 
-def _invalid_zones(errors: list[tuple[str, str]]) -> Problem:
-    return Problem(422, "invalid-request", "; ".join(f"{field}: {message}" for field, message in errors), errors=errors)
+def _invalid_zones(errors: list[FieldFault]) -> Problem:
+    listed = "; ".join(f"{fault.field}: {fault.message}" for fault in errors)
+    return Problem(422, "invalid-request", listed, errors=errors)
 
 
 def _kept(facts: MapFacts, in_use: str) -> KeptMap:

@@ -11,7 +11,7 @@ from fastapi.responses import Response
 
 from app.base.errors import ConfigError
 from app.base.named_library import NAME
-from app.console.problems import Problem
+from app.console.problems import FieldFault, Problem
 from app.console.records.tours import TourList, TourProblemReport, TourReport, TourSummary, TourVerdict
 from app.console.rest.entity_tags import check_match, etag, tagged
 from app.program.recognizer import recognizer_of
@@ -177,7 +177,7 @@ def _invalid(refusal: InvalidTour) -> Problem:
         422,
         "invalid-tour",
         f"{refusal}.",
-        errors=[(problem.field, problem.message) for problem in refusal.problems],
+        errors=[FieldFault(problem.field, problem.message, problem.rule) for problem in refusal.problems],
     )
 
 

@@ -4,13 +4,28 @@ from __future__ import annotations
 
 from fastapi import APIRouter, Request
 from fastapi.responses import Response
+from pydantic import ConfigDict, Field
 
 from app.console.access.origins import Ports
 from app.console.live.hub import Hub
-from app.console.records.program import PageReport, SceneAddress, ViewerList, ViewReport
-from app.console.rest.answers import Json
+from app.console.problems import Problem
+from app.console.records.program import PageReport, SceneAddress, ScenePoint, ViewerList, ViewReport
+from app.console.rest.answers import Json, problems
+from app.console.rest.models import Request as RequestBody
 from app.console.rest.routing import router as api_router
 from app.console.view.view import View
+
+
+class SceneClick(RequestBody):
+    """A point of a 3D view."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [{"viewer": "5f3a0c9e7d21", "u": 0.5, "v": 0.4}]})
+
+    viewer: str = Field(
+        min_length=1, max_length=32, description="The view's name for itself, as `GET /viewers` lists it."
+    )
+    u: float = Field(ge=0, le=1, description="From its left edge, as a share of its width.")
+    v: float = Field(ge=0, le=1, description="From its top edge, as a share of its height.")
 
 
 def viewers_router(hub: Hub, view: View, ports: Ports | None) -> APIRouter:
@@ -56,5 +71,21 @@ def viewers_router(hub: Hub, view: View, ports: Ports | None) -> APIRouter:
         and the view is at `/viser/` here."""
         origin = None if ports is None else ports.scene_origin(request.scope)
         return Json(SceneAddress(None if origin is None else f"{origin}/viser/"))
+
+    @router.post(
+        "/scene/point",
+        response_model=ScenePoint,
+        summary="What a point of a 3D view shows",
+        responses=problems(400, 409, 422),
+    )
+    async def find_scene_point(click: SceneClick) -> Response:
+        """The first thing on the ray of that view's camera, as it is drawn there: a poster, the map's walls, what the
+        depth camera saw, or the floor; and where that is."""
+        pick = await view.pick(click.viewer, click.u, click.v)
+        if pick is None:
+            raise Problem(409, "no-such-view", "That 3D view is not open any more: reload the page.")
+        x, y, z = (None, None, None) if pick.p is None else (round(value, 3) for value in pick.p)
+        text, landmark = (None, None) if pick.poster is None else (pick.poster.text, pick.poster.id)
+        return Json(ScenePoint(pick.kind, pick.frame, x=x, y=y, z=z, text=text, landmark=landmark))
 
     return router

@@ -24,7 +24,7 @@ from app.console.view.mark_nodes import arrow_mesh
 from app.console.view.scene_state import World
 from app.console.view.viewer_rate import Pace
 from app.console.view.viewpoints import MapExtent
-from app.console.view.walls import wall_boxes
+from app.console.view.walls import box_ends, wall_boxes
 from app.messages import OccupancyGrid, PlannedPath, Zones
 
 #: Least time (s) between two pictures of the map, and of the costmap; longer where drawing takes long.
@@ -82,6 +82,7 @@ class Ground:
         self._floor: Floor = (None, None)
         self._floor_due = 0.0
         self._layer: Layer | None = None
+        self._walls = np.zeros((0, 3), np.float32)
         self._points: viser.PointCloudHandle | None = None
         self._costmap: OccupancyGrid | None = None
         self._costmap_due = 0.0
@@ -96,6 +97,16 @@ class Ground:
         if layer is None or self._pose is None or self._floor[0] is None:
             return None
         return MapExtent(self._pose @ Pose2(*layer.center), layer.size)
+
+    @property
+    def pose(self) -> Pose2 | None:
+        """``X_OM``, where the map lies; None while that is not known."""
+        return self._pose
+
+    @property
+    def walls(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Least and greatest corners (N, 3), m on the map, of the walls that are shown."""
+        return box_ends(self._walls if self._pose is not None else self._walls[:0])
 
     def draw(self, world: World, now: float, pace: Pace) -> int:
         """Bring it up to ``world`` as ``pace`` allows. Returns how many parts were new."""
@@ -115,7 +126,8 @@ class Ground:
             for kind, color in (("keep_out", KEEP_OUT), ("slow", SLOW)):
                 self._mesh(f"map/{kind}", *rails(() if floor[1] is None else floor[1].zones, kind), color)
         if floor[0] is not self._floor[0]:
-            self._mesh("map/walls", *wall_boxes(floor[0]), _WALL_COLOR)
+            self._walls, faces = wall_boxes(floor[0])
+            self._mesh("map/walls", self._walls, faces, _WALL_COLOR)
         self._floor = floor
         self._layer = layer = self._layers.of(floor)
         if layer is None:

@@ -26,7 +26,8 @@ from starlette.websockets import WebSocketDisconnect
 from websockets.asyncio.client import ClientConnection
 
 from app.console.view.budget import SILENT_AFTER_S
-from app.console.view.view import View, ViewerSession
+from app.console.view.view import View
+from app.console.view.viewer_session import ViewerSession
 from app.console.view.viewpoints import Viewpoint
 
 PULSE_PERIOD_S = 0.25

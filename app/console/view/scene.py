@@ -25,6 +25,7 @@ from app.console.view.foreseen_node import Foreseen
 from app.console.view.ground import FloorLayers, Ground
 from app.console.view.outlook import outlook
 from app.console.view.person_nodes import People
+from app.console.view.picking import POSTER_M, Pick, Pickable, picked
 from app.console.view.scene_state import World
 from app.console.view.screen_nodes import Screen, Screens
 from app.console.view.soft_limit import SoftLimitFan
@@ -37,7 +38,6 @@ from app.link import BaseLimits
 from app.messages import Landmark, Landmarks, PointCloud
 
 WORLD, BASE = "/odom", "/base_link"
-_POSTER_M = (0.22, 0.22, 0.28)
 _SCAN_SIZE_M = 0.045
 #: Over the floor and what lies on it (m).
 _OUTLOOK_Z = 0.05
@@ -218,6 +218,21 @@ class ViewerScene:
         x, y, z = (float(value) for value in X_BC.translation)
         return Anchors(X_OB, (x, y, z), (float(azimuth), float(elevation)), map=extent)
 
+    def pick(self, u: float, v: float) -> Pick:
+        """What is drawn at shares (0 to 1) of its picture's width from the left and height from the top: on the map, as
+        it is drawn, once that is known."""
+        known, X_OM = self._drawn.landmarks or Landmarks(0.0, ()), self._ground.pose
+        X_OP = Pose2() if known.frame == "odom" else X_OM
+        world = Pickable(
+            () if X_OP is None else known.landmarks,
+            X_OP or Pose2(),
+            walls=self._ground.walls,
+            X_OM=X_OM or Pose2(),
+            voxels=self._shared.voxels.middles(),
+        )
+        found = picked(self.camera.ray(u, v), world)
+        return found if X_OM is None else found.on_map(X_OM)
+
     def _draw_outlook(self, world: World) -> int:
         if world.applied is None or world.scan is None or world.robot is None:
             seen = None
@@ -275,7 +290,7 @@ class ViewerScene:
         for number, landmark in enumerate(landmarks):
             if number == len(posters):
                 node = f"{parent}/landmark_{number}"
-                card = scene.add_box(node, color=(250, 204, 80), dimensions=_POSTER_M, opacity=0.75, cast_shadow=False)
+                card = scene.add_box(node, color=(250, 204, 80), dimensions=POSTER_M, opacity=0.75, cast_shadow=False)
                 label = scene.add_label(f"{node}/text", landmark.text, position=(0, 0, 0.3), anchor="bottom-center")
                 posters.append((card, label))
             card, label = posters[number]
@@ -341,6 +356,11 @@ class Scene:
             elif scene.camera.moving(pace.choice):
                 scene.steer(world, now, pace)
         return drawn
+
+    def pick(self, viewer: str, u: float, v: float) -> Pick | None:
+        """What the viewer is shown at a point of its picture (:meth:`ViewerScene.pick`); None: there is no such one."""
+        scene = self._viewers.get(viewer)
+        return None if scene is None else scene.pick(u, v)
 
     def states(self) -> dict[str, CameraState]:
         """What each viewer sees from."""

@@ -6,6 +6,7 @@ import asyncio
 import queue
 import time
 from collections.abc import Callable, Mapping
+from concurrent.futures import Future
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,6 +18,7 @@ from app.runtime.worker import ModuleWorker
 
 if TYPE_CHECKING:
     from app.console.view.host import ViewHost
+    from app.console.view.picking import Pick
     from app.console.view.viewer_camera import CameraState
 
 
@@ -61,6 +63,8 @@ class Painter:
         self._world: World | None = None
         #: Viewers that came (viewer, client) or left (viewer, None), in order.
         self._visits: queue.SimpleQueue[tuple[str, Any]] = queue.SimpleQueue()
+        #: Points of viewers' pictures (viewer, u, v) that are asked for, with what the answer is for.
+        self._asked: queue.SimpleQueue[tuple[tuple[str, float, float], Future[Pick | None]]] = queue.SimpleQueue()
         #: One waiting ring is enough; False ends it.
         self._bell: queue.SimpleQueue[bool] = queue.SimpleQueue()
         self._rung = False
@@ -79,6 +83,14 @@ class Painter:
         """What is known now, instead of what was."""
         self._world = world
         self._ring()
+
+    def pick(self, viewer: str, u: float, v: float) -> asyncio.Future[Pick | None]:
+        """What is drawn at a point of the viewer's picture (shares of its width and height), None: it is no viewer. Not
+        answered once the thread has ended."""
+        answer: Future[Pick | None] = Future()
+        self._asked.put(((viewer, u, v), answer))
+        self._ring()
+        return asyncio.wrap_future(answer)
 
     def stop(self) -> None:
         """Let the thread stop viser and end."""
@@ -124,6 +136,10 @@ class Painter:
                 began = time.monotonic()
                 if self._world is not None:
                     self._drawn += scene.draw(self._world, began, self._pace())
+                while not self._asked.empty():
+                    point, answer = self._asked.get()
+                    if answer.set_running_or_notify_cancel():
+                        answer.set_result(scene.pick(*point))
                 self._cameras = scene.states()
                 self._longest_s = max(self._longest_s, time.monotonic() - began)
         finally:

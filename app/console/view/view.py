@@ -7,7 +7,7 @@ import logging
 import math
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -18,14 +18,15 @@ from app.base.pose_buffer import PoseBuffer
 from app.console import reports
 from app.console.playback import rate
 from app.console.taps import Tap
-from app.console.view.budget import PointBudget, measured, silent
+from app.console.view.budget import measured, silent
 from app.console.view.foreseen import Motions, motions
 from app.console.view.instant import drawn_instant
 from app.console.view.picture_watch import PictureWatch
 from app.console.view.scene_state import World
 from app.console.view.scene_thread import BodyModel, Painter
 from app.console.view.viewer_rate import Pace
-from app.console.view.viewpoints import Choice, Viewpoint
+from app.console.view.viewer_session import ViewerSession
+from app.console.view.viewpoints import Viewpoint
 from app.messages import (
     ExternalForces,
     JointState,
@@ -43,6 +44,7 @@ from app.messages import (
 from app.runtime.half_imports import forget_half_imports
 
 if TYPE_CHECKING:
+    from app.console.view.picking import Pick
     from app.console.view.viewer_camera import CameraState
     from app.logs.replay.playback import Playback
     from app.program.system import System
@@ -73,22 +75,6 @@ STANDING = (
 )
 #: The goal is drawn in these states of navigation.
 GOAL_STATES = ("planning", "following", "recovering", "waiting", "unreachable")
-
-
-@dataclass(slots=True, eq=False)
-class ViewerSession:
-    """One open view. ``drain_s`` is how long its last frame waited for room towards it. ``costmap``: whether it shows
-    the local costmap; None: if any page does. ``camera``: from where it looks; ``changed`` is set when that is new."""
-
-    viewer: str
-    budget: PointBudget = field(default_factory=PointBudget)
-    drain_s: float = 0.0
-    sent_bytes: int = 0
-    connections: int = 0
-    costmap: bool | None = None
-    choice: Choice = field(default_factory=Choice)
-    camera: CameraState | None = None
-    changed: asyncio.Event = field(default_factory=asyncio.Event)
 
 
 class View:
@@ -243,6 +229,17 @@ class View:
     def grab(self, session: ViewerSession) -> None:
         """The viewer's user takes the camera in hand: it glides no further."""
         session.choice = replace(session.choice, grabs=session.choice.grabs + 1)
+
+    async def pick(self, viewer: str, u: float, v: float) -> Pick | None:
+        """What the viewer is shown at a point of its picture: shares of its width from the left and height from the
+        top. None: there is no such viewer."""
+        if viewer not in self._sessions or self._painter is None:
+            return None
+        assert self._ended is not None
+        answer = self._painter.pick(viewer, u, v)
+        either: set[asyncio.Future[Any]] = {answer, self._ended}
+        await asyncio.wait(either, return_when=asyncio.FIRST_COMPLETED)
+        return answer.result() if answer.done() else None
 
     def _draw_soon(self) -> None:
         if self._painter is not None and self._world is not None:

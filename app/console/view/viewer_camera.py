@@ -9,6 +9,7 @@ import numpy as np
 import viser
 
 from app.base.geometry import Pose2, wrap_angle
+from app.console.view.picking import Ray, ray_through
 from app.console.view.viewpoints import FIRST, Anchors, Choice, Glide, Shot, Viewpoint, shot, shot_of, stage_of
 
 #: What differs by less (m, and share of the distance) is there.
@@ -56,6 +57,10 @@ class ViewerCamera:
     def state(self) -> CameraState:
         bearing, gaze = round(self._bearing, 3), round(self._gaze, 3)
         return CameraState(self._viewpoint, self._number, self._arrived, bearing=bearing, gaze=gaze)
+
+    def ray(self, u: float, v: float) -> Ray:
+        """What it sees at shares (0 to 1) of its picture's width from the left and height from the top: a ray of O."""
+        return ray_through(self._seen, self._aspect, u, v).in_frame(self._X_OS)
 
     @property
     def viewpoint(self) -> Viewpoint:

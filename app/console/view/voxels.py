@@ -124,6 +124,10 @@ class VoxelMap:
         points = ((cells[inside] + 0.5) * VOXEL_M).astype(np.float32)
         return ChunkPoints(points, colors, _ranks(keys[inside]))
 
+    def middles(self) -> NDArray[np.float32]:
+        """The middles (N, 3) of all voxels, m in O."""
+        return ((_cells(self._keys) + 0.5) * VOXEL_M).astype(np.float32)
+
     def _seen_through(self, points: NDArray[np.float32], eye: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Which voxels (N,) bool lie before what is seen in their direction."""
         gone = np.zeros(len(self._keys), np.bool_)

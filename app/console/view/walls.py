@@ -56,3 +56,9 @@ def wall_boxes(grid: OccupancyGrid | None) -> tuple[NDArray[np.float32], NDArray
     vertices = ends[:, _CORNERS, np.arange(3)]
     faces = _FACES + len(_CORNERS) * np.arange(len(found))[:, None, None]
     return vertices.reshape(-1, 3).astype(np.float32), faces.reshape(-1, 3).astype(np.uint32)
+
+
+def box_ends(vertices: NDArray[np.float32]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Least and greatest corner (N, 3), m, of each of the boxes with these ``vertices`` (V, 3)."""
+    boxes = vertices.reshape(-1, len(_CORNERS), 3).astype(np.float64)
+    return boxes[:, 0], boxes[:, -1]

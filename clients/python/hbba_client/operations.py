@@ -64,6 +64,8 @@ from .records import (
     Saved,
     SaveRequest,
     SceneAddress,
+    SceneClick,
+    ScenePoint,
     Session,
     StrategyList,
     TourList,
@@ -406,6 +408,17 @@ class Operations(ABC):
         Role: spectator.
         """
         result: CameraPoint = self.ask(Request("POST", "/camera/point", CameraPoint, body=body))
+        return result
+
+    def find_scene_point(self, body: SceneClick) -> ScenePoint:
+        """What a point of a 3D view shows.
+
+        The first thing on the ray of that view's camera, as it is drawn there: a poster, the map's walls, what
+        the depth camera saw, or the floor; and where that is.
+
+        Role: spectator.
+        """
+        result: ScenePoint = self.ask(Request("POST", "/scene/point", ScenePoint, body=body))
         return result
 
     def get_desire(self, desire_id: str, *, wait: float | None = None) -> DesireReport:
@@ -1517,6 +1530,17 @@ class AsyncOperations(ABC):
         Role: spectator.
         """
         result: CameraPoint = await self.ask(Request("POST", "/camera/point", CameraPoint, body=body))
+        return result
+
+    async def find_scene_point(self, body: SceneClick) -> ScenePoint:
+        """What a point of a 3D view shows.
+
+        The first thing on the ray of that view's camera, as it is drawn there: a poster, the map's walls, what
+        the depth camera saw, or the floor; and where that is.
+
+        Role: spectator.
+        """
+        result: ScenePoint = await self.ask(Request("POST", "/scene/point", ScenePoint, body=body))
         return result
 
     async def get_desire(self, desire_id: str, *, wait: float | None = None) -> DesireReport:

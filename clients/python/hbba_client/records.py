@@ -306,13 +306,17 @@ class EventList(Struct, kw_only=True, frozen=True):
     events: list[TimelineEvent]
 
 
-class FieldProblem(Struct, kw_only=True, frozen=True):
+class FieldProblem(Struct, kw_only=True, frozen=True, omit_defaults=True):
     """The error in one field."""
 
     field: str
     """Dotted path of the field: `params.rate`, `query.limit`."""
     message: str
     """What is allowed there."""
+    kind: str | UnsetType = UNSET
+    """The rule that the value breaks, as `greater_than`: for other languages. Empty: none."""
+    values: dict[str, str | float] | UnsetType = UNSET
+    """What `kind` says, as `{"gt": 0}`, and the value that was `given`."""
 
 
 class GivenUpModel(Struct, kw_only=True, frozen=True):
@@ -1629,6 +1633,35 @@ class SceneAddress(Struct, kw_only=True, frozen=True):
 
     url: str | None
     """On its own port; null: from the console's, at `viser/`."""
+
+
+class SceneClick(Struct, kw_only=True, frozen=True):
+    """A point of a 3D view."""
+
+    viewer: str
+    """The view's name for itself, as `GET /viewers` lists it."""
+    u: float
+    """From its left edge, as a share of its width."""
+    v: float
+    """From its top edge, as a share of its height."""
+
+
+class ScenePoint(Struct, kw_only=True, frozen=True):
+    """What a point of a 3D view shows."""
+
+    kind: Literal["floor", "nothing", "poster", "seen", "wall"]
+    """`poster`: one that was found; `wall`: of the map; `seen`: by the depth camera; `nothing`: the sky."""
+    frame: Literal["map", "odom"]
+    """`odom` while it is not known where the robot is on the map."""
+    x: float | None
+    """In m, as `y` and `z`: of a poster its middle; null: nothing is there."""
+    y: float | None
+    z: float | None
+    """Above the floor."""
+    text: str | None
+    """What the poster says."""
+    landmark: int | None
+    """The poster's `id`, which it keeps on its map."""
 
 
 class SelectedStrategy(Struct, kw_only=True, frozen=True, rename={"class_": "class"}):

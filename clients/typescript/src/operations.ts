@@ -57,6 +57,8 @@ import type {
   SaveRequest,
   Saved,
   SceneAddress,
+  SceneClick,
+  ScenePoint,
   Session,
   StrategyList,
   TourList,
@@ -286,6 +288,14 @@ export abstract class Operations {
    */
   findCameraPoint(body: CameraClick): Promise<CameraPoint> {
     return this.ask<CameraPoint>({ method: "POST", path: `/camera/point`, answer: "json", body });
+  }
+
+  /**
+   * What a point of a 3D view shows. The first thing on the ray of that view's camera, as it is drawn there: a poster,
+   * the map's walls, what the depth camera saw, or the floor; and where that is. Role: spectator.
+   */
+  findScenePoint(body: SceneClick): Promise<ScenePoint> {
+    return this.ask<ScenePoint>({ method: "POST", path: `/scene/point`, answer: "json", body });
   }
 
   /**

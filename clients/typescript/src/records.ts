@@ -278,6 +278,10 @@ export interface FieldProblem {
   field: string;
   /** What is allowed there. */
   message: string;
+  /** The rule that the value breaks, as `greater_than`: for other languages. Empty: none. */
+  kind?: string;
+  /** What `kind` says, as `{"gt": 0}`, and the value that was `given`. */
+  values?: Record<string, string | number>;
 }
 
 /** A goal that the robot has given up. */
@@ -1500,6 +1504,33 @@ export interface Scale {
 export interface SceneAddress {
   /** On its own port; null: from the console's, at `viser/`. */
   url: string | null;
+}
+
+/** A point of a 3D view. */
+export interface SceneClick {
+  /** The view's name for itself, as `GET /viewers` lists it. */
+  viewer: string;
+  /** From its left edge, as a share of its width. */
+  u: number;
+  /** From its top edge, as a share of its height. */
+  v: number;
+}
+
+/** What a point of a 3D view shows. */
+export interface ScenePoint {
+  /** `poster`: one that was found; `wall`: of the map; `seen`: by the depth camera; `nothing`: the sky. */
+  kind: "floor" | "nothing" | "poster" | "seen" | "wall";
+  /** `odom` while it is not known where the robot is on the map. */
+  frame: "map" | "odom";
+  /** In m, as `y` and `z`: of a poster its middle; null: nothing is there. */
+  x: number | null;
+  y: number | null;
+  /** Above the floor. */
+  z: number | null;
+  /** What the poster says. */
+  text: string | null;
+  /** The poster's `id`, which it keeps on its map. */
+  landmark: number | null;
 }
 
 /** A strategy at work. */

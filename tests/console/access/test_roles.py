@@ -82,7 +82,7 @@ def test_what_a_spectator_may_ask_for_reads_but_for_the_stop_and_for_questions_w
         for _, method, operation in operations(app)
         if method != "get" and needed_role(operation["operationId"]) is Role.SPECTATOR
     }
-    assert changing == {"latch_e_stop", "find_camera_point", "plan_route", "validate_tour"}
+    assert changing == {"latch_e_stop", "find_camera_point", "find_scene_point", "plan_route", "validate_tour"}
 
 
 def test_every_other_route_only_gives_files_and_every_socket_needs_a_role(app: FastAPI) -> None:

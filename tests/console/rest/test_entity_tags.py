@@ -56,7 +56,7 @@ def test_what_is_no_tag_is_refused_by_name(header: str) -> None:
     with pytest.raises(Problem) as refused:
         check_match(header, ARM)
     assert refused.value.status == 422
-    assert [field for field, _ in refused.value.errors] == ["header.If-Match"]
+    assert [fault.field for fault in refused.value.errors] == ["header.If-Match"]
 
 
 def test_the_description_says_which_answer_has_a_tag() -> None:

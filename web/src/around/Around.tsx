@@ -8,7 +8,7 @@ import type { Store } from "../state/store";
 import { AroundIcon, CloseIcon, EnlargeIcon, SalientIcon, ShrinkIcon } from "../ui/icons";
 import { pictureAge } from "../view/pictureAge";
 import { draw } from "./drawAround";
-import type { Layer } from "./layer";
+import type { Box, Layer } from "./layer";
 import { LAYERS } from "./registry";
 import { fresh as isFresh } from "./saliencyMarks";
 import { SHAPE, type Strip } from "./stripProjection";
@@ -170,6 +170,16 @@ function titleOf({ text, reason }: Closed): string {
   return reason ? `${text}: ${reason}` : text;
 }
 
+/** What of the page lies over the strip: its age and the buttons, px of the strip. */
+function coveringOf(canvas: HTMLCanvasElement): Box[] {
+  const strip = canvas.getBoundingClientRect();
+  const over = canvas.closest(".around")!.querySelectorAll(".around-age, .camera-tools");
+  return [...over].map((element) => {
+    const { left, top, width, height } = element.getBoundingClientRect();
+    return { x: left - strip.left, y: top - strip.top, width, height };
+  });
+}
+
 /** Paints on every change, and while something fades; returns what ends it. */
 function usePainter() {
   const { store, panorama } = useApp();
@@ -188,6 +198,7 @@ function usePainter() {
         picture: stamp === null ? null : panorama.canvas,
         old: stamp !== null && now - stamp > OLD_S * Math.max(1, store.clock.rate),
         large,
+        covered: coveringOf(canvas),
       };
       let fades = false;
       draw(context, strip, shown, (pen) => {

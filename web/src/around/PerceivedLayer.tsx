@@ -30,7 +30,7 @@ function draw(pen: Pen, perceived: Perceived | null, now: number): boolean {
   for (const face of faces) drawFrame(context, strip, face);
   for (const face of [...faces].reverse()) {
     const { x, y, width } = frameOf(strip, face);
-    pen.name({ text: face.text, x: x + width / 2, bottom: y - 3, color: FACE, opacity: 1 });
+    pen.name({ text: face.text, short: face.short, x: x + width / 2, bottom: y - 3, color: FACE, opacity: 1 });
   }
   if (pen.named)
     for (const sound of sounds) {

@@ -2,6 +2,7 @@
 
 import { t } from "../i18n";
 import type { Box, Name, Pen } from "./layer";
+import { namePlace } from "./namePlaces";
 import { type Point, pictureBox, place, type Strip, scale } from "./stripProjection";
 
 export interface Shown {
@@ -10,11 +11,11 @@ export interface Shown {
   old: boolean;
   /** Names of marks, and degrees along the edge. */
   large: boolean;
+  /** What lies over it of the page: names keep off it, too. */
+  covered: readonly Box[];
 }
 
 const FOOT = 17;
-/** From over a mark to under it, px at the least. */
-const BELOW = 16;
 /** px; on less, figures would run into the words. */
 const NUMBERED = 640;
 /** px between two words. */
@@ -37,7 +38,7 @@ export function draw(context: Context, strip: Strip, shown: Shown, marks: (pen: 
   drawGrid(context, strip);
   if (shown.picture) drawPicture(context, strip, shown.picture, shown.old);
   drawFoot(context, strip, shown.large);
-  const taken: Box[] = [];
+  const taken: Box[] = [...shown.covered];
   const names: Name[] = [];
   const over: (() => void)[] = [];
   marks({
@@ -114,30 +115,27 @@ function drawFoot(context: Context, strip: Strip, large: boolean): void {
   }
 }
 
-/** Above `bottom`, or where there is room near it. */
-function drawName(context: Context, strip: Strip, { text, x, bottom, color, opacity }: Name, taken: Box[]): void {
+/** Above `bottom`, or where there is room near it; in short, where there is room for that alone. */
+function drawName(context: Context, strip: Strip, name: Name, taken: Box[]): void {
   context.font = `600 11.5px ${FONT}`;
-  const width = context.measureText(text).width + 8;
-  const height = 15;
-  const left = Math.max(1, Math.min(strip.width - width - 1, x - width / 2));
-  const at = (y: number) => ({ x: left, y: Math.max(1, Math.min(strip.height - FOOT - height, y)), width, height });
-  const places = [0, 8, 16, 24, 32, 48].flatMap((off) => [at(bottom - height - off), at(bottom + BELOW + off)]);
-  const box = places.find((one) => !taken.some((other) => overlap(one, other))) ?? places[0]!;
+  const sized = (text: string) => ({ text, width: context.measureText(text).width + 8, height: 15 });
+  const bounds = { width: strip.width, height: strip.height - FOOT };
+  const { color, opacity } = name;
+  const {
+    name: { text },
+    box,
+  } = namePlace([sized(name.text), sized(name.short ?? name.text)], name, bounds, taken);
   taken.push(box);
   context.globalAlpha = opacity;
   context.fillStyle = "rgb(10 13 18 / 0.8)";
   context.beginPath();
-  context.roundRect(box.x, box.y, width, height, 4);
+  context.roundRect(box.x, box.y, box.width, box.height, 4);
   context.fill();
   context.fillStyle = color;
   context.textAlign = "center";
   context.textBaseline = "middle";
-  context.fillText(text, left + width / 2, box.y + height / 2 + 0.5);
+  context.fillText(text, box.x + box.width / 2, box.y + box.height / 2 + 0.5);
   context.globalAlpha = 1;
-}
-
-function overlap(a: Box, b: Box): boolean {
-  return a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
 }
 
 function radians(degrees: number): number {

@@ -9,6 +9,8 @@ export interface Box extends Strip, Point {}
 /** Text over `bottom`, centred on `x`; px. */
 export interface Name {
   text: string;
+  /** Instead, where there is no room for that. */
+  short?: string;
   x: number;
   bottom: number;
   color: string;

@@ -26,6 +26,8 @@ export interface FaceMark {
   height: number;
   range: number | null;
   text: string;
+  /** Without the distance. */
+  short: string;
 }
 
 export interface SoundMark {
@@ -59,6 +61,7 @@ export function faceMarks(perceived: Perceived | null): FaceMark[] {
         height: FACE.height / range,
         range: face.range_m,
         text: personWords(face),
+        short: t("Person {track}", { track: face.track }),
       };
     });
 }

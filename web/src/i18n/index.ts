@@ -1,6 +1,6 @@
 /** The page in the reader's language. */
 
-export { fromRobot, langOf, named, spaceBetween } from "./robot";
+export { type FieldFault, faultWords, fromRobot, langOf, named, saysRule, spaceBetween } from "./robot";
 export {
   decimals,
   LANGUAGES,

@@ -33,6 +33,31 @@ export function langOf(text: string): "en" | undefined {
   return robot && text !== "" && spoken(text, robot) === null ? "en" : undefined;
 }
 
+/** What is wrong with a field: the program's `message`, and the rule of its model that the value breaks. */
+export interface FieldFault {
+  message: string;
+  /** Of the rule, as `greater_than`; none: the message alone says it. */
+  kind?: string | undefined;
+  /** What the rule names, and the value that was `given`. */
+  values?: Readonly<Record<string, string | number>> | undefined;
+}
+
+/** Whether the reader's language says such a rule by itself, in other words than the program's. */
+export function saysRule({ kind }: FieldFault): boolean {
+  return shown.value.robot?.rules[kind ?? ""] !== undefined;
+}
+
+/** A fault in the reader's language: by its rule, else by the program's sentence. */
+export function faultWords({ message, kind, values }: FieldFault): string {
+  const { robot } = shown.value;
+  const rule = robot?.rules[kind ?? ""];
+  if (!robot || rule === undefined) return fromRobot(message);
+  return rule.replace(/\{(\w+)\}/g, (whole, name: string) => {
+    const said = values?.[name];
+    return said === undefined ? whole : value(typeof said === "number" ? String(said) : said, robot, 0);
+  });
+}
+
 /** A sentence by itself may be one that the program says within others, too: with a capital and a full stop. */
 function spoken(text: string, robot: RobotWords): string | null {
   const whole = translated(text, robot);

@@ -31,10 +31,14 @@ type Values<S extends string, Value, Given extends string = never> = [Exclude<Na
   : [values: Readonly<Record<Exclude<Names<S>, Given>, Value>>];
 type Value = string | number;
 
-/** What the program says, by its English: names of things, and sentences with places for what is in them. */
+/**
+ * What the program says, by its English: names of things, and sentences with places for what is in them. `rules`, by the
+ * type of the error: what a field's value has to be, with places for what the rule names.
+ */
 export interface RobotWords {
   names: Readonly<Record<string, string>>;
   sentences: Readonly<Record<string, string>>;
+  rules: Readonly<Record<string, string>>;
 }
 
 /** What the page is shown in; set by `language.ts` alone. */

@@ -99,7 +99,7 @@ test("a text has the same places for values in both languages", () => {
 test("French has its spaces and its apostrophes", () => {
   const wrong = Object.keys(CATALOGUE)
     .flatMap(forms)
-    .concat(Object.values(robot.names), Object.values(robot.sentences))
+    .concat(Object.values(robot.names), Object.values(robot.sentences), Object.values(robot.rules))
     .filter((text) => / [:;!?%»]|« |\w'\w|\w[;!?»]/.test(text));
   expect(wrong).toEqual([]);
 });

@@ -345,4 +345,4 @@ export function handleAt(
 
 const HANDLE_PX = 12;
 /** The number of the wrong zone is left out: it is the one just drawn. */
-const FIELD = /^zones\.\d+\.\w+: /i;
+const FIELD = /^zones\.\d+\.\w+\s?: /i;

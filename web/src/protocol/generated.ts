@@ -1287,6 +1287,23 @@ export interface SceneAddress {
   url: string | null;
 }
 
+/** What a point of a 3D view shows. */
+export interface ScenePoint {
+  /** `poster`: one that was found; `wall`: of the map; `seen`: by the depth camera; `nothing`: the sky. */
+  kind: "floor" | "nothing" | "poster" | "seen" | "wall";
+  /** `odom` while it is not known where the robot is on the map. */
+  frame: "map" | "odom";
+  /** In m, as `y` and `z`: of a poster its middle; null: nothing is there. */
+  x: number | null;
+  y: number | null;
+  /** Above the floor. */
+  z: number | null;
+  /** What the poster says. */
+  text: string | null;
+  /** The poster's `id`, which it keeps on its map. */
+  landmark: number | null;
+}
+
 /** A strategy at work. */
 export interface SelectedStrategy {
   name: string;
@@ -2088,6 +2105,16 @@ export interface SaveRequest {
   minutes?: number | null;
   /** Empty: a name made of the time. */
   name?: string;
+}
+
+/** A point of a 3D view. */
+export interface SceneClick {
+  /** The view's name for itself, as `GET /viewers` lists it. */
+  viewer: string;
+  /** From its left edge, as a share of its width. */
+  u: number;
+  /** From its top edge, as a share of its height. */
+  v: number;
 }
 
 /** Take the wheel at once. */

@@ -1,6 +1,6 @@
 /** Refusals of the robot (RFC 9457). */
 
-import { t } from "../i18n";
+import { type FieldFault, faultWords, saysRule, t } from "../i18n";
 
 export interface FieldError {
   field: string;
@@ -23,7 +23,15 @@ export async function readProblem(response: Response): Promise<Problem> {
   const body = (await response.json().catch(() => null)) as Partial<Problem> | null;
   const title =
     typeof body?.title === "string" ? body.title : t("The robot answered {status}", { status: response.status });
-  const detail = typeof body?.detail === "string" ? body.detail : "";
-  const errors = Array.isArray(body?.errors) ? body.errors.filter((e) => e && typeof e.message === "string") : [];
+  const said = typeof body?.detail === "string" ? body.detail : "";
+  const faults: (FieldError & FieldFault)[] = Array.isArray(body?.errors)
+    ? body.errors.filter((e) => e && typeof e.message === "string")
+    : [];
+  const errors = faults.map((fault) => ({ field: fault.field, message: faultWords(fault) }));
+  // Where a rule says each of them, so it does all of them: the detail lists no more than these.
+  const detail =
+    faults.length > 0 && faults.every(saysRule)
+      ? errors.map(({ field, message }) => t("{what}: {which}", { what: field, which: message })).join("; ")
+      : said;
   return new Problem(response.status, title, detail, errors);
 }

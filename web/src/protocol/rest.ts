@@ -39,6 +39,8 @@ import type {
   Saved,
   SaveRequest,
   SceneAddress,
+  SceneClick,
+  ScenePoint,
   StrategyList,
   StrategyReport,
   TourList,
@@ -243,6 +245,11 @@ export class Rest {
   /** Where on the map a point of a picture is. */
   async cameraPoint(click: CameraClick): Promise<CameraPoint> {
     return (await this.ask("POST", "/camera/point", click)) as CameraPoint;
+  }
+
+  /** What a point of a 3D view shows. */
+  async scenePoint(click: SceneClick): Promise<ScenePoint> {
+    return (await this.ask("POST", "/scene/point", click)) as ScenePoint;
   }
 
   /** Plans and moves nothing. */

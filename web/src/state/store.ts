@@ -112,6 +112,8 @@ export function createStore() {
     salient: signal(true),
     /** Whether the 3D view is drawn at all. */
     scene: signal(sceneWanted()),
+    /** Whether it has come. */
+    sceneShown: signal(false),
     help: signal(false),
     /** Closes what is open over the page, as Escape does; null: nothing is. */
     popup: signal<(() => void) | null>(null),

@@ -137,10 +137,10 @@ function PointFields(props: { label: string; point: Point; target: PointTarget; 
         class={`button small ${chosen ? "on" : ""}`}
         data-testid={`step-${target.part}-pick`}
         aria-pressed={chosen}
-        title={t("Click where it is: on the map, or in the camera's picture")}
+        title={t("Click where it is: on the map, in the 3D view, or in the camera's picture")}
         onClick={() => tourPointing.choose(chosen ? null : target)}
       >
-        <TargetIcon /> {chosen ? t("Click on the map…") : t("On the map")}
+        <TargetIcon /> {chosen ? t("Click on the point…") : t("By a click")}
       </button>
       <Problems
         problems={problemsAt(

@@ -52,6 +52,13 @@ async function opened(refusal: Problem | null = null) {
   return { addPlace, stops, store, tours, last: () => tour.stops.at(-1) };
 }
 
+test("a point of the floor becomes a place with a heading and a stop there", async () => {
+  const { addPlace, last, stops } = await opened();
+  await stops.on({ x: 1.5, y: -2 }, 0.5);
+  expect(addPlace).toHaveBeenCalledWith({ pose: { x: 1.5, y: -2, heading: 0.5 }, name: "Stop 2" });
+  expect(last()).toMatchObject({ place: "made", poster: null, title: { en: "Stop 2" } });
+});
+
 test("a poster becomes a place and a stop before it, which opens", async () => {
   const { addPlace, last, stops } = await opened();
   await stops.fromPoster(ARM);

@@ -43,8 +43,13 @@ export class StopMaker {
   }
 
   async here(): Promise<void> {
-    const number = (this.tours.draft.peek()?.stops.length ?? 0) + 1;
-    const place = await this.made({ here: true, name: this.freeName(`Stop ${number}`) });
+    const place = await this.made({ here: true, name: this.freeName(this.nextTitle()) });
+    if (place) await this.add(place, place.name, "");
+  }
+
+  /** On the floor, with that heading (rad). */
+  async on({ x, y }: { x: number; y: number }, heading: number): Promise<void> {
+    const place = await this.made({ pose: { x, y, heading }, name: this.freeName(this.nextTitle()) });
     if (place) await this.add(place, place.name, "");
   }
 
@@ -72,6 +77,10 @@ export class StopMaker {
       return withStop(tour, stop);
     });
     this.open.value = id;
+  }
+
+  private nextTitle(): string {
+    return `Stop ${(this.tours.draft.peek()?.stops.length ?? 0) + 1}`;
   }
 
   private freeName(wanted: string): string {

@@ -1,9 +1,10 @@
-/** A point of a step that is chosen by a click on the map. */
+/** A point of a step that is chosen by a click: on the map, in the camera's picture, or in the 3D view. */
 
 import { effect, signal } from "@preact/signals";
 import { t } from "../i18n";
 import type { MapControl } from "../map/mapControl";
 import { inWords, type Rest } from "../protocol/rest";
+import type { ScenePoint } from "../protocol/types";
 import type { Store } from "../state/store";
 import { narrow } from "../ui/media";
 import type { TourControl } from "./tourControl";
@@ -36,7 +37,7 @@ export class TourPointing {
   choose(target: PointTarget | null): void {
     if ((target !== null) !== (this.map.tools.peek().tool === "point")) this.map.choose("point");
     this.target.value = target;
-    if (target && this.store.mapPlace.peek() !== "view") this.store.showTour("view");
+    if (target && this.store.mapPlace.peek() !== "view" && !this.inScene()) this.store.showTour("view");
     if (!target && narrow.peek()) this.store.showTour("tab"); // where the step's form is
   }
 
@@ -53,6 +54,20 @@ export class TourPointing {
     } catch (error) {
       this.store.notify("error", inWords(error));
     }
+  }
+
+  /** A click in the 3D view, on what it shows there. */
+  scene({ kind, frame, x, y, z }: ScenePoint): void {
+    if (kind === "nothing") this.store.notify("info", t("Nothing is there: click on the floor or on a thing."));
+    else if (frame !== "map") this.store.notify("error", t("Where this is on the map is not known: start SLAM."));
+    else this.chosen([x!, y!, z!]);
+  }
+
+  /** Whether the 3D view is what is looked at: then a click in it will do, and no map has to come. */
+  private inScene(): boolean {
+    const { around, camera, mapPlace, sceneShown } = this.store;
+    const covered = [camera, around].some((inset) => inset.peek() === "large");
+    return sceneShown.peek() && mapPlace.peek() === "tab" && !covered && !narrow.peek();
   }
 
   private chosen(point: [x: number, y: number, z?: number]): void {

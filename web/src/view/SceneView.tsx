@@ -9,17 +9,20 @@ import { PLAYBACK_KEYS } from "../playback/transport";
 import { useApp } from "../state/context";
 import type { Store } from "../state/store";
 import { FULL, hopeless, paced, SHARES } from "./pace";
+import { PointHint, ScenePicked } from "./ScenePicked";
 import { sceneAddress } from "./sceneAddress";
 import { SceneFrame } from "./sceneFrame";
 import type { Stroke } from "./sceneMessages";
+import { ScenePicking } from "./scenePicking";
 import { ViewpointStrip } from "./ViewpointStrip";
 import { VIEW_KEYS } from "./viewpoints";
 
 export function SceneView() {
-  const { store, session, drive } = useApp();
+  const { store, session, drive, tourPointing } = useApp();
   const [follow] = useState(() => new FollowControl(drive));
   const frame = useRef<HTMLIFrameElement>(null);
   const [pace, setPace] = useState(FULL);
+  const [picking] = useState(() => new ScenePicking(store, session.rest, tourPointing));
   const [scene] = useState(() => {
     const own = new URL("./viser/", location.href).href;
     const whole = new URLSearchParams(location.search).get("scene") === "full";
@@ -48,13 +51,20 @@ export function SceneView() {
       window.removeEventListener("blur", takeBack);
       scene.close();
       follow.stop();
+      picking.close();
       store.softLimit.value = null;
+      store.sceneShown.value = false;
     };
   }, []);
   useEffect(() => {
-    scene.onHand = (down) => follow.hand(down);
+    scene.onHand = (down) => {
+      follow.hand(down);
+      picking.close();
+    };
+    scene.onPicked = (click) => void picking.click(click);
     scene.onCamera = (camera) => follow.look(camera);
   }, []);
+  useSignalEffect(() => void (store.sceneShown.value = scene.state.value === "shown"));
   useSignalEffect(() => scene.takeKeys(keysOfPage(store)));
   useSignalEffect(() => scene.drives(drive.holding.value));
   useSignalEffect(() => void (store.softLimit.value = follow.softLimit.value));
@@ -82,6 +92,8 @@ export function SceneView() {
       )}
       {state === "shown" && <ViewpointStrip scene={scene} follow={follow} />}
       {state === "shown" && <SceneLegend />}
+      {state === "shown" && <ScenePicked picking={picking} />}
+      {state === "shown" && <PointHint />}
       {state === "loading" && <p class="scene-note">{t("Loading the 3D view…")}</p>}
       {state === "missing" && (
         <div class="scene-note">

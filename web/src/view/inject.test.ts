@@ -62,8 +62,15 @@ function injected(pageOrigin = PAGE, renderer = "", drawMs = { value: 0 }) {
     target.dispatchEvent(event);
     return event.defaultPrevented;
   };
+  const point = (type: string, x: number, y: number, atMs: number, more: object = {}) => {
+    const canvas = { tagName: "CANVAS", getBoundingClientRect: () => ({ left: 10, top: 20, width: 400, height: 200 }) };
+    const plain = { isPrimary: true, button: 0, pointerId: 1, clientX: x, clientY: y, timeStamp: atMs, target: canvas };
+    const event = new Event(type);
+    for (const [name, value] of Object.entries({ ...plain, ...more })) Object.defineProperty(event, name, { value });
+    target.dispatchEvent(event);
+  };
   const said = () => parent.postMessage.mock.calls.map(([message]) => (message as { type: string }).type);
-  return { parent, target, tell, press, said, everyPeriod, window, HTMLCanvasElement };
+  return { parent, target, tell, press, point, said, everyPeriod, window, HTMLCanvasElement };
 }
 
 /** What draws at each frame that it gets; when (ms) it drew. */
@@ -191,4 +198,85 @@ test.each(["blur", "pagehide"])("its %s is said at once", (type) => {
   press("keydown", "KeyW");
   target.dispatchEvent(new Event(type));
   expect(parent.postMessage).toHaveBeenLastCalledWith({ type: "blur" }, PAGE);
+});
+
+/** What it says of clicks. */
+function picks({ parent }: ReturnType<typeof injected>): Record<string, unknown>[] {
+  const all = parent.postMessage.mock.calls.map(([message]) => message as Record<string, unknown>);
+  return all.filter(({ type }) => type === "pick");
+}
+
+test("a short press that stays where it is is a click, at shares of the canvas", () => {
+  const scene = injected();
+  scene.point("pointerdown", 110, 170, 1000);
+  scene.point("pointermove", 113, 167, 1100); // a hand trembles
+  scene.point("pointerup", 112, 168, 1399);
+  expect(picks(scene)).toEqual([{ type: "pick", viewer: expect.stringMatching(/^[0-9a-f]{24}$/), u: 0.25, v: 0.75 }]);
+  expect(scene.parent.postMessage.mock.calls.every(([, origin]) => origin === PAGE)).toBe(true);
+});
+
+test("the next click is another one", () => {
+  const scene = injected();
+  for (const at of [1000, 1150]) {
+    scene.point("pointerdown", 210, 120, at);
+    scene.point("pointerup", 210, 120, at + 60);
+  }
+  expect(picks(scene).map(({ u, v }) => [u, v])).toEqual([
+    [0.5, 0.5],
+    [0.5, 0.5],
+  ]);
+});
+
+type Scene = ReturnType<typeof injected>;
+test.each<[string, (scene: Scene) => void]>([
+  [
+    "goes away and comes back",
+    ({ point }) => {
+      point("pointermove", 130, 170, 1050);
+      point("pointerup", 110, 170, 1100);
+    },
+  ],
+  ["ends 5 px away", ({ point }) => point("pointerup", 113, 174, 1100)],
+  ["lasts 400 ms", ({ point }) => point("pointerup", 110, 170, 1400)],
+  [
+    "is joined by another finger",
+    ({ point }) => {
+      point("pointerdown", 300, 100, 1050, { pointerId: 2, isPrimary: false });
+      point("pointerup", 300, 100, 1100, { pointerId: 2, isPrimary: false });
+      point("pointerup", 110, 170, 1120);
+    },
+  ],
+  [
+    "the browser takes for its own",
+    ({ point }) => {
+      point("pointercancel", 110, 170, 1050);
+      point("pointerup", 110, 170, 1100);
+    },
+  ],
+])("a press that %s turns the view, and is no click", (_, goOn) => {
+  const scene = injected();
+  scene.point("pointerdown", 110, 170, 1000);
+  goOn(scene);
+  expect(picks(scene)).toEqual([]);
+});
+
+test.each([
+  ["the right button", { button: 2 }],
+  ["Shift held", { shiftKey: true }],
+  ["Ctrl held", { ctrlKey: true }],
+  ["the pointer on a button of viser's", { target: { tagName: "BUTTON" } }],
+])("a press with %s is no click", (_, more) => {
+  const scene = injected();
+  scene.point("pointerdown", 110, 170, 1000, more);
+  scene.point("pointerup", 110, 170, 1100, more);
+  expect(picks(scene)).toEqual([]);
+});
+
+test("a hand on the camera, and its wheel, are said before the click", () => {
+  const scene = injected();
+  scene.point("pointerdown", 110, 170, 1000);
+  scene.point("pointerup", 110, 170, 1100);
+  expect(scene.said()).toEqual(["hand", "hand", "pick"]);
+  scene.target.dispatchEvent(new Event("wheel"));
+  expect(scene.parent.postMessage).toHaveBeenLastCalledWith({ type: "hand", down: false }, PAGE);
 });

@@ -151,3 +151,16 @@ test("a viewpoint is asked for with a number of its own, again of a page that wa
   say({ type: "ready" });
   expect(asked().at(-1)).toEqual({ type: "viewpoint", viewpoint: "top", number: 2 });
 });
+
+test("a click in the view is passed on, but none of another origin", async () => {
+  const { scene, say } = framed(APART);
+  const clicked = vi.fn();
+  scene.onPicked = clicked;
+  await scene.open();
+  say({ type: "ready" });
+  const click = { type: "pick", viewer: "5f3a", u: 0.5, v: 0.25 } as const;
+  say(click, "http://evil.example:8081");
+  expect(clicked).not.toHaveBeenCalled();
+  say(click);
+  expect(clicked.mock.calls).toEqual([[click]]);
+});

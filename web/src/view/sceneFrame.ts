@@ -6,7 +6,14 @@
 
 import { signal } from "@preact/signals";
 import { SceneKeys } from "./sceneKeys";
-import { type FromScene, fromScene, type SceneCamera, type Stroke, type ToScene } from "./sceneMessages";
+import {
+  type FromScene,
+  fromScene,
+  type SceneCamera,
+  type SceneClicked,
+  type Stroke,
+  type ToScene,
+} from "./sceneMessages";
 import type { Viewpoint } from "./viewpoints";
 
 /** Its page has loaded, and says so within this time; an error page of the browser never does. */
@@ -37,8 +44,10 @@ export class SceneFrame {
   readonly camera = signal<Pick<SceneCamera, "viewpoint" | "arrived"> | null>(null);
   /** Called several times a second with where it looks. */
   onCamera: (camera: SceneCamera) => void = () => {};
-  /** Called while a hand has its camera, again and again, and when it has let go of it. */
+  /** Called while a hand has its camera, again and again, and when it has let go of it or turned its wheel. */
   onHand: (down: boolean) => void = () => {};
+  /** Called with a click in it. */
+  onPicked: (click: SceneClicked) => void = () => {};
   private readonly keys: SceneKeys;
   private choice: { viewpoint: Viewpoint; number: number } | null = null;
   private taken: string[] = [];
@@ -120,6 +129,7 @@ export class SceneFrame {
     } else if (message.type === "frames") this.parts.frames(message.ms);
     else if (message.type === "camera") this.takeCamera(message);
     else if (message.type === "hand") this.onHand(message.down);
+    else if (message.type === "pick") this.onPicked(message);
     else this.keys.take(message);
   }
 

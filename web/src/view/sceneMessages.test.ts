@@ -11,6 +11,7 @@ test.each([
   { type: "blur" },
   { type: "frames", ms: 160 },
   { type: "held", codes: ["KeyW"] },
+  { type: "pick", viewer: "5f3a", u: 0, v: 1 },
   { ...stroke, ...plain },
 ])("what the scene says is understood: $type", (data) => {
   expect(fromScene({ origin: ORIGIN, source: SCENE, data }, ORIGIN, SCENE)).toEqual(data);
@@ -40,6 +41,10 @@ test.each([
   { type: "held", codes: "KeyW" },
   { type: "held", codes: [1] },
   { type: "frames", ms: "160" },
+  { type: "pick", viewer: "5f3a", u: 1.01, v: 0.5 },
+  { type: "pick", viewer: "5f3a", u: Number.NaN, v: 0.5 },
+  { type: "pick", viewer: "5f3a", u: "0.5", v: 0.5 },
+  { type: "pick", viewer: "", u: 0.5, v: 0.5 },
   stroke,
   { ...stroke, ...plain, down: "true" },
   { ...stroke, ...plain, code: 87 },

@@ -31,6 +31,14 @@ export interface SceneCamera {
   gaze: number;
 }
 
+/** A click at shares of its width from the left and of its height from the top; `viewer` is its name for itself. */
+export interface SceneClicked {
+  type: "pick";
+  viewer: string;
+  u: number;
+  v: number;
+}
+
 export type FromScene =
   /** It is our page, and there. */
   | { type: "ready" }
@@ -42,8 +50,9 @@ export type FromScene =
   /** The mean time between frames lately. */
   | { type: "frames"; ms: number }
   | SceneCamera
-  /** A hand has the camera; again and again while it does. */
-  | { type: "hand"; down: boolean };
+  /** A hand has the camera, again and again while it does; or has just let go of it, or turned its wheel. */
+  | { type: "hand"; down: boolean }
+  | SceneClicked;
 
 export type ToScene =
   /** The codes of keys that viser is to be kept from. */
@@ -69,6 +78,7 @@ export function fromScene(
   return fits ? (said as unknown as FromScene) : null;
 }
 
+const isShare = (value: unknown) => typeof value === "number" && value >= 0 && value <= 1;
 const TEXTS = ["code", "key"];
 const FLAGS = ["down", "repeat", "ctrlKey", "altKey", "metaKey", "shiftKey"];
 const SHAPES: ReadonlyMap<unknown, (said: Record<string, unknown>) => boolean> = new Map([
@@ -76,6 +86,7 @@ const SHAPES: ReadonlyMap<unknown, (said: Record<string, unknown>) => boolean> =
   ["blur", () => true],
   ["frames", ({ ms }) => typeof ms === "number" && ms > 0],
   ["hand", ({ down }) => typeof down === "boolean"],
+  ["pick", ({ viewer, u, v }) => typeof viewer === "string" && viewer !== "" && isShare(u) && isShare(v)],
   [
     "camera",
     ({ viewpoint, number, arrived, bearing, gaze }) =>

@@ -22,10 +22,12 @@ export const tours = {
   "a point": "un point",
   Point: "Point",
   height: "hauteur",
-  "Click where it is: on the map, or in the camera's picture":
-    "Cliquez où c’est : sur la carte, ou dans l’image de la caméra",
-  "Click on the map…": "Cliquez sur la carte…",
-  "On the map": "Sur la carte",
+  "Click where it is: on the map, in the 3D view, or in the camera's picture":
+    "Cliquez où c’est : sur la carte, dans la vue 3D ou dans l’image de la caméra",
+  "Click on the point…": "Cliquez sur le point…",
+  "By a click": "D’un clic",
+  "Nothing is there: click on the floor or on a thing.": "Il n’y a rien là : cliquez sur le sol ou sur une chose.",
+  "Where this is on the map is not known: start SLAM.": "Où c’est sur la carte n’est pas connu : démarrez le SLAM.",
   "Picture or video": "Image ou vidéo",
   "A file in the folder of tours, as media/arm.jpg.": "Un fichier du dossier des visites, comme media/arm.jpg.",
   "What it shows, in words": "Ce qu’on y voit, en mots",
