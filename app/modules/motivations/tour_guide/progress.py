@@ -98,7 +98,7 @@ class View:
     ``found``: how many were seen since it looks for them, who may be out of view now, the farthest ``found_m`` (m)
     away; ``behind``: the heading (rad in odom) along the way that it came; ``looked_s``: how long (s) it has been
     turned to where it looks for visitors; ``back``: x, y (m) on the map of where it saw all of them last, None where
-    that is here or unknown; ``X_MB``: x, y, heading (m, rad) on the tour's map, None while unknown;
+    that is here or unknown; ``astray_m``: driving back, how far it is from the way that it came; ``X_MB``: x, y, heading (m, rad) on the tour's map, None while unknown;
     ``battery``: share of a full charge, None where the body does not say; ``docked``: whether it charges; ``by_hand``:
     it goes where others want it.
     """
@@ -117,6 +117,7 @@ class View:
     behind: float | None = None
     looked_s: float = 0.0
     back: tuple[float, float] | None = None
+    astray_m: float = 0.0
     X_MB: tuple[float, float, float] | None = None
     battery: float | None = None
     docked: bool = False

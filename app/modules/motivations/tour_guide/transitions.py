@@ -256,7 +256,8 @@ def _people(progress: Progress, view: View, tour: Tour) -> Progress:
     near_since = (view.now if progress.near_since is None else progress.near_since) if enough else None
     gone = (view.now if progress.gone_since is None else progress.gone_since) if view.people == 0 else None
     towards, wanted = progress.towards, looks_towards(progress, view) if progress.state == "waiting" else view.towards
-    if wanted is not None and (towards is None or abs(wrap_angle(wanted - towards)) > _BESIDE_RAD):
+    beside_rad = _BESIDE_RAD if progress.company.last_look is None else 0.0
+    if wanted is not None and (towards is None or abs(wrap_angle(wanted - towards)) > beside_rad):
         towards = wanted
     unseen = view.people == 0 and not view.speaking
     if progress.state in AT_HOME and unseen:
