@@ -161,7 +161,7 @@ async def test_visitors_who_follow_behind_it_as_it_drives_back_are_found(tmp_pat
             """They look elsewhere, then come after it wherever it goes, where it does not see."""
             for side, visitor in enumerate(led.visitors):
                 searching = led.progress.state == "searching"
-                visitor.looks = "searching" in led.states and not searching or led.progress.state == "confirming"
+                visitor.looks = ("searching" in led.states and not searching) or led.progress.state == "confirming"
                 if searching:
                     at = led.robot @ Pose2(-1.2, 0.6 * side - 0.3)
                     visitor.x, visitor.y = at.x, at.y
