@@ -35,7 +35,8 @@ class Company:
     for them, ``looked``: whether it has looked along its way since, ``went_back``: whether it drove back meanwhile;
     ``farthest_m``, ``moved_at``: the distance of the farthest (m), and when (s) it changed last; ``short``: not all
     are there, as far as is known. ``last_look``: it has waited long enough, and has looked in so many directions all
-    around since, the next from ``look_at`` (s) on, the first towards ``look_from`` (rad in odom); None before.
+    around since, the next from ``look_at`` (s) on, the first towards ``look_from`` (rad in odom); None before;
+    ``around``: how many were there at once meanwhile.
     """
 
     size: int = 0
@@ -53,6 +54,7 @@ class Company:
     last_look: int | None = None
     look_at: float = 0.0
     look_from: float = 0.0
+    around: int = 0
 
 
 NOBODY: Final = Company()
@@ -88,6 +90,7 @@ def set_out(company: Company, view: View, pace: Pace) -> Company:
         looked=False,
         went_back=False,
         last_look=None,
+        around=0,
     )
 
 

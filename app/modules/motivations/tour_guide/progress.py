@@ -155,8 +155,8 @@ class Progress:
     press is needed to go on; ``pause_spoken``: whether a word will do. ``sentence``: of the step's text, the one that
     is said; ``said_from``: the one that its wish begins with. ``company``: who comes along; ``back``: where (m on the
     map) it drives for those who are missing; ``gone_since``, ``near_since``: since when none is seen or heard, and
-    enough are near (s). ``question``: index of the one that is answered, ``listened``: the step to go back to from there.
-    ``invites``: whether people who are near begin a tour; those who came along, or declined, leave first.
+    enough are near (s). ``question``: index of the one that is answered, ``listened``: the step to go back to from
+    there. ``invites``: whether people who are near begin a tour; those who came along, or declined, leave first.
     ``towards``: the heading (rad in odom) that it turns to where it faces visitors; ``stuck_since`` as in View.
     ``excuse``: key of what it says of its pause, of going on without all, or of the tour's end. ``homed``: it came
     home, and nobody has moved it since. ``reason``: in words, why it is in this state.

@@ -91,19 +91,19 @@ def _is_over(progress: Progress, view: View, pace: Pace) -> bool:
 
 def _looked_all_around(progress: Progress, view: View, pace: Pace) -> Progress:
     """Without those who are missing once it has called, and looked in all directions."""
-    looks = progress.company.last_look
+    looks, around = progress.company.last_look, max(progress.company.around, view.there)
+    company = replace(progress.company, around=around, look_at=view.now)
     if looks is None:
-        begin = _behind_it(progress, view)
-        company = replace(progress.company, last_look=0, look_at=view.now, look_from=begin)
-        around = replace(progress, company=company)
-        return enter(around, "waiting", view, reason=f"{_missing(progress, view)}; it looks all around")
+        company = replace(company, last_look=0, look_from=_behind_it(progress, view))
+        reason = f"{_missing(progress, view)}; it looks all around"
+        return enter(replace(progress, company=company), "waiting", view, reason=reason)
     # It may have been turned there before, or cannot turn there.
     spent = view.now - progress.company.look_at
     if min(view.looked_s, spent) < LOOKED_S and spent < LOOKS_S:
-        return progress
+        return replace(progress, company=replace(progress.company, around=around))
     if looks + 1 >= DIRECTIONS:
-        return _on_without(progress, view, pace)
-    return replace(progress, company=replace(progress.company, last_look=looks + 1, look_at=view.now))
+        return _on_without(replace(progress, company=company), view, pace)
+    return replace(progress, company=replace(company, last_look=looks + 1))
 
 
 def _behind_it(progress: Progress, view: View) -> float:
@@ -113,19 +113,25 @@ def _behind_it(progress: Progress, view: View) -> float:
 
 
 def _on(progress: Progress, view: View, pace: Pace) -> Progress:
-    apart_m = min(view.there_m, pace.wait_m)
+    apart_m = min(view.there_m, pace.wait_m) if view.there else pace.wait_m
     company = replace(set_out(progress.company, view, pace), apart_m=apart_m, stood_m=apart_m)
     return enter(replace(progress, company=company, slow=False), "leading", view)
 
 
 def _on_without(progress: Progress, view: View, pace: Pace) -> Progress:
-    if view.there == 0:
+    there = _there(progress, view)
+    if there == 0:
         return part(progress, view, "all visitors have left")
-    reason, missing = _missing(progress, view), view.there < progress.company.size
-    ahead = _on(replace(progress, company=replace(progress.company, size=view.there)), view, pace)
+    reason, missing = _missing(progress, view), there < progress.company.size
+    ahead = _on(replace(progress, company=replace(progress.company, size=there)), view, pace)
     return replace(ahead, excuse="without", reason=f"{reason}; it goes on") if missing else ahead
 
 
+def _there(progress: Progress, view: View) -> int:
+    """How many are there, or were as it looked all around."""
+    return max(view.there, progress.company.around)
+
+
 def _missing(progress: Progress, view: View) -> str:
-    size = max(progress.company.size, 1)
-    return "no visitor is seen" if view.there == 0 else f"{view.there} of {size} visitors are seen"
+    size, there = max(progress.company.size, 1), _there(progress, view)
+    return "no visitor is seen" if there == 0 else f"{there} of {size} visitors are seen"

@@ -132,6 +132,15 @@ def test_those_who_followed_behind_it_are_found_as_it_looks_all_around() -> None
     assert run.texts()[-1] == "Are you still with me?", "the next time it looks all around once more"
 
 
+def test_who_was_seen_as_it_looked_all_around_is_there_in_the_end() -> None:
+    run = looking_back(people=0).see(back=None).see(after_s=60.0).see().see(people=1, farthest_m=1.5)
+    run.see(people=0, farthest_m=0.0)
+    looked_around(run)
+    assert (run.progress.state, run.progress.reason) == ("leading", "1 of 2 visitors are seen; it goes on")
+    assert run.progress.company.size == 1
+    assert run.progress.company.apart_m == run.scene.tour.pace.wait_m, "where they are now is not known"
+
+
 def test_it_looks_all_around_though_it_cannot_turn() -> None:
     run = looking_back(people=0).see(back=None, looked_s=0.0).see(after_s=60.0)
     for _ in range(DIRECTIONS):
