@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 #: It looks back once a visitor may have been farther behind than ``wait_m`` for so long (s).
 MAY_BE_FAR_S: Final = 8.0
+#: Before it takes visitors for gone, it looks in so many directions: the camera that sees farthest sees 57 degrees.
+DIRECTIONS: Final = 6
 #: Visitors whose distance changes by no more (m) stand.
 _STEP_M: Final = 0.2
 #: Who is farther away than as it set out by more (m) falls behind.
@@ -32,7 +34,9 @@ class Company:
     since when (s) one may be farther than ``wait_m``. ``sought_since``: since when (s) it waits for them or looks
     for them, ``looked``: whether it has looked along its way since, ``went_back``: whether it drove back meanwhile;
     ``farthest_m``, ``moved_at``: the distance of the farthest (m), and when (s) it changed last; ``short``: not all
-    are there, as far as is known.
+    are there, as far as is known. ``last_look``: it has waited long enough, and has looked in so many directions all
+    around since, the next from ``look_at`` (s) on, the first towards ``look_from`` (rad in odom); None before;
+    ``around``: how many were there at once meanwhile.
     """
 
     size: int = 0
@@ -47,6 +51,10 @@ class Company:
     farthest_m: float = 0.0
     moved_at: float = 0.0
     short: bool = False
+    last_look: int | None = None
+    look_at: float = 0.0
+    look_from: float = 0.0
+    around: int = 0
 
 
 NOBODY: Final = Company()
@@ -81,6 +89,8 @@ def set_out(company: Company, view: View, pace: Pace) -> Company:
         sought_since=None,
         looked=False,
         went_back=False,
+        last_look=None,
+        around=0,
     )
 
 

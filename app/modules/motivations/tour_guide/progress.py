@@ -98,9 +98,9 @@ class View:
     ``found``: how many were seen since it looks for them, who may be out of view now, the farthest ``found_m`` (m)
     away; ``behind``: the heading (rad in odom) along the way that it came; ``looked_s``: how long (s) it has been
     turned to where it looks for visitors; ``back``: x, y (m) on the map of where it saw all of them last, None where
-    that is here or unknown; ``X_MB``: x, y, heading (m, rad) on the tour's map, None while unknown;
-    ``battery``: share of a full charge, None where the body does not say; ``docked``: whether it charges; ``by_hand``:
-    it goes where others want it.
+    that is here or unknown; ``astray_m``: driving back, how far it is from the way that it came; ``X_MB``: x, y,
+    heading (m, rad) on the tour's map, None while unknown; ``battery``: share of a full charge, None where the body
+    does not say; ``docked``: whether it charges; ``by_hand``: it goes where others want it.
     """
 
     now: float
@@ -117,6 +117,7 @@ class View:
     behind: float | None = None
     looked_s: float = 0.0
     back: tuple[float, float] | None = None
+    astray_m: float = 0.0
     X_MB: tuple[float, float, float] | None = None
     battery: float | None = None
     docked: bool = False
@@ -153,9 +154,9 @@ class Progress:
     that ended; ``attempt`` counts tries of what failed. ``resume``: the state before a pause; ``to_press``: whether a
     press is needed to go on; ``pause_spoken``: whether a word will do. ``sentence``: of the step's text, the one that
     is said; ``said_from``: the one that its wish begins with. ``company``: who comes along; ``back``: where (m on the
-    map) it drives for those who are missing; ``gone_since``, ``near_since``: since when none is seen, and enough are
-    near (s). ``question``: index of the one that is answered, ``listened``: the step to go back to from there.
-    ``invites``: whether people who are near begin a tour; those who came along, or declined, leave first.
+    map) it drives for those who are missing; ``gone_since``, ``near_since``: since when none is seen or heard, and
+    enough are near (s). ``question``: index of the one that is answered, ``listened``: the step to go back to from
+    there. ``invites``: whether people who are near begin a tour; those who came along, or declined, leave first.
     ``towards``: the heading (rad in odom) that it turns to where it faces visitors; ``stuck_since`` as in View.
     ``excuse``: key of what it says of its pause, of going on without all, or of the tour's end. ``homed``: it came
     home, and nobody has moved it since. ``reason``: in words, why it is in this state.

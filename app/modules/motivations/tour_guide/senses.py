@@ -144,6 +144,7 @@ class Senses:
             behind=people.behind,
             looked_s=0.0 if self._looks_since is None else now - self._looks_since,
             back=self._on_map(self.visitors.back(company.seen_m), tour.map) if state == "waiting" else None,
+            astray_m=self.visitors.astray_m,
             X_MB=self.pose_on(tour.map),
             battery=self._battery,
             docked=self._docked,

@@ -254,11 +254,12 @@ def _people(progress: Progress, view: View, tour: Tour) -> Progress:
     """Notes who is seen: since when enough are near, since when none is, and how far it drove since all were."""
     enough = view.near >= tour.begin.people_min
     near_since = (view.now if progress.near_since is None else progress.near_since) if enough else None
-    gone = (view.now if progress.gone_since is None else progress.gone_since) if view.people == 0 else None
-    towards, wanted = progress.towards, looks_towards(progress, view) if progress.state == "waiting" else view.towards
-    if wanted is not None and (towards is None or abs(wrap_angle(wanted - towards)) > _BESIDE_RAD):
-        towards = wanted
     unseen = view.people == 0 and not view.speaking
+    gone = (view.now if progress.gone_since is None else progress.gone_since) if unseen else None
+    towards, wanted = progress.towards, looks_towards(progress, view) if progress.state == "waiting" else view.towards
+    beside_rad = _BESIDE_RAD if progress.company.last_look is None else 0.0
+    if wanted is not None and (towards is None or abs(wrap_angle(wanted - towards)) > beside_rad):
+        towards = wanted
     if progress.state in AT_HOME and unseen:
         towards = progress.towards  # visitors follow only while it leads
     if view.docked:
@@ -415,7 +416,9 @@ def _stepped(progress: Progress, view: View, scene: Scene) -> Progress:
 def _listened(progress: Progress, view: View, scene: Scene) -> Progress:
     step = step_now(progress, scene.tour)
     wait = None if step is None else step.wait
-    left = wait is not None and wait.all_left and progress.gone_since is not None
+    # Where it does not turn to visitors, it does not see whether they have left.
+    faces = stop_of(progress, scene.tour).stand.face == "visitors"
+    left = faces and wait is not None and wait.all_left and progress.gone_since is not None
     gone = left and view.now - max(progress.gone_since or 0.0, progress.since) >= LEFT_S
     if wait is None or gone or view.now - progress.since >= wait.at_most_s:
         return _next_step(progress, view, scene)

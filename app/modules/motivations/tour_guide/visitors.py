@@ -81,6 +81,13 @@ class Visitors:
         elif not self._trail or math.dist(self._trail[-1][1], place) >= _STEP_M:
             self._trail.append((self.driven_m, place))
 
+    @property
+    def astray_m(self) -> float:
+        """How far (m) from the way that it came the robot is while it drives back; 0.0 else."""
+        if not self.returns or self._place is None:
+            return 0.0
+        return min((math.dist(self._place, point) for _, point in self._trail), default=0.0)
+
     def see(self, stamp: float, places: Mapping[int, Point]) -> None:
         """Faces by track, seen at ``stamp``."""
         for track, place in places.items():

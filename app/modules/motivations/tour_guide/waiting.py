@@ -1,4 +1,8 @@
-"""Looking back for visitors, waiting for them, and driving back for those who are missing. Pure functions."""
+"""Looking back for visitors, waiting for them, and driving back for those who are missing. Pure functions.
+
+Who follows the robot is behind it, where it sees nothing, also while it drives back. So nobody is taken for gone before
+it has called, and looked all around from where it stands.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +11,7 @@ from dataclasses import replace
 from typing import Final
 
 from app.base.geometry import wrap_angle
-from app.modules.motivations.tour_guide.company import set_out
+from app.modules.motivations.tour_guide.company import DIRECTIONS, set_out
 from app.modules.motivations.tour_guide.entering import enter, part
 from app.modules.motivations.tour_guide.progress import Progress, View
 from app.tours.model import Pace
@@ -19,6 +23,9 @@ LOOKS_S: Final = 8.0
 #: After so long (s) it drives back for who is missing, and where it sees nobody.
 GOES_BACK_S: Final = 16.0
 GOES_BACK_FOR_ALL_S: Final = 8.0
+#: Farther (m) from the way that it came, it is driving back another way: it would lead visitors who follow away.
+ASTRAY_M: Final = 1.0
+_BETWEEN_RAD: Final = 2 * math.pi / DIRECTIONS
 #: Visitors who come no nearer for so long (s) stand behind one another.
 STAND_S: Final = 2.0
 
@@ -42,7 +49,7 @@ def waited(progress: Progress, view: View, pace: Pace) -> Progress:
         return _on(progress, view, pace)
     progress = replace(progress, company=replace(company, looked=looked))
     if _is_over(progress, view, pace):
-        return _on_without(progress, view, pace)
+        return _looked_all_around(progress, view, pace) if missing else _on_without(progress, view, pace)
     patience_s = GOES_BACK_FOR_ALL_S if view.there == 0 else GOES_BACK_S
     if missing and view.back is not None and not company.went_back and spent >= patience_s:
         gone = replace(progress, company=replace(progress.company, went_back=True), back=view.back)
@@ -51,16 +58,21 @@ def waited(progress: Progress, view: View, pace: Pace) -> Progress:
 
 
 def searched(progress: Progress, view: View, pace: Pace) -> Progress:
-    """Driving back until all are seen."""
+    """Driving back until all are seen, along the way that it came, until it has waited long enough."""
     if view.there >= max(progress.company.size, 1) and view.there_m <= pace.wait_m:
         return wait(progress, view, "visitors are found")
-    return _on_without(progress, view, pace) if _is_over(progress, view, pace) else progress
+    if _is_over(progress, view, pace):
+        return wait(progress, view, _missing(progress, view))
+    return wait(progress, view, "visitors are in its way back") if view.astray_m > ASTRAY_M else progress
 
 
 def looks_towards(progress: Progress, view: View) -> float | None:
     """Where it turns to while it waits (rad in odom): to visitors; while one is missing, to where they come from, and
-    to the other side by turns; where nobody is seen in either, all around by quarters."""
+    to the other side by turns; where nobody is seen in either, all around by quarters. In the end, all around."""
     company = progress.company
+    if company.last_look is not None:
+        answers = view.people == 0 and view.speaking
+        return view.towards if answers else wrap_angle(company.look_from + company.last_look * _BETWEEN_RAD)
     if not company.short:
         return view.towards
     turn = math.floor((view.now - progress.since) / LOOKS_S)
@@ -77,20 +89,49 @@ def _is_over(progress: Progress, view: View, pace: Pace) -> bool:
     return view.now - (progress.since if since is None else since) >= pace.give_up_s
 
 
+def _looked_all_around(progress: Progress, view: View, pace: Pace) -> Progress:
+    """Without those who are missing once it has called, and looked in all directions."""
+    looks, around = progress.company.last_look, max(progress.company.around, view.there)
+    company = replace(progress.company, around=around, look_at=view.now)
+    if looks is None:
+        company = replace(company, last_look=0, look_from=_behind_it(progress, view))
+        reason = f"{_missing(progress, view)}; it looks all around"
+        return enter(replace(progress, company=company), "waiting", view, reason=reason)
+    # It may have been turned there before, or cannot turn there.
+    spent = view.now - progress.company.look_at
+    if min(view.looked_s, spent) < LOOKED_S and spent < LOOKS_S:
+        return replace(progress, company=replace(progress.company, around=around))
+    if looks + 1 >= DIRECTIONS:
+        return _on_without(replace(progress, company=company), view, pace)
+    return replace(progress, company=replace(company, last_look=looks + 1))
+
+
+def _behind_it(progress: Progress, view: View) -> float:
+    """The heading (rad in odom) of those who follow, as far as is known: away from where it looks or drives."""
+    ahead = next((each for each in (progress.towards, view.behind) if each is not None), 0.0)
+    return wrap_angle(ahead + math.pi)
+
+
 def _on(progress: Progress, view: View, pace: Pace) -> Progress:
-    apart_m = min(view.there_m, pace.wait_m)
+    apart_m = min(view.there_m, pace.wait_m) if view.there else pace.wait_m
     company = replace(set_out(progress.company, view, pace), apart_m=apart_m, stood_m=apart_m)
     return enter(replace(progress, company=company, slow=False), "leading", view)
 
 
 def _on_without(progress: Progress, view: View, pace: Pace) -> Progress:
-    if view.there == 0:
+    there = _there(progress, view)
+    if there == 0:
         return part(progress, view, "all visitors have left")
-    reason, missing = _missing(progress, view), view.there < progress.company.size
-    ahead = _on(replace(progress, company=replace(progress.company, size=view.there)), view, pace)
+    reason, missing = _missing(progress, view), there < progress.company.size
+    ahead = _on(replace(progress, company=replace(progress.company, size=there)), view, pace)
     return replace(ahead, excuse="without", reason=f"{reason}; it goes on") if missing else ahead
 
 
+def _there(progress: Progress, view: View) -> int:
+    """How many are there, or were as it looked all around."""
+    return max(view.there, progress.company.around)
+
+
 def _missing(progress: Progress, view: View) -> str:
-    size = max(progress.company.size, 1)
-    return "no visitor is seen" if view.there == 0 else f"{view.there} of {size} visitors are seen"
+    size, there = max(progress.company.size, 1), _there(progress, view)
+    return "no visitor is seen" if there == 0 else f"{there} of {size} visitors are seen"

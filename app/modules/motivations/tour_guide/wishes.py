@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
 
+from app.modules.motivations.tour_guide.company import DIRECTIONS
 from app.modules.motivations.tour_guide.progress import Progress
 from app.speech.text_spans import sentences_of
 from app.tours.desires import LOOK_AT, SAY, desires_of
@@ -33,6 +34,7 @@ SLOWLY: Final = 0.5
 
 CALL: Final = {"en": "I am waiting for you.", "fr": "Je vous attends."}
 PASS: Final = {"en": "Excuse me, may I pass?", "fr": "Excusez-moi, puis-je passer ?"}
+STILL: Final = {"en": "Are you still with me?", "fr": "Êtes-vous toujours avec moi ?"}
 SEEK: Final = {"en": "I am coming back for you.", "fr": "Je reviens vous chercher."}
 #: By key: what it says of a pause, of going on without all, and of an end that visitors do not expect.
 EXCUSES: Final[Mapping[str, Mapping[str, str]]] = {
@@ -147,7 +149,10 @@ def _wishes(progress: Progress, scene: Scene, now: float) -> Iterator[Wish]:
             looks_for = progress.state == "waiting" and progress.company.short
             yield Wish(key(progress, "ahead"), LOOK_AT, AHEAD) if looks_for else Wish(key(progress, "look"), TRACK_FACE)
             yield from _facing(progress)
-            if progress.state == "waiting":
+            if progress.state == "waiting" and (looks := progress.company.last_look) is not None:
+                # Once more to the other side, where the voice is turned to.
+                yield _said(progress, f"still-{1 + (looks >= DIRECTIONS // 2)}", STILL, scene)
+            elif progress.state == "waiting":
                 calls = [after for after in CALLS_S if now - progress.since >= after]
                 if calls:
                     yield _said(progress, f"call-{len(calls)}", CALL, scene)

@@ -86,12 +86,13 @@ CLASSES = (
 
 @dataclass(slots=True)
 class Visitor:
-    """A person at ``x``, ``y`` (m) who follows the robot to ``keeps_m`` from it at ``mps``."""
+    """A person at ``x``, ``y`` (m) who follows the robot to ``keeps_m`` from it at ``mps``; ``looks`` at it or away."""
 
     x: float
     y: float
     mps: float = 1.0
     keeps_m: float = 1.2
+    looks: bool = True
 
     def step(self, robot: Pose2) -> None:
         """Go nearer."""
@@ -150,6 +151,8 @@ class LedLab:
         self.visitors: list[Visitor] = []
         self.battery, self.e_stop, self.by_hand, self.blocked = 0.9, False, False, False
         self.localization, self.speaks = "tracking", False
+        #: Where the way to a goal leads first, if not straight there.
+        self.detour: tuple[float, float] | None = None
         self.states: list[TourState] = ["idle"]
         self.said: list[str] = []
         self.driven_m = 0.0
@@ -248,7 +251,7 @@ class LedLab:
         for track, visitor in enumerate(self.visitors, 1):
             p_B = self.robot.inverse() @ Pose2(visitor.x, visitor.y)
             far = math.hypot(p_B.x, p_B.y)
-            if p_B.x > 0 and far <= SIGHT_M:
+            if visitor.looks and p_B.x > 0 and far <= SIGHT_M:
                 corners = np.zeros((5, 2), np.float32)
                 yield Face(track, 0.9, (0, 0, 9, 9), corners, (p_B.x, p_B.y, 1.6), np.eye(3), far, 0.1)
 
@@ -276,11 +279,14 @@ class LedLab:
                 self.workspace.accomplish(Accomplishment(now, desire.id, "PointAt", "done"))
 
     def _go(self, now: float, go: Desire) -> None:
-        x, y = go.params["x"], go.params["y"]
+        x, y = self.detour or (go.params["x"], go.params["y"])
         left = math.dist((x, y), (self.robot.x, self.robot.y))
         state = "waiting" if self.blocked else "following"
         self.bench.feed("navigation", NavigationStatus(now, "PlanAndFollowPath", state, "", Pose2(x, y)))
         if self.blocked:
+            return
+        if left < 0.1 and self.detour is not None:
+            self.detour = None
             return
         if left < 0.1:
             heading = go.params.get("heading")

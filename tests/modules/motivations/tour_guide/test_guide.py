@@ -25,7 +25,7 @@ from app.modules.motivations.tour_guide.progress import (
     Withdrawn,
 )
 from app.tours.model import Tour
-from tests.modules.motivations.tour_guide.run import ACHIEVEMENTS, DRIVES, LAB, Run, say, stop
+from tests.modules.motivations.tour_guide.run import ACHIEVEMENTS, DRIVES, LAB, WAIT, Run, say, stop
 from tests.tours.tours import tour
 
 
@@ -163,7 +163,9 @@ def test_who_waits_too_long_goes_on_with_those_who_are_there_or_ends() -> None:
     run = Run().started().until("leading").see(farthest_m=4.5).see(after_s=61)
     assert run.progress.state == "leading"
     run = Run().started().until("leading").see(farthest_m=4.5).see(people=0, after_s=61)
-    assert (run.progress.state, run.progress.reason) == ("parting", "all visitors have left")
+    assert run.progress.state == "waiting", "they may be where it has not looked"
+    run.until("parting")
+    assert run.progress.reason == "all visitors have left"
 
 
 @pytest.mark.parametrize(
@@ -196,6 +198,20 @@ def test_it_goes_on_when_all_have_left() -> None:
     run = Run().started().until("listening").see(people=0).see(after_s=4.8)
     assert run.progress.state == "listening"
     assert run.see(after_s=0.3).progress.state == "parting"
+
+
+def test_who_is_heard_has_not_left() -> None:
+    run = Run().started().until("listening").see(people=0).see(after_s=3.0, speaking=True).see(speaking=False)
+    assert run.see(after_s=4.8).progress.state == "listening"
+    assert run.see(after_s=0.3).progress.state == "parting"
+
+
+@pytest.mark.parametrize("face", ["poster", "place"])
+def test_where_it_does_not_look_at_visitors_it_does_not_know_that_they_left(face: str) -> None:
+    stops = [stop("one", do=[say("This is one."), WAIT], stand={"face": face}), stop("two")]
+    run = Run(changed(stops=stops)).started().until("listening").see(people=0)
+    assert run.see(after_s=29.0).progress.state == "listening"
+    assert run.see(after_s=2.0).progress.state == "leading"
 
 
 @pytest.mark.parametrize(

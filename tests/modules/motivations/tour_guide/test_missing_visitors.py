@@ -8,11 +8,17 @@ import math
 import pytest
 
 from app.base.geometry import Pose2
-from app.modules.motivations.tour_guide.company import MAY_BE_FAR_S
+from app.modules.motivations.tour_guide.company import DIRECTIONS, MAY_BE_FAR_S
 from app.modules.motivations.tour_guide.perceptions import perceptions
 from app.modules.motivations.tour_guide.progress import Ended
 from app.modules.motivations.tour_guide.visitors import FOUND_S, SEEN_S, Visitors
-from app.modules.motivations.tour_guide.waiting import GOES_BACK_FOR_ALL_S, GOES_BACK_S, LOOKS_S
+from app.modules.motivations.tour_guide.waiting import (
+    ASTRAY_M,
+    GOES_BACK_FOR_ALL_S,
+    GOES_BACK_S,
+    LOOKED_S,
+    LOOKS_S,
+)
 from tests.modules.motivations.tour_guide.run import Run
 
 #: Where all were seen last, on the map.
@@ -88,11 +94,81 @@ def test_it_stays_where_it_saw_them_last() -> None:
     assert looking_back().see(back=None, after_s=GOES_BACK_S).progress.state == "waiting"
 
 
+def looked_around(run: Run, beat_s: float = 0.25) -> list[float]:
+    """The robot turns at once to wherever it wants to look; the headings, until it looks for them no more."""
+    headings: list[float] = []
+    looked_s = 0.0
+    for _ in range(round(DIRECTIONS * LOOKS_S / beat_s)):
+        if run.progress.state not in ("waiting", "searching"):
+            return headings
+        turns = [wish.params["heading"] for wish in run.wishes() if wish.cls == "RotateToHeading"]
+        looked_s = looked_s + beat_s if turns == headings[-1:] else 0.0
+        headings += turns if turns != headings[-1:] else []
+        run.see(after_s=beat_s, looked_s=looked_s)
+    raise AssertionError(f"it looks still: {run.progress}")
+
+
+@pytest.mark.parametrize("state", ["waiting", "searching"])
+def test_it_calls_and_looks_all_around_before_it_ends(state: str) -> None:
+    run = looking_back(people=0).see(after_s=GOES_BACK_FOR_ALL_S if state == "searching" else 1.0)
+    assert run.progress.state == state
+    run.see(after_s=60.0).see()
+    assert (run.progress.state, run.texts()) == ("waiting", ["Are you still with me?"])
+    assert run.progress.reason == "no visitor is seen; it looks all around"
+    began = run.view.now
+    headings = looked_around(run)
+    for degrees in range(0, 360, 10):
+        nearest = max(math.cos(math.radians(degrees) - heading) for heading in headings)
+        assert nearest > math.cos(math.pi / DIRECTIONS + 0.02), f"it never looked towards {degrees} degrees"
+    assert run.view.now - began >= DIRECTIONS * LOOKED_S
+    assert (run.progress.state, run.progress.reason) == ("parting", "all visitors have left")
+
+
+def test_those_who_followed_behind_it_are_found_as_it_looks_all_around() -> None:
+    run = looking_back(people=0).see(after_s=GOES_BACK_FOR_ALL_S).see(after_s=60.0).see().see(after_s=5.0)
+    assert run.see(people=1, farthest_m=1.5).progress.state == "waiting", "the other may be near, too"
+    assert run.see(people=2).progress.state == "leading"
+    run.see(people=0, driven_m=10.3).see(after_s=61.0).see()
+    assert run.texts()[-1] == "Are you still with me?", "the next time it looks all around once more"
+
+
+def test_who_was_seen_as_it_looked_all_around_is_there_in_the_end() -> None:
+    run = looking_back(people=0).see(back=None).see(after_s=60.0).see().see(people=1, farthest_m=1.5)
+    run.see(people=0, farthest_m=0.0)
+    looked_around(run)
+    assert (run.progress.state, run.progress.reason) == ("leading", "1 of 2 visitors are seen; it goes on")
+    assert run.progress.company.size == 1
+    assert run.progress.company.apart_m == run.scene.tour.pace.wait_m, "where they are now is not known"
+
+
+def test_it_looks_all_around_though_it_cannot_turn() -> None:
+    run = looking_back(people=0).see(back=None, looked_s=0.0).see(after_s=60.0)
+    for _ in range(DIRECTIONS):
+        assert run.progress.state == "waiting"
+        run.see(after_s=LOOKS_S)
+    assert run.progress.state == "parting"
+
+
+def test_it_looks_first_to_a_voice_that_answers() -> None:
+    run = looking_back(people=0).see(back=None).see(after_s=60.0).see(speaking=True, towards=-1.1).see()
+    assert run.wish("RotateToHeading").params == {"heading": -1.1}
+
+
+def test_it_drives_back_along_no_other_way() -> None:
+    run = looking_back().see(after_s=GOES_BACK_S).see(astray_m=ASTRAY_M - 0.1)
+    assert run.progress.state == "searching"
+    run.see(astray_m=ASTRAY_M + 0.1)
+    assert (run.progress.state, run.progress.reason) == ("waiting", "visitors are in its way back")
+    assert run.see(people=2, farthest_m=1.5).progress.state == "leading"
+
+
 @pytest.mark.parametrize("state", ["waiting", "searching"])
 def test_in_the_end_it_goes_on_without_and_says_so(state: str) -> None:
     run = looking_back().see(after_s=GOES_BACK_S if state == "searching" else 1.0)
     assert run.progress.state == state
-    run.see(after_s=60.0)
+    run.see(after_s=60.0).see()
+    assert (run.progress.state, run.texts()) == ("waiting", ["Are you still with me?"])
+    looked_around(run)
     assert (run.progress.state, run.texts()) == ("leading", ["I go on with those who are here."])
     assert run.progress.reason == "1 of 2 visitors are seen; it goes on"
     run.see(people=0, driven_m=10.3).see(people=1)
@@ -182,6 +258,21 @@ def test_the_way_back_is_no_new_way() -> None:
     visitors.returns = False
     behind = visitors.around(0.0, Pose2(2.0, 0.0), within_m=2.0, behind=False).behind
     assert behind == pytest.approx(math.pi), "where it came from, not where it was before"
+
+
+def test_a_robot_that_drives_back_another_way_is_astray() -> None:
+    visitors, _ = driven((0.0, 0.0), (4.0, 0.0))
+    assert visitors.astray_m == 0.0
+    visitors.returns = True
+    for step in range(21):
+        visitors.drive(Pose2(4.0 - 0.05 * step, 0.4))
+    assert visitors.astray_m == pytest.approx(0.4, abs=0.1), "it passes somebody"
+    for step in range(41):
+        visitors.drive(Pose2(3.0, 0.4 + 0.05 * step))
+    assert visitors.astray_m == pytest.approx(2.4, abs=0.1)
+    visitors.returns = False
+    visitors.drive(Pose2(3.0, 2.5))
+    assert visitors.astray_m == 0.0, "it is on a new way"
 
 
 def test_a_person_who_is_seen_again_is_one() -> None:

@@ -141,10 +141,42 @@ async def test_it_goes_home_when_all_have_left(tmp_path: Path) -> None:
         await led.until("waiting", limit_s=60)
         await led.until("searching", limit_s=20)
         await led.until("parting", limit_s=90)
-        assert led.said[-3:-1] == ["I am coming back for you.", "I am waiting for you."]
+        waiting, still = ["I am waiting for you."] * 2, ["Are you still with me?"] * 2
+        assert led.said[1:] == ["I am coming back for you.", *waiting, *still]
         assert led.progress.reason == "all visitors have left"
         await led.until("idle")
         assert math.dist((led.robot.x, led.robot.y), (0, 0)) < 0.2
+
+
+@in_virtual_time
+@pytest.mark.parametrize("give_up_s", [20, 60])
+async def test_visitors_who_follow_behind_it_as_it_drives_back_are_found(tmp_path: Path, give_up_s: float) -> None:
+    pace = {"look_back_m": 1.5, "give_up_s": give_up_s}
+    places = PLACES | {"one": Pose2(12.0, 0.0, 0.0)}
+    made = await asyncio.to_thread(LedLab, tmp_path, tour(pace=pace), places)
+    made.visitors = [Visitor(1.5, 0.5), Visitor(1.5, -0.5)]
+    async with made as led:
+
+        def follow() -> None:
+            """They look elsewhere, then come after it wherever it goes, where it does not see."""
+            for side, visitor in enumerate(led.visitors):
+                searching = led.progress.state == "searching"
+                visitor.looks = ("searching" in led.states and not searching) or led.progress.state == "confirming"
+                if searching:
+                    at = led.robot @ Pose2(-1.2, 0.6 * side - 0.3)
+                    visitor.x, visitor.y = at.x, at.y
+
+        led.start()
+        await led.until("confirming")
+        led.press("agree")
+        await led.until("searching", limit_s=120, each=follow)
+        led.detour = (led.robot.x, 15.0)  # they stand in the way that it came
+        await led.until("leading", "parting", limit_s=120, each=follow)
+        assert led.progress.state == "leading", led.progress.reason
+        assert led.robot.y < 2.0, "it did not go far another way"
+        led.detour = None
+        await led.until("idle", limit_s=600, each=follow)
+        assert (led.progress.presented, led.progress.reason) == (("one", "two"), "the tour is over")
 
 
 @in_virtual_time
