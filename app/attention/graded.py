@@ -41,7 +41,7 @@ class Columns:
 
     ``losses`` (criteria × options): by how much one falls short of the best of its group in a criterion, in units of
     ``grain``, which has the greatest common divisor of each row; ``most`` is the first criterion's sum of the best.
-    ``costs`` (constraints × options); ``strategies`` (options × the most that one has) in rising order, then -1.
+    ``costs`` (constraints × options), multiples of the constraint's ``unit``; ``strategies`` (options × the most that one has) in rising order, then -1.
     ``starts`` is the first option of each group, and the end.
     """
 
@@ -49,6 +49,7 @@ class Columns:
     grain: Whole
     most: int
     costs: Whole
+    unit: Whole
     strategies: Whole
     starts: Whole
 
@@ -79,7 +80,12 @@ class Columns:
         for row_, option in zip(strategies, options, strict=True):
             row_[: len(option.strategies)] = option.strategies
         costs = np.array([option.costs for option in options], dtype=np.int64).reshape(len(options), width).T
-        return cls(losses, grain, most, np.ascontiguousarray(costs), strategies, starts)
+        unit = np.maximum(np.gcd.reduce(costs, axis=1, initial=0), 1)
+        return cls(losses, grain, most, np.ascontiguousarray(costs), unit, strategies, starts)
+
+    def usable(self, capacities: Whole) -> Whole:
+        """What can be used of ``capacities``: the rest would only loosen the linear relaxation."""
+        return capacities - capacities % self.unit
 
 
 def solve_graded(
@@ -97,7 +103,7 @@ def solve_graded(
         losses=columns.losses,
         costs=columns.costs,
         strategies=columns.strategies,
-        capacities=np.array(choice.capacities, dtype=np.int64),
+        capacities=columns.usable(np.array(choice.capacities, dtype=np.int64)),
         most=steps_until(deadline),
     )
     if status == 1:
@@ -109,6 +115,6 @@ def solve_graded(
     return None if known is None else ProgramSolution(known.chosen, min(bound, known.bound), False)
 
 
-def steps_until(deadline: float) -> int:
-    """Steps of the search that end before ``deadline`` (of ``time.perf_counter``), or are enough of them."""
-    return int(min(_MOST_STEPS, max(deadline - time.perf_counter(), 0.0) * _STEPS_PER_S))
+def steps_until(deadline: float, most: int = _MOST_STEPS) -> int:
+    """Steps of the search that end before ``deadline`` (of ``time.perf_counter``), at most ``most``."""
+    return int(min(most, max(deadline - time.perf_counter(), 0.0) * _STEPS_PER_S))
