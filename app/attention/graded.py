@@ -41,8 +41,8 @@ class Columns:
 
     ``losses`` (criteria × options): by how much one falls short of the best of its group in a criterion, in units of
     ``grain``, which has the greatest common divisor of each row; ``most`` is the first criterion's sum of the best.
-    ``costs`` (constraints × options), multiples of the constraint's ``unit``; ``strategies`` (options × the most that one has) in rising order, then -1.
-    ``starts`` is the first option of each group, and the end.
+    ``costs`` (constraints × options), multiples of the constraint's ``unit``; ``strategies`` (options × the most that
+    one has) in rising order, then -1. ``starts`` is the first option of each group, and the end.
     """
 
     losses: Whole
@@ -115,6 +115,6 @@ def solve_graded(
     return None if known is None else ProgramSolution(known.chosen, min(bound, known.bound), False)
 
 
-def steps_until(deadline: float, most: int = _MOST_STEPS) -> int:
+def steps_until(deadline: float, most: float = math.inf) -> int:
     """Steps of the search that end before ``deadline`` (of ``time.perf_counter``), at most ``most``."""
-    return int(min(most, max(deadline - time.perf_counter(), 0.0) * _STEPS_PER_S))
+    return int(min(most, _MOST_STEPS, max(deadline - time.perf_counter(), 0.0) * _STEPS_PER_S))

@@ -480,11 +480,10 @@ def level(starts, losses, costs, room, passed, limits, most_loss, found, most): 
         bounds[goal] = guess * unit - base
         finished = False
         number = total = np.int64(0)
-        for attempt in range(2):
-            allowed = min(2_000_000 if attempt == 0 else most, most - steps)
-            total, number, taken = tree(
-                starts, rows, weights, bounds, goal, unit, 500 if attempt == 0 else 16_000, allowed, found
-            )
+        # Most searches are short: a table that takes longer to make than to do without comes later.
+        for most_rows, allowed in ((64, 10_000), (500, 2_000_000), (16_000, most)):
+            allowed = min(allowed, most - steps)
+            total, number, taken = tree(starts, rows, weights, bounds, goal, unit, most_rows, allowed, found)
             steps += taken
             if taken <= allowed:
                 finished = True

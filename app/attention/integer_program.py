@@ -59,10 +59,10 @@ class IntegerProgram:
     """Whole numbers only. Index s counts the strategies kept, k the classes concerned.
 
     ``table`` (s) index in the problem's table; ``cls`` (s) class k; ``utility`` (s) v; ``requires`` (s) {k: l};
-    ``resources`` those that may not suffice; ``costs`` (s) a c of each of them; ``capacities`` their m; ``members`` (k) its s; ``exclusive`` (k) whether they all
-    exclude each other; ``cliques`` (k) where not, groups of them of which at most one can be chosen; ``desired`` {k:
-    u'} with u' > 0; ``needed`` the k that some kept strategy requires; ``security`` the k with z' = 1 kept;
-    ``impossible``: a security class has no strategy at all.
+    ``resources`` those that may not suffice; ``costs`` (s) a c of each of them; ``capacities`` their m; ``members`` (k)
+    its s; ``exclusive`` (k) whether they all exclude each other; ``cliques`` (k) where not, groups of them of which at
+    most one can be chosen; ``desired`` {k: u'} with u' > 0; ``needed`` the k that some kept strategy requires;
+    ``security`` the k with z' = 1 kept; ``impossible``: a security class has no strategy at all.
     """
 
     problem: SelectionProblem

@@ -116,8 +116,8 @@ def _solve_instance(instance: IntegerProgram, deadline: float, firm: bool) -> Pr
 
 
 def foreseen(table: PreparedTable) -> tuple[str, ...]:
-    """The searches that problems over ``table`` may need and that take time to load: for several graded resources, or
-    for many sets of a class's strategies."""
+    """The searches that problems over ``table`` may need and that take time to load: for several graded resources, for
+    the reasons of a large table, or for many sets of a class's strategies."""
     amounts: dict[str, set[int]] = {}
     users: dict[str, set[str]] = {}
     for strategy, costs in zip(table.strategies, table.costs, strict=True):
@@ -127,7 +127,8 @@ def foreseen(table: PreparedTable) -> tuple[str, ...]:
     graded = sum(len(amounts[resource]) > 1 and len(classes) > 1 for resource, classes in users.items())
     if graded > 1:
         return GRADED, CPSAT
-    return () if all(members.exclusive for members in table.members.values()) else (CPSAT,)
+    compiled = (GRADED,) if table.sets is None else ()
+    return compiled if all(members.exclusive for members in table.members.values()) else (*compiled, CPSAT)
 
 
 def load(name: str, deadline: float = math.inf) -> Any:

@@ -13,7 +13,7 @@ from app.attention.branching import SmallProblem, state_small
 from app.attention.desires import GRAIN
 from app.attention.integer_program import Infeasible
 from app.attention.problem import Selection, SelectionProblem
-from app.attention.solver import SolverFailed, load, solve
+from app.attention.solver import GRADED, SolverFailed, load, solve
 from app.attention.strategies import Resource
 from app.messages import Alternative
 
@@ -78,8 +78,6 @@ class Variants:
         self._wants: dict[str, frozenset[str]] = {}
         self._small = _stated(problem)
         self._compiled = self._compile(selection) if self._small is None else None
-        if self._compiled is not None:
-            self._takes_s = 0.0
         self.missing = False
 
     def alternatives(self, cls: str, at_least: float) -> tuple[Alternative, ...]:
@@ -91,7 +89,7 @@ class Variants:
         """The other desires of which any one's absence would give ``cls`` at least that utility."""
         wanted, found = round(at_least * GRAIN), []
         others = self._taking
-        if self._no_time():
+        if self._over() if self._compiled is not None else self._no_time():
             # Only variants solved for other classes are used.
             self.missing = self.missing or not self._without.keys() >= set(others) - {cls}
             others = tuple(self._without)
@@ -143,7 +141,7 @@ class Variants:
             if span.least <= capacity <= span.most:
                 return span.optimum
         optimum = None
-        if self._compiled is not None and not self._no_time():
+        if self._compiled is not None and not self._over():
             found = self._compiled.under(resource, capacity, self._deadline)
             optimum = _Optimum(found[0], {resource: found[1]}) if found is not None else None
         if optimum is None:
@@ -155,7 +153,7 @@ class Variants:
     def _lacking(self, other: str) -> _Optimum | None:
         """The optimum without the desire for ``other``; None if there was no time to find it."""
         known = self._without.get(other)
-        if known is None and self._compiled is not None and other in self._compiled.number and not self._no_time():
+        if known is None and self._compiled is not None and other in self._compiled.number and not self._over():
             got = self._compiled.without(other, self._deadline) if self._problem.desires[other].utility else None
             known = _Optimum(got, {}) if got is not None else None
             if known is not None:
@@ -193,9 +191,9 @@ class Variants:
 
     def _compile(self, selection: Selection) -> CompiledProblem | None:
         """The problem for the compiled search; None where it is not for it, or would not be there in time."""
-        if selection.relaxed or self._no_time():
+        if selection.relaxed or self._over():
             return None
-        if len(self._problem.desires) <= _FEW and _COMPILED not in sys.modules:
+        if len(self._problem.desires) <= _FEW and GRADED not in sys.modules:
             return None
         module = load(_COMPILED, self._deadline)
         compiled: CompiledProblem | None = None
@@ -206,6 +204,10 @@ class Variants:
     def _no_time(self) -> bool:
         """Whether what is left is too little for another: it would only be cut off."""
         return self._deadline - time.perf_counter() <= self._takes_s or self._give_up()
+
+    def _over(self) -> bool:
+        """Whether there is no time at all."""
+        return time.perf_counter() >= self._deadline or self._give_up()
 
     def _optimum(self, selection: Selection) -> _Optimum:
         names = frozenset(selection.strategies)
