@@ -47,7 +47,8 @@ class Variants:
 
     Two facts save most of the work. An optimum under a capacity is the optimum under every smaller one that it fits
     into. And a desire that is not fulfilled takes nothing from others: without it, the optimum is the same. ``missing``
-    becomes True if a requested variant was not solved in time.
+    becomes True if a requested variant was not solved in time; ``bounds`` has the (class, resource) of which an
+    alternative says more than may be needed, for that reason.
     """
 
     def __init__(
@@ -79,6 +80,7 @@ class Variants:
         self._small = _stated(problem)
         self._compiled = self._compile(selection) if self._small is None else None
         self.missing = False
+        self.bounds: set[tuple[str, str]] = set()
 
     def alternatives(self, cls: str, at_least: float) -> tuple[Alternative, ...]:
         """Changes that would give ``cls`` at least that utility: more of one resource, or one desire less."""
@@ -127,6 +129,9 @@ class Variants:
             else:
                 # By halves; but optima change in steps, so a look just below what is enough often ends the search.
                 at = (enough + short) // 2 if halving else enough - grain
+            if at < enough and self._with(resource, at) is None:
+                self.bounds.add((cls, resource))
+                break
             optimum = enough_at(at) if at < enough else best
             halving = optimum is not None
             best, short, most = (best, at, most) if optimum is None else (optimum, short, at)
