@@ -4,6 +4,7 @@ The problem is stated once: with the strategies that cost more than there is, an
 have if it were not desired. A variant is then other capacities, or another range of options of one class.
 """
 
+# mypy: allow-untyped-calls
 from __future__ import annotations
 
 from collections.abc import Mapping

@@ -13,6 +13,7 @@ so ties cost little. All whole numbers, but for the prices, which may be any num
 See Kellerer, Pferschy, Pisinger: *Knapsack Problems* (2004), chapters 9 and 11.
 """
 
+# mypy: allow-untyped-calls
 from __future__ import annotations
 
 import math

@@ -1,4 +1,7 @@
-"""The compiled inner loop of :mod:`app.attention.graded`: depth first over classes, the last of them by a table."""
+"""The compiled search of :mod:`app.attention.graded`: its inner loop (depth first over classes, the last of them by a
+table), and what is around it up to all criteria."""
+
+# mypy: allow-untyped-calls
 
 from __future__ import annotations
 
@@ -455,7 +458,7 @@ def level(starts, losses, costs, room, passed, limits, most_loss, found, most): 
         base += least
         for c in range(starts[k], starts[k + 1]):
             reduced[c] -= least
-    least = max(-(-base // unit), 0)
+    least = max(-(-base // unit), np.int64(0))
     if bits < 8:
         return 2, least, 0, 0, 0, reduced
     goal = limits.shape[0]

@@ -29,10 +29,9 @@ def explain(
     """A reason for each desired class, in the problem's order.
 
     Alternatives are searched for the unfulfilled classes first, then by falling intensity, until the time is over (0:
-    none are searched); a reason without a complete search has ``searched`` False, and an amount that is enough, but may not
-    be the least, is "at most" that in the text. ``resources`` gives the units of the
-    texts. ``give_up`` is called before each step; True ends the search. Call it beside the event loop. Raises
-    InvalidProblem.
+    none are searched); a reason without a complete search has ``searched`` False, and an amount that is enough but may
+    not be the least is "at most" that in the text. ``resources`` gives the units of the texts. ``give_up`` is called
+    before each step; True ends the search. Call it beside the event loop. Raises InvalidProblem.
     """
     deadline = time.perf_counter() + time_limit_s
     problem = problem.with_table()

@@ -213,8 +213,7 @@ def test_an_amount_not_known_to_be_the_least_is_said_to_be_a_bound(most: int, of
     """After ``most`` variants the search is given up."""
     p = problem([desire("GoTo", 8), desire("LocateFaces", 8)], TABLE_4_4, CPU)
     asked = iter(range(10_000))
-    reason = explain(p, solve(p), time_limit_s=60, resources=RESOURCES, give_up=lambda: next(asked) >= most)[
-        "LocateFaces"
-    ]
+    reasons = explain(p, solve(p), time_limit_s=60, resources=RESOURCES, give_up=lambda: next(asked) >= most)
+    reason = reasons["LocateFaces"]
     assert reason.text.partition("; ")[2] == offer
     assert reason.searched is searched
