@@ -3,7 +3,8 @@
 Cases: Tableau 4.4 with all seven desires; K classes of four strategies (φ 1, 2, 4, 8; utility 8/φ; CPU 5–40 % divided
 by φ) that all contend for half the CPU they would take at full rate, some for a few single-slot actuators too; the same
 with several such resources, 20 problems of each kind, in CPU time. *Reasons* are what `explain` finds for each desire
-after the solution.
+after the solution, over 20 problems of each kind too; *each variant searched for itself* is the same without the compiled
+search, where a changed problem is stated and solved as if it were new.
 
 Two peers run beside it. *Direct* is what one writes first: equations 4.4–4.10 with free products f·a, handed to CP-SAT
 as it comes; it finds Ω only. *Tuned* is our own formulation for CP-SAT (one worker, ``linearization_level=2``, f_k tied

@@ -14,7 +14,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
-from app.attention.branching import solve_small
+from app.attention.branching import MOST_SETS_TOGETHER, solve_small
 from app.attention.class_options import list_options
 from app.attention.integer_program import Infeasible, IntegerProgram, ProgramSolution, build_integer_program
 from app.attention.prepared import InvalidProblem, PreparedTable
@@ -127,7 +127,8 @@ def foreseen(table: PreparedTable) -> tuple[str, ...]:
     graded = sum(len(amounts[resource]) > 1 and len(classes) > 1 for resource, classes in users.items())
     if graded > 1:
         return GRADED, CPSAT
-    compiled = (GRADED,) if table.sets is None else ()
+    together = math.prod(1 + len(members.all) for members in table.members.values())
+    compiled = (GRADED,) if together > MOST_SETS_TOGETHER else ()
     return compiled if all(members.exclusive for members in table.members.values()) else (*compiled, CPSAT)
 
 
