@@ -138,7 +138,8 @@ def search(offsets, options, levels, tail, cells, grid, prices, limits, found, u
 )
 def prices(starts, losses, costs, room, most):  # type: ignore[no-untyped-def]
     """The constraints' prices in the linear relaxation, in loss per unit, and whether there are (0), no selection fits
-    (1), or ``most`` pivots were not enough (2: any prices ≥ 0 bound the loss, these less well).
+    (1), or neither is known after ``most`` pivots or for want of precision (2: any prices ≥ 0 bound the loss, these
+    less well).
 
     Columns ``starts[k]`` to ``starts[k + 1]`` are the options of class k, of which the relaxation takes one in all. A
     row of ``costs`` has what each uses of a constraint; ``room`` is what there is. Losses are at least 0.
@@ -227,7 +228,23 @@ def prices(starts, losses, costs, room, most):  # type: ignore[no-untyped-def]
                 if here < ratio - 1e-12 or (here <= ratio + 1e-12 and slope < steepest):
                     ratio, steepest, entering, of = min(here, ratio), slope, j, -1
         if entering < 0:
-            return price, 1
+            # Farkas: at these weights even the least that all classes take is more than there is. Checked anew, for
+            # what was updated many times is not exact.
+            short = size_ = 0.0
+            for j in range(width):
+                weight = max(inverse[row, j], 0.0)
+                short -= weight * room[j]
+                size_ += weight * abs(room[j])
+            for k in range(classes):
+                least = np.inf
+                for c in range(starts[k], starts[k + 1]):
+                    total = 0.0
+                    for j in range(width):
+                        total += max(inverse[row, j], 0.0) * costs[j, c]
+                    least = min(least, total)
+                short += least
+                size_ += abs(least)
+            return price, 1 if short > 1e-9 * size_ else 2
         for j in range(width):
             price[j] += ratio * inverse[row, j]
         for c in range(size):
@@ -240,6 +257,8 @@ def prices(starts, losses, costs, room, most):  # type: ignore[no-untyped-def]
                 for j in range(width):
                     total += inverse[i, j] * (costs[j, entering] - costs[j, key[of]])
                 column[i] = total
+        if abs(column[row]) < 1e-12:
+            return price, 2
         for j in range(width):
             inverse[row, j] /= column[row]
         for i in range(width):
