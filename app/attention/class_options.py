@@ -70,10 +70,12 @@ def list_options(
         if with_idle:
             idle.append(_efficient(others))
     capacities = (*instance.capacities, *(0 for _ in needed))
+    # A class whose desire is gone may no longer fill what others require.
+    either = [group + others for group, others in zip(groups, idle, strict=True)] if with_idle else groups
     binding = [
         j
         for j, capacity in enumerate(capacities)
-        if sum(max(option[1][j] for option in group) for group in groups) > capacity
+        if sum(max(option[1][j] for option in group) for group in either) > capacity
     ]
     resources = [j for j in binding if j < len(instance.capacities)]
     best = sum(group[0][0] for group in groups)

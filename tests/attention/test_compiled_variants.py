@@ -167,3 +167,17 @@ def test_prices_are_those_of_the_linear_relaxation(seed: int) -> None:
         assert price.min() >= -1e-9
         bound = np.minimum.reduceat(losses + price @ costs, starts[:-1]).sum() - price @ room
         assert bound == pytest.approx(answer.fun, abs=1e-6)
+
+
+def test_a_dependency_that_security_always_fills_binds_once_that_desire_is_gone() -> None:
+    table = (
+        Strategy("a", "A", 4, requires={"C": 1}, costs={"cpu": 10}),
+        Strategy("c", "C", 2, costs={"cpu": 95}),
+        Strategy("b", "B", 1, costs={"cpu": 60}),
+    )
+    p = problem([desire("A", 1), desire("B", 8), desire("C", 1, security=True)], table, CPU)
+    model = compile_problem(p, FOREVER)
+    assert model is not None
+    found = model.without("C", FOREVER)
+    assert found is not None
+    assert positive(found) == by_exhaustion(p.without("C"))[0] == {"B": 1000}
