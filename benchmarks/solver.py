@@ -3,7 +3,7 @@
 Cases: Tableau 4.4 with all seven desires; K classes of four strategies (φ 1, 2, 4, 8; utility 8/φ; CPU 5–40 % divided
 by φ) that all contend for half the CPU they would take at full rate, some for a few single-slot actuators too; the same
 with several such resources, 20 problems of each kind, in CPU time. *Reasons* are what `explain` finds for each desire
-after the solution, over 20 problems of each kind too (at 200 strategies with four graded resources over 3, at 500 over 8);
+after the solution, over 20 problems of each kind too (200 strategies with four graded resources: 3; 500 strategies: 8);
 *each variant searched for itself* is the same without the compiled search, each changed problem being stated anew.
 
 Two peers run beside it. *Direct* is what one writes first: equations 4.4–4.10 with free products f·a, handed to CP-SAT
