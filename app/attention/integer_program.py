@@ -19,7 +19,8 @@ By 3 to 5 no selection contains strategies that serve nothing: without them it i
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -58,10 +59,10 @@ class IntegerProgram:
     """Whole numbers only. Index s counts the strategies kept, k the classes concerned.
 
     ``table`` (s) index in the problem's table; ``cls`` (s) class k; ``utility`` (s) v; ``requires`` (s) {k: l};
-    ``costs`` (s) a c per limited resource; ``capacities`` m; ``members`` (k) its s; ``exclusive`` (k) whether they all
-    exclude each other; ``cliques`` (k) where not, groups of them of which at most one can be chosen; ``desired`` {k:
-    u'} with u' > 0; ``needed`` the k that some kept strategy requires; ``security`` the k with z' = 1 kept;
-    ``impossible``: a security class has no strategy at all.
+    ``resources`` those that may not suffice; ``costs`` (s) a c of each of them; ``capacities`` their m; ``members`` (k)
+    its s; ``exclusive`` (k) whether they all exclude each other; ``cliques`` (k) where not, groups of them of which at
+    most one can be chosen; ``desired`` {k: u'} with u' > 0; ``needed`` the k that some kept strategy requires;
+    ``security`` the k with z' = 1 kept; ``impossible``: a security class has no strategy at all.
     """
 
     problem: SelectionProblem
@@ -70,6 +71,7 @@ class IntegerProgram:
     cls: tuple[int, ...]
     utility: tuple[int, ...]
     requires: tuple[dict[int, int], ...]
+    resources: tuple[str, ...]
     costs: tuple[tuple[int, ...], ...]
     capacities: tuple[int, ...]
     members: tuple[tuple[int, ...], ...]
@@ -106,13 +108,17 @@ class IntegerProgram:
         return round((millionths + self.omega_offset) / 1e6, 6)
 
 
-def build_integer_program(problem: SelectionProblem, *, relaxed: frozenset[str] = frozenset()) -> IntegerProgram:
-    """The whole-number form of ``problem``; γ4 is dropped for the classes in ``relaxed``. Raises InvalidProblem."""
+def build_integer_program(
+    problem: SelectionProblem, *, relaxed: frozenset[str] = frozenset(), roomier: bool = False
+) -> IntegerProgram:
+    """The whole-number form of ``problem``; γ4 is dropped for the classes in ``relaxed``. Raises InvalidProblem.
+
+    ``roomier``: it shall serve greater capacities too, so strategies that cost more than there is are kept."""
     desires = problem.desires
     table = problem.table
     inhibited = {cls for cls, desire in desires.items() if desire.utility == 0}
     limits = {name: thousandths(value, "the capacity of ", name) for name, value in problem.capacities.items()}
-    kept = _useful(problem, table, inhibited, limits)
+    kept = _useful(problem, table, inhibited, dict.fromkeys(limits, math.inf) if roomier else limits)
     number: dict[str, int] = {}
     for index in kept:
         number.setdefault(table.strategies[index].cls, len(number))
@@ -164,6 +170,7 @@ def build_integer_program(problem: SelectionProblem, *, relaxed: frozenset[str] 
         cls=cls,
         utility=utility,
         requires=requires,
+        resources=tuple(binding),
         costs=tuple(tuple(costs.get(r, 0) for r in binding) for costs in cost_of),
         capacities=tuple(limits[r] for r in binding),
         members=tuple(tuple(group) for group in members),
@@ -259,7 +266,9 @@ def _combined(
     return fulfil, serve, pay, top, shift
 
 
-def _useful(problem: SelectionProblem, table: PreparedTable, inhibited: set[str], limits: dict[str, int]) -> list[int]:
+def _useful(
+    problem: SelectionProblem, table: PreparedTable, inhibited: set[str], limits: Mapping[str, float]
+) -> list[int]:
     """Indices of the strategies that may serve: of desired classes, and of what those require, over any distance.
 
     Raises InvalidProblem for one that costs what there is nothing of.

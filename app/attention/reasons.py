@@ -29,9 +29,9 @@ def explain(
     """A reason for each desired class, in the problem's order.
 
     Alternatives are searched for the unfulfilled classes first, then by falling intensity, until the time is over (0:
-    none are searched); a reason without a complete search has ``searched`` False. ``resources`` gives the units of the
-    texts. ``give_up`` is called before each step; True ends the search. Call it beside the event loop. Raises
-    InvalidProblem.
+    none are searched); a reason without a complete search has ``searched`` False, and an amount that is enough but may
+    not be the least is "at most" that in the text. ``resources`` gives the units of the texts. ``give_up`` is called
+    before each step; True ends the search. Call it beside the event loop. Raises InvalidProblem.
     """
     deadline = time.perf_counter() + time_limit_s
     problem = problem.with_table()
@@ -85,7 +85,8 @@ def _reason(facts: _Facts, desire: Desire, variants: Variants | None) -> Reason:
         return Reason("fulfilled", got, wanted, best, f"fulfilled at its best ({got:g}) by {by}")
     why = "" if got else _obstacle(facts, desire, best)
     alternatives, searched = _alternatives(facts, desire, got=got, best=best, why=why, variants=variants)
-    offer = " or ".join(_words(alternative) for alternative in alternatives)
+    bounds = variants.bounds if variants is not None else frozenset()
+    offer = " or ".join(_words(alternative, (cls, alternative.resource) in bounds) for alternative in alternatives)
     if got:
         text = f"fulfilled at {got:g} of {best:g} by {by}"
         if offer:
@@ -152,10 +153,10 @@ def _inhibitors(facts: _Facts, cls: str) -> list[str]:
     return sorted(required & facts.inhibited)
 
 
-def _words(alternative: Alternative) -> str:
-    """``with 18 % more cpu``, ``without LocateVoices``."""
+def _words(alternative: Alternative, bound: bool) -> str:
+    """``with 18 % more cpu``; ``with at most 62 % more cpu`` if it is a ``bound``; ``without LocateVoices``."""
     if alternative.kind == "without":
         return f"without {alternative.without}"
     unit = alternative.unit.partition(" of ")[0]
     amount = f"{alternative.amount:g} {unit}".strip()
-    return f"with {amount} more {alternative.resource}"
+    return f"with {'at most ' if bound else ''}{amount} more {alternative.resource}"

@@ -14,7 +14,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
-from app.attention.branching import solve_small
+from app.attention.branching import MOST_SETS_TOGETHER, solve_small
 from app.attention.class_options import list_options
 from app.attention.integer_program import Infeasible, IntegerProgram, ProgramSolution, build_integer_program
 from app.attention.prepared import InvalidProblem, PreparedTable
@@ -116,8 +116,8 @@ def _solve_instance(instance: IntegerProgram, deadline: float, firm: bool) -> Pr
 
 
 def foreseen(table: PreparedTable) -> tuple[str, ...]:
-    """The searches that problems over ``table`` may need and that take time to load: for several graded resources, or
-    for many sets of a class's strategies."""
+    """The searches that problems over ``table`` may need and that take time to load: for several graded resources, for
+    the reasons of a large table, or for many sets of a class's strategies."""
     amounts: dict[str, set[int]] = {}
     users: dict[str, set[str]] = {}
     for strategy, costs in zip(table.strategies, table.costs, strict=True):
@@ -127,7 +127,9 @@ def foreseen(table: PreparedTable) -> tuple[str, ...]:
     graded = sum(len(amounts[resource]) > 1 and len(classes) > 1 for resource, classes in users.items())
     if graded > 1:
         return GRADED, CPSAT
-    return () if all(members.exclusive for members in table.members.values()) else (CPSAT,)
+    together = math.prod(1 + len(members.all) for members in table.members.values())
+    compiled = (GRADED,) if together > MOST_SETS_TOGETHER else ()
+    return compiled if all(members.exclusive for members in table.members.values()) else (*compiled, CPSAT)
 
 
 def load(name: str, deadline: float = math.inf) -> Any:

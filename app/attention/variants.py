@@ -3,17 +3,26 @@ solved until a deadline, each once for all classes."""
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
 
 from app.attention.branching import SmallProblem, state_small
 from app.attention.desires import GRAIN
 from app.attention.integer_program import Infeasible
 from app.attention.problem import Selection, SelectionProblem
-from app.attention.solver import SolverFailed, solve
+from app.attention.solver import GRADED, SolverFailed, load, solve
 from app.attention.strategies import Resource
 from app.messages import Alternative
+
+if TYPE_CHECKING:
+    from app.attention.compiled_variants import CompiledProblem
+
+_COMPILED: Final = "app.attention.compiled_variants"
+_FEW: Final = 20
+"""Desires whose reasons are found sooner than the compiled search is loaded, where it is not yet."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +47,8 @@ class Variants:
 
     Two facts save most of the work. An optimum under a capacity is the optimum under every smaller one that it fits
     into. And a desire that is not fulfilled takes nothing from others: without it, the optimum is the same. ``missing``
-    becomes True if a requested variant was not solved in time.
+    becomes True if a requested variant was not solved in time; ``bounds`` has the (class, resource) of which an
+    alternative says more than may be needed, for that reason.
     """
 
     def __init__(
@@ -68,7 +78,9 @@ class Variants:
         )
         self._wants: dict[str, frozenset[str]] = {}
         self._small = _stated(problem)
+        self._compiled = self._compile(selection) if self._small is None else None
         self.missing = False
+        self.bounds: set[tuple[str, str]] = set()
 
     def alternatives(self, cls: str, at_least: float) -> tuple[Alternative, ...]:
         """Changes that would give ``cls`` at least that utility: more of one resource, or one desire less."""
@@ -79,7 +91,7 @@ class Variants:
         """The other desires of which any one's absence would give ``cls`` at least that utility."""
         wanted, found = round(at_least * GRAIN), []
         others = self._taking
-        if self._no_time():
+        if self._over() if self._compiled is not None else self._no_time():
             # Only variants solved for other classes are used.
             self.missing = self.missing or not self._without.keys() >= set(others) - {cls}
             others = tuple(self._without)
@@ -95,6 +107,9 @@ class Variants:
         total = self._table.totals.get(resource, 0)
         if total <= capacity or resource not in self._wanted_by(cls):
             return None
+        if self._compiled is not None and resource not in self._compiled.row:
+            # There is enough of it, whatever is selected.
+            return None
         grain = max(capacity // 100, 1)
 
         def enough_at(most: int) -> _Optimum | None:
@@ -106,14 +121,17 @@ class Variants:
         best = enough_at(total)
         if best is None:
             return None
-        short, most, halving = capacity, total, True
+        short, most, halving = capacity, min(total, best.use[resource]), True
         while (enough := best.use[resource]) - short > grain and most - short > grain:
-            if self._small is not None:
+            if self._small is not None or self._compiled is not None:
                 # By halves of what there could be at most: other classes then ask for the same amounts.
                 at = (most + short) // 2
             else:
                 # By halves; but optima change in steps, so a look just below what is enough often ends the search.
                 at = (enough + short) // 2 if halving else enough - grain
+            if at < enough and self._with(resource, at) is None:
+                self.bounds.add((cls, resource))
+                break
             optimum = enough_at(at) if at < enough else best
             halving = optimum is not None
             best, short, most = (best, at, most) if optimum is None else (optimum, short, at)
@@ -127,7 +145,12 @@ class Variants:
         for span in spans:
             if span.least <= capacity <= span.most:
                 return span.optimum
-        optimum = self._solved(self._problem.with_capacity(resource, capacity / GRAIN), self._small)
+        optimum = None
+        if self._compiled is not None and not self._over():
+            found = self._compiled.under(resource, capacity, self._deadline)
+            optimum = _Optimum(found[0], {resource: found[1]}) if found is not None else None
+        if optimum is None:
+            optimum = self._solved(self._problem.with_capacity(resource, capacity / GRAIN), self._small)
         if optimum is not None:
             spans.append(_span(optimum, resource, capacity))
         return optimum
@@ -135,6 +158,11 @@ class Variants:
     def _lacking(self, other: str) -> _Optimum | None:
         """The optimum without the desire for ``other``; None if there was no time to find it."""
         known = self._without.get(other)
+        if known is None and self._compiled is not None and other in self._compiled.number and not self._over():
+            got = self._compiled.without(other, self._deadline) if self._problem.desires[other].utility else None
+            known = _Optimum(got, {}) if got is not None else None
+            if known is not None:
+                self._without[other] = known
         if known is None:
             changed = self._problem.without(other)
             known = self._solved(changed, _stated(changed) if self._small else None)
@@ -166,9 +194,25 @@ class Variants:
         self._takes_s = min(self._takes_s or took, took)
         return self._optimum(selection)
 
+    def _compile(self, selection: Selection) -> CompiledProblem | None:
+        """The problem for the compiled search; None where it is not for it, or would not be there in time."""
+        if selection.relaxed or self._over():
+            return None
+        if len(self._problem.desires) <= _FEW and GRADED not in sys.modules:
+            return None
+        module = load(_COMPILED, self._deadline)
+        compiled: CompiledProblem | None = None
+        if module is not None:
+            compiled = module.compile_problem(self._problem, self._deadline)
+        return compiled
+
     def _no_time(self) -> bool:
         """Whether what is left is too little for another: it would only be cut off."""
         return self._deadline - time.perf_counter() <= self._takes_s or self._give_up()
+
+    def _over(self) -> bool:
+        """Whether there is no time at all."""
+        return time.perf_counter() >= self._deadline or self._give_up()
 
     def _optimum(self, selection: Selection) -> _Optimum:
         names = frozenset(selection.strategies)

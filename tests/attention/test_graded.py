@@ -131,7 +131,6 @@ def test_what_is_no_better_is_not_looked_for(seed: int, monkeypatch: pytest.Monk
     """200 strategies for half of each of four resources: once the best is found, little is left to look at. Counted in
     steps; that any fraction of a loss less was looked for took over a hundred times as many."""
     monkeypatch.setattr("app.attention.graded._MOST_STEPS", 3_000_000)
-    monkeypatch.setattr("app.attention.graded._ROWS", ((500, 1_000_000), (16_000, 3_000_000)))
     chance = random.Random(seed)
     full = dict.fromkeys(("r0", "r1", "r2", "r3"), 0.0)
     table: list[Strategy] = []

@@ -199,3 +199,21 @@ def test_a_search_given_up_offers_nothing_it_has_not_checked() -> None:
     p = problem([desire("GoTo", 8), desire("LocateFaces", 8)], TABLE_4_4, CPU)
     selection = solve(p)
     assert explain(p, selection, time_limit_s=60, give_up=lambda: True) == explain(p, selection, time_limit_s=0)
+
+
+@pytest.mark.parametrize(
+    ("most", "offer", "searched"),
+    [
+        (0, "", False),
+        (1, "would get 8 with at most 10 % more cpu", False),
+        (100, "would get 8 with 10 % more cpu or without GoTo", True),
+    ],
+)
+def test_an_amount_not_known_to_be_the_least_is_said_to_be_a_bound(most: int, offer: str, searched: bool) -> None:
+    """After ``most`` variants the search is given up."""
+    p = problem([desire("GoTo", 8), desire("LocateFaces", 8)], TABLE_4_4, CPU)
+    asked = iter(range(10_000))
+    reasons = explain(p, solve(p), time_limit_s=60, resources=RESOURCES, give_up=lambda: next(asked) >= most)
+    reason = reasons["LocateFaces"]
+    assert reason.text.partition("; ")[2] == offer
+    assert reason.searched is searched

@@ -80,6 +80,9 @@ test("names and sentences of the program are translated, with what is in them", 
     "satisfait à 4 sur 8 par locate-near-faces-1\u202f; aurait 8 avec 28,8 % de plus de CPU",
   );
   expect(langOf(text)).toBeUndefined();
+  expect(fromRobot(text.replace("with 28.8", "with at most 62"))).toBe(
+    "satisfait à 4 sur 8 par locate-near-faces-1\u202f; aurait 8 avec au plus 62 % de plus de CPU",
+  );
   expect(fromRobot("motivation ScenarioCoordinator desires LocateFaces (intensity 8, utility 1)")).toBe(
     "la motivation Coordinateur du scénario désire Localiser les visages (intensité 8, utilité 1)",
   );
