@@ -111,7 +111,7 @@ def test_every_rule_that_a_form_can_break_has_its_french() -> None:
     assert rest.__name__, "all routes are there"
     classes = desire_classes(load_configuration(config_dir() / "lab.yaml")).values()
     rules = french()["rules"]
-    models = [Tour, *requests(), *(kind.parameters for kind in classes)]
+    models: list[type[BaseModel]] = [Tour, *requests(), *(kind.parameters for kind in classes)]
     assert len(models) > 50
     kinds: set[str] = set()
     for schema in (part for model in models for part in schemas_in(model.__pydantic_core_schema__)):
