@@ -43,8 +43,8 @@ BLOCK_UNTIL = """() => void setTimeout(() => {
     }
     window.over = true;
 })"""
-#: Blocks it for so long; on a busy computer once more, for longer. Firefox goes on with its timers while it waits for an
-#: answer: there it must not wait.
+#: Blocks it for so long; on a busy computer once more, for longer. Firefox goes on with its timers while it waits for
+#: an answer: there it must not wait.
 BLOCK_FOR_S = (3, 20)
 BLOCK_FOR = """() => void setTimeout(() => {
     FIRST
@@ -162,7 +162,9 @@ async def stopped_while_blocked(
         return bool(await page.evaluate("window.outcome") == "stopped while blocked")
     blocked = time.monotonic()
     await page.evaluate(BLOCK_FOR.replace("FIRST", first).replace("SECONDS", str(seconds)))
-    while not (meanwhile := stopped()) and time.monotonic() < blocked + seconds:
+    while not (meanwhile := stopped()):
+        if time.monotonic() > blocked + seconds:
+            break
         await asyncio.sleep(0.05)
     await over(page)
     return meanwhile
