@@ -34,8 +34,8 @@ HURRIED = (
     "tests/program/test_system.py",
 )
 
-#: Tests against the clock that go once all patient ones have ended, beside the last hurried ones and those that need
-#: ROS 2 alone. So many that both end at about the same time: what `make test` says that its parts took, says which files
+#: Tests against the clock that go once all patient ones have ended, beside the last hurried ones and those of ROS 2
+#: alone. So many that both end at about the same time: what `make test` says that its parts took, says which files
 #: to move.
 AFTERWARDS = (
     "tests/commands/test_run.py",
