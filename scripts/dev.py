@@ -64,6 +64,7 @@ def main() -> int:
     parser.add_argument("arguments", nargs=argparse.REMAINDER, help="handed on to hbba run, pytest or the benchmarks")
     args = parser.parse_args()
     os.chdir(ROOT)
+    keep_bytecode()
     try:
         if args.task == "clean":
             return clean()
@@ -107,6 +108,16 @@ def main() -> int:
         return 1
     except KeyboardInterrupt:
         return 130
+
+
+def keep_bytecode() -> None:
+    """Have all that is started keep its bytecode, in ``.venv`` where the environment wants none beside the sources.
+
+    Packages are installed without it: each start of the program would compile three thousand files again, which takes
+    longer than the start itself, and the tests start it some fifty times.
+    """
+    if os.environ.pop("PYTHONDONTWRITEBYTECODE", ""):
+        os.environ.setdefault("PYTHONPYCACHEPREFIX", str(VENV / "bytecode"))
 
 
 # --- Set-up ------------------------------------------------------------------------------------------------------
