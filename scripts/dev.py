@@ -64,6 +64,7 @@ def main() -> int:
     parser.add_argument("arguments", nargs=argparse.REMAINDER, help="handed on to hbba run, pytest or the benchmarks")
     args = parser.parse_args()
     os.chdir(ROOT)
+    keep_bytecode()
     try:
         if args.task == "clean":
             return clean()
@@ -100,13 +101,23 @@ def main() -> int:
         if args.task == "check-sources":
             return check_sources()
         if args.task == "test-others":
-            return test_others(args.arguments)
+            return test_others()
         return test(args.arguments)
     except SetupFailed as failure:
         sys.stderr.write(f"\n{failure}\n")
         return 1
     except KeyboardInterrupt:
         return 130
+
+
+def keep_bytecode() -> None:
+    """Have all that is started keep its bytecode, in ``.venv`` where the environment wants none beside the sources.
+
+    Packages are installed without it: each start of the program would compile three thousand files again, which takes
+    longer than the start itself, and the tests start it some fifty times.
+    """
+    if os.environ.pop("PYTHONDONTWRITEBYTECODE", ""):
+        os.environ.setdefault("PYTHONPYCACHEPREFIX", str(VENV / "bytecode"))
 
 
 # --- Set-up ------------------------------------------------------------------------------------------------------
@@ -358,15 +369,15 @@ def test(arguments: list[str]) -> int:
     os.environ.update(dict.fromkeys(suite.SINGLE, "1"))
     if arguments:
         return run([PYTHON, "-m", "pytest", *arguments])
+    os.environ.setdefault(suite.EXAMPLES, suite.SHARE)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # so that nothing of ours goes on without us
     with (
         alongside.alongside([*suite.GIVING_WAY, PYTHON, __file__, "check-sources"]) as sources,
-        alongside.alongside([PYTHON, __file__, "test-others", *([ros] if ros else [])]) as others,
+        alongside.alongside([PYTHON, __file__, "test-others"]) as others,
     ):
         say("running tests that run against the clock; beside them lint, the page's tests and all others")
         parts = Parts()
-        with parts.timed("tests against the clock"):
-            hurried = run(suite.hurried(PYTHON))
+        hurried = test_against_the_clock(ros, parts)
         say("lint and the page's tests:")
         checked = sources.show()
         say("the others, while they go on:" if others.running() else "the others:")
@@ -393,22 +404,29 @@ def set_up_ros(parts: Parts) -> Path | None:
         raise SetupFailed(str(failure)) from None
 
 
-def test_others(arguments: list[str]) -> int:
-    """All patient tests, then the rest of those against the clock, then those that need ROS 2.
+def test_against_the_clock(ros: Path | None, parts: Parts) -> int:
+    """The hurried tests, then those that need ROS 2, timed in ``parts``.
 
-    ``arguments``: the interpreter that has ROS 2; empty: the wheels are not for this computer.
+    ``ros``: the interpreter that has ROS 2; None: the wheels are not for this computer.
     """
+    with parts.timed("tests against the clock"):
+        status = run(suite.hurried(PYTHON))
+    driven = 0
+    if ros is not None:
+        with parts.timed("robots over ROS 2"):
+            driven = run([ros, "-m", "pytest", "-p", "no:cacheprovider", *ros_environment.TESTS])
+    return status or driven
+
+
+def test_others() -> int:
+    """All patient tests, then the rest of those against the clock."""
     parts = Parts()
     with parts.timed("patient tests"):
         status = run(suite.patient(PYTHON, min(os.cpu_count() or 1, 4)))
     with parts.timed("the rest against the clock"):
         rest = run(suite.afterwards(PYTHON))
-    driven = 0
-    for ros in arguments:
-        with parts.timed("robots over ROS 2"):
-            driven = run([ros, "-m", "pytest", "-p", "no:cacheprovider", *ros_environment.TESTS])
     say(f"the others took: {parts}")
-    return status or rest or driven
+    return status or rest
 
 
 def check_sources() -> int:

@@ -11,6 +11,10 @@ GIVING_WAY = ("nice", "-n", "3")
 #: cost of the tests beside. Read when numpy is loaded, which a plugin of pytest does before any file of ours.
 SINGLE = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
+#: The share of the examples that each property is tried on (tests/conftest.py): in each run others, so that many runs
+#: try many. All of them, and more: HBBA_EXAMPLES=3 make test.
+EXAMPLES, SHARE = "HBBA_EXAMPLES", "0.3"
+
 #: Tests against the clock, or of a browser: these go from the beginning, one after another.
 HURRIED = (
     "tests/browser",
@@ -30,8 +34,9 @@ HURRIED = (
     "tests/program/test_system.py",
 )
 
-#: Tests against the clock that go once all patient ones have ended, beside the last hurried ones alone. So many that
-#: both end at about the same time: what `make test` says that its parts took, says which files to move.
+#: Tests against the clock that go once all patient ones have ended, beside the last hurried ones and those of ROS 2
+#: alone. So many that both end at about the same time: what `make test` says that its parts took, says which files
+#: to move.
 AFTERWARDS = (
     "tests/commands/test_run.py",
     "tests/console/live/test_late_commands.py",

@@ -118,6 +118,8 @@ def report(root: Path, *, listing: bool = False, quiet: bool = False) -> int:
     """
     whole: dict[str, tuple[int, list[Finding]]] = {"app": (0, []), "docs": (0, [])}
     for name, files in groups(root).items():
+        if quiet and name.split("/")[0] not in whole:
+            continue  # it is not printed, and decides nothing
         words, findings = total(files)
         if not quiet:
             print(f"{name:18} {words:7d} words  {len(findings):4d} private  {rate(words, findings):6.1f} per 10,000")

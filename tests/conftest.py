@@ -16,7 +16,7 @@ from types import FrameType
 import pytest
 from _pytest.faulthandler import fault_handler_stderr_fd_key
 from blockbuster import blockbuster_ctx
-from hypothesis import settings
+from hypothesis import is_hypothesis_test, settings
 
 from app.robots.simulated.gl import gl_environment
 
@@ -44,8 +44,17 @@ def _walk_noted(f: FrameType | None) -> Iterator[tuple[FrameType, int]]:
 
 traceback.walk_stack = _walk_noted
 
+#: Of the examples that each property is tried on, the share that is: fewer where many tests run, in each run others.
+EXAMPLES = float(os.environ.get("HBBA_EXAMPLES") or 1)
+
+
+def fewer(examples: int) -> int:
+    """So many, of ``examples``, are tried."""
+    return max(round(EXAMPLES * examples), 3)
+
+
 # No deadline: on a shared computer a slow example says nothing about the program.
-settings.register_profile("house", deadline=None)
+settings.register_profile("house", deadline=None, max_examples=fewer(100))
 settings.load_profile("house")
 
 
@@ -59,8 +68,18 @@ def pytest_configure(config: pytest.Config) -> None:
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Files with slow tests first: where processes share the files, none is left with a long one in the end."""
+    _try_fewer_examples(items)
     long = {item.path for item in items if item.get_closest_marker("slow") is not None}
     items.sort(key=lambda item: item.path not in long)
+
+
+def _try_fewer_examples(items: list[pytest.Item]) -> None:
+    """The share of examples also for tests that say how many they want; hypothesis has no other door to those."""
+    tests = {item.obj for item in items if isinstance(item, pytest.Function) and is_hypothesis_test(item.obj)}
+    for test in tests:
+        own: settings | None = getattr(test, "_hypothesis_internal_use_settings", None)
+        if own is not None and own.max_examples != settings.default.max_examples:
+            test._hypothesis_internal_use_settings = settings(own, max_examples=fewer(own.max_examples))
 
 
 @pytest.hookimpl(wrapper=True)

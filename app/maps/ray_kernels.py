@@ -24,8 +24,9 @@ def cast_grid(occupied, unknown, column, row, angles, reach) -> NDArray[np.float
         i, j = math.floor(column), math.floor(row)
         # Grid traversal (Amanatides and Woo, Eurographics 1987): from one side of a cell to the next.
         si, sj = (1 if c > 0 else -1), (1 if s > 0 else -1)
-        di = abs(1.0 / c) if c != 0.0 else 1e30
-        dj = abs(1.0 / s) if s != 0.0 else 1e30
+        # Bounded: on the side of a cell, infinitely many cells times none would be NaN.
+        di = min(abs(1.0 / c), 1e30) if c != 0.0 else 1e30
+        dj = min(abs(1.0 / s), 1e30) if s != 0.0 else 1e30
         ti = ((i + 1 - column) if c > 0 else (column - i)) * di
         tj = ((j + 1 - row) if s > 0 else (row - j)) * dj
         gone = 0.0

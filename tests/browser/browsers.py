@@ -9,6 +9,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+import pytest
+from playwright.async_api import Browser, Playwright
+
 from app.commands.doctor import find_chromium
 from tests.browser.running import CHROMIUM_ARGUMENTS
 
@@ -45,6 +48,27 @@ def named(operator: str) -> str:
     Asked for its name, a page would lay that question over what a test clicks. An empty page has no storage.
     """
     return f"if (window.origin !== 'null') localStorage.setItem('hbba.operator', {json.dumps(operator)})"
+
+
+class Browsers:
+    """Browsers by name, each launched once, when it is first asked for."""
+
+    def __init__(self, playwright: Playwright) -> None:
+        self._playwright = playwright
+        self._launched: dict[str, Browser] = {}
+
+    async def get(self, name: str) -> Browser:
+        """The browser ``name``, one of :data:`BOTH`; skips the test where it is missing."""
+        if why := missing(name):
+            pytest.skip(why)
+        if name not in self._launched:
+            self._launched[name] = await getattr(self._playwright, name).launch(**launching(name))
+        return self._launched[name]
+
+    async def close(self) -> None:
+        """End all of them."""
+        for browser in self._launched.values():
+            await browser.close()
 
 
 @contextmanager

@@ -7,15 +7,18 @@ with the guard's log turned on: what the wheels were really given, on the clock 
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterator
+import inspect
+from collections.abc import AsyncIterator, Callable, Iterator
 from pathlib import Path
 
 import pytest
+import pytest_asyncio
+from playwright.async_api import async_playwright
 from playwright.sync_api import Browser, Page, Playwright, expect, sync_playwright
 
 from app.commands.doctor import find_chromium
 from app.robots.simulated.gl import check_gl
-from tests.browser.browsers import launching, named
+from tests.browser.browsers import Browsers, launching, named
 from tests.browser.running import LOOPS_DEBUG, Robot, running_robot
 from tests.patience import PATIENCE_MS
 
@@ -25,29 +28,45 @@ expect.set_options(timeout=PATIENCE_MS)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Every test of this folder is a browser test, blocks while it waits for the page, and needs what it drives."""
     here = Path(__file__).parent
+    ours = [item for item in items if here in item.path.parents]
+    # One after another, so that they share a browser, and those of a folder a robot. First those that are coroutines:
+    # they need this thread's event loop, which Playwright holds from the first of the others on.
+    ours.sort(key=lambda item: (not is_coroutine(item), item.path.parent))
+    items[:] = [item for item in items if here not in item.path.parents] + ours
     missing = None if find_chromium() else "Chromium is missing: install Debian's package `chromium`"
     missing = missing or check_gl()
-    for item in items:
-        if here in item.path.parents:
-            item.add_marker(pytest.mark.browser)
-            item.add_marker(pytest.mark.blocking("waits for another process"))
-            if missing:
-                item.add_marker(pytest.mark.skip(reason=missing))
+    for item in ours:
+        item.add_marker(pytest.mark.browser)
+        item.add_marker(pytest.mark.blocking("waits for another process"))
+        if missing:
+            item.add_marker(pytest.mark.skip(reason=missing))
+
+
+def is_coroutine(item: pytest.Item) -> bool:
+    """Whether the test is run by an event loop of the tests."""
+    return isinstance(item, pytest.Function) and inspect.iscoroutinefunction(item.function)
 
 
 @pytest.fixture
 def robot(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Robot]:
-    """A robot of its own for each test; a calm one for the tests of a file that says ``CALM = True``."""
-    with running_robot(tmp_path, calm=getattr(request.module, "CALM", False)) as running:
+    """A robot of its own for each test; a calm and light one for the tests of a file that says ``CALM = True``."""
+    calm = getattr(request.module, "CALM", False)
+    with running_robot(tmp_path, calm=calm, light=calm) as running:
         yield running
 
 
-@pytest.fixture(scope="module")
-def playwright() -> Iterator[Playwright]:
-    """Playwright, driving the system's Chromium.
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
+async def browsers() -> AsyncIterator[Browsers]:
+    """Browsers for a file's coroutines, which run on the file's event loop."""
+    async with async_playwright() as playwright:
+        launched = Browsers(playwright)
+        yield launched
+        await launched.close()
 
-    For one file at a time: while it runs it holds this thread's event loop, which other files' tests need.
-    """
+
+@pytest.fixture(scope="package")
+def playwright() -> Iterator[Playwright]:
+    """Playwright, driving the system's browsers: for this folder alone, as it holds this thread's event loop."""
     with pytest.MonkeyPatch.context() as patch, contextlib.ExitStack() as stack:
         # Its loop runs Playwright's code alone: debugged, each call takes more than twice the processor time.
         patch.setenv(LOOPS_DEBUG, "")
@@ -56,9 +75,9 @@ def playwright() -> Iterator[Playwright]:
         yield running
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="package")
 def browser(playwright: Playwright) -> Iterator[Browser]:
-    """One Chromium for a file's tests."""
+    """One Chromium for all tests: what a page keeps is of its context."""
     chromium = playwright.chromium.launch(**launching("chromium"))
     yield chromium
     chromium.close()

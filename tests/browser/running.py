@@ -40,6 +40,8 @@ CHROMIUM_ARGUMENTS = [
 #: The suite debugs its own loops. A program runs as people run it: debugged, it would be too slow to keep its pace.
 LOOPS_DEBUG = "PYTHONASYNCIODEBUG"
 CALM_PANORAMA_HZ = 2
+#: Of a light robot: rates (Hz) of pictures and scans, and the size of the pictures (px).
+LIGHT_KINECT_HZ, LIGHT_SCAN_HZ, LIGHT_SIZE = 5, 10, {"width": 320, "height": 240}
 
 
 @dataclass(frozen=True)
@@ -88,7 +90,12 @@ class Robot:
 
 @contextmanager
 def running_robot(
-    folder: Path, scenario: Path | None = None, *, calm: bool = False, charge: float | None = None
+    folder: Path,
+    scenario: Path | None = None,
+    *,
+    calm: bool = False,
+    light: bool = False,
+    charge: float | None = None,
 ) -> Iterator[Robot]:
     """``hbba run`` on a free port, its files in ``folder``, with the people of ``scenario``; stopped at the end.
 
@@ -96,9 +103,12 @@ def running_robot(
 
     ``calm``: it desires codes and driving alone, and looks round seldom, so that two cores are enough for world,
     program and browser together where a test is about time.
+
+    ``light``: its camera draws few and small pictures, its laser scans seldom: half of what the robot and its page take
+    of the computer, for tests that are not about what it sees.
     """
     guard_log = folder / "guard.log"
-    program, start = _program(folder, guard_log, scenario, calm=calm, charge=charge)
+    program, start = _program(folder, guard_log, scenario, calm=calm, light=light, charge=charge)
     with running_program(program, guard_log, start) as robot:
         yield robot
 
@@ -134,7 +144,7 @@ def running_program(program: Path, guard_log: Path, start: Pose2, world_file: Pa
 
 
 def _program(
-    folder: Path, guard_log: Path, scenario: Path | None, *, calm: bool, charge: float | None = None
+    folder: Path, guard_log: Path, scenario: Path | None, *, calm: bool, light: bool, charge: float | None
 ) -> tuple[Path, Pose2]:
     """The lab's program with the guard's log turned on, written to ``folder``; and where the robot starts."""
     config = config_dir()
@@ -155,6 +165,8 @@ def _program(
         body["streams"]["panorama"]["rate_hz"] = channels["panorama"]["rate_hz"] = CALM_PANORAMA_HZ
         desires = [{"class": "FindQRCodes"}, {"class": "Teleoperation", "security": True}]
         program["modules"]["ScenarioCoordinator"]["settings"] = {"desires": desires}
+    if light:
+        lighten(body, channels)
     (folder / "robot.yaml").write_text(yaml.safe_dump(body, sort_keys=False))
     (folder / "channels.yaml").write_text(yaml.safe_dump(channels))
     program |= {
@@ -166,6 +178,14 @@ def _program(
     path.write_text(yaml.safe_dump(program))
     start = load_robot_config(folder / "robot.yaml").start
     return path, Pose2(start.x, start.y, math.radians(start.heading_deg))
+
+
+def lighten(body: dict[str, Any], channels: dict[str, Any]) -> None:
+    """Make the robot of ``body`` and the table of its ``channels`` light, in place."""
+    streams = body["streams"]
+    streams["kinect"] |= LIGHT_SIZE
+    streams["kinect"]["rate_hz"] = channels["kinect"]["rate_hz"] = LIGHT_KINECT_HZ
+    streams["hokuyo"]["rate_hz"] = channels["scan"]["rate_hz"] = LIGHT_SCAN_HZ
 
 
 def _read(process: subprocess.Popen[str], lines: queue.Queue[str], output: list[str]) -> None:

@@ -15,7 +15,7 @@ from tests.browser.running import Robot, running_robot
 @pytest.fixture
 def robot(tmp_path: Path) -> Iterator[Robot]:
     """A robot whose battery is very low."""
-    with running_robot(tmp_path, calm=True, charge=0.12) as running:
+    with running_robot(tmp_path, calm=True, light=True, charge=0.12) as running:
         yield running
 
 

@@ -9,14 +9,15 @@ from pathlib import Path
 
 import httpx
 import pytest
+import pytest_asyncio
 from argon2 import PasswordHasher
-from playwright.async_api import Browser, Page, async_playwright, expect
+from playwright.async_api import Browser, Page, expect
 
 from app.console.access.passwords import hash_of
 from app.console.access.roles import Role
 from app.console.app import create_app
 from app.program.system import System
-from tests.browser.browsers import BOTH, launching, missing, named
+from tests.browser.browsers import BOTH, Browsers, named
 from tests.console.places import FakeMapServer, grid
 from tests.console.program import build, served
 from tests.patience import PATIENCE_MS, PATIENCE_S
@@ -27,18 +28,17 @@ PASSWORD = "correct horse"
 TOKEN = "a token of eight or more"
 
 
-@pytest.fixture(params=BOTH)
-async def browser(request: pytest.FixtureRequest) -> AsyncIterator[Browser]:
+# One event loop for the file, as for its browsers. Playwright's code, debugged, would take twice as long.
+pytestmark = [pytest.mark.asyncio(loop_scope="module"), pytest.mark.slow]
+
+
+@pytest_asyncio.fixture(loop_scope="module", params=BOTH)
+async def browser(request: pytest.FixtureRequest, browsers: Browsers) -> Browser:
     """Each browser."""
-    if why := missing(request.param):
-        pytest.skip(why)
-    async with async_playwright() as playwright:
-        launched = await getattr(playwright, request.param).launch(**launching(request.param))
-        yield launched
-        await launched.close()
+    return await browsers.get(request.param)
 
 
-@pytest.fixture
+@pytest_asyncio.fixture(loop_scope="module")
 async def system(tmp_path: Path) -> AsyncIterator[System]:
     """A program whose body the test plays."""
     system, _ = build(tmp_path)

@@ -27,7 +27,7 @@ def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
 
     A calm one: this is about how soon the wheels stop, not about what else the computer can do beside.
     """
-    with running_robot(tmp_path_factory.mktemp("robot"), calm=True) as running:
+    with running_robot(tmp_path_factory.mktemp("robot"), calm=True, light=True) as running:
         yield running
 
 

@@ -16,8 +16,8 @@ from tests.browser.browsers import NO_DISPLAY, display, launching, missing
 from tests.browser.held_keys import hold
 from tests.browser.map_view import map_view
 from tests.browser.running import Robot, running_robot
+from tests.browser.shared_robot.test_scene import STRIKE, frame_of
 from tests.browser.test_driving import moving, wait_for_rest
-from tests.browser.test_scene import STRIKE, frame_of
 from tests.patience import PATIENCE_MS
 
 #: Whether a canvas shows anything: pixels of more than one colour.
@@ -35,7 +35,7 @@ pytestmark = pytest.mark.skipif(missing("firefox") is not None, reason=missing("
 @pytest.fixture(scope="module")
 def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
     """One for the whole file: each test leaves it standing, its stop released."""
-    with running_robot(tmp_path_factory.mktemp("robot"), calm=True) as running:
+    with running_robot(tmp_path_factory.mktemp("robot"), calm=True, light=True) as running:
         yield running
 
 

@@ -12,7 +12,7 @@ from playwright.sync_api import Browser, ConsoleMessage, Locator, Page, Request,
 
 from app.console.access.token import VARIABLE
 from tests.browser.running import Robot, running_robot
-from tests.browser.test_face import until
+from tests.browser.shared_robot.test_face import until
 from tests.patience import PATIENCE_MS
 
 TOKEN = "a token of eight or more"
@@ -23,7 +23,7 @@ def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
     """A robot that asks for the token."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv(VARIABLE, TOKEN)
-        with running_robot(tmp_path_factory.mktemp("robot"), calm=True) as running:
+        with running_robot(tmp_path_factory.mktemp("robot"), calm=True, light=True) as running:
             yield running
 
 

@@ -44,8 +44,8 @@ def test_results_are_written_to_the_current_folder(monkeypatch: pytest.MonkeyPat
 
 
 def test_rows_are_the_only_thing_on_standard_output_for_programs(capfd: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["bench", "solver", "--quick", "--json"]) == 0
+    assert cli.main(["bench", "supervision", "--quick", "--json"]) == 0
     out, err = capfd.readouterr()
     result = json.loads(out)
-    assert {row["benchmark"] for row in result["rows"]} == {"solver"}
-    assert "== solver (1 of 1)" in err
+    assert {row["benchmark"] for row in result["rows"]} == {"supervision"}
+    assert "== supervision (1 of 1)" in err

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from app.maps.grid_rays import GridRays
@@ -41,6 +41,7 @@ def searched(grid: OccupancyGrid, x: float, y: float, direction: float) -> float
 @given(
     x=st.floats(-0.9, 2.7), y=st.floats(-1.9, 1.9), directions=st.lists(st.floats(-3.1, 3.1), min_size=1, max_size=12)
 )
+@example(x=0.0, y=0.0, directions=[-5e-324])  # along the side between two cells, and a hair below it
 def test_rays_meet_what_a_search_of_every_cell_meets(x: float, y: float, directions: list[float]) -> None:
     grid = room()
     cast = GridRays(grid).cast(x, y, np.array(directions), 30.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
@@ -275,3 +276,16 @@ def test_the_page_s_scripts_run_one_after_another_until_one_fails(
     written = capsys.readouterr()
     assert written.out == " 3 passed (3)\n"
     assert "src/a.ts:1:1" in written.err
+
+
+@pytest.mark.parametrize(("unwanted", "folder"), [("", None), ("1", "bytecode")])
+def test_bytecode_is_kept_though_not_beside_the_sources_where_that_is_unwanted(
+    dev: ModuleType, monkeypatch: pytest.MonkeyPatch, unwanted: str, folder: str | None
+) -> None:
+    monkeypatch.setenv("PYTHONPYCACHEPREFIX", "")
+    monkeypatch.delenv("PYTHONPYCACHEPREFIX")
+    monkeypatch.setenv("PYTHONDONTWRITEBYTECODE", unwanted)
+    dev.keep_bytecode()
+    environment = dict(os.environ)
+    assert "PYTHONDONTWRITEBYTECODE" not in environment
+    assert environment.get("PYTHONPYCACHEPREFIX") == (folder and str(dev.VENV / folder))

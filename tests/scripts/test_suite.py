@@ -32,20 +32,40 @@ def test_what_is_hurried_or_comes_afterwards_exists_and_is_left_out_of_the_patie
     assert len(files) == counted, "none runs twice"
 
 
-@pytest.mark.parametrize(("failing", "status"), [(None, 0), ("-n", 1), ("tests/one.py", 1), ("ros", 1)])
-def test_a_failure_of_any_run_is_one_of_all(
-    dev: ModuleType, monkeypatch: pytest.MonkeyPatch, failing: str | None, status: int
-) -> None:
+@pytest.fixture
+def commands(dev: ModuleType, monkeypatch: pytest.MonkeyPatch, failing: str | None) -> list[list[str]]:
+    """What is run instead of tests; a command with the word ``failing`` fails."""
     monkeypatch.setattr(dev.suite, "AFTERWARDS", ("tests/one.py",))
-    commands: list[list[str]] = []
+    ran: list[list[str]] = []
 
     def run(command: list[str], **_: object) -> SimpleNamespace:
-        commands.append(command)
+        ran.append(command)
         # The patient ones leave out the others by options.
         return SimpleNamespace(returncode=int(failing in command))
 
     monkeypatch.setattr(dev.subprocess, "run", run)
-    assert dev.test_others(["ros"]) == status
-    patient, afterwards, _ = commands
+    return ran
+
+
+@pytest.mark.parametrize(("failing", "status"), [(None, 0), ("-n", 1), ("tests/one.py", 1)])
+def test_a_failure_of_any_run_is_one_of_all(dev: ModuleType, commands: list[list[str]], status: int) -> None:
+    assert dev.test_others() == status
+    patient, afterwards = commands
     assert patient[: len(dev.suite.GIVING_WAY)] == list(dev.suite.GIVING_WAY)
     assert "nice" not in afterwards, "they are against the clock"
+
+
+@pytest.mark.parametrize(("failing", "status"), [(None, 0), ("tests/browser", 1), ("ros", 1)])
+def test_robots_over_ros_2_go_after_the_hurried_ones_where_their_wheels_are(
+    dev: ModuleType, commands: list[list[str]], status: int
+) -> None:
+    assert dev.test_against_the_clock(Path("ros"), dev.Parts()) == status
+    hurried, driven = commands
+    assert "tests/browser" in hurried
+    assert driven[0] == "ros"
+
+
+@pytest.mark.parametrize("failing", [None])
+def test_without_their_wheels_robots_over_ros_2_are_left_out(dev: ModuleType, commands: list[list[str]]) -> None:
+    assert dev.test_against_the_clock(None, dev.Parts()) == 0
+    assert len(commands) == 1

@@ -37,7 +37,7 @@ LATE_S = 1.5
 @pytest.fixture(scope="module")
 def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
     """One for the whole file."""
-    with running_robot(tmp_path_factory.mktemp("robot"), calm=True) as running:
+    with running_robot(tmp_path_factory.mktemp("robot"), calm=True, light=True) as running:
         yield running
 
 

@@ -23,7 +23,7 @@ pytestmark = [pytest.mark.slow, needs_gl]
 @pytest.fixture
 def robot(tmp_path: Path) -> Iterator[Robot]:
     """One to be killed."""
-    with running_robot(tmp_path, calm=True) as running:
+    with running_robot(tmp_path, calm=True, light=True) as running:
         yield running
 
 

@@ -3,23 +3,15 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
-import pytest
 from playwright.sync_api import Page, Position, expect
 
-from tests.browser.running import Robot, running_robot
+from tests.browser.running import Robot
 from tests.patience import PATIENCE_S
 
 #: A person who sees the head stand for so long lets go and presses again (s).
 PRESS_AGAIN_S = 5.0
-
-
-@pytest.fixture(scope="module")
-def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
-    """One for the whole file: the head turns to and fro."""
-    with running_robot(tmp_path_factory.mktemp("robot"), calm=True) as running:
-        yield running
 
 
 def pan(robot: Robot) -> float:
@@ -129,3 +121,6 @@ def test_a_click_on_the_picture_turns_the_head_there(robot: Robot, page: Page) -
     desires = robot.get("/desires")["desires"]
     assert [d["params"]["frame"] for d in desires if d["class"] == "LookAt"] == ["odom"]
     expect(page.get_by_test_id("head-state")).to_have_text("LookAt turns the head.")
+    for desire in desires:
+        if desire["class"] == "LookAt":
+            assert robot.request("DELETE", f"/desires/{desire['id']}")[0] == 204

@@ -3,26 +3,16 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from mcap.reader import make_reader
 from playwright.sync_api import Page, TimeoutError, expect
 
-from tests.browser.running import Robot, running_robot
+from tests.browser.running import Robot
 
 #: Whole seconds of the robot, which a busy computer takes longer for.
 RECORD_S = 3
-
-
-@pytest.fixture(scope="module")
-def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
-    """One calm robot for the file, with its own folder of recordings: each test makes and knows its own by name."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("HBBA_RECORDINGS", str(tmp_path_factory.mktemp("recordings")))
-        with running_robot(tmp_path_factory.mktemp("robot"), calm=True) as running:
-            yield running
 
 
 def recorder(page: Page, state: str) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -12,7 +12,6 @@ from playwright.sync_api import Page, expect
 
 from app.base.paths import checkout_dir
 from tests.browser.checks import axe_script, covered_controls, violations
-from tests.browser.running import Robot, running_robot
 
 DESK, PHONE = (1440, 900), (390, 844)
 TABS = ("map", "tour", "found", "load", "events", "recordings", "attention")
@@ -37,13 +36,6 @@ _SAID = """
   return [...said];
 }
 """
-
-
-@pytest.fixture(scope="module")
-def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
-    """One robot for all tests: none changes anything but its page."""
-    with running_robot(tmp_path_factory.mktemp("robot"), calm=True) as running:
-        yield running
 
 
 @pytest.fixture(scope="module")

@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 from playwright.sync_api import Page, expect
 
 from app.console.live.protocol import VP9_DELTA
 from tests.browser.running import Robot
 
-CALM = True
 #: A link on which JPEGs as they come are late.
 SHORT = {"rate_mbit": 0.8}
+
+
+@pytest.fixture(autouse=True)
+def _on_a_short_link(robot: Robot) -> Iterator[None]:
+    """The link is short for these tests alone."""
+    assert robot.request("PUT", "/link", SHORT)[0] == 200
+    yield
+    assert robot.request("PUT", "/link", {})[0] == 200
 
 
 def coded(page: Page, coding: str) -> None:
@@ -42,8 +50,7 @@ def canvas(page: Page) -> NDArray[np.uint8]:
     return np.array(page.evaluate(_PIXELS), np.uint8).reshape(48, 64, 4)[..., :3]
 
 
-def test_pictures_come_as_video_and_show_what_jpegs_show(robot: Robot, open_page: Callable[..., Page]) -> None:
-    robot.request("PUT", "/link", SHORT)
+def test_pictures_come_as_video_and_show_what_jpegs_show(open_page: Callable[..., Page]) -> None:
     page = open_page()
     coded(page, "VP9")
     next_picture(page)
@@ -72,8 +79,7 @@ Worker.prototype.postMessage = function (message, given) {
 """
 
 
-def test_a_decoder_that_fails_gives_way_to_jpegs(robot: Robot, open_page: Callable[..., Page]) -> None:
-    robot.request("PUT", "/link", SHORT)
+def test_a_decoder_that_fails_gives_way_to_jpegs(open_page: Callable[..., Page]) -> None:
     page = open_page()
     page.add_init_script(_SPOIL.replace("CODING", str(VP9_DELTA)))
     page.reload()

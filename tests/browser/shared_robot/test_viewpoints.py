@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
-import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.running import Robot, running_robot
-from tests.browser.test_scene import STRIKE, frame_of
+from tests.browser.running import Robot
+from tests.browser.shared_robot.test_scene import STRIKE, frame_of
 
 KEYS = {
     "Digit2": "aligned",
@@ -19,13 +18,6 @@ KEYS = {
     "Digit7": "map",
     "Digit1": "behind",
 }
-
-
-@pytest.fixture(scope="module")
-def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
-    """One for the whole file: it stands."""
-    with running_robot(tmp_path_factory.mktemp("robot"), calm=True) as running:
-        yield running
 
 
 def test_each_key_brings_the_camera_to_its_viewpoint_wherever_the_keyboard_is(

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
 
-import pytest
 from playwright.sync_api import Page, expect
 
 from tests.browser.held_keys import wait_driving
-from tests.browser.running import Robot, running_robot
+from tests.browser.running import Robot
 from tests.patience import PATIENCE_S
 
 #: What the browser says of a pad: a real one cannot be plugged into a test.
@@ -23,13 +21,6 @@ _PAD = """
 }
 """
 _STANDS = "[data-testid=guard-state]:not([data-state=driving])"
-
-
-@pytest.fixture(scope="module")
-def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
-    """One robot for all tests: each leaves it standing."""
-    with running_robot(tmp_path_factory.mktemp("robot"), calm=True) as running:
-        yield running
 
 
 def choose(page: Page, style: str) -> None:

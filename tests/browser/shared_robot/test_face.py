@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import pytest
 from playwright.sync_api import Browser, ConsoleMessage, Page, WebSocketRoute, expect
 
 from app.modules.behaviors.face.expression import JOINTS
-from tests.browser.running import Robot, running_robot
+from tests.browser.running import Robot
 from tests.patience import PATIENCE_MS
 
 #: Waits, in the page's own frames, until a joint as drawn is above or below a position (rad).
@@ -28,13 +26,6 @@ FANS_DB, VOICE_DB = -50, -40
 LINKS = """window.links = [];
 new MutationObserver(() => window.links.push(document.body.dataset.link)).observe(
   document, { subtree: true, attributes: true, attributeFilter: ["data-link"] });"""
-
-
-@pytest.fixture(scope="module")
-def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
-    """One calm robot for all tests: each withdraws what it desired."""
-    with running_robot(tmp_path_factory.mktemp("robot"), calm=True) as running:
-        yield running
 
 
 def until(page: Page, joint: str, position: float, *, above: bool) -> None:

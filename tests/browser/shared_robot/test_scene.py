@@ -1,14 +1,16 @@
-"""The 3D view's frame: in a process of its own, and its keys drive all the same."""
+"""The 3D view's frame: in a process of its own, and its keys drive all the same.
+
+They turn the robot, which other files share: wherever it looks, there is room to turn.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
-import pytest
 from playwright.sync_api import Frame, Page, expect
 
 from tests.browser.held_keys import hold, wait_driving
-from tests.browser.running import Robot, running_robot
+from tests.browser.running import Robot
 
 SHOWN = "[data-testid=scene][data-state=shown]"
 #: A key of the keyboard, pressed or let go of in the frame itself: the page takes the keyboard back from it at once.
@@ -16,13 +18,6 @@ STRIKE = """([type, code]) => document.body.dispatchEvent(
     new KeyboardEvent(type, {code, key: code, bubbles: true, cancelable: true}))"""
 #: The frame's process hangs, as where it draws; its key is never let go of.
 HANG = "() => void setTimeout(() => { const end = performance.now() + 3000; while (performance.now() < end); })"
-
-
-@pytest.fixture(scope="module")
-def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
-    """One for the whole file; each test drives it a little."""
-    with running_robot(tmp_path_factory.mktemp("robot"), calm=True) as running:
-        yield running
 
 
 def frame_of(page: Page) -> Frame:
@@ -46,8 +41,8 @@ def wait_idle(page: Page) -> None:
 
 
 def hold_in(frame: Frame, page: Page) -> None:
-    """Hold the forward key in the frame until the robot drives."""
-    frame.evaluate(STRIKE, ["keydown", "KeyW"])
+    """Hold the key that turns to the left in the frame until the robot drives."""
+    frame.evaluate(STRIKE, ["keydown", "KeyA"])
     wait_driving(page)
 
 
@@ -62,12 +57,12 @@ def test_the_view_has_its_own_process_and_its_keys_drive_until_they_are_let_go_o
     page.frame_locator("[data-testid=scene] iframe").locator("canvas").first.click()
     page.locator("[data-testid=scene] iframe").focus()
     expect(page.locator("[data-testid=stick]")).to_be_focused()  # the keyboard is back at once
-    hold(page, "KeyW")
-    page.keyboard.up("KeyW")
+    hold(page, "KeyA")
+    page.keyboard.up("KeyA")
     wait_idle(page)
 
     hold_in(frame, page)
-    frame.evaluate(STRIKE, ["keyup", "KeyW"])
+    frame.evaluate(STRIKE, ["keyup", "KeyA"])
     wait_idle(page)
     hold_in(frame, page)
     frame.evaluate("dispatchEvent(new Event('blur'))")

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any
 
 import pytest
 from playwright.sync_api import Page, expect
 
 from tests.browser.checks import axe_script, covered_controls, violations
-from tests.browser.running import Robot, running_robot
 
 #: Phones, tablets, laptops and desks; both ways up.
 SIZES = (
@@ -25,13 +24,6 @@ _DARK_OVER_MAP = """
   return 0.2126 * red + 0.7152 * green + 0.0722 * blue < 128;
 }).map((each) => each.dataset.testid)
 """
-
-
-@pytest.fixture(scope="module")
-def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
-    """One robot for all tests: none changes anything but its page."""
-    with running_robot(tmp_path_factory.mktemp("robot"), calm=True) as running:
-        yield running
 
 
 @pytest.mark.parametrize("scene", [False, True], ids=["camera", "3D"])
