@@ -228,7 +228,7 @@ def prices(starts, losses, costs, room, most):  # type: ignore[no-untyped-def]
                 if here < ratio - 1e-12 or (here <= ratio + 1e-12 and slope < steepest):
                     ratio, steepest, entering, of = min(here, ratio), slope, j, -1
         if entering < 0:
-            # Farkas: at these weights even the least that all classes take is more than there is. Checked anew, for
+            # Farkas: at these weights even the least that all classes take is more than there is. Checked again, for
             # what was updated many times is not exact.
             short = size_ = 0.0
             for j in range(width):
@@ -364,7 +364,7 @@ def tree(starts, rows, weights, limits, goal, unit, most_rows, most, found):  # 
             for c in range(offsets[i], offsets[i + 1]):
                 least, most_ = min(least, options[c, losses + j]), max(most_, options[c, losses + j])
             levels[i, j], levels[i, width + j] = levels[i + 1, j] + least, levels[i + 1, width + j] + most_
-    # Rows in cells by two constraints, each cell ordered by a third: those that tell most of them apart.
+    # Rows in cells by two constraints, each cell ordered by a third: those that separate most of them.
     widest = np.argsort(-apart)
     grid = np.empty(9, np.int64)
     grid[0], grid[8], grid[4] = widest[0], widest[min(1, width - 1)], widest[min(2, width - 1)]

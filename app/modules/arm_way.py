@@ -25,7 +25,7 @@ PLANNING_MARGIN_M = 0.009
 _STEP_RAD = 0.05
 _MOST_STEPS = 80
 STANDS_RADPS = 0.1
-"""A joint that is slower (rad/s) stands: above the noise of its positions."""
+"""A joint that is slower (rad/s) is at rest: above the noise of its positions."""
 #: The speeds of joints are known so well that this (rad) of a braking distance is.
 _OVERSHOOT_RAD = 0.02
 #: A posture that touches already may be left by ways that bring it no nearer than this (m).

@@ -19,7 +19,7 @@ from app.messages import IntentionReport
 class Verdict:
     """On the proven selection that was put in force at ``stamp`` (robot's clock, s).
 
-    ``state``: ``checked``, ``wrong`` (it is not the best) or ``open`` (nobody can say: no proof of a size, in time);
+    ``state``: ``checked``, ``wrong`` (it is not the best) or ``open`` (not known: no proof of a size, in time);
     ``why`` in words, "" where it is checked.
     """
 

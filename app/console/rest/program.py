@@ -112,7 +112,7 @@ def robot_router(system: System, hub: Hub) -> APIRouter:
         """A stop that was pressed after `seen` stays latched, so that a late release does not undo a stop that its
         sender has not seen. The base stays still until the next fresh command. Answers once the guard
         has confirmed it, or half a second later: a goal that is given next is not refused for a latch that is gone.
-        An operator releases what nobody else pressed, a supervisor any stop."""
+        An operator releases what no other pressed, a supervisor any stop."""
         _refuse_recording(hub)
         if not hub.driving.lease.e_stopped:
             return Json(EStop("released", system.clock.now()))

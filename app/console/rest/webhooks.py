@@ -49,7 +49,7 @@ class NewWebhook(Request):
 
 
 def webhooks_router(webhooks: Webhooks | None) -> APIRouter:
-    """Routes of ``/webhooks``; ``webhooks`` None: a replay, of which nobody is called."""
+    """Routes of ``/webhooks``; ``webhooks`` None: a replay, which calls none."""
     router = api_router("webhooks")
 
     def served() -> Webhooks:

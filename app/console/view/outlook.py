@@ -17,7 +17,7 @@ HORIZON_S = 2.0
 #: Outlines are drawn at these times, contact is looked for at the finer steps.
 _DRAWN_S = (0.5, 1.0, 1.5, 2.0)
 _STEP_S = 0.1
-#: What moves more slowly stands.
+#: What moves more slowly is at rest.
 _STANDS_MPS, _STANDS_RADPS = 0.02, 0.03
 #: Points inside of the body as it is now are the body's own, or noise.
 CLEAR, MEETS, SOON = (80, 220, 140), (245, 185, 60), (240, 60, 50)
@@ -57,7 +57,7 @@ def stands(twist: Twist) -> bool:
 
 def outlook(footprint: NDArray[np.float64], twist: Twist, points: NDArray[np.float64]) -> Outlook | None:
     """The outlook of a body with a convex, counter-clockwise ``footprint`` (N, 2) among ``points`` (P, 2), all in m in
-    ``base_link``; None for a body that stands, or has no footprint."""
+    ``base_link``; None for a body at rest, or one that has no footprint."""
     if len(footprint) < 3 or stands(twist):
         return None
     outside = points[~inside(footprint, points)]

@@ -38,7 +38,7 @@ HEAD_PAN = "pan_joint"
 #: The desire class of driving by hand.
 DRIVE = "Teleoperation"
 _EXPERIMENT = Source("operator", "the experiment")
-#: What stands, however it is commanded (m/s, rad/s).
+#: What is at rest, however it is commanded (m/s, rad/s).
 _STANDS = 0.01
 _KEPT = round(0.5 / PERIOD_S)
 

@@ -165,7 +165,7 @@ class FoxgloveServer(Module):
 
 
 class _Listener:
-    """Hands what viewers ask for over to the event loop."""
+    """Passes what viewers ask for to the event loop."""
 
     def __init__(
         self,

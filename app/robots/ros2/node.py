@@ -107,7 +107,7 @@ class RosNode:
         self._looked = -math.inf
         self._began = time.monotonic()
         self._ending = False
-        # No log files in the person's home; no services of parameters, which nobody needs of this node.
+        # No log files in the person's home; no services of parameters, which this node does not need.
         arguments = ["--ros-args", "--disable-external-lib-logs"]
         # Signals are the process's own: rclpy's handlers would close the writer before its last word.
         rclpy.init(args=arguments, domain_id=config.graph.domain, signal_handler_options=SignalHandlerOptions.NO)

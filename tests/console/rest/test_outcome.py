@@ -105,18 +105,21 @@ async def test_what_was_never_desired_is_no_wait(rest: httpx.AsyncClient) -> Non
 
 
 @pytest.mark.parametrize(
-    ("wait", "message"),
+    ("wait", "message", "kind", "values"),
     [
-        ("61", "should be less than or equal to 60, not '61'"),
-        ("-1", "should be greater than or equal to 0, not '-1'"),
-        ("nan", "should be a finite number, not 'nan'"),
-        ("soon", "should be a valid number, unable to parse string as a number, not 'soon'"),
+        ("61", "should be less than or equal to 60, not '61'", "less_than_equal", {"le": 60}),
+        ("-1", "should be greater than or equal to 0, not '-1'", "greater_than_equal", {"ge": 0}),
+        ("nan", "should be a finite number, not 'nan'", "finite_number", {}),
+        ("soon", "should be a valid number, unable to parse string as a number, not 'soon'", "float_parsing", {}),
     ],
 )
-async def test_a_wait_that_is_not_allowed_is_refused(rest: httpx.AsyncClient, wait: str, message: str) -> None:
+async def test_a_wait_that_is_not_allowed_is_refused(
+    rest: httpx.AsyncClient, wait: str, message: str, kind: str, values: dict[str, float]
+) -> None:
     desire = await desired(rest)
     problem = is_problem(await rest.get(f"/desires/{desire.id}?wait={wait}"), 422, "invalid-request")
-    assert problem["errors"] == [{"field": "query.wait", "message": message}]
+    given = {**values, "given": repr(wait)}
+    assert problem["errors"] == [{"field": "query.wait", "message": message, "kind": kind, "values": given}]
 
 
 async def test_a_client_that_goes_waits_no_more(rest: httpx.AsyncClient, url: str, watch: Watch) -> None:

@@ -21,7 +21,7 @@ DIRECTIONS: Final = 6
 _STEP_M: Final = 0.2
 #: Who is farther away than as it set out by more (m) falls behind.
 _STAND_M: Final = 0.5
-#: All were seen where it stands if it has driven no farther since (m).
+#: All were seen where it is if it has driven no farther since (m).
 _HERE_M: Final = 0.5
 
 

@@ -159,7 +159,7 @@ class Progress:
     there. ``invites``: whether people who are near begin a tour; those who came along, or declined, leave first.
     ``towards``: the heading (rad in odom) that it turns to where it faces visitors; ``stuck_since`` as in View.
     ``excuse``: key of what it says of its pause, of going on without all, or of the tour's end. ``homed``: it came
-    home, and nobody has moved it since. ``reason``: in words, why it is in this state.
+    home, and it was not moved since. ``reason``: in words, why it is in this state.
     """
 
     state: State = "idle"

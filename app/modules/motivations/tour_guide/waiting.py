@@ -1,7 +1,7 @@
 """Looking back for visitors, waiting for them, and driving back for those who are missing. Pure functions.
 
-Who follows the robot is behind it, where it sees nothing, also while it drives back. So nobody is taken for gone before
-it has called, and looked all around from where it stands.
+Who follows the robot is behind it, where it sees nothing, also while it drives back. So no visitor is taken for gone before
+it has called, and looked all around from where it is.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from app.tours.model import Pace
 LOOKED_S: Final = 1.5
 #: In one direction it looks for so long (s), turning among it; then into the opposite one, and so on.
 LOOKS_S: Final = 8.0
-#: After so long (s) it drives back for who is missing, and where it sees nobody.
+#: After so long (s) it drives back for who is missing, and where it sees no visitor.
 GOES_BACK_S: Final = 16.0
 GOES_BACK_FOR_ALL_S: Final = 8.0
 #: Farther (m) from the way that it came, it is driving back another way: it would lead visitors who follow away.
@@ -68,7 +68,7 @@ def searched(progress: Progress, view: View, pace: Pace) -> Progress:
 
 def looks_towards(progress: Progress, view: View) -> float | None:
     """Where it turns to while it waits (rad in odom): to visitors; while one is missing, to where they come from, and
-    to the other side by turns; where nobody is seen in either, all around by quarters. In the end, all around."""
+    to the other side by turns; where no visitor is seen in either, all around by quarters. In the end, all around."""
     company = progress.company
     if company.last_look is not None:
         answers = view.people == 0 and view.speaking
