@@ -12,7 +12,7 @@ from playwright.sync_api import Page, expect
 from app.base.geometry import Pose2
 from app.console.view.viewpoints import Anchors, shot
 from tests.browser.running import Robot, running_program
-from tests.browser.test_scene import SHOWN
+from tests.browser.shared_robot.test_scene import SHOWN
 from tests.browser.tour_room import SIDE_M, write_program
 from tests.console.view.projection import projected
 

@@ -1,7 +1,7 @@
 """Looking back for visitors, waiting for them, and driving back for those who are missing. Pure functions.
 
-Who follows the robot is behind it, where it sees nothing, also while it drives back. So no visitor is taken for gone before
-it has called, and looked all around from where it is.
+Who follows the robot is behind it, where it sees nothing, also while it drives back. So no visitor is taken for gone
+before it has called, and looked all around from where it is.
 """
 
 from __future__ import annotations
