@@ -989,7 +989,7 @@ class Operations(ABC):
         A stop that was pressed after `seen` stays latched, so that a late release does not undo a stop that its
         sender has not seen. The base stays still until the next fresh command. Answers once the guard has
         confirmed it, or half a second later: a goal that is given next is not refused for a latch that is gone.
-        An operator releases what nobody else pressed, a supervisor any stop.
+        An operator releases what no other pressed, a supervisor any stop.
 
         Role: operator.
         """
@@ -2115,7 +2115,7 @@ class AsyncOperations(ABC):
         A stop that was pressed after `seen` stays latched, so that a late release does not undo a stop that its
         sender has not seen. The base stays still until the next fresh command. Answers once the guard has
         confirmed it, or half a second later: a goal that is given next is not refused for a latch that is gone.
-        An operator releases what nobody else pressed, a supervisor any stop.
+        An operator releases what no other pressed, a supervisor any stop.
 
         Role: operator.
         """

@@ -644,7 +644,7 @@ export abstract class Operations {
    * Release the emergency stop. A stop that was pressed after `seen` stays latched, so that a late release does not
    * undo a stop that its sender has not seen. The base stays still until the next fresh command. Answers once the guard
    * has confirmed it, or half a second later: a goal that is given next is not refused for a latch that is gone. An
-   * operator releases what nobody else pressed, a supervisor any stop. Role: operator.
+   * operator releases what no other pressed, a supervisor any stop. Role: operator.
    */
   releaseEStop(options: { seen?: number | null } = {}): Promise<EStop> {
     return this.ask<EStop>({ method: "DELETE", path: `/stop`, answer: "json", query: { "seen": options.seen } });
