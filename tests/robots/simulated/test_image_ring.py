@@ -6,6 +6,7 @@ import os
 from collections.abc import Iterator
 
 import numpy as np
+import psutil
 import pytest
 
 from app.robots.simulated.image_ring import (
@@ -109,9 +110,10 @@ def test_each_camera_has_slots_of_its_own(both: tuple[ImageRings, ImageRings]) -
 
 
 def test_the_memory_has_no_name_and_goes_with_its_last_user() -> None:
-    before = shared_memory()
+    process = psutil.Process()
+    before = shared_memory(process)
     memory = create_memory(memory_bytes(FORMATS))
     rings = ImageRings(memory, FORMATS)
-    assert shared_memory() - before == set()
+    assert shared_memory(process) == before
     os.close(memory)
     rings.close()

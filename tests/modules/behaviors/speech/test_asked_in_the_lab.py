@@ -19,7 +19,8 @@ from app.speech.config import EspeakConfig
 from tests.modules.behaviors.speech.test_heard_in_the_lab import Babble
 
 MODULES = ("Microphones", "WheelOdometry", "Loudspeaker", "Say", "WordRecognizer", "Ask")
-#: A visitor before the robot, who answers when the question of 2 s has been asked.
+#: A visitor before the robot, who answers when the question of 2 s has been asked, and again for when the robot asks
+#: again: espeak-ng never says a word twice alike, and one of ten is not recognized for sure.
 SCENARIO = """
 name: an answer
 start: {x: 11.3, y: 1.3, heading_deg: 90}
@@ -32,6 +33,10 @@ people:
     trousers: [60, 56, 50]
     repeat: false
     script:
+      - {wait: 6.0, look: robot}
+      - {say: "kitchen .", look: robot}
+      - {wait: 6.0, look: robot}
+      - {say: "kitchen .", look: robot}
       - {wait: 6.0, look: robot}
       - {say: "kitchen .", look: robot}
       - {wait: 600, look: robot}
@@ -63,7 +68,8 @@ def test_a_question_is_answered_by_a_person(monkeypatch: pytest.MonkeyPatch, tmp
     scenario = body.model_copy(update={"scenario": tmp_path / "answer.yaml"})
     report, heard = run_in_world(configuration, scenario, script, microphones=True)
     assert (report.outcome, report.reason) == ("done", "kitchen"), heard
-    assert [words.text for words in heard] == ["kitchen"]
-    x, y, _ = heard[0].direction
+    assert [words.text for words in heard if not words.unsure] == ["kitchen"]
+    assert {words.likeliest for words in heard} == {"kitchen"}
+    x, y, _ = heard[-1].direction
     # 1.5 m ahead and 0.3 m to the left.
     assert math.degrees(math.atan2(y, x)) == pytest.approx(11.3, abs=6)

@@ -20,7 +20,8 @@ from app.tours.tour_file import read_tour
 from tests.modules.fakes import Bench
 from tests.modules.motivations.tour_guide.led_lab import LedLab, Visitor
 from tests.modules.perception.test_word_recognizer import listening, play
-from tests.modules.perception.voices.sounds import heard, toward
+from tests.modules.perception.voices import sounds
+from tests.modules.perception.voices.sounds import toward
 from tests.modules.perception.words.test_utterance_listener import noisy, quiet
 
 PLACES = {
@@ -35,7 +36,7 @@ def recognized(text: str, words: str) -> HeardWords:
     """``text`` said 60 degrees to the left of the robot, which listens for ``words``."""
     utterance = Espeak("m3").synthesize(text, "en-us")
     said = resample_poly(utterance.samples / 32768.0, 320, 147).astype(np.float32)
-    sound = noisy(heard(np.concatenate([quiet(1.0), said, quiet(1.2)]), toward(60.0)))
+    sound = noisy(sounds.heard(np.concatenate([quiet(1.0), said, quiet(1.2)]), toward(60.0)))
 
     async def script(bench: Bench) -> HeardWords:
         bench.slot.configure({"words": words, "language": "en"})
@@ -45,6 +46,21 @@ def recognized(text: str, words: str) -> HeardWords:
         return message
 
     return listening(script)
+
+
+async def say_to(led: LedLab, text: str) -> None:
+    """Have the guide hear ``text``, said again where it is not recognized for sure, as a visitor would.
+
+    espeak-ng never says a sentence twice alike, and one of six is not.
+    """
+    for _ in range(6):
+        words = await asyncio.to_thread(recognized, text, listened_for(led))
+        led.bench.feed("words", words)
+        if not words.unsure:
+            break
+        assert words.likeliest == text
+        await led.live(0.4)
+    assert words.text == text
 
 
 def packaged() -> Tour:
@@ -72,11 +88,11 @@ def test_a_visitor_pauses_the_tour_by_saying_so_and_has_it_go_on(tmp_path: Path)
             await led.until("confirming")
             led.press("agree")
             await led.until("leading")
-            led.bench.feed("words", await asyncio.to_thread(recognized, "please wait", listened_for(led)))
+            await say_to(led, "please wait")
             await led.until("paused", limit_s=2)
             assert led.progress.reason == "a visitor asked for a pause"
             assert led.moving() == []
-            led.bench.feed("words", await asyncio.to_thread(recognized, "go on", listened_for(led)))
+            await say_to(led, "go on")
             await led.until("leading", limit_s=2)
 
     run_virtual(main())
@@ -96,7 +112,7 @@ def test_visitors_are_led_to_the_stops_whose_words_they_say(tmp_path: Path) -> N
         led.visitors = [Visitor(1.5, 0.5)]
 
         async def say(stop: str) -> None:
-            led.bench.feed("words", await asyncio.to_thread(recognized, phrases[stop], listened_for(led)))
+            await say_to(led, phrases[stop])
             await led.live(2.0)
             assert (led.progress.state, led.progress.stop) == ("leading", stop)
             goal = led.desired("GoTo")
