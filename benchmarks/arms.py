@@ -69,6 +69,7 @@ def bodies() -> tuple[RobotConfig, RobotConfig]:
     document = yaml.safe_load(path.read_text())
     document |= {"model": str(robot.model), "world": str(robot.world), "scenario": None}
     document["actuators"] = {"head": document["actuators"]["head"]}
+    del document["arms"]
     with tempfile.TemporaryDirectory() as folder:
         cut = Path(folder) / path.name
         cut.write_text(yaml.safe_dump(document))

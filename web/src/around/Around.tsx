@@ -68,7 +68,7 @@ function Sphere({ place, large }: { place: "view" | "tab"; large: boolean }) {
           aria-label={t("Around the robot: {words}", { words })}
           onPointerMove={(event) => showHover(event.currentTarget, event, store, layers)}
         />
-        {blank && <Nothing closed={closed} />}
+        {blank && <Nothing closed={closed} large={large} />}
         {shown && (
           <span class={`around-age ${fresh ? "" : "old"}`} data-testid="around-age" title={shown.title}>
             {shown.text}
@@ -153,16 +153,33 @@ function useAround() {
   return { now, fresh, closed };
 }
 
-function Nothing({ closed }: { closed: Closed[] }) {
+function Nothing({ closed, large }: { closed: Closed[]; large: boolean }) {
   return (
     <div class="around-nothing" data-testid="around-nothing">
       <p>{t("No people or sounds yet.")}</p>
+      {!large && closed.length > 1 ? <Briefly closed={closed} /> : <WithReasons closed={closed} />}
+    </div>
+  );
+}
+
+/** In as many lines as a small strip has. */
+function Briefly({ closed }: { closed: Closed[] }) {
+  return (
+    <p class="muted" title={closed.map(titleOf).join("\n")}>
+      {closed.map(({ text }) => text).join(" · ")}
+    </p>
+  );
+}
+
+function WithReasons({ closed }: { closed: Closed[] }) {
+  return (
+    <>
       {closed.map((one) => (
         <p key={one.what} class="muted" title={one.reason}>
           {one.reason ? t("{what}: {which}", { what: one.text, which: one.reason }) : `${one.text}.`}
         </p>
       ))}
-    </div>
+    </>
   );
 }
 

@@ -5,7 +5,7 @@ import { personWords } from "../around/perceptMarks";
 import { t } from "../i18n";
 import type { Perceived, SeenCode, SeenFace } from "../protocol/types";
 import { useApp } from "../state/context";
-import { codesOn, facesOn, type Trails, trailed } from "./faces";
+import { codesOn, cutOff, facesOn, nearSide, type Trails, trailed } from "./faces";
 
 export function FaceFrames({ message: perceived }: { message: Perceived | null }) {
   const { store, camera } = useApp();
@@ -34,7 +34,7 @@ function FaceFrame({ face }: { face: SeenFace }) {
   const [name, range] = personWords(face).split(", ");
   return (
     <div
-      class={`face-frame ${nearTop(face.box[1], face)}`}
+      class={`face-frame ${nearTop(face.box[1], face)} ${nearSide(face.box[0], face.box[2], face.image[0])}`}
       data-testid="face-frame"
       data-track={face.track}
       style={placed(face.box, face)}
@@ -57,7 +57,7 @@ function CodeFrame({ code }: { code: SeenCode }) {
   const box: Box = [left, top, Math.max(...us) - left, Math.max(...vs) - top];
   return (
     <div
-      class={`face-frame code ${nearTop(top, code)}`}
+      class={`face-frame code ${nearTop(top, code)} ${nearSide(box[0], box[2], code.image[0])}`}
       data-testid="code-frame"
       data-text={code.text}
       style={placed(box, code)}
@@ -88,6 +88,7 @@ function nearTop(top: number, seen: SeenFace | SeenCode): string {
 function placed([left, top, width, height]: Box, seen: SeenFace | SeenCode): Record<string, string> {
   const [across, down] = seen.image;
   return {
+    "--cut": `${cutOff(left, width, across)}%`,
     left: `${(100 * left) / across}%`,
     top: `${(100 * top) / down}%`,
     width: `${(100 * width) / across}%`,

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { Perceived, SeenFace } from "../protocol/types";
-import { codesOn, facesOn, type Trails, trailed } from "./faces";
+import { codesOn, cutOff, facesOn, nearSide, type Trails, trailed } from "./faces";
 
 const face = (camera: string, stamp: number, left = 100) =>
   ({ track: 1, camera, stamp, image: [640, 480], box: [left, 50, 40, 40] }) as SeenFace;
@@ -62,4 +62,10 @@ test("who was seen once stays there, and a jump back in time forgets how a face 
 
 test("a face that is gone has no frame", () => {
   expect(facesOn(trailed(walking(11.5), message()), 11.5, 0)).toEqual([]);
+});
+
+test("words of a frame at the picture's side begin or end inside the picture", () => {
+  expect([nearSide(-20, 60, 640), cutOff(-20, 60, 640)]).toEqual(["left", 100 / 3]);
+  expect([nearSide(610, 40, 640), cutOff(610, 40, 640)]).toEqual(["right", 25]);
+  expect([nearSide(300, 40, 640), cutOff(300, 40, 640)]).toEqual(["", 0]);
 });

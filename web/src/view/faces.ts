@@ -84,3 +84,15 @@ function together<T extends SeenFace | SeenCode>(seen: T[], stamp: number | null
   const apart = Math.min(APART_S, turning > 0 ? TURNED / turning : APART_S);
   return seen.filter((one) => CAMERAS.has(one.camera) && Math.abs(one.stamp - stamp) <= Math.max(LEAST_APART_S, apart));
 }
+
+/** At which side of the picture a frame is, px: its words start or end there and not at its middle, to be seen whole. */
+export function nearSide(left: number, width: number, across: number): "left" | "right" | "" {
+  const middle = left + width / 2;
+  if (middle < 0.25 * across) return "left";
+  return middle > 0.75 * across ? "right" : "";
+}
+
+/** How much of a frame's width is outside the picture, at the side where it is, %. */
+export function cutOff(left: number, width: number, across: number): number {
+  return width > 0 ? (100 * Math.max(0, -left, left + width - across)) / width : 0;
+}
