@@ -31,7 +31,7 @@ from app.console.records.tours import RehearsalReport, RunReportList, TourList, 
 from app.console.rest.camera import CameraClick
 from app.console.rest.link_models import LinkChange
 from app.console.rest.map_models import GoalRequest, LoadRequest, RenameRequest, ZonesRequest
-from app.console.rest.models import DesireChange, NewDesire
+from app.console.rest.models import DesireChange, NewDesire, WhatIf
 from app.console.rest.place_models import NewPlace, PlaceChange
 from app.console.rest.playback_models import PlaybackChange
 from app.console.rest.recording_models import NewRecording, SaveRequest
@@ -92,6 +92,7 @@ REQUESTS = (
     TourPress,
     VisitorKey,
     VisitorPress,
+    WhatIf,
     ZonesRequest,
 )
 WIDTH = 120

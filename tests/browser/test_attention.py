@@ -71,6 +71,30 @@ def test_inhibiting_a_class_closes_its_filter(robot: Robot, page: Page) -> None:
     page.locator("[data-testid=lane-FindQRCodes]:not([data-state=inhibited])").wait_for(state="attached")
 
 
+def test_what_if_shows_what_would_be_chosen_and_applies_it_only_when_confirmed(robot: Robot, page: Page) -> None:
+    """A slider for the budget of CPU is pulled to its end: desires lose, on the page alone until it is confirmed."""
+    before = robot.get("/intention")
+    declared = before["use"]["cpu"]["capacity"]
+    page.get_by_test_id("what-if-open").click()
+    page.get_by_test_id("what-if-capacity-cpu").press("Home")
+    answer = page.get_by_test_id("what-if-answer")
+    expect(answer.get_by_test_id("what-if-headline")).to_contain_text("gave up")
+    expect(answer.get_by_test_id("what-if-LocateFaces")).to_contain_text("unfulfilled")
+    assert robot.get("/intention")["use"]["cpu"]["capacity"] == declared
+    page.get_by_test_id("what-if-reset").click()
+    expect(answer).to_be_empty()
+    page.get_by_test_id("what-if-capacity-cpu").press("End")
+    page.get_by_test_id("what-if-apply").click()
+    expect(page.get_by_test_id("what-if-deeds")).to_contain_text("CPU promised: at most")
+    assert robot.get("/intention")["use"]["cpu"]["capacity"] == declared
+    page.get_by_test_id("what-if-confirm").click()
+    page.locator(f"[data-testid=budget-cpu][data-capacity='{2 * declared:g}']").wait_for(state="attached")
+    expect(page.get_by_test_id("what-if-apply")).to_have_count(0)
+    assert robot.get("/resources")["resources"][0]["capacity"] == 2 * declared
+    assert robot.request("PATCH", "/resources/cpu", {"capacity": declared})[0] == 200
+    page.get_by_test_id("what-if-open").click()
+
+
 def test_a_desire_from_the_page(robot: Robot, page: Page) -> None:
     """The form made from the class's schema posts a desire, and its row can be removed again."""
     before = len(robot.get("/desires")["desires"])

@@ -23,8 +23,8 @@ from tests.console.program import build, write_page
 
 #: What client generators call their functions. A name that is changed here breaks the programs of others.
 NAMES = """\
-add_tour_media begin_map cancel_goal cancel_rehearsal change_desire change_place change_playback change_resource
-change_tour check_visitor create_desire create_place create_tour create_webhook delete_map delete_place
+add_tour_media ask_what_if begin_map cancel_goal cancel_rehearsal change_desire change_place change_playback
+change_resource change_tour check_visitor create_desire create_place create_tour create_webhook delete_map delete_place
 delete_recording delete_tour delete_tour_media delete_tour_report delete_webhook dismiss_tour download_recording
 end_replay enter_as_visitor export_tour export_tour_archive export_tour_reports find_camera_point find_scene_point
 get_desire get_desire_class get_goal get_health get_intention get_lanes get_link get_map get_map_picture get_module

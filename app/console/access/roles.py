@@ -48,7 +48,7 @@ OPERATIONS: dict[str, Role] = _table(
     """,
     operator="""
         release_e_stop
-        create_desire change_desire remove_desire change_resource
+        create_desire change_desire remove_desire change_resource ask_what_if
         set_goal cancel_goal place_robot search_robot set_zones
         create_place replace_place change_place delete_place
         change_playback step_playback

@@ -3,25 +3,33 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING, Annotated, get_args
+from collections.abc import Collection
+from functools import partial
+from typing import TYPE_CHECKING, Annotated, Final, get_args
 
 from fastapi import APIRouter, Path, Query, Request
 from fastapi.responses import Response
 
-from app.attention.reports import resource_report, strategy_report
+from app.attention.explaining import EXPLAIN_S
+from app.attention.prepared import InvalidProblem
+from app.attention.reports import intention_report, resource_report, strategy_report
+from app.attention.solver import SolverFailed
+from app.attention.what_if import Supposition, UnknownNames, intention_if
 from app.console import reports
 from app.console.problems import Problem
 from app.console.records.attention import EventList, ResourceList, StrategyList
 from app.console.rest.answers import Json, packed, problems
 from app.console.rest.desires import OPERATOR_PARAMETER, source_of
-from app.console.rest.models import ResourceChange
+from app.console.rest.models import ResourceChange, WhatIf
 from app.console.rest.routing import router as api_router
-from app.messages import EventKind, IntentionReport, ResourceReport
+from app.messages import Asked, EventKind, IntentionReport, ResourceReport
 
 if TYPE_CHECKING:
     from app.program.system import System
 
 MOST_EVENTS = 1000
+#: Real time (s) that the search for what would be chosen may take.
+_WHAT_IF_S: Final = 0.25
 KINDS = get_args(EventKind)
 _KIND = rf"\s*({'|'.join(KINDS)})?\s*"
 #: A list of kinds, separated by commas; an item may be empty.
@@ -49,6 +57,48 @@ def attention_router(system: System) -> APIRouter:
         if current is None:
             raise Problem(409, "no-intention-yet", "Attention has not chosen anything yet; ask again in a moment.")
         return Json(current)
+
+    asking = asyncio.Lock()
+
+    @router.post(
+        "/intention/what-if",
+        response_model=IntentionReport,
+        summary="What would be chosen",
+        responses=problems(400, 409, 422),
+    )
+    async def ask_what_if(supposed: WhatIf) -> Response:
+        """The intention under other desires, costs and budgets, with its reasons. The robot goes on as it is. One is
+        answered at a time; `stamp` is when it was asked."""
+        unknown = [f"desires.{cls}" for cls in supposed.desires if cls not in system.workspace.classes]
+        if unknown:
+            raise _unknown(unknown)
+        supposition = Supposition(
+            {
+                cls: None if each is None else Asked(each.intensity, each.utility, each.security)
+                for cls, each in supposed.desires.items()
+            },
+            supposed.costs,
+            supposed.capacities,
+        )
+        async with asking:
+            translator = system.translator
+            work = partial(
+                intention_if,
+                translator.problem(),
+                supposition,
+                system.clock.now(),
+                controlled=translator.controlled,
+                resources=system.table.resources,
+                time_limit_s=_WHAT_IF_S,
+                explain_limit_s=EXPLAIN_S,
+            )
+            try:
+                intention = await asyncio.to_thread(work)
+            except UnknownNames as failure:
+                raise _unknown(failure.names) from None
+            except (InvalidProblem, SolverFailed) as failure:
+                raise Problem(409, "not-solved", f"No answer was found: {failure}.") from None
+        return Json(intention_report(intention, system.table.resources))
 
     @router.get("/strategies", response_model=StrategyList, summary="List all strategies")
     async def list_strategies() -> Response:
@@ -108,3 +158,8 @@ def attention_router(system: System) -> APIRouter:
         return await asyncio.to_thread(lambda: packed(Json(EventList(tuple(events))), request))
 
     return router
+
+
+def _unknown(names: Collection[str]) -> Problem:
+    errors = [(f"body.{name}", "there is no such thing") for name in names]
+    return Problem(422, "invalid-request", f"There is no such thing: {', '.join(names)}.", errors=errors)

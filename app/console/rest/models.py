@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -66,6 +66,28 @@ class DesireChange(Request):
         json_schema_extra=never_null,
     )
     ttl: float | None = Field(None, gt=0, le=LONGEST_TTL_S, description="Seconds from now; null: it stays.")
+
+
+class SupposedDesire(Request):
+    """What the strongest desire of a class is supposed to ask for."""
+
+    intensity: float = Field(gt=0, le=8)
+    utility: float = Field(1, ge=0, le=8, description="0 inhibits the class.")
+    security: bool = False
+
+
+class WhatIf(Request):
+    """What is supposed; all else is as it is."""
+
+    model_config = ConfigDict(
+        json_schema_extra={"examples": [{"desires": {"FindQRCodes": {"intensity": 8}}, "capacities": {"cpu": 60}}]}
+    )
+
+    desires: dict[str, SupposedDesire | None] = Field(default={}, description="By class; null: none of that class.")
+    costs: dict[str, dict[str, Annotated[float, Field(ge=0, le=MOST)]]] = Field(
+        default={}, description="By strategy and resource."
+    )
+    capacities: dict[str, Annotated[float, Field(ge=0, le=MOST)]] = Field(default={}, description="By resource.")
 
 
 class ResourceChange(Request):

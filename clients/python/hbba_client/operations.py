@@ -82,6 +82,7 @@ from .records import (
     WebhookList,
     WebhookReport,
     WebhookTrial,
+    WhatIf,
     Withdrawn,
     ZoneList,
     ZonesRequest,
@@ -113,6 +114,17 @@ class Operations(ABC):
         result: TourMedia = self.ask(
             Request("POST", "/tour-media", TourMedia, body=body, media=media, query={"name": name})
         )
+        return result
+
+    def ask_what_if(self, body: WhatIf) -> IntentionReport:
+        """What would be chosen.
+
+        The intention under other desires, costs and budgets, with its reasons. The robot goes on as it is. One is
+        answered at a time; `stamp` is when it was asked.
+
+        Role: operator.
+        """
+        result: IntentionReport = self.ask(Request("POST", "/intention/what-if", IntentionReport, body=body))
         return result
 
     def begin_map(self) -> CurrentMap:
@@ -1235,6 +1247,17 @@ class AsyncOperations(ABC):
         result: TourMedia = await self.ask(
             Request("POST", "/tour-media", TourMedia, body=body, media=media, query={"name": name})
         )
+        return result
+
+    async def ask_what_if(self, body: WhatIf) -> IntentionReport:
+        """What would be chosen.
+
+        The intention under other desires, costs and budgets, with its reasons. The robot goes on as it is. One is
+        answered at a time; `stamp` is when it was asked.
+
+        Role: operator.
+        """
+        result: IntentionReport = await self.ask(Request("POST", "/intention/what-if", IntentionReport, body=body))
         return result
 
     async def begin_map(self) -> CurrentMap:

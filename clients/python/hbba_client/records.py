@@ -1844,6 +1844,15 @@ class Subtitle(Struct, kw_only=True, frozen=True):
     language: str
 
 
+class SupposedDesire(Struct, kw_only=True, frozen=True, omit_defaults=True):
+    """What the strongest desire of a class is supposed to ask for."""
+
+    intensity: float
+    utility: float | UnsetType = UNSET
+    """0 inhibits the class."""
+    security: bool | UnsetType = UNSET
+
+
 class TimelineEvent(Struct, kw_only=True, frozen=True):
     """One event of the timeline; ``data`` is JSON as it is."""
 
@@ -2189,6 +2198,17 @@ class WebhookTrial(Struct, kw_only=True, frozen=True):
     """The receiver's HTTP status; null: it did not answer."""
     problem: str
     """What went wrong, in words; empty: nothing."""
+
+
+class WhatIf(Struct, kw_only=True, frozen=True, omit_defaults=True):
+    """What is supposed; all else is as it is."""
+
+    desires: dict[str, SupposedDesire | None] | UnsetType = UNSET
+    """By class; null: none of that class."""
+    costs: dict[str, dict[str, float]] | UnsetType = UNSET
+    """By strategy and resource."""
+    capacities: dict[str, float] | UnsetType = UNSET
+    """By resource."""
 
 
 class Withdrawn(Struct, kw_only=True, frozen=True):

@@ -75,6 +75,7 @@ import type {
   WebhookList,
   WebhookReport,
   WebhookTrial,
+  WhatIf,
   Withdrawn,
   ZoneList,
   ZonesRequest,
@@ -92,6 +93,14 @@ export abstract class Operations {
    */
   addTourMedia(body: ArrayBuffer, options: { name?: string; media?: "image/gif" | "image/jpeg" | "image/png" | "image/webp" | "video/mp4" | "video/webm" } = {}): Promise<TourMedia> {
     return this.ask<TourMedia>({ method: "POST", path: `/tour-media`, answer: "json", body, media: options.media ?? "image/gif", query: { "name": options.name } });
+  }
+
+  /**
+   * What would be chosen. The intention under other desires, costs and budgets, with its reasons. The robot goes on as
+   * it is. One is answered at a time; `stamp` is when it was asked. Role: operator.
+   */
+  askWhatIf(body: WhatIf): Promise<IntentionReport> {
+    return this.ask<IntentionReport>({ method: "POST", path: `/intention/what-if`, answer: "json", body });
   }
 
   /**

@@ -1700,6 +1700,14 @@ export interface Subtitle {
   language: string;
 }
 
+/** What the strongest desire of a class is supposed to ask for. */
+export interface SupposedDesire {
+  intensity: number;
+  /** 0 inhibits the class. */
+  utility?: number;
+  security?: boolean;
+}
+
 /** One event of the timeline; ``data`` is JSON as it is. */
 export interface TimelineEvent {
   /** Grows by one from 1. */
@@ -2031,6 +2039,16 @@ export interface WebhookTrial {
   status: number | null;
   /** What went wrong, in words; empty: nothing. */
   problem: string;
+}
+
+/** What is supposed; all else is as it is. */
+export interface WhatIf {
+  /** By class; null: none of that class. */
+  desires?: Record<string, SupposedDesire | null>;
+  /** By strategy and resource. */
+  costs?: Record<string, Record<string, number>>;
+  /** By resource. */
+  capacities?: Record<string, number>;
 }
 
 /** Desires to record that were withdrawn, and those that remain. */

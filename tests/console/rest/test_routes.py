@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import math
+from functools import partial
 from typing import Any
 
 import httpx
@@ -216,6 +217,36 @@ async def test_a_budget_is_changed_and_attention_follows(client: httpx.AsyncClie
     assert intention["filters"]["CameraStream.images"] == 4
     assert intention["filters"]["Teleop.twist"] is None
     is_problem(await client.patch("/resources/cpu", json={"capacity": -1}), 422, "invalid-request")
+
+
+async def test_what_would_be_chosen_is_asked_without_touching_the_robot(
+    client: httpx.AsyncClient, system: System
+) -> None:
+    await client.post("/desires", json={**NEW, "utility": 1})
+    await system.translator.settled()
+    before = system.translator.statistics(), system.workspace.desires(), system.translator.capacities
+    ask = partial(client.post, "/intention/what-if")
+    now = (await client.get("/intention")).json()
+    same = (await ask(json={})).json()
+    assert {key: same[key] for key in ("strategies", "filters", "reasons", "use", "omega", "desires", "asked")} == {
+        key: now[key] for key in ("strategies", "filters", "reasons", "use", "omega", "desires", "asked")
+    }
+    less = (await ask(json={"capacities": {"cpu": 20}})).json()
+    assert [strategy["name"] for strategy in less["strategies"]] == ["picture-slow"]
+    assert less["filters"]["CameraStream.images"] == 4
+    cheaper = {"capacities": {"cpu": 20}, "costs": {"picture-fast": {"cpu": 20}}}
+    assert (await ask(json=cheaper)).json()["strategies"][0]["name"] == "picture-fast"
+    assert (await ask(json={"desires": {NEW["class"]: None}})).json()["strategies"] == []
+    for body, field in (
+        ({"desires": {"Fly": None}}, "body.desires.Fly"),
+        ({"costs": {"picture-fast": {"gold": 1}}}, "body.costs.picture-fast.gold"),
+        ({"capacities": {"gold": 1}}, "body.capacities.gold"),
+    ):
+        response = await ask(json=body)
+        is_problem(response, 422, "invalid-request")
+        assert response.json()["errors"][0]["field"] == field
+    is_problem(await ask(json={"capacities": {"cpu": -1}}), 422, "invalid-request")
+    assert (system.translator.statistics(), system.workspace.desires(), system.translator.capacities) == before
 
 
 async def test_percept_events_are_on_the_timeline_under_their_names(client: httpx.AsyncClient, system: System) -> None:

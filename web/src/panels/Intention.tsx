@@ -1,7 +1,7 @@
 /** What the robot gave up and why, first; then what it attends to in full. Names, filters and costs on demand. */
 
 import { signal } from "@preact/signals";
-import { langOf, type Text, t } from "../i18n";
+import { langOf, t } from "../i18n";
 import type { Intention as IntentionMessage, SelectedStrategy } from "../protocol/types";
 import type { Message } from "../state/latest";
 import { divisor, number, reasonText, small, spaced, stateWord } from "../ui/format";
@@ -9,6 +9,7 @@ import { StateMark, WarnIcon } from "../ui/icons";
 import { headline, intake, plainReason, type Reason, shortfall, sorted } from "./attentionText";
 import { Budget } from "./Budget";
 import { panel } from "./panel";
+import { resourceLabel, resourceUnit } from "./resourceNames";
 
 export const intentionPanel = panel({ type: "intention", tab: "Attention", Card: Intention, offered: () => true });
 
@@ -142,24 +143,6 @@ function Taken({ strategies }: { strategies: SelectedStrategy[] }) {
   return words.length > 0 ? <p class="intake">{words.join(" · ")}</p> : null;
 }
 
-/** The lab's resources in words: the meter's label, and the unit of a strategy's cost. Others go by their names. */
-const RESOURCES: Record<string, { label: Text; unit: Text }> = {
-  cpu: { label: "CPU promised", unit: "% CPU" },
-  recording: { label: "CPU for recording", unit: "% CPU to record" },
-  power: { label: "Power promised", unit: "W" },
-};
-
-function resourceLabel(name: string): string {
-  const [what, node] = name.split("@");
-  if (node && what === "cpu") return t("CPU of {node}", { node });
-  if (node && what === "bandwidth") return t("Link to {node}", { node });
-  return RESOURCES[name] ? t(RESOURCES[name].label) : capital(spaced(name));
-}
-
-function capital(words: string): string {
-  return words.charAt(0).toUpperCase() + words.slice(1);
-}
-
 function Strategy({ strategy }: { strategy: SelectedStrategy }) {
   const filters = Object.entries(strategy.filters);
   return (
@@ -174,7 +157,7 @@ function Strategy({ strategy }: { strategy: SelectedStrategy }) {
         .filter(([, cost]) => cost > 0)
         .map(([resource, cost]) => (
           <span key={resource} class="cost">
-            {small(cost)} {RESOURCES[resource] ? t(RESOURCES[resource].unit) : resource}
+            {small(cost)} {resourceUnit(resource)}
           </span>
         ))}
     </p>

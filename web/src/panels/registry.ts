@@ -20,10 +20,12 @@ import { loadPanel } from "./Load";
 import { peoplePanel } from "./People";
 import { picturesPanel } from "./Pictures";
 import type { Panel } from "./panel";
+import { whatIfPanel } from "./WhatIf";
 
 export const PANELS: readonly Panel[] = [
   addDesirePanel,
   intentionPanel,
+  whatIfPanel,
   desiresPanel,
   mapPanel,
   placesPanel,

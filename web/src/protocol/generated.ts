@@ -2117,6 +2117,14 @@ export interface SceneClick {
   v: number;
 }
 
+/** What the strongest desire of a class is supposed to ask for. */
+export interface SupposedDesire {
+  intensity: number;
+  /** 0 inhibits the class. */
+  utility?: number;
+  security?: boolean;
+}
+
 /** Take the wheel at once. */
 export interface TakeControlMessage {
   type: "take_control";
@@ -2183,6 +2191,16 @@ export interface VisitorPress {
   button?: "start" | "agree" | "decline" | "next" | null;
   /** Id of a question, one of `questions` now. */
   ask?: string | null;
+}
+
+/** What is supposed; all else is as it is. */
+export interface WhatIf {
+  /** By class; null: none of that class. */
+  desires?: Record<string, SupposedDesire | null>;
+  /** By strategy and resource. */
+  costs?: Record<string, Record<string, number>>;
+  /** By resource. */
+  capacities?: Record<string, number>;
 }
 
 /** A part of the map with a rule for driving in it. */

@@ -10,6 +10,7 @@ import type {
   DesireChange,
   EventList,
   GoalRequest,
+  Intention,
   LanesPast,
   LinkChange,
   LinkReport,
@@ -52,6 +53,7 @@ import type {
   VisitorKey,
   VisitorLink,
   VisitorPress,
+  WhatIf,
   Zone,
   ZonesRequest,
 } from "./types";
@@ -129,6 +131,11 @@ export class Rest {
 
   async changeBudget(name: string, capacity: number): Promise<void> {
     await this.ask("PATCH", `/resources/${encodeURIComponent(name)}`, { capacity });
+  }
+
+  /** The intention that would follow; the robot goes on as it is. */
+  async whatIf(supposed: WhatIf): Promise<Intention> {
+    return (await this.ask("POST", "/intention/what-if", supposed)) as Intention;
   }
 
   async playback(change: PlaybackChange): Promise<PlaybackReport> {

@@ -1,6 +1,29 @@
 /** The side column, in French. */
 
 export const panels = {
+  "What if": "Et si",
+  "Try it out": "Essayer",
+  "See what the robot would attend to with other budgets, desires or costs.":
+    "Voyez ce à quoi le robot prêterait attention avec d’autres budgets, désirs ou coûts.",
+  "Nothing here touches the robot until you apply it.": "Rien ici ne touche le robot avant que vous ne l’appliquiez.",
+  Budgets: "Budgets",
+  "Desires, by intensity": "Désirs, par intensité",
+  "not desired": "non désiré",
+  "Suppose another desire": "Supposer un autre désir",
+  "Suppose another desire…": "Supposer un autre désir…",
+  "Costs of strategies": "Coûts des stratégies",
+  "Nothing would change.": "Rien ne changerait.",
+  "Ω = {omega}, now {now}": "Ω = {omega}, maintenant {now}",
+  "Applied: the robot attends accordingly.": "Appliqué : l’attention du robot suit.",
+  "Costs are what was measured: they are not applied.":
+    "Les coûts sont ceux qui ont été mesurés : ils ne sont pas appliqués.",
+  "Back to now": "Revenir à maintenant",
+  "Yes, set this": "Oui, régler ainsi",
+  "Apply…": "Appliquer…",
+  "{label}: at most {value} {unit}": "{label} : au plus {value} {unit}",
+  "{name}: intensity {value}": "{name} : intensité {value}",
+  "{name}: a new desire of intensity {value}": "{name} : un nouveau désir d’intensité {value}",
+  "{name}: its strongest desire is removed": "{name} : son désir le plus fort est retiré",
   "Modules and channels": "Modules et canaux",
   "Also what rests": "Aussi ce qui est au repos",
   "Shrink the graph": "Réduire le graphe",
