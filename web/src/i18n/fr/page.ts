@@ -3,7 +3,7 @@
 export const page = {
   "{words} and {last}": "{words} et {last}",
   Robots: "Robots",
-  "All robots: how they are, and who drives them": "Tous les robots : leur état, et qui les conduit",
+  "All robots: how they are, and who drives them": "Tous les robots : leur état, et qui les conduit",
   "this page": "cette page",
   Ready: "Prêt",
   Problem: "Problème",
