@@ -43,7 +43,12 @@ def run(args: argparse.Namespace) -> int:
     from app.experiments.nodes.experiment import document, plan, table
     from app.experiments.nodes.experiment import run as run_all
 
-    what = plan(program_named(args.config) or paths.config_dir() / "lab.yaml", args.classes, args.budgets, bandwidth=args.bandwidth)
+    what = plan(
+        program_named(args.config) or paths.config_dir() / "lab.yaml",
+        args.classes,
+        args.budgets,
+        bandwidth=args.bandwidth,
+    )
     found = run_all(what)
     if args.json:
         print_json(document(what, found))

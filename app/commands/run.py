@@ -37,8 +37,8 @@ from app.commands.viewers import add_viewer_options, with_viewers
 from app.runtime.realtime import garbage_held, tune_for_latency
 
 if TYPE_CHECKING:
-    from app.console.fleet.asking import Fleet
     from app.base.network_link import LinkSettings
+    from app.console.fleet.asking import Fleet
     from app.program.config import Configuration
     from app.program.system import System
     from app.robots.factory import Body
@@ -131,7 +131,14 @@ def _run(args: argparse.Namespace) -> int:
             warn_of_plain_connections(access, host)
             names = (*console.host_names, *args.host_name)
             live = _live(
-                configuration, body, (listener, scene), access, names, open_browser=args.open, link=args.link, fleet=fleet
+                configuration,
+                body,
+                (listener, scene),
+                access,
+                names,
+                open_browser=args.open,
+                link=args.link,
+                fleet=fleet,
             )
             return asyncio.run(until_stopped(live, Stopping()))
     except LinkFailed as failure:

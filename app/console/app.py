@@ -91,8 +91,8 @@ def create_app(
     start the 3D view with the program rather than with its first viewer. ``panels`` are those of packages, by name
     (:func:`app.console.panels.load_panels`). ``passwords`` are those of roles, asked for beside the token;
     ``replay_options`` are options of ``hbba replay`` for replays that are started from here. ``link`` shapes every
-    stream, for tests; None: not until it is asked to. Webhooks are kept in ``webhooks_file``; None: not kept. ``fleet`` asks the consoles of other robots; it is
-    closed with this one.
+    stream, for tests; None: not until it is asked to. Webhooks are kept in ``webhooks_file``; None: not kept.
+    ``fleet`` asks the consoles of other robots; it is closed with this one.
     """
     link = link or Link()
     panels = panels or {}

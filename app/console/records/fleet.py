@@ -20,14 +20,16 @@ class FleetRobot:
     state: Annotated[
         FleetState,
         doc(
-            "stopped: its emergency stop is latched; problem: it cannot be driven as it is, or has the name of another; "
+            "stopped: its emergency stop is latched; problem: it cannot be driven as it is, or has another's name; "
             "refused: its console asks for another login; unreachable: it does not answer."
         ),
     ]
     detail: Annotated[str, doc("The state in words, where there is more to say.")]
     driver: Annotated[str | None, doc("The operator who drives it.")] = None
     exploited: Annotated[str | None, doc("The behavior that drives its base.")] = None
-    charge: Annotated[float | None, doc("Share of its battery's capacity that is left, 0 to 1; null: not known.")] = None
+    charge: Annotated[float | None, doc("Share of its battery's capacity that is left, 0 to 1; null: not known.")] = (
+        None
+    )
     simulated: bool = False
 
 

@@ -1,4 +1,4 @@
-"""The lab's perception on two computers: a program's own strategies, and a node that may run all that can be elsewhere."""
+"""Perception on two computers: a program's own strategies, and a node that may run all that can be elsewhere."""
 
 from __future__ import annotations
 
@@ -97,7 +97,5 @@ def table(what: NodesPlan, found: Sequence[Gain]) -> str:
     suffix = f"@{what.node.name}"
     for gain in found:
         there = ", ".join(name.removesuffix(suffix) for name in gain.together_by if name.endswith(suffix))
-        rows.append(
-            f"| {gain.budget:g} | {gain.alone:.1f} | {gain.together:.1f} | {gain.ratio:.2f} | {there or '–'} |"
-        )
+        rows.append(f"| {gain.budget:g} | {gain.alone:.1f} | {gain.together:.1f} | {gain.ratio:.2f} | {there or '–'} |")
     return "\n".join(rows)

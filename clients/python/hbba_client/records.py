@@ -337,8 +337,8 @@ class FleetRobot(Struct, kw_only=True, frozen=True):
     url: str
     """Its own console; empty: this one."""
     state: Literal["problem", "refused", "stopped", "unreachable", "well"]
-    """stopped: its emergency stop is latched; problem: it cannot be driven as it is, or has the name of another;
-    refused: its console asks for another login; unreachable: it does not answer.
+    """stopped: its emergency stop is latched; problem: it cannot be driven as it is, or has another's name; refused:
+    its console asks for another login; unreachable: it does not answer.
     """
     detail: str
     """The state in words, where there is more to say."""

@@ -300,8 +300,8 @@ export interface FleetRobot {
   /** Its own console; empty: this one. */
   url: string;
   /**
-   * stopped: its emergency stop is latched; problem: it cannot be driven as it is, or has the name of another; refused:
-   * its console asks for another login; unreachable: it does not answer.
+   * stopped: its emergency stop is latched; problem: it cannot be driven as it is, or has another's name; refused: its
+   * console asks for another login; unreachable: it does not answer.
    */
   state: "problem" | "refused" | "stopped" | "unreachable" | "well";
   /** The state in words, where there is more to say. */
