@@ -40,7 +40,7 @@ class MemoryService(ServiceSlot[MemoryServer]):
     """The service of episodic memory: its server, which a module attaches while it remembers."""
 
     def __init__(self) -> None:
-        super().__init__(lambda: MemoryOff("this program remembers nothing: no EpisodicMemory with `on: true` runs"))
+        super().__init__(lambda: MemoryOff("this program remembers nothing: no EpisodicMemory is enabled"))
 
     @property
     def server(self) -> MemoryServer:

@@ -29,7 +29,7 @@ MODULE = """\
     class: app.modules.motivations.episodic_memory.episodic_memory:EpisodicMemory
     inputs: {events: percept_events}
     outputs: {memory: memory}
-    settings: {on: true, raises: [Listen]}
+    settings: {enabled: true, raises: [Listen]}
 """
 CHANNEL = "memory: {type: MemoryState, latched: true"
 EXTERNAL = f"{CHANNEL}, external: true"

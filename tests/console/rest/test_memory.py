@@ -64,7 +64,7 @@ async def test_it_is_exported_and_deleted(client: httpx.AsyncClient, system: Sys
 async def test_every_refusal(client: httpx.AsyncClient, system: System) -> None:
     for method, path in (("GET", "/memory"), ("DELETE", "/memory"), ("DELETE", "/memory/episodes/3")):
         off = is_problem(await client.request(method, path), 409, "memory-off")
-        assert off["detail"] == "This program remembers nothing: no EpisodicMemory with `on: true` runs."
+        assert off["detail"] == "This program remembers nothing: no EpisodicMemory is enabled."
     server = Remembering()
     system.memory.attach(server)
     gone = is_problem(await client.delete("/memory/episodes/9"), 404, "no-such-episode")

@@ -129,7 +129,7 @@ class EpisodicMemory(Module):
         self._lock = asyncio.Lock()
         self._stack = ExitStack()
         self._opened = False
-        if not settings.on:
+        if not settings.enabled:
             # What comes in is taken, so that none waits, and forgotten.
             ports: tuple[Input[Any], ...] = (events, persons, localization, places, words, desires, intention)
             for port in ports:
@@ -151,7 +151,7 @@ class EpisodicMemory(Module):
         self._timeline = self.service(Timeline)
         self._raised = Raised(self.service(IntentionWorkspace), self.name, self.log, self.clock.now)
         self._stack.callback(self._raised.withdraw)
-        if not self.settings.on:
+        if not self.settings.enabled:
             await self._switch_off()
             return
         kept = await self.compute_background(self._read)

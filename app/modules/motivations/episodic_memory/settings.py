@@ -11,7 +11,7 @@ from app.runtime.module import Settings
 class EpisodicMemorySettings(Settings):
     """How much is remembered, and how far it may go."""
 
-    on: bool = Field(False, description="whether anything is remembered; off, the file of earlier is deleted")
+    enabled: bool = Field(False, description="whether anything is remembered; off, the file of earlier is deleted")
     kept_days: float = Field(90.0, gt=0, description="an episode that has not happened for so long is forgotten")
     most_episodes: int = Field(200, ge=1, le=5000, description="so many are kept; those that happened least go first")
     most_events: int = Field(2000, ge=10, le=50_000, description="so many events of them")

@@ -306,7 +306,7 @@ async def test_off_nothing_is_kept_not_even_what_was(tmp_path: Path) -> None:
     async with Robot(tmp_path) as robot:
         await robot.visit()
     assert await names(tmp_path) == [FILE]
-    async with Robot(tmp_path, on=False) as robot:
+    async with Robot(tmp_path, enabled=False) as robot:
         assert await names(tmp_path) == []
         assert [event.text for event in robot.timeline.query()] == ["Memory is off: what was remembered is deleted"]
         await robot.visit()

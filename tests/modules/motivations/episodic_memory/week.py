@@ -52,7 +52,7 @@ def memory_bench(
         MODULE,
         inputs=INPUTS,
         outputs={"memory": MemoryState},
-        settings={"on": True, **settings},
+        settings={"enabled": True, **settings},
         services={
             MemoryStore: store,
             IntentionWorkspace: workspace,
