@@ -185,6 +185,8 @@ async def _live(
     from app.console.panels import load_panels
     from app.console.server import address_of, serve
     from app.console.webhooks.kept import default_file
+    from app.memory.store import MemoryStore
+    from app.memory.store import default_folder as default_memory_folder
     from app.program.system import System
     from app.robots.factory import create_link
     from app.runtime.clock import RealClock
@@ -201,7 +203,7 @@ async def _live(
     clock = RealClock()
     system = System(
         configuration, link=create_link(body, clock.offset), body=body, clock=clock, runs=RunLibrary(default_folder()),
-        nodes=True,
+        memory=MemoryStore(default_memory_folder()), nodes=True,
     )  # fmt: skip
     panels = await asyncio.to_thread(load_panels)
     # Building takes long enough to disturb driving.
