@@ -142,6 +142,7 @@ export const map = {
   "SLAM is off: the pose comes from odometry alone.": "Le SLAM est arrêté : la pose vient de l’odométrie seule.",
   "Extending {map}": "Prolonge {map}",
   "Mapping, not saved yet": "Cartographie, pas encore enregistrée",
+  "{text}, {ago}": "{text}, {ago}",
   "On the map {map}": "Sur la carte {map}",
   "Searching for its pose on {map}": "Cherche sa pose sur {map}",
   "Drive it around a little, or set its pose.": "Conduisez-le un peu, ou indiquez sa pose.",
