@@ -381,7 +381,6 @@ class View:
                 applied = self._applied()
                 self._world = world = World(
                     robot,
-                    stamp,
                     joints,
                     scan=self._placed,
                     cloud=self._cloud,
@@ -397,6 +396,7 @@ class View:
                     picture=self._pictures.placed(self._poses),
                     applied=applied,
                     motions=self._motions(applied),
+                    stamp=stamp,
                     now=self._system.clock.now(),
                 )
                 self._painter.show(world)
