@@ -9,7 +9,6 @@ import { useApp } from "../state/context";
 import type { Message } from "../state/latest";
 import { number, spaced } from "../ui/format";
 import { Meter } from "../ui/Meter";
-import { headline } from "./attentionText";
 import { NewestAnswer } from "./newestAnswer";
 import { panel } from "./panel";
 import { resourceLabel, resourceUnit } from "./resourceNames";
@@ -24,6 +23,7 @@ import {
   NOTHING,
   outcome,
   type Supposed,
+  supposedHeadline,
   withCost,
   withValue,
 } from "./supposition";
@@ -176,7 +176,7 @@ function Answer({ now, then }: { now: Intention; then: Intention }) {
   return (
     <>
       <p class="attention-headline" data-testid="what-if-headline" data-omega={then.omega}>
-        {headline(then.reasons)}
+        {supposedHeadline(then.reasons)}
       </p>
       {changed.length === 0 ? (
         <p class="muted small">{t("Nothing would change.")}</p>

@@ -174,6 +174,14 @@ export const panels = {
   "one command in {phi}": "une commande sur {phi}",
   "every {nth} message": "un message sur {nth}",
   "one message in {phi}": "un message sur {phi}",
+  "Nothing would be desired: the robot would attend to nothing.":
+    "Rien ne serait désiré : le robot ne porterait attention à rien.",
+  "Everything that is desired would get all it can use.":
+    "Tout ce qui est désiré recevrait tout ce qui peut lui servir.",
+  "The robot would {deeds}.": "Le robot {deeds}.",
+  "give up {classes}": "abandonnerait {classes}",
+  "give less to {classes}": "donnerait moins à {classes}",
+  "hold back {classes}": "retiendrait {classes}",
   "gave up {classes}": "a abandonné {classes}",
   "gives less to {classes}": "donne moins à {classes}",
   "holds back {classes}": "retient {classes}",
