@@ -463,7 +463,7 @@ def illness(page: Page) -> str:
     if page.locator("[data-testid=around-age].old").count():
         return f"the panorama is old ({page.get_by_test_id('around-age').first.inner_text()})"
     if page.locator("[data-testid=camera].old").count():
-        return f"the camera's picture is old ({page.get_by_test_id('camera-text').first.inner_text()})"
+        return f"the camera's picture is old ({page.get_by_test_id('camera-age').first.inner_text()})"
     slow = page.get_by_test_id("world-rate")
     if slow.count() and float(slow.inner_text().split("\u00d7")[0].split()[-1]) < SLOWEST_WORLD:
         return slow.inner_text()

@@ -63,7 +63,7 @@ def test_an_old_picture_or_a_lost_page_are_seen() -> None:
     around = FakePage(around_age="3.3 s old")
     around.found["[data-testid=around-age].old"] = ""
     assert "3.3 s old" in illness(around)
-    old = FakePage(camera_text="2.5 s old")
+    old = FakePage(camera_age="2.5 s old")
     old.found["[data-testid=camera].old"] = ""
     assert "2.5 s old" in illness(old)
     lost = FakePage()

@@ -91,6 +91,8 @@ export const panels = {
   "needed by another": "nécessaire à un autre",
   "Ω, the worth of what was chosen (the higher, the more of what is desired is served)":
     "Ω, la valeur de ce qui a été choisi (plus elle est élevée, mieux les désirs sont servis)",
+  "Everything as it is now: move a slider.": "Tout comme maintenant : déplacez un curseur.",
+  "What would change": "Ce qui changerait",
   "Chosen {ago}": "Choisi {ago}",
   "No better choice exists": "Il n’existe pas de meilleur choix",
   "The best choice found; a better one may exist": "Le meilleur choix trouvé ; un meilleur peut exister",
