@@ -59,8 +59,9 @@ HOME_TRIES: Final = 3
 _CLOSER: Final = 0.8
 #: It turns after visitors who are beside it by more (rad).
 _BESIDE_RAD: Final = 0.35
-#: A pose that was good enough as it arrived may be corrected by so much (m) until it is noted.
+#: A pose that was good enough as it arrived may be corrected by so much (m, rad) until it is noted.
 _POSE_M: Final = 0.05
+_POSE_RAD: Final = 0.03
 #: People who are seen then come along.
 _COUNTS: Final[frozenset[State]] = AT_A_STOP | frozenset[State](
     {"inviting", "confirming", "waiting", "searching", "turning"}
@@ -254,7 +255,7 @@ def _people(progress: Progress, view: View, tour: Tour) -> Progress:
     """Notes who is seen: since when enough are near, since when none is, and how far it drove since all were."""
     enough = view.near >= tour.begin.people_min
     near_since = (view.now if progress.near_since is None else progress.near_since) if enough else None
-    unseen = view.people == 0 and not view.speaking
+    unseen = view.people + view.others == 0 and not view.speaking
     gone = (view.now if progress.gone_since is None else progress.gone_since) if unseen else None
     towards, wanted = progress.towards, looks_towards(progress, view) if progress.state == "waiting" else view.towards
     beside_rad = _BESIDE_RAD if progress.company.last_look is None else 0.0
@@ -310,12 +311,17 @@ def _arrived(progress: Progress, view: View, scene: Scene) -> Progress:
 
 
 def _beside_its_place(stop: Stop, view: View, scene: Scene) -> str:
-    """How far beside its place the robot stopped, where that is farther than the stop allows; "" else."""
+    """How far beside its place the robot stopped, where that is farther than the stop allows; "" else. Where it turns
+    to visitors, the heading of the place is none of its own."""
     if view.X_MB is None:
         return ""
-    place = scene.places[stop.place]
+    place, stand = scene.places[stop.place], stop.stand
     off_m = math.hypot(view.X_MB[0] - place["x"], view.X_MB[1] - place["y"])
-    return f"presented {off_m:.2f} m from its place" if off_m > stop.stand.tolerance_m + _POSE_M else ""
+    if off_m > stand.tolerance_m + _POSE_M:
+        return f"presented {off_m:.2f} m from its place"
+    off_rad = abs(wrap_angle(view.X_MB[2] - place.get("heading", view.X_MB[2])))
+    turned = stand.face != "visitors" and off_rad > stand.tolerance_rad + _POSE_RAD
+    return f"presented turned {math.degrees(off_rad):.0f}° from its place" if turned else ""
 
 
 def _unreached(progress: Progress, view: View, scene: Scene) -> Progress:
