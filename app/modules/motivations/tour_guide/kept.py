@@ -73,5 +73,7 @@ def after_restart(run: KeptRun, at: float, view: View, scene: Scene) -> Progress
     }
     for reason, holds in reasons.items():
         if holds:
-            return go_home(replace(fresh, reason=reason), view, scene)
-    return resumed(fresh, view, scene)
+            home = go_home(replace(fresh, reason=reason), view, scene)
+            return replace(home, excuse="interrupted" if home.state == "going_home" else "")
+    again = resumed(fresh, view, scene)
+    return replace(again, excuse="again") if again.state in ("leading", "presenting", "listening") else again

@@ -27,7 +27,7 @@ _SEES: Final[frozenset[State]] = frozenset(
     {"inviting", "confirming", "waiting", "searching", "turning", "presenting", "listening", "answering", "parting"}
 )
 #: Who turns away there is no face, and is a person still.
-_BINDS: Final[frozenset[State]] = _SEES - {"inviting", "parting"}
+_BINDS: Final[frozenset[State]] = _SEES - {"inviting", "confirming", "parting"}
 _HEARS: Final[frozenset[State]] = frozenset({"confirming", "leading", "waiting", "searching", "turning", "listening"})
 _DRIVES: Final[frozenset[State]] = frozenset({"leading", "waiting", "searching", "blocked", "lost", "going_home"})
 

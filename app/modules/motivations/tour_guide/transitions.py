@@ -12,6 +12,7 @@ from app.modules.motivations.tour_guide.company import Company, falls_behind_m, 
 from app.modules.motivations.tour_guide.entering import (
     AT_A_STOP,
     AT_HOME,
+    NOWHERE,
     ON_THE_WAY,
     enter,
     go_home,
@@ -99,7 +100,7 @@ def _interrupted(progress: Progress, view: View, scene: Scene) -> Progress:
         return part(progress, view, "the battery is low", excuse="battery")
     known = view.localized or progress.state == "lost" or view.now - progress.since < LOCATES_S
     if progress.state in ON_THE_WAY and not known:
-        return enter(progress, "lost", view, reason="the robot does not know where it is")
+        return enter(progress, "lost", view, reason=NOWHERE)
     return progress
 
 
@@ -295,7 +296,7 @@ def _outcome(progress: Progress, event: Ended, view: View, scene: Scene) -> Prog
         case "inviting" | "presenting" | "answering" | "parting":
             if event.key not in awaited(progress, scene, view.now):
                 return progress
-            if not event.done and progress.state == "presenting":
+            if not event.done and progress.state == "presenting" and not name.startswith("excuse"):
                 return _failed_step(progress, name, view, scene)
             return replace(progress, ended=progress.ended | {event.key})
     return progress
@@ -338,9 +339,9 @@ def _given_up(progress: Progress, view: View, scene: Scene) -> Progress:
     noted = replace(progress, failures=(*progress.failures, Failure(stop.id, "not reached")))
     match rules_at(scene.tour, stop).reach.then:
         case "skip":
-            return lead(noted, view, scene, progress.stop + 1)
+            return replace(lead(noted, view, scene, progress.stop + 1), excuse="skipped")
         case "present_from_here":
-            return enter(noted, "presenting", view)
+            return replace(enter(noted, "presenting", view), excuse="from_here")
         case "end":
             return part(noted, view, f"{stop.id} cannot be reached", excuse="unreachable")
 
@@ -394,7 +395,7 @@ def _timed(progress: Progress, view: View, scene: Scene) -> Progress:
         case "lost" if view.localized:
             return lead(progress, view, scene, progress.stop)
         case "lost" if spent >= LOST_S:
-            return enter(progress, "idle", view, reason="the robot does not know where it is")
+            return part(progress, view, NOWHERE, excuse="lost")
         case "paused":
             if spent >= LONGEST_PAUSE_S and not (view.e_stop or view.by_hand):
                 # Nothing moves before a press: it ends where it is.
@@ -437,7 +438,9 @@ def _next_step(progress: Progress, view: View, scene: Scene) -> Progress:
     if state == "answering":
         return enter(progress, "listening", view, step=progress.listened)
     if progress.step + 1 < len(steps_now(progress, tour)):
-        return enter(progress, "presenting" if state == "listening" else state, view, step=progress.step + 1)
+        reason = progress.reason if state == "parting" else ""
+        after = "presenting" if state == "listening" else state
+        return enter(progress, after, view, step=progress.step + 1, reason=reason)
     match state:
         case "inviting":
             asks = tour.greeting.confirm is not None

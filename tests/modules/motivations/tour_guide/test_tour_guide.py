@@ -309,7 +309,7 @@ async def test_a_program_that_is_started_again_goes_on(tmp_path: Path) -> None:
     async with second as led:
         await led.until("presenting", limit_s=20)
         await led.until("leading", limit_s=20)
-        assert led.said == ["Second. Third."]
+        assert led.said == ["I was interrupted. Let us go on.", "Second. Third."]
         assert led.server.report is not None
         assert led.server.report.people_most == 2
         await led.until("idle")
