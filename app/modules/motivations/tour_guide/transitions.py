@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Final, assert_never
 
@@ -63,6 +64,14 @@ _BESIDE_RAD: Final = 0.35
 #: A pose that was good enough as it arrived may be corrected by so much (m, rad) until it is noted.
 _POSE_M: Final = 0.05
 _POSE_RAD: Final = 0.03
+#: By the wish of a step, what failed.
+_FAILED: Final[Mapping[str, str]] = {
+    "say": "a text was not said",
+    "look": "it could not look there",
+    "point": "it could not point there",
+    "gesture": "a gesture failed",
+    "expression": "an expression failed",
+}
 #: People who are seen then come along.
 _COUNTS: Final[frozenset[State]] = AT_A_STOP | frozenset[State](
     {"inviting", "confirming", "waiting", "searching", "turning"}
@@ -351,7 +360,7 @@ def _failed_step(progress: Progress, name: str, view: View, scene: Scene) -> Pro
     rule = rules_at(scene.tour, stop).present
     if progress.attempt < rule.retry:
         return replace(enter(progress, "presenting", view, step=progress.step), attempt=progress.attempt + 1)
-    noted = replace(progress, failures=(*progress.failures, Failure(stop.id, name)))
+    noted = replace(progress, failures=(*progress.failures, Failure(stop.id, _FAILED.get(name, name))))
     match rule.then:
         case "continue":
             return replace(noted, ended=noted.ended | {f"{progress.entry}.{name}"})

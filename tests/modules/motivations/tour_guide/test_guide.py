@@ -258,7 +258,7 @@ def test_a_step_that_fails(then: str, state: State) -> None:
     run.done("Say", done=False)
     assert run.texts() == ["First."], "tried again"
     run.done("Say", done=False)
-    assert run.progress.failures == (Failure("one", "say"),)
+    assert run.progress.failures == (Failure("one", "a text was not said"),)
     if then == "continue":
         assert run.see().texts() == ["Second."]
     else:
@@ -267,7 +267,7 @@ def test_a_step_that_fails(then: str, state: State) -> None:
 
 def test_a_step_that_reports_nothing_fails_in_the_end() -> None:
     run = Run().started().until("presenting").see(after_s=181)
-    assert run.progress.failures == (Failure("one", "say"),)
+    assert run.progress.failures == (Failure("one", "a text was not said"),)
 
 
 def test_all_of_a_step_goes_on_at_once_and_all_of_it_is_awaited() -> None:
