@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
 from dataclasses import replace
 from typing import Final, assert_never
 
@@ -27,7 +25,6 @@ from app.modules.motivations.tour_guide.progress import (
     Clapped,
     Ended,
     Event,
-    Failure,
     Heard,
     Pressed,
     Progress,
@@ -37,9 +34,10 @@ from app.modules.motivations.tour_guide.progress import (
     View,
     Withdrawn,
 )
+from app.modules.motivations.tour_guide.stop_outcomes import arrived, failed_step, given_up, unreached
 from app.modules.motivations.tour_guide.waiting import looks_towards, searched, wait, waited
 from app.modules.motivations.tour_guide.wishes import Scene, awaited, step_now, steps_now, stop_of
-from app.tours.model import Stop, Tour, rules_at
+from app.tours.model import Tour, rules_at
 
 #: A visitor who declines by leaving is gone so long (s).
 LEFT_S: Final = 5.0
@@ -61,17 +59,6 @@ HOME_TRIES: Final = 3
 _CLOSER: Final = 0.8
 #: It turns after visitors who are beside it by more (rad).
 _BESIDE_RAD: Final = 0.35
-#: A pose that was good enough as it arrived may be corrected by so much (m, rad) until it is noted.
-_POSE_M: Final = 0.05
-_POSE_RAD: Final = 0.03
-#: By the wish of a step, what failed.
-_FAILED: Final[Mapping[str, str]] = {
-    "say": "a text was not said",
-    "look": "it could not look there",
-    "point": "it could not point there",
-    "gesture": "a gesture failed",
-    "expression": "an expression failed",
-}
 #: People who are seen then come along.
 _COUNTS: Final[frozenset[State]] = AT_A_STOP | frozenset[State](
     {"inviting", "confirming", "waiting", "searching", "turning"}
@@ -293,7 +280,7 @@ def _outcome(progress: Progress, event: Ended, view: View, scene: Scene) -> Prog
         return progress
     match progress.state:
         case "leading" if name == "go":
-            return _arrived(progress, view, scene) if event.done else _unreached(progress, view, scene)
+            return arrived(progress, view, scene) if event.done else unreached(progress, view, scene)
         case "searching" if name == "go":
             return wait(progress, view, "it waits where it saw them last")
         case "going_home" if name == "go":
@@ -306,68 +293,9 @@ def _outcome(progress: Progress, event: Ended, view: View, scene: Scene) -> Prog
             if event.key not in awaited(progress, scene, view.now):
                 return progress
             if not event.done and progress.state == "presenting" and not name.startswith("excuse"):
-                return _failed_step(progress, name, view, scene)
+                return failed_step(progress, name, view, scene)
             return replace(progress, ended=progress.ended | {event.key})
     return progress
-
-
-def _arrived(progress: Progress, view: View, scene: Scene) -> Progress:
-    """At the stop; what is doubtful about its place is noted, and it is presented all the same."""
-    stop = stop_of(progress, scene.tour)
-    for what in (scene.doubts.get(stop.place), _beside_its_place(stop, view, scene)):
-        if what:
-            progress = replace(progress, failures=(*progress.failures, Failure(stop.id, what)))
-    return enter(progress, "turning" if stop.stand.face == "visitors" else "presenting", view)
-
-
-def _beside_its_place(stop: Stop, view: View, scene: Scene) -> str:
-    """How far beside its place the robot stopped, where that is farther than the stop allows; "" else. Where it turns
-    to visitors, the heading of the place is none of its own."""
-    if view.X_MB is None:
-        return ""
-    place, stand = scene.places[stop.place], stop.stand
-    off_m = math.hypot(view.X_MB[0] - place["x"], view.X_MB[1] - place["y"])
-    if off_m > stand.tolerance_m + _POSE_M:
-        return f"presented {off_m:.2f} m from its place"
-    off_rad = abs(wrap_angle(view.X_MB[2] - place.get("heading", view.X_MB[2])))
-    turned = stand.face != "visitors" and off_rad > stand.tolerance_rad + _POSE_RAD
-    return f"presented turned {math.degrees(off_rad):.0f}° from its place" if turned else ""
-
-
-def _unreached(progress: Progress, view: View, scene: Scene) -> Progress:
-    """The stop cannot be reached this time: again, or ask, or what its rule says."""
-    rule = rules_at(scene.tour, stop_of(progress, scene.tour)).reach
-    if progress.attempt < rule.retry:
-        return replace(enter(progress, "leading", view), attempt=progress.attempt + 1)
-    blocked = enter(progress, "blocked", view, reason=f"the way to {stop_of(progress, scene.tour).id} is blocked")
-    return blocked if rule.ask_s > 0 else _given_up(blocked, view, scene)
-
-
-def _given_up(progress: Progress, view: View, scene: Scene) -> Progress:
-    stop = stop_of(progress, scene.tour)
-    noted = replace(progress, failures=(*progress.failures, Failure(stop.id, "not reached")))
-    match rules_at(scene.tour, stop).reach.then:
-        case "skip":
-            return replace(lead(noted, view, scene, progress.stop + 1), excuse="skipped")
-        case "present_from_here":
-            return replace(enter(noted, "presenting", view), excuse="from_here")
-        case "end":
-            return part(noted, view, f"{stop.id} cannot be reached", excuse="unreachable")
-
-
-def _failed_step(progress: Progress, name: str, view: View, scene: Scene) -> Progress:
-    stop = stop_of(progress, scene.tour)
-    rule = rules_at(scene.tour, stop).present
-    if progress.attempt < rule.retry:
-        return replace(enter(progress, "presenting", view, step=progress.step), attempt=progress.attempt + 1)
-    noted = replace(progress, failures=(*progress.failures, Failure(stop.id, _FAILED.get(name, name))))
-    match rule.then:
-        case "continue":
-            return replace(noted, ended=noted.ended | {f"{progress.entry}.{name}"})
-        case "skip":
-            return lead(noted, view, scene, progress.stop + 1)
-        case "end":
-            return part(noted, view, f"a step of {stop.id} failed")
 
 
 def _timed(progress: Progress, view: View, scene: Scene) -> Progress:
@@ -400,7 +328,7 @@ def _timed(progress: Progress, view: View, scene: Scene) -> Progress:
         case "listening":
             return _listened(progress, view, scene)
         case "blocked" if spent >= rules_at(tour, stop_of(progress, tour)).reach.ask_s:
-            return _given_up(progress, view, scene)
+            return given_up(progress, view, scene)
         case "lost" if view.localized:
             return lead(progress, view, scene, progress.stop)
         case "lost" if spent >= LOST_S:
@@ -422,7 +350,7 @@ def _stepped(progress: Progress, view: View, scene: Scene) -> Progress:
     if missing and view.now - progress.since < LONGEST_STEP_S:
         return progress
     if missing and progress.state == "presenting":
-        return _failed_step(progress, min(missing).partition(".")[2], view, scene)
+        return failed_step(progress, min(missing).partition(".")[2], view, scene)
     step = step_now(progress, scene.tour)
     if progress.state == "presenting" and step is not None and step.wait is not None:
         return enter(progress, "listening", view, step=progress.step)

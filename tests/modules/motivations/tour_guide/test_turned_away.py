@@ -104,7 +104,7 @@ def test_a_visitor_with_his_back_turned_is_waited_for_only_a_little() -> None:
     assert "without" not in run.progress.excuse
 
 
-def test_it_does_not_drive_back_for_who_stands_there() -> None:
+def test_it_does_not_drive_back_for_one_who_is_there() -> None:
     run = looking_back().see(farthest_m=3.0, nearest_m=3.0, others=1, others_m=3.9, others_nearest_m=3.9)
     run.see(after_s=GOES_BACK_S + 1.0)
     assert (run.progress.state, run.progress.company.went_back) == ("waiting", False)
