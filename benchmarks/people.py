@@ -20,6 +20,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from app.robots.simulated.gl import gl_environment
+
+os.environ.update(gl_environment())  # read when MuJoCo is imported
+
 import numpy as np
 
 from app.base.geometry import Pose2

@@ -168,18 +168,23 @@ def scenario_of(seed: int, folder: Path) -> Path:
 
 
 def record(seconds: float, path: Path, seed: int = 1) -> None:
-    """Run the scene of ``seed`` so long (simulated s) and write to ``path`` what is perceived, in its order."""
+    """Run the scene of ``seed`` so long (simulated s) and write to ``path`` what is perceived, in its order.
+
+    Until it is whole it is beside it, so that a scene that was cut off is not taken for one.
+    """
+    part = path.with_name(f"{path.name}.part")
     with tempfile.TemporaryDirectory() as folder:
         program = simulated_program(scenario=scenario_of(seed, Path(folder)))
         own = {"strategies": [Path(__file__).with_name("people_strategies.yaml")]}
         program_of = program.configuration.program.model_copy(update=own)
         configuration = replace(program.configuration, program=program_of)
-        with path.open("wb") as file:
+        with part.open("wb") as file:
 
             async def script(run: WorldRun) -> None:
                 await _perceive(run, seconds, file, program.scenario)
 
             run_in_world(configuration, program.body, script, cameras=True, microphones=True, without=WITHOUT)
+        part.replace(path)
 
 
 def recorded(path: Path) -> Iterator[object]:

@@ -64,6 +64,31 @@ def test_the_program_still_says_what_the_page_translates() -> None:
     assert lost == []
 
 
+def said_by(node: ast.AST) -> Iterator[str]:
+    """What the code of ``node`` says in words, with {} for values: not its docstrings, logs and descriptions."""
+    if isinstance(node, ast.Constant) and isinstance(node.value, str):
+        yield node.value
+    elif isinstance(node, ast.JoinedStr):
+        yield "".join(part.value if isinstance(part, ast.Constant) else "{}" for part in node.values)
+    elif not isinstance(node, ast.Expr) or isinstance(node.value, ast.Await | ast.Yield | ast.YieldFrom):
+        for child in ast.iter_child_nodes(node):
+            if not (isinstance(child, ast.keyword) and child.arg == "description"):
+                yield from said_by(child)
+
+
+def test_why_a_tour_goes_as_it_goes_has_its_french() -> None:
+    root = checkout_dir()
+    assert root is not None
+    guide = root / "app" / "modules" / "motivations" / "tour_guide"
+    files = [*guide.glob("*.py"), root / "app" / "maps" / "place_checks.py"]
+    said = {text for file in files for text in said_by(ast.parse(file.read_text(encoding="utf-8")))}
+    reasons = {text for text in said if re.match(r"[a-z{].*[a-z}]{2,} [a-z{]", text) and "%s" not in text}
+    reasons = {text for text in reasons if not text.endswith(".")}
+    known = {re.sub(r"\{\w+\}", "{}", sentence) for sentence in french()["sentences"]}
+    assert len(reasons) > 40
+    assert reasons - known == set()
+
+
 #: What pydantic may say of a value, by the type of its schema, and by what the schema says of it beside that.
 OF_TYPE: dict[str, tuple[str, ...]] = {
     "bool": ("bool_type", "bool_parsing"),

@@ -19,6 +19,7 @@ import {
   type Control,
   controlsOf,
   defaultWords,
+  idWords,
   isUrgent,
   pauseWords,
   peopleWords,
@@ -417,7 +418,7 @@ function Failures({ progress }: { progress: TourProgress }) {
       {progress.failures.map(({ stop, what }, index) => (
         <li key={`${index} ${stop}`} data-testid="tour-run-failure" data-stop={stop}>
           <WarnIcon />
-          <span>{sentence(stop ? `${stop}: ${what}` : what)}</span>
+          <span>{stop ? t("{what}: {which}", { what: idWords(stop), which: fromRobot(what) }) : sentence(what)}</span>
         </li>
       ))}
     </ul>

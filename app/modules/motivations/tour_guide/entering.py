@@ -15,6 +15,8 @@ ON_THE_WAY: Final[frozenset[State]] = frozenset({"leading", "waiting", "searchin
 AT_HOME: Final[frozenset[State]] = frozenset({"idle", "inviting", "confirming"})
 #: States in which it presents a stop.
 AT_A_STOP: Final[frozenset[State]] = frozenset({"presenting", "listening", "answering"})
+#: Why it neither leads nor goes home.
+NOWHERE: Final = "the robot does not know where it is"
 
 
 def subject_of(progress: Progress) -> State:
@@ -65,8 +67,10 @@ def part(progress: Progress, view: View, reason: str, *, excuse: str = "") -> Pr
 
 
 def go_home(progress: Progress, view: View, scene: Scene) -> Progress:
-    """``progress`` on the way home, or idle where the tour has none or its place is not there."""
+    """``progress`` on the way home; idle where the tour has none, its place is not there, or it ends for being lost."""
     home = scene.tour.home
+    if progress.reason == NOWHERE and not view.localized:
+        return enter(progress, "idle", view, reason=NOWHERE)
     if home is None:
         return enter(progress, "idle", view, reason=progress.reason)
     if home not in scene.places:

@@ -69,9 +69,11 @@ def after_restart(run: KeptRun, at: float, view: View, scene: Scene) -> Progress
     reasons = {
         "the tour was changed meanwhile": run.digest != digest(tour),
         "the program was away too long": not run.is_fresh(at),
-        "no visitor was there when the program was back": view.people == 0 and state not in ("parting", "going_home"),
+        "no visitor was there when the program was back": view.there == 0 and state not in ("parting", "going_home"),
     }
     for reason, holds in reasons.items():
         if holds:
-            return go_home(replace(fresh, reason=reason), view, scene)
-    return resumed(fresh, view, scene)
+            home = go_home(replace(fresh, reason=reason), view, scene)
+            return replace(home, excuse="interrupted" if home.state == "going_home" else "")
+    again = resumed(fresh, view, scene)
+    return replace(again, excuse="again") if again.state in ("leading", "presenting", "listening") else again

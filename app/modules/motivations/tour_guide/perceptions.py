@@ -15,6 +15,7 @@ from app.tours.values import Words
 
 FACES: Final = "LocateFaces"
 VOICES: Final = "LocateVoices"
+PERSONS: Final = "TrackPersons"
 NOISES: Final = "DetectNoises"
 CODES: Final = "FindQRCodes"
 WORDS: Final = "ListenForWords"
@@ -25,6 +26,8 @@ _MOST_PHRASES, _MOST_CHARACTERS = 20, 500
 _SEES: Final[frozenset[State]] = frozenset(
     {"inviting", "confirming", "waiting", "searching", "turning", "presenting", "listening", "answering", "parting"}
 )
+#: Who turns away there is no face, and is a person still.
+_BINDS: Final[frozenset[State]] = _SEES - {"inviting", "confirming", "parting"}
 _HEARS: Final[frozenset[State]] = frozenset({"confirming", "leading", "waiting", "searching", "turning", "listening"})
 _DRIVES: Final[frozenset[State]] = frozenset({"leading", "waiting", "searching", "blocked", "lost", "going_home"})
 
@@ -39,6 +42,8 @@ def _perceptions(progress: Progress, scene: Scene) -> Iterator[Wish]:
     invites = state == "idle"
     if state in _SEES or (invites and ("face" in begin or "voice" in begin)):
         yield Wish("faces", FACES)
+    if state in _BINDS:
+        yield Wish("persons", PERSONS)
     if state in _HEARS or (invites and "voice" in begin):
         yield Wish("voices", VOICES)
     if state in _DRIVES:

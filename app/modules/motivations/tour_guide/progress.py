@@ -96,7 +96,8 @@ class View:
     driven since the program began; ``towards``: the heading (rad in odom) of visitors, or of where they are looked for,
     None while unknown; ``stuck_since``: since when (s) the way to the goal is no shorter, None while it is;
     ``found``: how many were seen since it looks for them, who may be out of view now, the farthest ``found_m`` (m)
-    away; ``behind``: the heading (rad in odom) along the way that it came; ``looked_s``: how long (s) it has been
+    away; ``others``, ``others_m``, ``others_nearest_m``: the same of persons whose face is not seen, by their legs;
+    ``behind``: the heading (rad in odom) along the way that it came; ``looked_s``: how long (s) it has been
     turned to where it looks for visitors; ``back``: x, y (m) on the map of where it saw all of them last, None where
     that is here or unknown; ``astray_m``: driving back, how far it is from the way that it came; ``X_MB``: x, y,
     heading (m, rad) on the tour's map, None while unknown; ``battery``: share of a full charge, None where the body
@@ -114,6 +115,9 @@ class View:
     stuck_since: float | None = None
     found: int = 0
     found_m: float = 0.0
+    others: int = 0
+    others_m: float = 0.0
+    others_nearest_m: float = 0.0
     behind: float | None = None
     looked_s: float = 0.0
     back: tuple[float, float] | None = None
@@ -127,14 +131,25 @@ class View:
     events: tuple[Event, ...] = ()
 
     @property
-    def there(self) -> int:
-        """How many are seen, or were since it looks for them."""
+    def faces(self) -> int:
+        """How many faces are seen, or were since it looks for them."""
         return max(self.people, self.found)
+
+    @property
+    def there(self) -> int:
+        """How many are there, with a face or without."""
+        return self.faces + self.others
 
     @property
     def there_m(self) -> float:
         """The distance (m) of the farthest of them."""
-        return max(self.farthest_m, self.found_m)
+        return max(self.farthest_m, self.found_m, self.others_m)
+
+    @property
+    def next_m(self) -> float:
+        """The distance (m) of the nearest that is seen."""
+        seen = [each for each, count in ((self.nearest_m, self.people), (self.others_nearest_m, self.others)) if count]
+        return min(seen, default=0.0)
 
 
 @dataclass(frozen=True, slots=True)

@@ -24,6 +24,7 @@ def progress_message(progress: Progress, view: View, scene: Scene, *, run: str, 
     step = step_now(progress, tour)
     kept = [number for number, each in enumerate(tour.stops) if not each.left_out]
     listens = progress.state == "listening"
+    people = view.people + view.others
     question = stop.questions if stop is not None and progress.state in ("listening", "answering") else ()
     return TourProgress(
         view.now,
@@ -49,8 +50,8 @@ def progress_message(progress: Progress, view: View, scene: Scene, *, run: str, 
         questions=tuple(TourQuestion(each.id, each.question) for each in question),
         buttons=buttons(progress, e_stop=view.e_stop),
         question=operator_question(progress, scene),
-        people=view.people,
-        farthest_m=None if view.people == 0 else round(view.farthest_m / _STEP_M) * _STEP_M,
+        people=people,
+        farthest_m=None if people == 0 else round(max(view.farthest_m, view.others_m) / _STEP_M) * _STEP_M,
         presented=progress.presented,
         skipped=tuple(tour.stops[number].id for number in progress.skipped),
         failures=tuple(TourFailure(failure.stop, failure.what) for failure in progress.failures),

@@ -17,6 +17,7 @@ from app.messages import (
     Localization,
     NavigationStatus,
     Odometry,
+    Persons,
     SoundSources,
 )
 from app.modules.motivations.tour_guide.progress import Event, Progress, View
@@ -70,6 +71,10 @@ class Senses:
         """Who is seen or heard, placed once odometry has reached its stamp."""
         self._percepts.append(percepts)
 
+    def take_persons(self, persons: Persons) -> None:
+        """Who is there, also without a face."""
+        self.visitors.bind(persons)
+
     def take_localization(self, localization: Localization) -> None:
         """Where the robot is on the map."""
         self._localization = localization
@@ -117,9 +122,14 @@ class Senses:
         self._place(now)
         state, company = progress.state, progress.company
         X_OB = self._X_OB or Pose2()
-        sought = company.sought_since if state in ("waiting", "searching") else None
+        seeks = state in ("waiting", "searching")
         people = self.visitors.around(
-            now, X_OB, within_m=tour.begin.within_m, behind=state == "leading", sought_since=sought
+            now,
+            X_OB,
+            within_m=tour.begin.within_m,
+            behind=state == "leading",
+            sought_since=company.sought_since if seeks else None,
+            legs_m=tour.pace.wait_m if seeks else 0.0,
         )
         self.visitors.returns = state == "searching"
         turned = progress.towards is None or abs(wrap_angle(X_OB.theta - progress.towards)) <= _TURNED_RAD
@@ -141,6 +151,9 @@ class Senses:
             stuck_since=self._stuck_since,
             found=people.found,
             found_m=people.found_m,
+            others=people.others,
+            others_m=people.others_m,
+            others_nearest_m=people.others_nearest_m,
             behind=people.behind,
             looked_s=0.0 if self._looks_since is None else now - self._looks_since,
             back=self._on_map(self.visitors.back(company.seen_m), tour.map) if state == "waiting" else None,

@@ -2,6 +2,7 @@
 
     ┌──────────────────────────────────────────────────────────────────────────────────────────┐
     │ TourGuide  in   faces         Faces, m in base_link at their stamp; counted, not known    │
+    │            in   persons       Persons: who has turned away; counted, not known           │
     │            in   sources       SoundSources: which way visitors are                       │
     │            in   noises        LoudNoise: claps                                           │
     │            in   words         HeardWords                                                 │
@@ -45,6 +46,7 @@ from app.messages import (
     LoudNoise,
     NavigationStatus,
     Odometry,
+    Persons,
     Place,
     Places,
     SoundSources,
@@ -57,7 +59,7 @@ from app.modules.motivations.tour_guide.desires import GuideDesires, weights
 from app.modules.motivations.tour_guide.guided_run import GuidedRun, led_by
 from app.modules.motivations.tour_guide.kept import KeptRun, after_restart
 from app.modules.motivations.tour_guide.listening import Claps, is_due, sentence_number
-from app.modules.motivations.tour_guide.perceptions import FACES, SLAM
+from app.modules.motivations.tour_guide.perceptions import FACES, PERSONS, SLAM
 from app.modules.motivations.tour_guide.progress import (
     Asked,
     Chosen,
@@ -131,6 +133,7 @@ class TourGuide(Module):
         self._shown = _NOTHING
         self._stack = ExitStack()
         self.on(self.input("faces", Faces, capacity=8), senses.take_percepts)
+        self.on(self.input("persons", Persons), senses.take_persons)
         self.on(self.input("sources", SoundSources, capacity=8), senses.take_percepts)
         self.on(self.input("noises", LoudNoise, capacity=8), lambda noise: self._claps.hear(noise.stamp))
         self.on(self.input("words", HeardWords, capacity=8), self._take_words)
@@ -373,11 +376,11 @@ class TourGuide(Module):
         ready = held or (self._senses.localized(tour.map) and self._places is not None)
         view = self._view(run, ())
         if kept.progress.is_running and now < self._ready_at:
-            self._desires.want((Wish("slam", SLAM), Wish("faces", FACES)))
+            self._desires.want((Wish("slam", SLAM), Wish("faces", FACES), Wish("persons", PERSONS)))
             if not ready:
                 return
             self._ready_at = min(self._ready_at, now + _VISITORS_S)
-            if view.people == 0 and not held:
+            if view.there == 0 and not held:
                 return
         self._kept, self._run = None, run
         if kept.progress.is_running and not ready:

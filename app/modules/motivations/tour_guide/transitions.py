@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from typing import Final, assert_never
 
@@ -12,6 +11,7 @@ from app.modules.motivations.tour_guide.company import Company, falls_behind_m, 
 from app.modules.motivations.tour_guide.entering import (
     AT_A_STOP,
     AT_HOME,
+    NOWHERE,
     ON_THE_WAY,
     enter,
     go_home,
@@ -25,7 +25,6 @@ from app.modules.motivations.tour_guide.progress import (
     Clapped,
     Ended,
     Event,
-    Failure,
     Heard,
     Pressed,
     Progress,
@@ -35,9 +34,10 @@ from app.modules.motivations.tour_guide.progress import (
     View,
     Withdrawn,
 )
+from app.modules.motivations.tour_guide.stop_outcomes import arrived, failed_step, given_up, unreached
 from app.modules.motivations.tour_guide.waiting import looks_towards, searched, wait, waited
 from app.modules.motivations.tour_guide.wishes import Scene, awaited, step_now, steps_now, stop_of
-from app.tours.model import Stop, Tour, rules_at
+from app.tours.model import Tour, rules_at
 
 #: A visitor who declines by leaving is gone so long (s).
 LEFT_S: Final = 5.0
@@ -59,8 +59,6 @@ HOME_TRIES: Final = 3
 _CLOSER: Final = 0.8
 #: It turns after visitors who are beside it by more (rad).
 _BESIDE_RAD: Final = 0.35
-#: A pose that was good enough as it arrived may be corrected by so much (m) until it is noted.
-_POSE_M: Final = 0.05
 #: People who are seen then come along.
 _COUNTS: Final[frozenset[State]] = AT_A_STOP | frozenset[State](
     {"inviting", "confirming", "waiting", "searching", "turning"}
@@ -98,7 +96,7 @@ def _interrupted(progress: Progress, view: View, scene: Scene) -> Progress:
         return part(progress, view, "the battery is low", excuse="battery")
     known = view.localized or progress.state == "lost" or view.now - progress.since < LOCATES_S
     if progress.state in ON_THE_WAY and not known:
-        return enter(progress, "lost", view, reason="the robot does not know where it is")
+        return enter(progress, "lost", view, reason=NOWHERE)
     return progress
 
 
@@ -254,7 +252,7 @@ def _people(progress: Progress, view: View, tour: Tour) -> Progress:
     """Notes who is seen: since when enough are near, since when none is, and how far it drove since all were."""
     enough = view.near >= tour.begin.people_min
     near_since = (view.now if progress.near_since is None else progress.near_since) if enough else None
-    unseen = view.people == 0 and not view.speaking
+    unseen = view.people + view.others == 0 and not view.speaking
     gone = (view.now if progress.gone_since is None else progress.gone_since) if unseen else None
     towards, wanted = progress.towards, looks_towards(progress, view) if progress.state == "waiting" else view.towards
     beside_rad = _BESIDE_RAD if progress.company.last_look is None else 0.0
@@ -282,7 +280,7 @@ def _outcome(progress: Progress, event: Ended, view: View, scene: Scene) -> Prog
         return progress
     match progress.state:
         case "leading" if name == "go":
-            return _arrived(progress, view, scene) if event.done else _unreached(progress, view, scene)
+            return arrived(progress, view, scene) if event.done else unreached(progress, view, scene)
         case "searching" if name == "go":
             return wait(progress, view, "it waits where it saw them last")
         case "going_home" if name == "go":
@@ -294,64 +292,10 @@ def _outcome(progress: Progress, event: Ended, view: View, scene: Scene) -> Prog
         case "inviting" | "presenting" | "answering" | "parting":
             if event.key not in awaited(progress, scene, view.now):
                 return progress
-            if not event.done and progress.state == "presenting":
-                return _failed_step(progress, name, view, scene)
+            if not event.done and progress.state == "presenting" and not name.startswith("excuse"):
+                return failed_step(progress, name, view, scene)
             return replace(progress, ended=progress.ended | {event.key})
     return progress
-
-
-def _arrived(progress: Progress, view: View, scene: Scene) -> Progress:
-    """At the stop; what is doubtful about its place is noted, and it is presented all the same."""
-    stop = stop_of(progress, scene.tour)
-    for what in (scene.doubts.get(stop.place), _beside_its_place(stop, view, scene)):
-        if what:
-            progress = replace(progress, failures=(*progress.failures, Failure(stop.id, what)))
-    return enter(progress, "turning" if stop.stand.face == "visitors" else "presenting", view)
-
-
-def _beside_its_place(stop: Stop, view: View, scene: Scene) -> str:
-    """How far beside its place the robot stopped, where that is farther than the stop allows; "" else."""
-    if view.X_MB is None:
-        return ""
-    place = scene.places[stop.place]
-    off_m = math.hypot(view.X_MB[0] - place["x"], view.X_MB[1] - place["y"])
-    return f"presented {off_m:.2f} m from its place" if off_m > stop.stand.tolerance_m + _POSE_M else ""
-
-
-def _unreached(progress: Progress, view: View, scene: Scene) -> Progress:
-    """The stop cannot be reached this time: again, or ask, or what its rule says."""
-    rule = rules_at(scene.tour, stop_of(progress, scene.tour)).reach
-    if progress.attempt < rule.retry:
-        return replace(enter(progress, "leading", view), attempt=progress.attempt + 1)
-    blocked = enter(progress, "blocked", view, reason=f"the way to {stop_of(progress, scene.tour).id} is blocked")
-    return blocked if rule.ask_s > 0 else _given_up(blocked, view, scene)
-
-
-def _given_up(progress: Progress, view: View, scene: Scene) -> Progress:
-    stop = stop_of(progress, scene.tour)
-    noted = replace(progress, failures=(*progress.failures, Failure(stop.id, "not reached")))
-    match rules_at(scene.tour, stop).reach.then:
-        case "skip":
-            return lead(noted, view, scene, progress.stop + 1)
-        case "present_from_here":
-            return enter(noted, "presenting", view)
-        case "end":
-            return part(noted, view, f"{stop.id} cannot be reached", excuse="unreachable")
-
-
-def _failed_step(progress: Progress, name: str, view: View, scene: Scene) -> Progress:
-    stop = stop_of(progress, scene.tour)
-    rule = rules_at(scene.tour, stop).present
-    if progress.attempt < rule.retry:
-        return replace(enter(progress, "presenting", view, step=progress.step), attempt=progress.attempt + 1)
-    noted = replace(progress, failures=(*progress.failures, Failure(stop.id, name)))
-    match rule.then:
-        case "continue":
-            return replace(noted, ended=noted.ended | {f"{progress.entry}.{name}"})
-        case "skip":
-            return lead(noted, view, scene, progress.stop + 1)
-        case "end":
-            return part(noted, view, f"a step of {stop.id} failed")
 
 
 def _timed(progress: Progress, view: View, scene: Scene) -> Progress:
@@ -384,11 +328,11 @@ def _timed(progress: Progress, view: View, scene: Scene) -> Progress:
         case "listening":
             return _listened(progress, view, scene)
         case "blocked" if spent >= rules_at(tour, stop_of(progress, tour)).reach.ask_s:
-            return _given_up(progress, view, scene)
+            return given_up(progress, view, scene)
         case "lost" if view.localized:
             return lead(progress, view, scene, progress.stop)
         case "lost" if spent >= LOST_S:
-            return enter(progress, "idle", view, reason="the robot does not know where it is")
+            return part(progress, view, NOWHERE, excuse="lost")
         case "paused":
             if spent >= LONGEST_PAUSE_S and not (view.e_stop or view.by_hand):
                 # Nothing moves before a press: it ends where it is.
@@ -406,7 +350,7 @@ def _stepped(progress: Progress, view: View, scene: Scene) -> Progress:
     if missing and view.now - progress.since < LONGEST_STEP_S:
         return progress
     if missing and progress.state == "presenting":
-        return _failed_step(progress, min(missing).partition(".")[2], view, scene)
+        return failed_step(progress, min(missing).partition(".")[2], view, scene)
     step = step_now(progress, scene.tour)
     if progress.state == "presenting" and step is not None and step.wait is not None:
         return enter(progress, "listening", view, step=progress.step)
@@ -431,7 +375,9 @@ def _next_step(progress: Progress, view: View, scene: Scene) -> Progress:
     if state == "answering":
         return enter(progress, "listening", view, step=progress.listened)
     if progress.step + 1 < len(steps_now(progress, tour)):
-        return enter(progress, "presenting" if state == "listening" else state, view, step=progress.step + 1)
+        reason = progress.reason if state == "parting" else ""
+        after = "presenting" if state == "listening" else state
+        return enter(progress, after, view, step=progress.step + 1, reason=reason)
     match state:
         case "inviting":
             asks = tour.greeting.confirm is not None

@@ -7,11 +7,12 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 from app.base.geometry import Pose2, wrap_angle
+from app.messages import Person, Persons
 
 Point = tuple[float, float]
 
@@ -25,6 +26,10 @@ FOUND_S: Final = 20.0
 #: A face that appears is that of a person who was out of sight for this long (s), and at most so far away (m, and m/s
 #: since then).
 _HIDDEN_S, _SAME_M, _SAME_MPS, _SAME_MOST_M = 0.5, 0.5, 1.0, 1.5
+#: What is bound into persons says who is there for so long (s).
+_BOUND_S: Final = 1.0
+#: Legs that were never seen to walk count once they stood so long (s), this far (m) from anybody else.
+STOOD_S, _ALONE_M = 1.0, 0.6
 #: The last sighting says where people are until the robot has driven so far (m).
 _STILL_THERE_M: Final = 1.0
 #: The way that was driven is kept by points this far apart (m), so many of them.
@@ -40,8 +45,9 @@ _BACK_M = (0.7, 8.0)
 class People:
     """Who is around: how many, the distance of the farthest and the nearest (m), how many are near; whether one speaks;
     the heading towards them, or where they are looked for (rad in odom; None while unknown). ``found``,
-    ``found_m``: the same of those who were seen since they are looked for; ``behind``: the heading along the way
-    that the robot came."""
+    ``found_m``: the same of those who were seen since they are looked for; ``others``, ``others_m``,
+    ``others_nearest_m``: the same of persons whose face is not seen; ``behind``: the heading along the way that the
+    robot came."""
 
     people: int = 0
     farthest_m: float = 0.0
@@ -51,6 +57,9 @@ class People:
     towards: float | None = None
     found: int = 0
     found_m: float = 0.0
+    others: int = 0
+    others_m: float = 0.0
+    others_nearest_m: float = 0.0
     behind: float | None = None
 
 
@@ -59,6 +68,9 @@ class Visitors:
 
     def __init__(self) -> None:
         self._seen: dict[int, tuple[float, Point]] = {}
+        #: What was bound last, and since when (s) the tracks in it are there.
+        self._persons = Persons(-math.inf, ())
+        self._since: dict[int, float] = {}
         #: Points of the way with what was driven until there.
         self._trail: deque[tuple[float, Point]] = deque(maxlen=_POINTS)
         #: Whether the robot drives back along its way, which ends where it is then.
@@ -95,6 +107,11 @@ class Visitors:
                 del self._seen[former]
             self._seen[track] = stamp, place
 
+    def bind(self, persons: Persons) -> None:
+        """Who is there, with a face or without."""
+        self._persons = persons
+        self._since = {each.track: self._since.get(each.track, persons.stamp) for each in persons.persons}
+
     def hear(self, stamp: float, heading: float) -> None:
         """A voice came from ``heading`` (rad) at ``stamp``."""
         self._voice = stamp, heading
@@ -121,15 +138,24 @@ class Visitors:
         return next(near, None)
 
     def around(
-        self, now: float, X_OB: Pose2, *, within_m: float, behind: bool, sought_since: float | None = None
+        self,
+        now: float,
+        X_OB: Pose2,
+        *,
+        within_m: float,
+        behind: bool,
+        sought_since: float | None = None,
+        legs_m: float = 0.0,
     ) -> People:
         """Who is there at ``now``. ``behind``: only those who are behind the robot follow it, none ahead does;
-        ``sought_since``: since when (s) they are looked for, None while they are not."""
+        ``sought_since``: since when (s) they are looked for, None while they are not; ``legs_m``: so far (m), legs that
+        were never seen to walk are somebody's."""
         self._seen = {track: seen for track, seen in self._seen.items() if now - seen[0] <= FOUND_S}
         here = (X_OB.x, X_OB.y)
         places = [place for stamp, place in self._seen.values() if now - stamp <= SEEN_S]
         since = math.inf if sought_since is None else sought_since
         found = [math.dist(here, place) for stamp, place in self._seen.values() if stamp >= since]
+        others = [] if behind else [math.dist(here, place) for place in self._faceless(now, here, since, legs_m)]
         if behind:
             places = [p for p in places if abs(wrap_angle(_heading(here, p) - X_OB.theta)) > math.pi / 2]
         speaking = self._voice is not None and now - self._voice[0] <= SPEAKS_S
@@ -146,8 +172,28 @@ class Visitors:
             towards=self._towards(now, here, bool(places)),
             found=len(found),
             found_m=max(found, default=0.0),
+            others=len(others),
+            others_m=max(others, default=0.0),
+            others_nearest_m=min(others, default=0.0),
             behind=self._behind(here),
         )
+
+    def _faceless(self, now: float, here: Point, sought_since: float, legs_m: float) -> list[Point]:
+        """Where persons are whose face was not seen lately, nor since they are looked for."""
+        if now - self._persons.stamp > _BOUND_S:
+            return []
+        least = min(sought_since, now - SEEN_S)
+        faces = {track: seen for track, seen in self._seen.items() if seen[0] >= least}
+        believed = [each for each in self._persons.persons if each.state != "tentative" and each.last_seen >= least]
+        places = _without_face(now, faces, believed)
+        taken = [*(place for _, place in faces.values()), *places]
+        for each in self._persons.persons:
+            place = each.p_OP[:2]
+            stood = each.state == "tentative" and now - self._since[each.track] >= STOOD_S
+            if stood and math.dist(here, place) <= legs_m and all(math.dist(place, o) > _ALONE_M for o in taken):
+                taken.append(place)
+                places.append(place)
+        return places
 
     def _towards(self, now: float, here: Point, seen: bool) -> float | None:
         last = self._last_seen
@@ -172,6 +218,23 @@ class Visitors:
             if away_m >= _LOOKS_M[0]:
                 seen = point
         return None if seen is None else _heading(here, seen)
+
+
+def _without_face(now: float, faces: Mapping[int, tuple[float, Point]], persons: Sequence[Person]) -> list[Point]:
+    """Where those of ``persons`` are who have none of ``faces`` (time and place by track); each is the nearest's."""
+    pairs = sorted(
+        (math.dist(each.p_OP[:2], place), track, each.track)
+        for track, (seen, place) in faces.items()
+        for each in persons
+        if math.dist(each.p_OP[:2], place) <= min(_SAME_M + _SAME_MPS * max(now - seen, 0.0), _SAME_MOST_M)
+    )
+    used: set[int] = set()
+    having: set[int] = set()
+    for _, face, person in pairs:
+        if face not in used and person not in having:
+            used.add(face)
+            having.add(person)
+    return [each.p_OP[:2] for each in persons if each.track not in having]
 
 
 def _heading(here: Point, there: Point) -> float:

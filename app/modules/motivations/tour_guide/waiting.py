@@ -20,6 +20,8 @@ from app.tours.model import Pace
 LOOKED_S: Final = 1.5
 #: In one direction it looks for so long (s), turning among it; then into the opposite one, and so on.
 LOOKS_S: Final = 8.0
+#: Somebody whose face is not seen has turned away, and is waited for so long (s) before it goes on.
+TURNED_AWAY_S: Final = 6.0
 #: After so long (s) it drives back for who is missing, and where it sees no visitor.
 GOES_BACK_S: Final = 16.0
 GOES_BACK_FOR_ALL_S: Final = 8.0
@@ -44,8 +46,9 @@ def waited(progress: Progress, view: View, pace: Pace) -> Progress:
     looked = company.looked or view.looked_s >= LOOKED_S or spent >= LOOKS_S
     missing = view.there < max(company.size, 1)
     stand = view.now - company.moved_at >= STAND_S
-    near = view.there_m <= pace.slow_m or (view.nearest_m <= pace.slow_m and view.there_m <= pace.wait_m and stand)
-    if looked and not missing and near:
+    near = view.there_m <= pace.slow_m or (view.next_m <= pace.slow_m and view.there_m <= pace.wait_m and stand)
+    comes = view.faces >= max(company.size, 1) or spent >= TURNED_AWAY_S
+    if looked and not missing and near and comes:
         return _on(progress, view, pace)
     progress = replace(progress, company=replace(company, looked=looked))
     if _is_over(progress, view, pace):
@@ -71,12 +74,12 @@ def looks_towards(progress: Progress, view: View) -> float | None:
     to the other side by turns; where no visitor is seen in either, all around by quarters. In the end, all around."""
     company = progress.company
     if company.last_look is not None:
-        answers = view.people == 0 and view.speaking
+        answers = view.people + view.others == 0 and view.speaking
         return view.towards if answers else wrap_angle(company.look_from + company.last_look * _BETWEEN_RAD)
     if not company.short:
         return view.towards
     turn = math.floor((view.now - progress.since) / LOOKS_S)
-    if view.people == 0 and turn >= (1 if view.behind is None else 2):
+    if view.people + view.others == 0 and turn >= (1 if view.behind is None else 2):
         begin = next((heading for heading in (view.behind, view.towards) if heading is not None), 0.0)
         return wrap_angle(begin + turn * math.pi / 2)
     if turn % 2 and view.behind is not None:

@@ -36,14 +36,28 @@ CALL: Final = {"en": "I am waiting for you.", "fr": "Je vous attends."}
 PASS: Final = {"en": "Excuse me, may I pass?", "fr": "Excusez-moi, puis-je passer ?"}
 STILL: Final = {"en": "Are you still with me?", "fr": "Êtes-vous toujours avec moi ?"}
 SEEK: Final = {"en": "I am coming back for you.", "fr": "Je reviens vous chercher."}
-#: By key: what it says of a pause, of going on without all, and of an end that visitors do not expect.
+#: By key: what it says of a pause, of going on otherwise than visitors expect, and of an end that they do not expect.
 EXCUSES: Final[Mapping[str, Mapping[str, str]]] = {
     "paused": {"en": "One moment, please.", "fr": "Un instant, s'il vous plaît."},
     "without": {"en": "I go on with those who are here.", "fr": "Je continue avec ceux qui sont là."},
+    "again": {"en": "I was interrupted. Let us go on.", "fr": "J'ai été interrompu. Reprenons."},
+    "skipped": {"en": "I cannot get there, so I leave it out.", "fr": "Je ne peux pas y aller, je passe cette étape."},
+    "from_here": {
+        "en": "I cannot get any nearer, so I explain it from here.",
+        "fr": "Je ne peux pas m'approcher davantage, je vous l'explique d'ici.",
+    },
     "e_stop": {"en": "I was stopped. One moment, please.", "fr": "On m'a arrêté. Un instant, s'il vous plaît."},
     "battery": {
         "en": "My battery is low. I must end the tour here.",
         "fr": "Ma batterie est faible. Je dois terminer la visite ici.",
+    },
+    "interrupted": {
+        "en": "I was interrupted, and must end the tour here.",
+        "fr": "J'ai été interrompu et dois terminer la visite ici.",
+    },
+    "lost": {
+        "en": "I do not know where I am. I must end the tour here.",
+        "fr": "Je ne sais pas où je suis. Je dois terminer la visite ici.",
     },
     "unreachable": {
         "en": "I cannot get any further. I must end the tour here.",
@@ -143,6 +157,8 @@ def _wishes(progress: Progress, scene: Scene, now: float) -> Iterator[Wish]:
         case "going_home":
             if tour.home is not None:
                 yield _going(progress, scene, tour.home)
+                if progress.excuse:
+                    yield _said(progress, f"excuse-{progress.excuse}", EXCUSES[progress.excuse], scene)
                 yield from _asking_to_pass(progress, scene, now)
         case "waiting" | "turning":
             # The camera that sees farthest turns with the head, which a near face would keep.
@@ -158,6 +174,8 @@ def _wishes(progress: Progress, scene: Scene, now: float) -> Iterator[Wish]:
                     yield _said(progress, f"call-{len(calls)}", CALL, scene)
         case "listening":
             yield from _facing_at_stop(progress, tour)
+            if progress.excuse:
+                yield _said(progress, f"excuse-{progress.excuse}", EXCUSES[progress.excuse], scene)
         case "confirming":
             yield Wish(key(progress, "look"), TRACK_FACE)
             yield from _facing(progress)
@@ -188,8 +206,8 @@ def _asking_to_pass(progress: Progress, scene: Scene, now: float) -> Iterator[Wi
 
 
 def _excused(progress: Progress) -> bool:
-    """Whether it first says why it ends."""
-    return progress.state == "parting" and progress.step == 0 and bool(progress.excuse)
+    """Whether it first says why it ends, or goes on otherwise than visitors expect."""
+    return progress.state in ("parting", "presenting") and bool(progress.excuse)
 
 
 def _points(progress: Progress, step: Step | None) -> bool:

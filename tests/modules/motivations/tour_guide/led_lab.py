@@ -27,6 +27,9 @@ from app.messages import (
     LoudNoise,
     NavigationStatus,
     Odometry,
+    Person,
+    Persons,
+    PersonState,
     Place,
     Places,
     SoundSource,
@@ -47,6 +50,7 @@ from tests.modules.fakes import Bench, drain
 
 PORTS = {
     "faces": Faces,
+    "persons": Persons,
     "sources": SoundSources,
     "noises": LoudNoise,
     "words": HeardWords,
@@ -76,7 +80,7 @@ class Anything(BaseModel):
 ACHIEVED = ("GoTo", "Say", "PointAt")
 MAINTAINED = (
     *("RotateToHeading", "TrackFace", "LookAt", "Dock", "Express"),
-    *("LocateFaces", "LocateVoices", "DetectNoises", "FindQRCodes", "SLAM", "ListenForWords"),
+    *("LocateFaces", "LocateVoices", "DetectNoises", "FindQRCodes", "SLAM", "ListenForWords", "TrackPersons"),
 )
 CLASSES = (
     *(DesireClass(name, name, name, Anything, achievement=True) for name in ACHIEVED),
@@ -150,7 +154,7 @@ class LedLab:
         self.robot = Pose2()
         self.visitors: list[Visitor] = []
         self.battery, self.e_stop, self.by_hand, self.blocked = 0.9, False, False, False
-        self.localization, self.speaks = "tracking", False
+        self.localization, self.speaks, self.laser = "tracking", False, True
         #: Where the way to a goal leads first, if not straight there.
         self.detour: tuple[float, float] | None = None
         self.states: list[TourState] = ["idle"]
@@ -237,6 +241,8 @@ class LedLab:
             feed("status", LinkStatus(now, "idle", "", self.e_stop, None, zero, 1.0))
             feed("battery", BatteryState(now, self.battery, 24.0, -1.0, charging=False, remaining_s=None))
         feed("faces", Faces(now, "kinect", 640, 480, Pose3.identity(), tuple(self._faces())))
+        if self.desired("TrackPersons") is not None:
+            feed("persons", Persons(now, tuple(self._persons(now))))
         if self.speaks:
             feed("sources", SoundSources(now, (0.0, 0.0, 1.0), (self._voice(),)))
         await self.bench.clock.sleep(STEP_S)
@@ -254,6 +260,12 @@ class LedLab:
             if visitor.looks and p_B.x > 0 and far <= SIGHT_M:
                 corners = np.zeros((5, 2), np.float32)
                 yield Face(track, 0.9, (0, 0, 9, 9), corners, (p_B.x, p_B.y, 1.6), np.eye(3), far, 0.1)
+
+    def _persons(self, now: float) -> Iterable[Person]:
+        """By their legs, where the robot has its laser."""
+        for track, visitor in enumerate(self.visitors, 1):
+            if self.laser and (self.robot.inverse() @ Pose2(visitor.x, visitor.y)).x > 0:
+                yield person(track, visitor.x, visitor.y, last_seen=now)
 
     def _voice(self) -> SoundSource:
         p_B = self.robot.inverse() @ Pose2(self.visitors[0].x, self.visitors[0].y)
@@ -314,6 +326,23 @@ class LedLab:
             now, "speaking", text[begin:end], 0, 1, viseme="open", language="en", desire=desire.id, waiting=0
         )
         self.bench.feed("speech", speech)
+
+
+def person(track: int, x: float, y: float, *, state: PersonState = "confirmed", last_seen: float = 0.0) -> Person:
+    """A person at ``x``, ``y`` (m in odom) whose legs are seen."""
+    return Person(
+        track,
+        track if state in ("confirmed", "lost") else None,
+        state,
+        p_OP=(x, y, 1.6),
+        v_O=(0.0, 0.0),
+        covariance=np.eye(2),
+        face=None,
+        voice=None,
+        legs=state != "lost",
+        speaking=False,
+        last_seen=last_seen,
+    )
 
 
 def failed(lab: LedLab, cls: str, why: str = "it cannot") -> None:

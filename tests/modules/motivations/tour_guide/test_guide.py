@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import Any
 
@@ -257,7 +258,7 @@ def test_a_step_that_fails(then: str, state: State) -> None:
     run.done("Say", done=False)
     assert run.texts() == ["First."], "tried again"
     run.done("Say", done=False)
-    assert run.progress.failures == (Failure("one", "say"),)
+    assert run.progress.failures == (Failure("one", "a text was not said"),)
     if then == "continue":
         assert run.see().texts() == ["Second."]
     else:
@@ -266,7 +267,7 @@ def test_a_step_that_fails(then: str, state: State) -> None:
 
 def test_a_step_that_reports_nothing_fails_in_the_end() -> None:
     run = Run().started().until("presenting").see(after_s=181)
-    assert run.progress.failures == (Failure("one", "say"),)
+    assert run.progress.failures == (Failure("one", "a text was not said"),)
 
 
 def test_all_of_a_step_goes_on_at_once_and_all_of_it_is_awaited() -> None:
@@ -361,7 +362,12 @@ def test_a_lost_robot_stops_and_says_so() -> None:
     assert (run.progress.state, [wish.cls for wish in run.wishes()]) == ("lost", ["Say"])
     assert run.see(localized=True).progress.state == "leading"
     run.see(localized=False, after_s=3).see(after_s=181)
-    assert (run.progress.state, run.wishes()) == ("idle", ())
+    assert run.texts() == ["I do not know where I am. I must end the tour here.", "Goodbye."]
+    run.until("idle")
+    assert (run.wishes(), run.progress.reason) == ((), "the robot does not know where it is")
+    assert "going_home" not in run.states
+    found = Run().started().until("leading").see(localized=False, after_s=3).see(after_s=181).see(localized=True)
+    assert found.until("idle").states[-2] == "going_home", "its pose was found while it said goodbye"
 
 
 def test_it_is_not_lost_as_it_sets_out_and_mapping_has_just_begun() -> None:
@@ -383,6 +389,17 @@ def test_a_stop_that_is_presented_from_beside_its_place_is_noted() -> None:
     assert run.progress.failures == (Failure("one", "presented 0.36 m from its place"),)
     run = Run().started().until("leading").see(X_MB=(1.3, 2.1, 0.0)).until("presenting")
     assert run.progress.failures == (), "a pose is corrected by some centimetres"
+
+
+@pytest.mark.parametrize(
+    ("face", "turned", "noted"),
+    [("place", 0.5, "presented turned 29° from its place"), ("place", 0.22, ""), ("visitors", 3.0, "")],
+)
+def test_a_stop_that_is_presented_turned_away_is_noted(face: str, turned: float, noted: str) -> None:
+    run = Run(changed(stops=[stop("one", stand={"face": face})]))
+    run.scene = replace(run.scene, places={"one": {"x": 1.0, "y": 2.0, "heading": 3.0}})
+    run.started().until("leading").see(X_MB=(1.0, 2.0, 3.0 + turned - math.tau)).until("presenting")
+    assert [failure.what for failure in run.progress.failures] == [noted] * bool(noted)
 
 
 def test_on_its_way_home_it_asks_to_pass_too() -> None:
@@ -481,6 +498,28 @@ def test_an_end_that_visitors_do_not_expect_is_said_first() -> None:
     silent = Run(changed(farewell={"do": []})).started().until("presenting").see(battery=0.19)
     assert silent.texts() == ["My battery is low. I must end the tour here."]
     assert silent.done("Say").progress.state == "going_home"
+
+
+@pytest.mark.parametrize(
+    ("then", "text"),
+    [
+        ("skip", "I cannot get there, so I leave it out."),
+        ("present_from_here", "I cannot get any nearer, so I explain it from here."),
+        ("end", "I cannot get any further. I must end the tour here."),
+    ],
+)
+def test_a_stop_that_is_given_up_is_said(then: str, text: str) -> None:
+    run = Run(changed(on_failure={"reach": {"retry": 0, "ask_s": 0, "then": then}})).started().until("leading")
+    assert run.done("GoTo", done=False).texts()[0] == text
+    after = run.done("Say", done=False, only="excuse-" + run.progress.excuse)
+    assert after.progress.failures == (Failure("one", "not reached"),), "no step fails where nothing can be said"
+
+
+def test_why_it_ends_stays_on_the_page() -> None:
+    run = Run(changed(farewell={"do": [say("Thank you."), say("Goodbye.")]})).started().until("presenting")
+    run.see(battery=0.19).done("Say", only="excuse-battery").done("Say", only=".say")
+    assert (run.texts(), run.progress.reason) == (["Goodbye."], "the battery is low")
+    assert run.until("going_home").progress.reason == "the battery is low"
 
 
 def test_a_goal_that_a_person_withdraws_is_a_pause() -> None:

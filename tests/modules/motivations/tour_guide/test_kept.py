@@ -8,6 +8,7 @@ import pytest
 
 from app.modules.motivations.tour_guide.kept import KeptRun, after_restart, kept_bytes, read_kept
 from app.modules.motivations.tour_guide.progress import Progress, State, View
+from app.modules.motivations.tour_guide.wishes import wishes
 from app.tours.tour_file import digest
 from tests.modules.motivations.tour_guide.run import LAB, Run
 
@@ -40,6 +41,8 @@ def test_it_goes_on_where_it_was(before: State, after: State) -> None:
     again = after_restart(kept(run), AT + 60, SEEN, run.scene)
     assert (again.state, again.stop, again.step) == (after, run.progress.stop, run.progress.step)
     assert again.since == SEEN.now
+    texts = [wish.params["text"] for wish in wishes(again, run.scene, SEEN.now) if wish.cls == "Say"]
+    assert ("I was interrupted. Let us go on." in texts) is (after not in ("going_home", "parting"))
 
 
 def test_it_says_why_it_does_not_go_on_and_goes_home() -> None:
@@ -53,6 +56,8 @@ def test_it_says_why_it_does_not_go_on_and_goes_home() -> None:
     ):
         again = after_restart(changed, at, view, run.scene)
         assert (again.state, again.reason) == ("going_home", reason)
+        texts = [wish.params["text"] for wish in wishes(again, run.scene, view.now) if wish.cls == "Say"]
+        assert texts == ["I was interrupted, and must end the tour here."]
 
 
 def test_a_pause_stays_one_until_a_press() -> None:
