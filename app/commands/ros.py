@@ -56,7 +56,7 @@ def run(args: argparse.Namespace) -> int:
 def _topics(args: argparse.Namespace) -> list[Topic]:
     from app.logs.log import LogError
     from app.robots.ros2 import survey
-    from app.robots.ros2.process import MISSING
+    from app.logs.ros.live.graph import MISSING
 
     if args.bag is not None:
         try:

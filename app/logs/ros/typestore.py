@@ -14,6 +14,7 @@ from app.logs.stamps import SECOND, from_ns
 
 #: Recordings are written in one thread and read in others; all share one store, since filling it costs.
 _guard = threading.RLock()
+_added: dict[str, str] = {}
 
 
 def store() -> Typestore:
@@ -35,8 +36,15 @@ def add(name: str, text: str) -> None:
     Raises rosbags' TypesysError if the name has another definition already.
     """
     with _guard:
+        _added[name] = text
         store().register({_whole(made): (constants, [(field, _renamed(kind)) for field, kind in fields])
                           for made, (constants, fields) in get_types_from_msg(text, name).items()})  # fmt: skip
+
+
+def added() -> tuple[tuple[str, str], ...]:
+    """Names and texts of all that was added, in that order."""
+    with _guard:
+        return tuple(_added.items())
 
 
 def _whole(name: str) -> str:

@@ -261,13 +261,8 @@ def _service(name: str, request: str, response: str) -> type[Any]:
     typestore.add(f"{name}_Response", response)
     # A service is described, and hashed, as a message that has both and an event (REP 2016).
     typestore.add("service_msgs/msg/ServiceEventInfo", _EVENT_INFO)
-    short = name.rpartition("/")[2]
-    package = name.partition("/")[0]
-    typestore.add(
-        f"{name}_Event",
-        f"service_msgs/ServiceEventInfo info\n{package}/srv/{short}_Request[<=1] request\n"
-        f"{package}/srv/{short}_Response[<=1] response\n",
-    )
+    parts = f"{name}_Request[<=1] request\n{name}_Response[<=1] response\n"
+    typestore.add(f"{name}_Event", f"service_msgs/ServiceEventInfo info\n{parts}")
     typestore.add(name, "".join(f"{name}_{part} {part.lower()}_message\n" for part in ("Request", "Response", "Event")))
     return _maker().service(name, _message(f"{name}_Request"), _message(f"{name}_Response"))
 
