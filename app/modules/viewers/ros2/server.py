@@ -114,7 +114,7 @@ class Ros2Server(Module):
         self._offered = self._all_topics()
         self._numbers = {topic.name: number for number, topic in enumerate(self._offered)}
         if self.settings.commands:
-            self._serve(await self.compute(navigate.definitions))
+            self._offer_services(await self.compute(navigate.definitions))
         open = Open(
             self.settings.namespace.replace("/", "_"),
             self.settings.domain,
@@ -168,7 +168,7 @@ class Ros2Server(Module):
         """The name in the graph of a recording's ``topic``."""
         return topic if topic == "/tf" else f"/{self.settings.namespace}{topic}"
 
-    def _serve(self, definitions: tuple[tuple[str, str], ...]) -> None:
+    def _offer_services(self, definitions: tuple[tuple[str, str], ...]) -> None:
         workspace = self.service(IntentionWorkspace)
         goals = NavigateToPose(workspace, self.clock.now, self._answer, self._publish_status, self.log)
         self._goals = goals
