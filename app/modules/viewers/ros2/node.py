@@ -65,6 +65,7 @@ class GraphNode:
         """Give the answer to a call."""
         future, response = self._waiting.pop(call)
         future.set_result(response(data))
+        self._executor.wake()  # it waits for messages, not for futures
 
     def look(self, send: Callable[[bytes], object]) -> float:
         """Say who listens, if it is time; the time until the next look (s)."""
