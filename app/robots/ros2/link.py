@@ -65,7 +65,10 @@ class Ros2Link:
                 raise LinkFailed(f"{self._config.name} runs already.")
             await self._release()
         session = await LinkProcess.open(
-            self._config.name, "app.robots.ros2.process", self._take, environment=environment(self._config.graph.discovery)
+            self._config.name,
+            "app.robots.ros2.process",
+            self._take,
+            environment=environment(self._config.graph.discovery),
         )
         self._session = session
         session.send(Start(self._config, self._clock_offset, dict(self._receivers.rates), self._e_stop))

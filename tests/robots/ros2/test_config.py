@@ -10,10 +10,10 @@ import pytest
 
 from app.base.errors import ConfigError
 from app.link import LinkFailed
+from app.logs.ros.live.graph import MISSING, environment
 from app.robots.factory import load_body
 from app.robots.ros2.config import Ros2Config, load_ros2_config
 from app.robots.ros2.link import Ros2Link, describe
-from app.logs.ros.live.graph import MISSING, environment
 from tests.robots.ros2.robot import MAPPING
 
 

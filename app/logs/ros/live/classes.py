@@ -1,10 +1,10 @@
 """Classes of messages and services for rclpy, of types that no installed package holds.
 
-rclpy and its middleware know a type by C code, which a package of ROS 2 is built with. For types that are known by their
-definitions alone (``hbba_msgs``, and of others ``tf2_msgs`` and ``nav2_msgs``, which are not among ROS 2's wheels) this
-makes what that code would be: functions and tables of C, of Python's, for Fast DDS as it is in ROS 2 Jazzy. A message is
-its CDR, which rosbags writes and reads, so that nothing is converted twice; publishers take CDR as ``bytes``, without any
-of the functions.
+rclpy and its middleware know a type by C code, which a package of ROS 2 is built with. For types that are known by
+their definitions alone (``hbba_msgs``, and of others ``tf2_msgs`` and ``nav2_msgs``, which are not among ROS 2's
+wheels) this makes what that code would be: functions and tables of C, of Python's, for Fast DDS as it is in ROS 2
+Jazzy. A message is its CDR, which rosbags writes and reads, so that nothing is converted twice; publishers take CDR as
+``bytes``, without any of the functions.
 """
 
 from __future__ import annotations
@@ -191,7 +191,9 @@ class _Maker:
             self._sources,
         )
         pairs = addressof(supports[0]), addressof(supports[1]), None
-        other = ServiceSupport(INTROSPECTION, addressof(introspected), Handle(lambda handle, _: handle), *pairs, *common)
+        other = ServiceSupport(
+            INTROSPECTION, addressof(introspected), Handle(lambda handle, _: handle), *pairs, *common
+        )
         support = ServiceSupport(_FAST_DDS, addressof(callbacks), _chosen(other), *pairs, *common)
         self._kept += [supports, callbacks, introspected, hash_of, described, common, other, support]
         metaclass = type("MadeServiceType", (type,), {"_TYPE_SUPPORT": capsule(addressof(support))})

@@ -27,7 +27,8 @@ def environment(discovery: Discovery) -> dict[str, str]:
 
 
 def installed_definition(file: str) -> str | None:
-    """The text of ``nav2_msgs/action/NavigateToPose.action`` or its like, of the sourced ROS 2; None where it has none."""
+    """The text of ``nav2_msgs/action/NavigateToPose.action`` or its like, of the sourced ROS 2; None where
+    it has none."""
     for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
         if prefix and (path := Path(prefix, "share", file)).is_file():
             return path.read_text(encoding="utf-8")

@@ -137,9 +137,7 @@ class NavigateToPose:
         before = self._current()
         try:
             with self._workspace.transaction():
-                desire = self._workspace.add(
-                    GO_TO, intensity=INTENSITY, utility=UTILITY, params=params, source=SOURCE
-                )
+                desire = self._workspace.add(GO_TO, intensity=INTENSITY, utility=UTILITY, params=params, source=SOURCE)
                 if before is not None:
                     before.reason = "another goal came"
                     self._withdraw(before)

@@ -56,7 +56,7 @@ Name = Annotated[str, Field(pattern=f"^{_NAME}$", max_length=100)]
 class Ros2ServerSettings(Settings):
     namespace: Name = Field("hbba", description="before its topics, and before its services for desires")
     domain: int | None = Field(None, ge=0, le=232, description="ROS_DOMAIN_ID; null: the environment's, else 0")
-    discovery: Discovery = Field("environment", description="how far it is found: localhost, subnet, or as ROS 2 is set")
+    discovery: Discovery = Field("environment", description="how far it is found")
     transforms: Transforms = Field("map", description="on /tf: none, map (odom in map), or all of the robot's, too")
     jpeg_quality: int = Field(80, ge=1, le=100)
     commands: bool = Field(False, description="whether anybody in the domain may add desires, and give goals")
@@ -100,7 +100,7 @@ class Ros2Server(Module):
         """Who may drive."""
         if not self.settings.commands:
             return ()
-        text = "every program in this domain of ROS 2 may add desires and send the robot to places: ROS 2 knows no login"
+        text = "every program in this domain of ROS 2 may add desires and send the robot to places: there is no login"
         return (Caution("Others in the ROS 2 domain can give goals", text),)
 
     async def start(self) -> None:

@@ -90,7 +90,10 @@ def test_types_are_those_of_rosidl(spin: Any) -> None:
         until(lambda count=2 if writer is made else 3: len(heard) == count)
     for scan in (heard[0], heard[1], heard[2].read()):
         assert (scan.header.frame_id, list(scan.ranges), scan.angle_min) == ("é", [1.0, 2.5], -1.5)
-    offered = {info.topic_type_hash.value for info in node.get_publishers_info_by_topic(f"/{made.__module__}".replace(".", "_"))}
+    offered = {
+        info.topic_type_hash.value
+        for info in node.get_publishers_info_by_topic(f"/{made.__module__}".replace(".", "_"))
+    }
     assert {bytes(value).hex() for value in offered} == {typestore.store().hash_rihs01(SCAN).removeprefix("RIHS01_")}
 
     # The same of services, and the node says what the made types are.
@@ -127,7 +130,8 @@ def test_types_are_those_of_rosidl(spin: Any) -> None:
     future = asking.call_async(GetTypeDescription.Request(type_name="hbba_msgs/msg/Kinds", type_hash=digest))
     until(future.done)
     described = future.result().type_description
-    assert [(f.name, f.type.type_id, f.type.capacity, f.type.string_capacity) for f in described.type_description.fields] == [
+    kinds = [(each.name, each.type) for each in described.type_description.fields]
+    assert [(name, kind.type_id, kind.capacity, kind.string_capacity) for name, kind in kinds] == [
         ("flags", 63, 2, 0), ("words", 165, 0, 4), ("few", 99, 3, 0), ("kinds", 145, 0, 0),
     ]  # fmt: skip
     assert [each.type_name for each in described.referenced_type_descriptions] == ["hbba_msgs/msg/Kind"]

@@ -20,7 +20,7 @@ from app.logs.manifest import Manifest
 from app.logs.ros import typestore
 from app.logs.ros.live.blank import blank
 from app.logs.ros.live.classes import message_class, service_class
-from app.messages import Accomplishment, Landmarks, Localization, NavigationReport, OccupancyGrid, read_only
+from app.messages import Accomplishment, Localization, NavigationReport, OccupancyGrid, read_only
 from app.modules.behaviors.go_to import GO_TO
 from app.modules.viewers.ros2 import desires, navigate
 from app.modules.viewers.ros2.server import Ros2Server
@@ -95,7 +95,7 @@ async def running() -> AsyncIterator[Robot]:
 
 async def until(true: Callable[[], object]) -> None:
     async with asyncio.timeout(PATIENCE_S):
-        while not true():
+        while not true():  # noqa: ASYNC110  # the event is in another thread, or another process
             await asyncio.sleep(0.01)
 
 
@@ -215,9 +215,7 @@ async def test_what_the_program_knows_is_on_topics(other: Other) -> None:
 async def test_others_desire_and_give_goals(other: Other) -> None:
     for name, text in navigate.definitions():
         typestore.add(name, text)
-    add, remove = (
-        service_class(each.type, each.request, each.response) for each in (desires.ADD, desires.REMOVE)
-    )
+    add, remove = (service_class(each.type, each.request, each.response) for each in (desires.ADD, desires.REMOVE))
     send, cancel, result = (
         service_class(each.type, each.request, each.response) for each in navigate.services("navigate_to_pose")
     )
