@@ -111,7 +111,7 @@ def package(files: dict[str, str]) -> dict[str, str]:
     depends = sorted(used - {_PACKAGE})
     manifest = _MANIFEST.format(
         name=_PACKAGE,
-        version=".".join(paths.version().split(".")[:3]),
+        version=".".join((paths.version() or "0.0.0").split(".")[:3]),
         depends="\n".join(f"  <depend>{each}</depend>" for each in depends),
     )
     cmake = _CMAKE.format(

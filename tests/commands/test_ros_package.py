@@ -22,7 +22,7 @@ def test_the_package_is_one_that_ros_2_builds(tmp_path: Path, capsys: pytest.Cap
     manifest = ElementTree.parse(folder / "package.xml").getroot()
     depends = {each.text for each in manifest.findall("depend")}
     files = {path.relative_to(folder).as_posix(): path.read_text("utf-8") for path in folder.glob("*/*.*")}
-    assert {"msg/Desires.msg", "msg/Intention.msg", "msg/Localization.msg", "srv/AddDesire.srv"} <= set(files)
+    assert {"msg/Desires.msg", "msg/IntentionReport.msg", "msg/Localization.msg", "srv/AddDesire.srv"} <= set(files)
     for name, text in files.items():
         assert f'  "{name}"\n' in cmake
         for line in text.splitlines():

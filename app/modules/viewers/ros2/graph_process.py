@@ -23,11 +23,12 @@ class GraphProcessFailed(Exception):
 
 
 class GraphProcess(asyncio.Protocol):
-    """One run of the process. ``receive`` is called with what it says after it is ready."""
+    """One run of the process."""
 
-    def __init__(self, receive: Callable[[ToProgram], None]) -> None:
+    def __init__(self) -> None:
         loop = asyncio.get_running_loop()
-        self._receive = receive
+        self._receive: Callable[[ToProgram], None] | None = None
+        self._early: list[ToProgram] = []
         self._frames = Frames(ToProgram)  # type: ignore[arg-type]  # a union of types
         self._ready: asyncio.Future[Ready] = loop.create_future()
         self.ended: asyncio.Future[str] = loop.create_future()
@@ -38,12 +39,10 @@ class GraphProcess(asyncio.Protocol):
         self._watch: asyncio.Task[None]
 
     @staticmethod
-    async def start(
-        open: Open, environment: Mapping[str, str], receive: Callable[[ToProgram], None]
-    ) -> tuple[GraphProcess, Ready]:
-        """Run it until all is offered. Raises GraphProcessFailed, having released everything."""
+    async def start(open: Open, environment: Mapping[str, str]) -> tuple[GraphProcess, Ready]:
+        """Run it until all is offered; what it says then waits for :meth:`listen`. Raises GraphProcessFailed, having released everything."""
         ours, theirs = socket.socketpair()
-        run = GraphProcess(receive)
+        run = GraphProcess()
         try:
             run._process = await asyncio.create_subprocess_exec(
                 *python("-m", "app.modules.viewers.ros2.process", str(theirs.fileno())), pass_fds=(theirs.fileno(),),
@@ -71,6 +70,13 @@ class GraphProcess(asyncio.Protocol):
             await run.close()
             raise GraphProcessFailed(run.ended.result())
         return run, run._ready.result()
+
+    def listen(self, receive: Callable[[ToProgram], None]) -> None:
+        """Have ``receive`` called with what it has said since it was ready, and says from now on."""
+        self._receive = receive
+        early, self._early = self._early, []
+        for message in early:
+            receive(message)
 
     @property
     def is_behind(self) -> bool:
@@ -111,8 +117,10 @@ class GraphProcess(asyncio.Protocol):
         for message in self._frames.feed(data):
             if isinstance(message, Ready):
                 self._ready.set_result(message)
+            elif self._receive is None:
+                self._early.append(message)  # type: ignore[arg-type]  # of the process's side
             else:
-                self._receive(message)  # type: ignore[arg-type]  # of the process's side
+                self._receive(message)  # type: ignore[arg-type]
 
     async def _follow(self) -> None:
         assert self._process.stderr is not None

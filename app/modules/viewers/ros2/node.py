@@ -30,7 +30,8 @@ class GraphNode:
     """The node that offers what ``open`` says. ``send`` takes frames for the program, also from rclpy's thread."""
 
     def __init__(self, open: Open, send: Callable[[bytes], object]) -> None:
-        self._send = send
+        self._link = send
+        self._sending = threading.Lock()
         self._left_out: list[tuple[str, str]] = []
         for name, text in open.definitions:
             typestore.add(name, text)
@@ -67,7 +68,7 @@ class GraphNode:
         future.set_result(response(data))
         self._executor.wake()  # it waits for messages, not for futures
 
-    def look(self, send: Callable[[bytes], object]) -> float:
+    def look(self) -> float:
         """Say who listens, if it is time; the time until the next look (s)."""
         now = time.monotonic()
         if now - self._looked >= LOOK_S:
@@ -76,8 +77,12 @@ class GraphNode:
                 readers = 0 if publisher is None else publisher.get_subscription_count()
                 if readers != self._readers[topic]:
                     self._readers[topic] = readers
-                    send(encode(Shown(topic, readers)))
+                    self._send(encode(Shown(topic, readers)))
         return max(self._looked + LOOK_S - now, 0.0)
+
+    def _send(self, frame: bytes) -> None:
+        with self._sending:
+            self._link(frame)
 
     def _publisher(self, name: str, kind: str, *, latched: bool) -> Any:
         offered = QoSProfile(

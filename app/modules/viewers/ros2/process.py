@@ -37,7 +37,7 @@ def main(arguments: list[str]) -> int:
     frames = Frames(ToProcess)  # type: ignore[arg-type]  # a union of types
     node: GraphNode | None = None
     while True:
-        ready, _, _ = select.select([link], [], [], None if node is None else node.look(link.sendall))
+        ready, _, _ = select.select([link], [], [], None if node is None else node.look())
         if not ready:
             continue
         data = link.recv(1 << 20)

@@ -24,6 +24,7 @@ from app.base.geometry import Pose2
 from app.logs.manifest import Manifest
 from app.logs.ros import typestore
 from app.logs.ros.encoder import Encoder
+from app.logs.ros.live.blank import blank
 from app.logs.ros.live.graph import Discovery, environment
 from app.logs.ros.record import Record
 from app.logs.ros.robot_description import robot_description
@@ -123,12 +124,13 @@ class Ros2Server(Module):
             tuple(service for service, _ in self._serving),
         )
         try:
-            self._process, ready = await GraphProcess.start(open, environment(self.settings.discovery), self._take)
+            self._process, ready = await GraphProcess.start(open, environment(self.settings.discovery))
         except GraphProcessFailed as failure:
             raise ModuleFailed(f"the graph of ROS 2 cannot be joined: {failure}") from None
         for name, why in ready.left_out[:1]:
             self.log.warning("%d topics and services are left out, %s among them: %s", len(ready.left_out), name, why)
         self._process.ended.add_done_callback(self._on_end)
+        self._process.listen(self._take)
         self.log.info("the program is in the graph of ROS 2 as /%s", open.node)
 
     async def stop(self) -> None:
@@ -203,7 +205,13 @@ class Ros2Server(Module):
 
     def _called(self, call: Call) -> None:
         service, serve = self._serving[call.service]
-        response = serve(call.call, typestore.deserialise(f"{service.type}_Request", call.data))
+        try:
+            request = typestore.deserialise(f"{service.type}_Request", call.data)
+        except ValueError as error:
+            self.log.warning("a call of %s could not be read, and is refused: %s", service.name, error)
+            self._answer(call.call, blank(f"{service.type}_Response"))
+            return
+        response = serve(call.call, request)
         if response is not None:
             self._answer(call.call, response)
 
