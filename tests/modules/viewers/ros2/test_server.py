@@ -231,6 +231,11 @@ async def test_others_desire_and_give_goals(other: Other) -> None:
         wrong = await other.call(add, "/hbba/add_desire", "GoTo", 3.0, 1.0, False, '{"x": 1}', 0.0)
         assert (wrong.success, "y" in wrong.message, robot.workspace.desires()) == (False, True, ())
 
+        from rclpy.action import get_action_names_and_types
+
+        # ROS 2 takes these services and topics for an action.
+        actions = dict(get_action_names_and_types(other.node))
+        assert actions["/navigate_to_pose"] == ["nav2_msgs/action/NavigateToPose"]
         name = "/navigate_to_pose/_action"
         assert not (await other.call(send, f"{name}/send_goal", uuid(1), goal("base_scan", 1.0))).accepted
         assert (await other.call(send, f"{name}/send_goal", uuid(2), goal("map", 1.5))).accepted
