@@ -1,4 +1,4 @@
-"""A robot over ROS 2, played in another process: how late its scans are, and what the process with rclpy and guard takes.
+"""A robot over ROS 2, played in another process: how late its scans are, and what our process in the graph takes.
 
 ``late``: from the instant of a scan, by the robot's clock, until it is on our side of the link: the robot's publishing,
 the middleware, the reading, and the way to the program. Both clocks are this computer's. ``CPU``: of the process with
@@ -26,6 +26,8 @@ from tests.robots.ros2.robot import Robot, mapping
 
 BENCHMARK = "ros2"
 ROOT = Path(__file__).resolve().parent.parent
+_FIRST = 10
+"""So many scans are left out: they are late, for the subscription has just been made."""
 WITH_ROS = ROOT / ".venv" / "ros2" / "bin" / "python"
 
 
@@ -34,17 +36,19 @@ async def listen(seconds: float) -> tuple[list[float], float]:
     clock = RealClock()
     link = Ros2Link(mapping(), clock.offset)
     late_ms: list[float] = []
+    comes = asyncio.Event()
 
     def take(scan: Any) -> None:
         late_ms.append(1e3 * (clock.now() - scan.stamp))
+        if len(late_ms) == _FIRST:
+            comes.set()
 
     link.attach("hokuyo", take)
     link.demand("hokuyo", 10.0)
     await link.start()
     try:
         process = psutil.Process(link.process_id)
-        while len(late_ms) < 10:  # the first are late: the subscription has just been made
-            await asyncio.sleep(0.1)
+        await comes.wait()
         late_ms.clear()
         began, before = clock.now(), process.cpu_times()
         await asyncio.sleep(seconds)

@@ -1,4 +1,4 @@
-"""``hbba ros package DIR``: the definitions of our messages as a package of ROS 2, to be built beside programs of others."""
+"""``hbba ros package DIR``: the definitions of our messages as a package of ROS 2, for programs of others."""
 
 from __future__ import annotations
 

@@ -132,8 +132,8 @@ def _spin(executor: Any, seconds: float) -> None:
 def bag(path: Path) -> Found:
     """The topics of a bag, with their mean rates, and its frames.
 
-    Of commands it only says that they were given: what it has is taken for listened to. Raises LogError where it cannot be
-    read.
+    Of commands it only says that they were given: what it has is taken for listened to. Raises LogError where it
+    cannot be read.
     """
     reader, others, unpacked = opened(path)
     try:

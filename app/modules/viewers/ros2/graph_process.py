@@ -8,6 +8,7 @@ import os
 import socket
 from collections import deque
 from collections.abc import Callable, Mapping
+from typing import Any
 
 from app.base.child_processes import python
 from app.modules.viewers.ros2.protocol import Frames, Open, Ready, Stop, ToProcess, ToProgram, encode
@@ -40,7 +41,10 @@ class GraphProcess(asyncio.Protocol):
 
     @staticmethod
     async def start(open: Open, environment: Mapping[str, str]) -> tuple[GraphProcess, Ready]:
-        """Run it until all is offered; what it says then waits for :meth:`listen`. Raises GraphProcessFailed, having released everything."""
+        """Run it until all is offered; what it says then waits for :meth:`listen`.
+
+        Raises GraphProcessFailed, having released everything.
+        """
         ours, theirs = socket.socketpair()
         run = GraphProcess()
         try:
@@ -59,7 +63,8 @@ class GraphProcess(asyncio.Protocol):
         run.send(open)
         try:
             async with asyncio.timeout(START_TIMEOUT_S):
-                await asyncio.wait({run._ready, run.ended}, return_when=asyncio.FIRST_COMPLETED)
+                either: set[asyncio.Future[Any]] = {run._ready, run.ended}
+                await asyncio.wait(either, return_when=asyncio.FIRST_COMPLETED)
         except TimeoutError:
             await run.close()
             raise GraphProcessFailed(f"its process did not start in {START_TIMEOUT_S:.0f} s") from None
