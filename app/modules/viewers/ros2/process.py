@@ -1,7 +1,7 @@
 """The program's process in the graph of ROS 2: ``python -m app.modules.viewers.ros2.process SOCKET`` (an inherited file
 descriptor).
 
-It publishes CDR as it comes, says how many listen to each topic, and hands over calls of services. It ends by a Stop
+It publishes CDR as it comes, says how many listen to each topic, and passes on calls of services. It ends by a Stop
 message, or when the program does.
 """
 

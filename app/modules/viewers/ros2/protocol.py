@@ -72,7 +72,7 @@ class Shown(msgspec.Struct, frozen=True, tag=True):
 
 
 class Call(msgspec.Struct, frozen=True, tag=True):
-    """Process to program: somebody calls the service of this number."""
+    """Process to program: a call of the service of this number."""
 
     call: int
     service: int

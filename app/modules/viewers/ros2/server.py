@@ -5,7 +5,7 @@
 └─────────────────────────────────────────────────────────────────────────────────────────┘
 
 Topics and types are those of a recording (docs/recording-format.md), under ``/hbba``. A channel is wanted, and its
-messages are encoded, only while somebody subscribes to one of its topics. rclpy is in a process of its own
+messages are encoded, only while one of its topics has a subscriber. rclpy is in a process of its own
 (:mod:`app.modules.viewers.ros2.process`), which this module starts and which passes on bytes alone. ROS 2 knows no
 login: what it may ask for is off until ``commands`` is set; see docs/ros2.md.
 """
@@ -82,7 +82,7 @@ class Ros2Server(Module):
         self._stack = ExitStack()
         self.every(FEEDBACK_S, self._tell)
         self.shown: frozenset[str] = frozenset()
-        """The topics that somebody listens to."""
+        """The topics that have a subscriber."""
         self.left_out = 0
         """Messages that the process could not take in time."""
 

@@ -90,7 +90,7 @@ def test_a_new_goal_ends_the_one_before() -> None:
     (desire,) = served.workspace.desires()
     assert desire.params["x"] == 2.0
     assert not served.send(2)  # an id is one goal's
-    served.workspace.remove(desire.id)  # by somebody at the console
+    served.workspace.remove(desire.id)  # at the console
     assert served.statuses == [ABORTED, ABORTED]
 
 

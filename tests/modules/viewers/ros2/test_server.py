@@ -182,7 +182,7 @@ async def test_what_the_program_knows_is_on_topics(other: Other) -> None:
         assert heard[0].pose.pose.position.x == sent.X_OB.x
         assert heard[0].header.stamp.sec + 1e-9 * heard[0].header.stamp.nanosec == sent.stamp
 
-        # What was said before somebody listens: the map, and a type that no package of ROS 2 has.
+        # What was said before there is a subscriber: the map, and a type that no package of ROS 2 has.
         maps = other.listen(RosGrid, "/hbba/map", latched=True)
         await until(lambda: maps)
         assert (list(maps[0].data), maps[0].info.resolution) == ([0, 100, -1], pytest.approx(0.05))
@@ -265,5 +265,5 @@ async def test_others_desire_and_give_goals(other: Other) -> None:
 
         assert (await other.call(send, f"{name}/send_goal", uuid(4), goal("map", 2.0))).accepted
         assert len(robot.workspace.desires()) == 1
-    # The program ends: nobody drives on for somebody who does not hear of it any more.
+    # The program ends: the robot does not drive on for a client that hears no more of it.
     assert robot.workspace.desires() == ()
