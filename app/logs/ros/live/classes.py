@@ -203,17 +203,21 @@ class _Maker:
     def _message_support(self, name: str) -> MessageSupport:
         package, folder, short = name.split("/")
         callbacks = MessageCallbacks(
-            f"{package}::{folder}".encode(), short.encode(),
-            self._serialize, self._deserialize, self._size, self._largest, None,
-        )  # fmt: skip
+            namespace=f"{package}::{folder}".encode(),
+            name=short.encode(),
+            serialize=self._serialize,
+            deserialize=self._deserialize,
+            size=self._size,
+            largest_size=self._largest,
+        )
         hash_of, described = type_hash(name), description(name)
         support = MessageSupport(
-            _FAST_DDS,
-            addressof(callbacks),
-            _chosen(self._introspection.support(name)),
-            Getter(lambda _: addressof(hash_of)),
-            Getter(lambda _: addressof(described)),
-            self._sources,
+            identifier=_FAST_DDS,
+            data=addressof(callbacks),
+            handle=_chosen(self._introspection.support(name)),
+            hash=Getter(lambda _: addressof(hash_of)),
+            description=Getter(lambda _: addressof(described)),
+            sources=self._sources,
         )
         self._kept += [callbacks, hash_of, described, support]
         return support
