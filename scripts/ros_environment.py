@@ -16,7 +16,11 @@ import installing
 
 #: What wheels there are (requirements/ros2.lock) are for this machine alone.
 MACHINE = "x86_64"
-TESTS = tuple(f"tests/robots/ros2/test_{name}.py" for name in ("link", "program", "camera_link"))
+TESTS = (
+    *(f"tests/robots/ros2/test_{name}.py" for name in ("link", "program", "camera_link")),
+    "tests/logs/ros/live/test_classes.py",
+    "tests/modules/viewers/ros2/test_server.py",
+)
 """Those that are run in it; in ``.venv`` these are skipped."""
 
 

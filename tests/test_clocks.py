@@ -52,6 +52,7 @@ ALLOWED = {
     "modules/recording/recorder.py": "how long the thread that writes may take to end",
     "logs/mcap/disk_time.py": "how long the disk was waited for, in the thread that writes",
     "logs/mcap/writer.py": "when a file is flushed, in the thread that writes",
+    "modules/viewers/ros2/node.py": "how often it is looked who listens, in the process in the graph",
     "logs/replay/headless.py": "how long a replay took, and its pace where one is asked for",
     "robots/devices/link.py": "a body's own clock, by which it stamps",
     "robots/devices/image_inputs.py": "the pace of a camera, or of a video that plays one",

@@ -8,10 +8,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.base.errors import ConfigError
-from app.commands.output import add_json, print_json
+from app.commands import ros_package
+from app.commands.output import add_json, print_json, write_text
 
 if TYPE_CHECKING:
-    from app.robots.ros2.proposal import Topic
+    from app.base.kinematic_model import KinematicModel
+    from app.robots.ros2.survey import Found
 
 
 def add_parser(subparsers: Any) -> None:
@@ -30,22 +32,40 @@ def add_parser(subparsers: Any) -> None:
     mapping.add_argument("--listen", type=_seconds, default=5.0, metavar="S", help="how long to listen (default 5 s)")
     mapping.add_argument("--domain", type=int, metavar="N", help="ROS_DOMAIN_ID (default: the environment's)")
     mapping.add_argument("--model", type=Path, metavar="URDF", help="the robot's model, to look for the laser's link")
+    mapping.add_argument("--dot", type=Path, metavar="FILE", help="write the robot's frames here, for Graphviz")
+    ros_package.add_parser(kinds)
     add_json(mapping, "print one JSON document instead: the mapping's text, what is missing, the topics")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Print the proposal. Raises ConfigError for a bag or a model that cannot be read."""
-    from dataclasses import asdict
+    """Do what is asked for. Raises ConfigError for what cannot be read."""
+    return ros_package.run(args) if args.what == "package" else _propose(args)
 
+
+def _propose(args: argparse.Namespace) -> int:
+    """Print the proposal. Raises ConfigError for a bag or a model that cannot be read."""
+    from dataclasses import asdict, replace
+
+    from app.base.kinematic_model import load_model
+    from app.robots.ros2.frame_tree import differences, dot, text
     from app.robots.ros2.proposal import propose
 
-    topics = _topics(args)
-    proposal = propose(topics, None if args.model is None else _links(args.model))
+    found = _found(args)
+    topics, frames = found.topics, text(found.frames)
+    model = None if args.model is None else load_model(args.model)
+    proposal = propose(topics, None if model is None else _links(model))
+    if model is not None and (apart := differences(found.frames, model, sorted({topic.frame for topic in topics}))):
+        proposal = replace(proposal, missing=(*proposal.missing, *apart))
+    if args.dot is not None:
+        write_text(args.dot, dot(found.frames))
     if args.json:
         document = {"mapping": proposal.text, "missing": proposal.missing, "remarks": proposal.remarks}
-        print_json({**document, "topics": [asdict(topic) for topic in topics]})
+        print_json({**document, "topics": [asdict(topic) for topic in topics], "frames": frames})
     else:
         print(proposal.text, end="")
+        if frames:
+            print("# The robot's frames; ~ before those that move:")
+            print("\n".join(f"#   {line}" for line in frames))
         for sentence in proposal.remarks:
             print(sentence, file=sys.stderr)
         for sentence in proposal.missing:
@@ -53,10 +73,10 @@ def run(args: argparse.Namespace) -> int:
     return int(not proposal.drivable)
 
 
-def _topics(args: argparse.Namespace) -> list[Topic]:
+def _found(args: argparse.Namespace) -> Found:
     from app.logs.log import LogError
+    from app.logs.ros.live.graph import MISSING
     from app.robots.ros2 import survey
-    from app.robots.ros2.process import MISSING
 
     if args.bag is not None:
         try:
@@ -69,12 +89,9 @@ def _topics(args: argparse.Namespace) -> list[Topic]:
         raise ConfigError(MISSING) from None
 
 
-def _links(model: Path) -> dict[str, bool]:
+def _links(model: KinematicModel) -> dict[str, bool]:
     """The links of the model, and whether each is fixed to its base."""
-    from app.base.kinematic_model import load_model
-
-    kinematics = load_model(model)
-    return {link: not kinematics.moved_by(link) for link in kinematics.links}
+    return {link: not model.moved_by(link) for link in model.links}
 
 
 def _seconds(text: str) -> float:

@@ -32,7 +32,7 @@ from app.commands.console_access import (
     warn_of_plain_connections,
 )
 from app.commands.kernels import kernels_ready
-from app.commands.viewers import add_viewer_options, with_viewers
+from app.commands.viewers import add_viewer_options, with_ros2, with_viewers
 from app.runtime.realtime import garbage_held, tune_for_latency
 
 if TYPE_CHECKING:
@@ -115,7 +115,7 @@ def _run(args: argparse.Namespace) -> int:
 
     share_arenas()
     configuration, body = chosen(args)
-    configuration = with_viewers(configuration, args.foxglove)
+    configuration = with_ros2(with_viewers(configuration, args.foxglove), args.ros2)
     configuration = _named(configuration, args.name)
     console = configuration.program.console
     host = args.host or console.host

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import socket
+from dataclasses import replace
 
 import pytest
 
 from app import cli
 from app.base import paths
 from app.commands import viewers
-from app.commands.viewers import NAME, with_viewers
+from app.commands.viewers import NAME, with_ros2, with_viewers
 from app.program.config import Configuration, load_configuration
 from app.program.system import System
 
@@ -58,3 +59,22 @@ def test_a_port_is_a_number(port: str, capsys: pytest.CaptureFixture[str]) -> No
     with pytest.raises(SystemExit):
         cli.main(["run", f"--foxglove={port}"])
     assert "must be a whole number from 0 to 65535" in capsys.readouterr().err
+
+
+def test_in_the_graph_of_ros_2_are_topics_and_where_it_is_asked_for_commands(
+    lab: Configuration, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert with_ros2(lab, None) is lab
+    monkeypatch.setattr(viewers, "find_spec", lambda _: None)
+    assert cli.main(["run", "--ros2"]) == 2
+    assert "pip install 'hbba[ros2]'" in capsys.readouterr().err
+    monkeypatch.setattr(viewers, "find_spec", lambda _: object())
+    for offered, commands in (("topics", False), ("commands", True)):
+        program = with_ros2(lab, offered).program
+        assert program.modules["Ros2Server"].settings["commands"] is commands
+    spec = program.modules["Ros2Server"].model_copy(update={"settings": {"namespace": "robots/one", "commands": True}})
+    named = replace(lab, program=program.model_copy(update={"modules": {**program.modules, "Ros2Server": spec}}))
+    system = System(with_ros2(named, "topics"))
+    module = system.graph.modules["Ros2Server"].module
+    assert (module.settings.model_dump()["namespace"], module.cautions()) == ("robots/one", ())
+    assert not system.graph.modules["Ros2Server"].context.inputs["kinect"].subscription.demands

@@ -208,7 +208,7 @@ class RosStream:
             pose = self._transforms.lookup(source.parent, source.child, stamp)
             if pose is None:
                 continue
-            self._odometry[channel] = now = _followed(last, stamp, pose)
+            self._odometry[channel] = now = followed(last, stamp, pose)
             yield channel, now
 
     def _complain(self, sentence: str) -> None:
@@ -244,8 +244,8 @@ def add_transforms(transforms: Transforms, message: Any, at: float, *, static: b
     return children
 
 
-def _followed(last: Odometry | None, stamp: float, pose: Pose3) -> Odometry:
-    """Odometry at ``pose``, its twist being what led there from the last one."""
+def followed(last: Odometry | None, stamp: float, pose: Pose3) -> Odometry:
+    """Odometry at ``pose``, its twist being what led there from the last one, which is earlier."""
     X_OB = ros.heading(pose)
     if last is None:
         return Odometry(stamp, X_OB, 0.0, 0.0)

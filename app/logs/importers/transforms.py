@@ -91,6 +91,10 @@ class Transforms:
         """Every frame met."""
         return frozenset(self._edges) | {edge.parent for edge in self._edges.values()}
 
+    def edges(self) -> tuple[tuple[str, str, bool], ...]:
+        """Parent, child, and whether it stands still, of every transform."""
+        return tuple((edge.parent, child, edge.static) for child, edge in self._edges.items())
+
     def connected(self, frame: str, other: str) -> bool:
         """Whether the tree says, at any time, where one is in the other."""
         return frame == other or bool({*self._up(frame)} & {*self._up(other)} & self.frames())

@@ -14,6 +14,7 @@ from app.logs.stamps import SECOND, from_ns
 
 #: Recordings are written in one thread and read in others; all share one store, since filling it costs.
 _guard = threading.RLock()
+_added: dict[str, str] = {}
 
 
 def store() -> Typestore:
@@ -30,10 +31,31 @@ def _humble() -> Typestore:
 def add(name: str, text: str) -> None:
     """Add the type ``name`` (``hbba_msgs/msg/Twist``) with the lines ``text`` of its ``.msg`` file; twice is harmless.
 
+    Parts of services and actions are types, too: ``nav_msgs/srv/GetMap_Request``.
+
     Raises rosbags' TypesysError if the name has another definition already.
     """
     with _guard:
-        store().register(get_types_from_msg(text, name))
+        _added[name] = text
+        store().register({_whole(made): (constants, [(field, _renamed(kind)) for field, kind in fields])
+                          for made, (constants, fields) in get_types_from_msg(text, name).items()})  # fmt: skip
+
+
+def added() -> tuple[tuple[str, str], ...]:
+    """Names and texts of all that was added, in that order."""
+    with _guard:
+        return tuple(_added.items())
+
+
+def _whole(name: str) -> str:
+    """``pkg/srv/Name`` of what rosbags makes of it, which takes every type for one of a ``.msg`` file."""
+    return name.replace("/srv/msg/", "/srv/").replace("/action/msg/", "/action/")
+
+
+def _renamed(kind: Any) -> Any:
+    if isinstance(kind, str):
+        return _whole(kind)
+    return tuple(map(_renamed, kind)) if isinstance(kind, tuple) else kind
 
 
 def definition(name: str) -> str:

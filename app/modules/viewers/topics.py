@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from app.logs.ros.converters import converter
 from app.logs.ros.frames import TF
 from app.logs.ros.generated import UnrecordableType
+from app.logs.ros.record import RecordTopic
 from app.messages import EncodedImage, Image, PointCloud
 
 #: Their transforms alone are not worth rendering and encoding them: /tf has these once one of their pictures is shown.
@@ -16,10 +17,18 @@ _DEAR = (Image, EncodedImage, PointCloud)
 _COMPLETING = "/info"
 
 
+def recorded(channel: str, message_type: type[Any]) -> tuple[RecordTopic, ...]:
+    """The topics of a channel in a recording. Raises UnrecordableType."""
+    return converter(channel, message_type).topics
+
+
 class ShownTopics:
     """The topics of ``channels`` (message classes by channel), and the viewers that show them."""
 
-    def __init__(self, channels: Mapping[str, type[Any]]) -> None:
+    def __init__(
+        self, channels: Mapping[str, type[Any]], drawn: Callable[[str, type[Any]], tuple[RecordTopic, ...]] = recorded
+    ) -> None:
+        """``drawn``: the topics of a channel; raises UnrecordableType for a class of messages that has none."""
         #: ROS type by topic.
         self.types: dict[str, str] = {}
         self._channels: dict[str, set[str]] = {}
@@ -28,7 +37,7 @@ class ShownTopics:
         self._viewers: dict[str, set[int]] = {}
         for name, message_type in channels.items():
             try:
-                topics = converter(name, message_type).topics
+                topics = drawn(name, message_type)
             except UnrecordableType:
                 continue
             for topic in topics:
@@ -41,6 +50,10 @@ class ShownTopics:
         """The channels that are worked for while ``topic`` is shown."""
         channels = self._channels.get(topic, set())
         return frozenset(channels - self._dear if topic == TF.name else channels)
+
+    def topics_of(self, channel: str) -> frozenset[str]:
+        """The topics that ``channel`` is drawn on."""
+        return frozenset(self._topics.get(channel, ()))
 
     def subscribe(self, viewer: int, topic: str) -> frozenset[str]:
         """Note that ``viewer`` shows ``topic``; the channels that are now worked for and were not before."""

@@ -25,6 +25,7 @@ TYPES = {
     "battery": "sensor_msgs/msg/BatteryState",
 }
 IMAGE, COMPRESSED_IMAGE = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
+TRANSFORMS = "tf2_msgs/msg/TFMessage"
 CAMERA_INFO = "sensor_msgs/msg/CameraInfo"
 #: The streams of pictures, and the topics beside theirs: names are ``stream.part``.
 CAMERAS = ("camera", "kinect")
@@ -71,6 +72,19 @@ class TopicConfig(ConfigModel):
 
     topic: Topic
     rate_hz: Positive = 20.0
+
+
+class OdometryTopicConfig(TopicConfig):
+    """Stream ``odometry``: an Odometry, or where the topic's last part is ``tf``, the transform of ``child`` in
+    ``frame``."""
+
+    frame: str = Field(default="odom", description="of a topic tf: the frame where odometry began")
+    child: str = Field(default="base_link", description="of a topic tf: the robot's frame")
+
+    @property
+    def is_transform(self) -> bool:
+        """Whether it is read from transforms."""
+        return self.topic.rpartition("/")[2] == "tf"
 
 
 class LaserTopicConfig(TopicConfig):
@@ -125,7 +139,7 @@ class DepthCameraTopicConfig(CameraTopicConfig):
 class TopicsConfig(ConfigModel):
     """The streams of the body; null for one that the robot does not have."""
 
-    odometry: TopicConfig = TopicConfig(topic="odom")
+    odometry: OdometryTopicConfig = OdometryTopicConfig(topic="odom")
     joints: TopicConfig | None = None
     hokuyo: LaserTopicConfig | None = None
     battery: BatteryTopicConfig | None = None
@@ -200,6 +214,8 @@ class Ros2Config(BodyConfig):
         """Every topic that is read, with its namespace, and its ROS type, by stream; those beside a camera's pictures
         by ``stream.part``."""
         read = {name: (topic.topic, TYPES[name]) for name, topic in self.mapped.items() if name in TYPES}
+        if self.streams.odometry.is_transform:
+            read["odometry"] = (self.streams.odometry.topic, TRANSFORMS)
         for name, camera in self.cameras.items():
             read[name] = (camera.topic, COMPRESSED_IMAGE if camera.topic.endswith("/compressed") else IMAGE)
             if camera.info_topic is not None:

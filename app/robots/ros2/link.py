@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import asyncio
-import os
 from collections.abc import Callable
 from typing import Any
 
 from numpy.typing import NDArray
 
 from app.link import LinkFailed, RobotDescription, StreamDescription
+from app.logs.ros.live.graph import environment
 from app.messages import (
     Audio,
     BatteryState,
@@ -38,10 +38,6 @@ _TYPES: dict[str, type[Any]] = {
     "camera": Image,
     "kinect": Image,
 }
-#: Loopback and the network alike by UDP: a process that is frozen while it holds a lock in shared memory would block
-#: the guard's writer.
-_TRANSPORTS = "FASTDDS_BUILTIN_TRANSPORTS"
-_RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 
 
 class Ros2Link:
@@ -69,7 +65,10 @@ class Ros2Link:
                 raise LinkFailed(f"{self._config.name} runs already.")
             await self._release()
         session = await LinkProcess.open(
-            self._config.name, "app.robots.ros2.process", self._take, environment=environment(self._config)
+            self._config.name,
+            "app.robots.ros2.process",
+            self._take,
+            environment=environment(self._config.graph.discovery),
         )
         self._session = session
         session.send(Start(self._config, self._clock_offset, dict(self._receivers.rates), self._e_stop))
@@ -175,11 +174,3 @@ def describe(config: Ros2Config) -> RobotDescription:
         height_m=config.height_m,
         restartable=True,
     )
-
-
-def environment(config: Ros2Config) -> dict[str, str]:
-    """Variables of the process: how far it looks for the robot, and by what its messages go."""
-    found = {} if _TRANSPORTS in os.environ else {_TRANSPORTS: "UDPv4"}
-    if config.graph.discovery != "environment":
-        found[_RANGE] = config.graph.discovery.upper()
-    return found

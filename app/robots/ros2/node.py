@@ -29,14 +29,18 @@ from app.base.errors import ConfigError
 from app.base.joint_buffer import JointBuffer
 from app.base.kinematic_model import KinematicModel
 from app.logs.importers.ros_messages import Unreadable
+from app.logs.importers.ros_stream import add_transforms
+from app.logs.importers.transforms import Transforms
+from app.logs.ros.live.classes import Unsupported, message_class
 from app.messages import JointState as Joints
 from app.messages import Odometry
 from app.robots.guard import BaseVelocity
 from app.robots.ros2 import qos
 from app.robots.ros2.camera import CameraReader, setting
-from app.robots.ros2.config import INFO, TWIST_STAMPED, Ros2Config
+from app.robots.ros2.config import INFO, TRANSFORMS, TWIST_STAMPED, Ros2Config
+from app.robots.ros2.frame_tree import differences
 from app.robots.ros2.health import Seen, began_again
-from app.robots.ros2.messages import converters, seconds, set_stamp, stamp_of
+from app.robots.ros2.messages import TransformOdometry, converters, seconds, set_stamp, stamp_of
 from app.robots.ros2.stamps import StampClock, WrongClock
 
 CLASSES: dict[str, Any] = {
@@ -89,11 +93,16 @@ class RosNode:
         laser = config.streams.hokuyo
         self._joints = JointBuffer()
         cameras = {name: CameraReader(setting(camera), model, self._joints) for name, camera in config.cameras.items()}
-        self._convert = converters(None if laser is None else model.pose(laser.link), cameras)
+        moved = config.streams.odometry
+        self._transforms = TransformOdometry(moved.frame, moved.child) if moved.is_transform else None
+        self._convert = converters(None if laser is None else model.pose(laser.link), cameras, self._transforms)
+        self._model, self._frames = model, Transforms()
         self._clock = StampClock(config.graph.clock, config.graph.clock_tolerance_s)
         self._required = config.limits.required_sensors
         self.wanted: frozenset[str] = frozenset()
-        self._readings = {name: _Reading(topic, kind, CLASSES[kind]) for name, (topic, kind) in config.readings.items()}
+        self._readings = {
+            name: _Reading(topic, kind, class_of(kind)) for name, (topic, kind) in config.readings.items()
+        }
         if config.graph.clock == "sim":
             self._required = (CLOCK, *self._required)
             self._readings[CLOCK] = _Reading("/clock", "rosgraph_msgs/msg/Clock", Clock)
@@ -115,6 +124,7 @@ class RosNode:
         self._executor = SingleThreadedExecutor()
         self._executor.add_node(self._node)
         self._writer: Any = self._create_writer()
+        self._follow_static_transforms()
         self._thread = threading.Thread(target=self._run, name="rclpy", daemon=True)
 
     # The guard's side
@@ -248,6 +258,22 @@ class RosNode:
             offer.lifespan = Duration(seconds=limits.command_timeout_s + self._config.graph.clock_tolerance_s)
         return self._node.create_publisher(kind, self._commands.topic, offer)
 
+    def _follow_static_transforms(self) -> None:
+        """Hold the model against what the robot says of its sensors' places."""
+        try:
+            kind = message_class(TRANSFORMS)
+        except Unsupported:
+            return
+        asked = profile(qos.Qos(reliable=True, transient_local=True), 100)
+        self._node.create_subscription(kind, self._config.full_name("tf_static"), self._take_static, asked)
+
+    def _take_static(self, message: Any) -> None:
+        add_transforms(self._frames, message.read(), 0.0, static=True)
+        laser = self._config.streams.hokuyo
+        links = [camera.link for camera in self._config.cameras.values()] + ([laser.link] if laser is not None else [])
+        for sentence in differences(self._frames, self._model, links):
+            self._caution(sentence, sentence.partition(":")[0])
+
     def _tick(self, message: Any) -> None:
         now = self._now()
         if not self._clock.tick(seconds(message.clock), now):
@@ -256,6 +282,10 @@ class RosNode:
 
     def _take(self, name: str, message: Any) -> None:
         now = self._now()
+        if name == "odometry" and self._transforms is not None:
+            message = self._transforms.pick(message.read())
+            if message is None:
+                return
         try:
             # A calibration holds whenever it was made.
             at = now if name.endswith(f".{INFO}") else self._clock.placed(stamp_of(message), now)
@@ -287,6 +317,12 @@ class RosNode:
 
     def _now(self) -> float:
         return time.monotonic() + self._offset
+
+
+def class_of(kind: str) -> Any:
+    """rclpy's class of a type that is read. Raises Unsupported for one that is not among ROS 2's wheels, where the
+    middleware is another."""
+    return CLASSES.get(kind) or message_class(kind)
 
 
 def profile(wanted: qos.Qos, depth: int) -> QoSProfile:

@@ -13,11 +13,7 @@ import socket
 import sys
 
 from app.base.child_processes import end_with_parent
-
-MISSING = (
-    "ROS 2 is not here (there is no rclpy for this Python): pip install 'hbba[ros2]', or start the program in a shell "
-    "that has sourced a ROS 2 of the same Python"
-)
+from app.logs.ros.live.graph import MISSING
 
 
 def main(arguments: list[str]) -> int:

@@ -5,20 +5,27 @@ from __future__ import annotations
 import os
 import statistics
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 from app.logs.importers.ros_messages import encoding_of, frame_of
 from app.logs.importers.ros_open import DAMAGE, opened, words
+from app.logs.importers.ros_stream import add_transforms, is_static
+from app.logs.importers.ros_topics import TF_TYPES
+from app.logs.importers.transforms import Transforms
 from app.logs.log import LogError
 from app.logs.mcap.decompression import TooMuch
-from app.robots.ros2.config import COMPRESSED_IMAGE, IMAGE, TWIST, TWIST_STAMPED, TYPES
+from app.robots.ros2.config import COMPRESSED_IMAGE, IMAGE, TRANSFORMS, TWIST, TWIST_STAMPED, TYPES
 from app.robots.ros2.messages import stamp_of
 from app.robots.ros2.proposal import Topic
 
 _FOUND_S = 1.0
 """How long a graph is given to appear before its topics are listened to."""
+_TRANSFORMS = 5000
+"""So many messages of transforms are read of a bag: all frames are there by then."""
 _LOOKED_INTO = frozenset((*TYPES.values(), IMAGE, COMPRESSED_IMAGE))
 
 
@@ -47,8 +54,16 @@ class _Heard:
         return (len(self.arrivals) - 1) / max(self.arrivals[-1] - self.arrivals[0], 1e-3)
 
 
-def live(listen_s: float, domain: int | None) -> list[Topic]:
-    """The topics of the graph of ``domain`` (None: the environment's), listened to for ``listen_s`` seconds.
+@dataclass(frozen=True, slots=True)
+class Found:
+    """What a graph or a bag has: its topics, and the tree of its frames."""
+
+    topics: list[Topic]
+    frames: Transforms
+
+
+def live(listen_s: float, domain: int | None) -> Found:
+    """What the graph of ``domain`` (None: the environment's) has, listened to for ``listen_s`` seconds.
 
     Raises ImportError where there is no rclpy.
     """
@@ -56,7 +71,7 @@ def live(listen_s: float, domain: int | None) -> list[Topic]:
     import rclpy
     from rclpy.executors import SingleThreadedExecutor
 
-    from app.robots.ros2.node import CLASSES, offered_by, profile
+    from app.robots.ros2.node import CLASSES, class_of, offered_by, profile
     from app.robots.ros2.qos import reader
 
     rclpy.init(args=["--ros-args", "--disable-external-lib-logs"], domain_id=domain)
@@ -64,9 +79,14 @@ def live(listen_s: float, domain: int | None) -> list[Topic]:
     executor = SingleThreadedExecutor()
     executor.add_node(node)
     heard: dict[tuple[str, str], _Heard] = {}
+    frames = Transforms()
     try:
         _spin(executor, _FOUND_S)
         for name, kinds in node.get_topic_names_and_types():
+            if TRANSFORMS in kinds:
+                asked = reader(offered_by(info) for info in node.get_publishers_info_by_topic(name))
+                take = _taker_of_frames(frames, name)
+                node.create_subscription(class_of(TRANSFORMS), name, take, profile(asked, 100))
             for kind in filter(CLASSES.__contains__, kinds):
                 came = heard[name, kind] = _Heard()
                 asked = reader(offered_by(info) for info in node.get_publishers_info_by_topic(name))
@@ -83,11 +103,19 @@ def live(listen_s: float, domain: int | None) -> list[Topic]:
                     ahead_s = statistics.median(came.ahead_s) if came.ahead_s else None
                     topic = replace(topic, rate_hz=came.rate_hz, frame=came.frame, ahead_s=ahead_s, holds=came.holds)
                 topics.append(topic)
-        return [topic for topic in topics if topic.publishers or topic.subscribers]
+        return Found([topic for topic in topics if topic.publishers or topic.subscribers], frames)
     finally:
         executor.shutdown()
         node.destroy_node()
         rclpy.shutdown()
+
+
+def _taker_of_frames(frames: Transforms, topic: str) -> Callable[[Any], None]:
+    return lambda message: _take_frames(frames, message.read(), topic)
+
+
+def _take_frames(frames: Transforms, message: Any, topic: str) -> None:
+    add_transforms(frames, message, time.time(), static=is_static(topic))
 
 
 def _holds(message: Any) -> str:
@@ -101,9 +129,12 @@ def _spin(executor: Any, seconds: float) -> None:
         executor.spin_once(timeout_sec=left)
 
 
-def bag(path: Path) -> list[Topic]:
-    """The topics of a bag, with their mean rates. Of commands it only says that they were given: what it has is taken
-    for listened to. Raises LogError where it cannot be read."""
+def bag(path: Path) -> Found:
+    """The topics of a bag, with their mean rates, and its frames.
+
+    Of commands it only says that they were given: what it has is taken for listened to. Raises LogError where it
+    cannot be read.
+    """
     reader, others, unpacked = opened(path)
     try:
         seconds = max(reader.duration / 1e9, 1e-3)
@@ -118,7 +149,11 @@ def bag(path: Path) -> list[Topic]:
             rate = None if info.msgcount < 2 else (info.msgcount - 1) / seconds
             listened = int(kind in (TWIST, TWIST_STAMPED))
             topics.append(Topic(name, kind, int(not listened), listened, rate_hz=rate, frame=frame, holds=holds))
-        return topics + [Topic(other.topic, other.msgtype) for other in others]
+        frames = Transforms()
+        transforms = [connection for connection in reader.connections if connection.msgtype in TF_TYPES]
+        for connection, _, data in islice(reader.messages(transforms), _TRANSFORMS) if transforms else ():
+            _take_frames(frames, reader.deserialize(data, connection.msgtype), connection.topic)
+        return Found(topics + [Topic(other.topic, other.msgtype) for other in others], frames)
     except TooMuch as refusal:
         raise LogError(f"{path}: a message, or a chunk of them, {refusal}") from None
     except DAMAGE as failure:

@@ -10,10 +10,10 @@ import pytest
 
 from app.base.errors import ConfigError
 from app.link import LinkFailed
+from app.logs.ros.live.graph import MISSING, environment
 from app.robots.factory import load_body
 from app.robots.ros2.config import Ros2Config, load_ros2_config
-from app.robots.ros2.link import Ros2Link, describe, environment
-from app.robots.ros2.process import MISSING
+from app.robots.ros2.link import Ros2Link, describe
 from tests.robots.ros2.robot import MAPPING
 
 
@@ -108,10 +108,10 @@ def test_the_body_is_described_by_its_mapping() -> None:
 
 def test_how_far_the_process_looks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("FASTDDS_BUILTIN_TRANSPORTS", raising=False)
-    assert environment(load_ros2_config(MAPPING)) == {"FASTDDS_BUILTIN_TRANSPORTS": "UDPv4"}
+    assert environment(load_ros2_config(MAPPING).graph.discovery) == {"FASTDDS_BUILTIN_TRANSPORTS": "UDPv4"}
     monkeypatch.setenv("FASTDDS_BUILTIN_TRANSPORTS", "LARGE_DATA")
     local = load_ros2_config(changed(tmp_path, "discovery: environment", "discovery: localhost"))
-    assert environment(local) == {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+    assert environment(local.graph.discovery) == {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
 
 
 @pytest.mark.blocking(reason="reads the mapping")

@@ -12,7 +12,7 @@ import pytest
 from app.base.geometry import Pose3
 from app.logs.importers.ros_messages import Unreadable
 from app.messages import BatteryState, LaserScan, Odometry
-from app.robots.ros2.messages import battery, converters, odometry, set_stamp, stamp_of
+from app.robots.ros2.messages import TransformOdometry, battery, converters, odometry, set_stamp, stamp_of
 
 AT = 1_700_000_000.25
 
@@ -77,3 +77,29 @@ def test_stamps_go_both_ways() -> None:
     assert stamp_of(Fields(header=written)) == 12.5
     set_stamp(written, None)
     assert stamp_of(Fields(header=written)) == 12.5
+
+
+def transform(x: float, theta: float = 0.0, child: str = "base_link") -> Fields:
+    moved = Fields(
+        translation=Fields(x=x, y=0.0, z=0.0),
+        rotation=Fields(x=0.0, y=0.0, z=math.sin(theta / 2), w=math.cos(theta / 2)),
+    )
+    return Fields(header=header(), child_frame_id=child, transform=moved)
+
+
+def test_odometry_of_transforms_has_the_velocity_that_led_there() -> None:
+    read = TransformOdometry("odom", "base_link")
+    message = Fields(transforms=[transform(9.0, child="wheel"), transform(1.0)])
+    assert read.pick(message) is message.transforms[1]
+    assert read.pick(Fields(transforms=[transform(9.0, child="wheel")])) is None
+    first, then = read(transform(1.0), 10.0), read(transform(1.1), 10.5)
+    assert first is not None
+    assert then is not None
+    assert (first.X_OB.x, first.linear_mps, then.stamp) == (1.0, 0.0, 10.5)
+    assert (then.linear_mps, then.angular_radps) == pytest.approx((0.2, 0.0))
+    assert read(transform(1.2), 10.5) is None  # published again
+    turned = read(transform(1.1, 0.3), 11.0)
+    assert turned is not None
+    assert turned.angular_radps == pytest.approx(0.6)
+    with pytest.raises(Unreadable):
+        read(transform(math.nan), 12.0)

@@ -1,0 +1,1 @@
+"""Types for rclpy that no installed package of ROS 2 holds."""
