@@ -54,9 +54,7 @@ class ProcessLink:
             if not self._session.ended:
                 raise LinkFailed(f"{self.description.name} runs already.")
             await self._release()
-        session = await LinkProcess.open(
-            self.description.name, self._module, self._take, environment=self._environment
-        )
+        session = await LinkProcess.open(self.description.name, self._module, self._take, environment=self._environment)
         self._session = session
         session.send(self._begin(dict(self._receivers.rates), self._e_stop))
         try:
@@ -64,7 +62,9 @@ class ProcessLink:
                 await session.wait_running()
         except TimeoutError:
             await self._release()
-            raise LinkFailed(f"The process of {self.description.name} did not start in {self._within_s:.0f} s.") from None
+            raise LinkFailed(
+                f"The process of {self.description.name} did not start in {self._within_s:.0f} s."
+            ) from None
         except (LinkFailed, asyncio.CancelledError):
             await self._release()
             raise

@@ -204,7 +204,8 @@ def _frame(kind: int, values: tuple[int, ...], text: str) -> Frame:
         case 0x01:
             return Hello(*values)
         case 0x02:
-            return Velocity(*values[:3], brake=bool(values[3] & 1))
+            linear, angular, timeout_ms, flags = values
+            return Velocity(linear, angular, timeout_ms, brake=bool(flags & 1))
         case 0x81:
             version, boot, linear, angular, ticks, track = values
             return Identity(version, boot, linear, angular, ticks, track, name=text)

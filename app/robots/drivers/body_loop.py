@@ -123,16 +123,17 @@ class BodyLoop:
 
     def _learn_ranges(self, part: Attached) -> None:
         setting, descriptor = self._config.gamepad, part.port.descriptor
-        assert self._gamepad is not None and setting is not None and descriptor is not None
+        assert self._gamepad is not None
+        assert setting is not None
+        assert descriptor is not None
         axes = filter(None, (setting.linear, setting.angular, setting.lateral))
         self._gamepad.ranges = {axis: axis_range(descriptor, AXES[axis]) for axis in axes}
 
     def _reasons(self, now: float) -> tuple[str, ...]:
         """All that forbids driving, the gravest first."""
-        found = [self._parts[0].problem(now)]
-        for name in self._config.limits.required_sensors:
-            found.append(self._givers[name].silence(name, now, self._limits.sensor_timeout_s))
-        return tuple(dict.fromkeys(filter(None, found)))
+        timeout_s, required = self._limits.sensor_timeout_s, self._config.limits.required_sensors
+        silences = [self._givers[name].silence(name, now, timeout_s) for name in required]
+        return tuple(dict.fromkeys(filter(None, (self._parts[0].problem(now), *silences))))
 
     def _report(self, monotonic: float) -> None:
         now = monotonic + self._offset

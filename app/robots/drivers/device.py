@@ -1,4 +1,4 @@
-"""What is at a port: a machine of bytes and values, without a port and a clock of its own, so that a test can step it."""
+"""What is at a port: a machine of bytes and values, without port and clock, so that a test can step it."""
 
 from __future__ import annotations
 

@@ -11,8 +11,8 @@ LATEST_S = 1.0
 class DeviceClock:
     """Times of a counter of ``ticks_per_s`` that begins again after ``modulus`` ticks.
 
-    The difference of both clocks is the least that was seen between a device's time and its arrival, for nothing arrives
-    before it is sent; it may grow by :data:`DRIFT`.
+    The difference of both clocks is the least that was seen between a device's time and its arrival, for nothing
+    arrives before it is sent; it may grow by :data:`DRIFT`.
     """
 
     def __init__(self, ticks_per_s: float, modulus: int) -> None:

@@ -1,4 +1,4 @@
-"""What the process of a robot of parts is sent beyond the messages of every body's (:mod:`app.robots.link_protocol`)."""
+"""What the process of a robot of parts is sent beyond what every body's is (:mod:`app.robots.link_protocol`)."""
 
 from __future__ import annotations
 

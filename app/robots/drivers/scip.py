@@ -1,8 +1,8 @@
 """SCIP 2, the protocol of Hokuyo's laser range finders: pure functions between bytes and values.
 
-A command is a line; its reply is blocks that end in an empty line: the command repeated, a status of two characters, and
-lines of data, each followed by the character of its sum. A value is written in 2, 3 or 4 characters of 6 bits each, the
-highest first, 0x30 added to each; values run on over the ends of lines, which have 64 characters at most.
+A command is a line; its reply is blocks that end in an empty line: the command repeated, a status of two characters,
+and lines of data, each followed by the character of its sum. A value is written in 2, 3 or 4 characters of 6 bits each,
+the highest first, 0x30 added to each; values run on over the ends of lines, which have 64 characters at most.
 
 Source: Hokuyo, "Communication Protocol Specification for SCIP 2.0" (URG series, 2006) and "UTM-30LX-EW" (2012).
 """
@@ -216,8 +216,7 @@ def measurement(reply: Reply) -> Measurement:
 def reply_bytes(command: str, status: str, lines: list[bytes] | None = None, *, table: bool = False) -> bytes:
     """A reply as a laser sends it; the lines of a ``table`` end in a semicolon."""
     rows = [command.encode(), status.encode() + checksum(status.encode())]
-    for line in lines or []:
-        rows.append(line + b";" + checksum(line) if table else line + checksum(line))
+    rows += [line + (b";" if table else b"") + checksum(line) for line in lines or []]
     return b"\n".join(rows) + b"\n\n"
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from app.base.geometry import Pose2
 from app.messages import BatteryState, JointState, Odometry
 from app.robots.drivers import base_protocol as protocol
 from app.robots.drivers.base_protocol import Fault, Identity, State, Velocity
@@ -48,7 +49,7 @@ class SerialBase:
         self.due = False
         self.identity: Identity | None = None
         self._setting = setting
-        self._path = WheelPath()
+        self._path = WheelPath(Pose2())
         self._boot: int | None = None
         self._again = True
         self._faults = Fault(0)

@@ -26,7 +26,7 @@ class WheelPath:
     """Where the base is by its wheels: ``pose`` (``X_OB``), its velocity (m/s, rad/s), the ways of both wheels (m), and
     the newest counts (``left``, ``right``) at ``stamp`` (s), None before the first."""
 
-    pose: Pose2 = Pose2()
+    pose: Pose2
     linear_mps: float = 0.0
     angular_radps: float = 0.0
     left_m: float = 0.0

@@ -37,9 +37,7 @@ class Ros2Link(ProcessLink):
             return Start(config, clock_offset, demanded, e_stop)
 
         within_s = START_TIMEOUT_S + config.graph.found_within_s
-        super().__init__(
-            describe(config), "app.robots.ros2.process", begin, within_s, environment=environment(config)
-        )
+        super().__init__(describe(config), "app.robots.ros2.process", begin, within_s, environment=environment(config))
 
 
 def describe(config: Ros2Config) -> RobotDescription:

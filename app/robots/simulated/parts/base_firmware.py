@@ -124,9 +124,7 @@ class BaseFirmware:
 
     def _state(self) -> protocol.State:
         left, right = (_signed(int(count)) for count in self._counts)
-        return protocol.State(
-            round(1e6 * self._time_s) % 2**32, left, right, taken=self._taken, faults=self.faults
-        )
+        return protocol.State(round(1e6 * self._time_s) % 2**32, left, right, taken=self._taken, faults=self.faults)
 
     def _battery(self) -> protocol.Battery:
         return protocol.Battery(

@@ -17,6 +17,16 @@ VERSION = {
 }
 FIRST, LAST, FRONT, TURN, RPM = 0, 1080, 540, 1440, 2400
 LEAST_MM, MOST_MM = 20, 30000
+SIZES = {
+    "MODL": "UST-10LX",
+    "DMIN": str(LEAST_MM),
+    "DMAX": str(MOST_MM),
+    "ARES": str(TURN),
+    "AMIN": str(FIRST),
+    "AMAX": str(LAST),
+    "AFRT": str(FRONT),
+    "SCAN": str(RPM),
+}
 #: What it gives where nothing is within reach.
 NOTHING_MM = 65533
 
@@ -61,8 +71,7 @@ class HokuyoLaser:
             case "VV":
                 return _table(line, VERSION)
             case "PP":
-                sizes = dict(DMIN=LEAST_MM, DMAX=MOST_MM, ARES=TURN, AMIN=FIRST, AMAX=LAST, AFRT=FRONT, SCAN=RPM)
-                return _table(line, {"MODL": "UST-10LX", **{name: str(value) for name, value in sizes.items()}})
+                return _table(line, SIZES)
             case "II":
                 return _table(
                     line,

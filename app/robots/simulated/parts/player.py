@@ -2,14 +2,14 @@
 in a process of its own, driving in a room.
 
 ``python -m app.robots.simulated.parts.player --robot ROBOT.yaml [options]``, where ROBOT is of kind ``drivers``: its
-ports are made, so they must be paths that this computer lets be made, as ``/tmp/base``. Without ``--map MAP.yaml`` it is
-a room of 6 m by 4 m with a pillar, 3 m ahead.
+ports are made, so they must be paths that this computer lets be made, as ``/tmp/base``. Without ``--map MAP.yaml`` it
+is a room of 6 m by 4 m with a pillar, 3 m ahead.
 
 It prints ``ready`` once all is plugged in. With ``--faults``, lines on its standard input make it go wrong, and it ends
-where they end: ``PART unplug``, ``plug``, ``mute``, ``talk``, ``deaf``, ``hear``, ``noise SHARE``, ``wrong TEXT`` (another
-device speaks there), for PART ``base`` or ``hokuyo``; ``base reset``, ``base faults BITS``; ``gamepad unplug``, ``plug``,
-and ``gamepad NAME VALUE`` for a button or an axis. With ``--log FILE`` each step is a line ``MONOTONIC LINEAR ANGULAR X Y
-DEGREES`` of the truth.
+where they end: ``PART unplug``, ``plug``, ``mute``, ``talk``, ``deaf``, ``hear``, ``noise SHARE``, ``wrong TEXT``
+(another device speaks there), for PART ``base`` or ``hokuyo``; ``base reset``, ``base faults BITS``; ``gamepad
+unplug``, ``plug``, and ``gamepad NAME VALUE`` for a button or an axis. With ``--log FILE`` each step is a line
+``MONOTONIC LINEAR ANGULAR X Y DEGREES`` of the truth.
 """
 
 from __future__ import annotations

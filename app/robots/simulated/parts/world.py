@@ -19,7 +19,7 @@ from app.robots.simulated.kinematic.laser import KinematicLaser
 from app.robots.simulated.parts.base_firmware import BaseFirmware
 from app.robots.simulated.parts.hokuyo_laser import FIRST, LAST, LEAST_MM, NOTHING_MM, TURN
 
-_CELL_M = 0.05
+CELL_M = 0.05
 
 
 def room() -> OccupancyGrid:
@@ -27,7 +27,7 @@ def room() -> OccupancyGrid:
     cells = np.zeros((80, 120), np.int8)
     cells[0], cells[-1], cells[:, 0], cells[:, -1] = 100, 100, 100, 100
     cells[36:44, 76:84] = 100
-    return OccupancyGrid(0.0, "map", cells, _CELL_M, origin=(-1.0, -2.0), version=1)
+    return OccupancyGrid(0.0, "map", cells, CELL_M, origin=(-1.0, -2.0), version=1)
 
 
 class PartsWorld:
