@@ -34,6 +34,7 @@ class Attached:
         if self.port.tend(now):
             self.device.opened(now)
         was_open = self.port.is_open
+        why = ""
         try:
             if data := self.port.read():
                 readings += self.device.received(data, now)
@@ -42,12 +43,14 @@ class Attached:
                 self.port.write(outgoing)
                 readings += more
         except DeviceLost as failure:
-            self.port.lose(str(failure))
+            why = str(failure)
+            self.port.lose(why)
         except WrongDevice as failure:
-            self.wrong = str(failure)
-            self.port.lose(self.wrong)
+            why = self.wrong = str(failure)
+            self.port.lose(why)
         if was_open and not self.port.is_open:
-            self._why = self.port.problem
+            # An attempt that comes to nothing says less than what began it.
+            self._why = why or self._why or self.port.problem
             readings += self.device.closed(now)
         for stream, _ in readings:
             self.last[stream] = now

@@ -270,6 +270,8 @@ def _words(failure: OSError) -> str:
             return "there is no such device: is it plugged in?"
         case errno.EACCES | errno.EPERM:
             return "no permission: add the user to the group that owns it (dialout, input), and log in again"
+        case errno.ECONNRESET | errno.EPIPE:
+            return "it closed the connection"
         case errno.EBUSY:
             return "another program has it open"
         case errno.ECONNREFUSED:
