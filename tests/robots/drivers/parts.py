@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 import socket
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -45,6 +47,7 @@ class Robot(PlayedRobot):
     """The robot of ``file``, in the room."""
 
     def __init__(self, file: Path, *options: str) -> None:
+        self.file = file
         self.config: DriversConfig = load_drivers_config(file)
         log = file.parent / "robot.log"
         command = python(
@@ -61,3 +64,15 @@ class PartsDriver(Driver):
         clock = RealClock()
         self.parts = DriversLink(config, load_model(config.model), clock.offset)
         super().__init__(self.parts, clock)
+
+
+if __name__ == "__main__":  # a program that drives, to be frozen and killed
+
+    async def main(file: Path) -> None:
+        """Drive for as long as it is let."""
+        async with PartsDriver(load_drivers_config(file)) as driver:
+            await driver.set_out()
+            print("driving", driver.parts.process_id, flush=True)
+            await asyncio.Event().wait()
+
+    asyncio.run(main(Path(sys.argv[1])))

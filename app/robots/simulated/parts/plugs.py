@@ -125,6 +125,11 @@ class Server:
             except ConnectionError:
                 self._drop()
 
+    def close(self) -> None:
+        """Listen no more."""
+        self.unplug()
+        self._listener.close()
+
     def _drop(self) -> None:
         if self._connection is not None:
             self._connection.close()
