@@ -16,7 +16,7 @@ import installing
 
 #: What wheels there are (requirements/ros2.lock) are for this machine alone.
 MACHINE = "x86_64"
-TESTS = tuple(f"tests/robots/ros2/test_{name}.py" for name in ("link", "program", "camera_link"))
+TESTS = tuple(f"tests/robots/ros2/test_{name}.py" for name in ("link", "program", "camera_link", "your_robot"))
 """Those that are run in it; in ``.venv`` these are skipped."""
 
 

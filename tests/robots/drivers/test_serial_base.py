@@ -12,13 +12,13 @@ from hypothesis import strategies as st
 from app.base.geometry import Pose2
 from app.messages import BatteryState, JointState, Odometry
 from app.robots.drivers import base_protocol as protocol
+from app.robots.drivers.base_firmware import BaseFirmware, FirmwareSetting
 from app.robots.drivers.base_protocol import Fault, Identity
 from app.robots.drivers.device import DeviceLost, WrongDevice
 from app.robots.drivers.serial_base import BaseSetting, SerialBase
 from app.robots.drivers.wheel_counts import WheelGeometry, WheelPath, begun_at, followed
 from app.robots.guard import BaseVelocity
 from app.robots.simulated.kinematic.base import moved
-from app.robots.simulated.parts.base_firmware import BaseFirmware, FirmwareSetting
 
 STEP_S = 0.01
 

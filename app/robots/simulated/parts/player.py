@@ -28,10 +28,10 @@ from app.base.child_processes import end_with_parent
 from app.base.geometry import Pose2
 from app.maps.map_file import read_map
 from app.robots.drivers import input_events
+from app.robots.drivers.base_firmware import BaseFirmware, FirmwareSetting
 from app.robots.drivers.base_protocol import Fault
 from app.robots.drivers.config import DriversConfig, load_drivers_config
 from app.robots.drivers.input_events import AXES, BUTTONS, InputEvent
-from app.robots.simulated.parts.base_firmware import BaseFirmware, FirmwareSetting
 from app.robots.simulated.parts.hokuyo_laser import HokuyoLaser
 from app.robots.simulated.parts.plugs import Noise, Pipe, Plug, plug_at
 from app.robots.simulated.parts.world import PartsWorld, room

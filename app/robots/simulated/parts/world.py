@@ -11,12 +11,12 @@ from app.base.geometry import Pose2
 from app.base.kinematic_model import load_model
 from app.maps.grid_rays import GridRays
 from app.messages import OccupancyGrid
+from app.robots.drivers.base_firmware import BaseFirmware
 from app.robots.drivers.config import DriversConfig
 from app.robots.guard import BaseVelocity
 from app.robots.simulated.kinematic.base import Outline, moved
 from app.robots.simulated.kinematic.config import KinematicLaserConfig
 from app.robots.simulated.kinematic.laser import KinematicLaser
-from app.robots.simulated.parts.base_firmware import BaseFirmware
 from app.robots.simulated.parts.hokuyo_laser import FIRST, LAST, LEAST_MM, NOTHING_MM, TURN
 
 CELL_M = 0.05

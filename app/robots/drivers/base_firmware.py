@@ -1,7 +1,8 @@
-"""Reference firmware of a differential base (docs/serial-base.md): what a board between serial line and motors does.
+"""Reference firmware of a differential base (docs/serial-base.md): what a board between line and motors does.
 
-Bytes and time go in, wheel speeds and bytes come out; whatever turns the wheels says how far they came. Nothing here
-waits, and all of it can be written in a few hundred lines of C.
+Bytes and time go in, wheel speeds and bytes come out; whatever turns the wheels says how far they came. It runs behind
+motors that a program in Python drives (docs/your-robot.md), and in the simulated robot of parts. Nothing here waits,
+and all of it can be written in a few hundred lines of C.
 """
 
 from __future__ import annotations
