@@ -14,7 +14,7 @@ from app.base.yaml_source import Document, load_yaml, suggestion
 from app.robots.actuator_config import ActuatorConfig
 from app.robots.config import BodyConfig, load_body_config
 from app.robots.config_model import ConfigModel, Positive
-from app.robots.devices.config import CameraConfig, SoundInputConfig, SpeakerConfig
+from app.robots.devices.config import CameraConfig, SoundInputConfig, SpeakerConfig, with_sources
 from app.robots.drivers.gamepad import GamepadSetting
 from app.robots.drivers.hokuyo import LaserSetting
 from app.robots.drivers.input_events import AXES, BUTTONS
@@ -213,7 +213,7 @@ class DriversConfig(BodyConfig):
 def load_drivers_config(path: Path | str) -> DriversConfig:
     """Read the file. Raises ConfigError (file, line, key), also for files that are missing, for a part whose link the
     model does not have or a joint moves, and for wheels that it does not have."""
-    config = load_body_config(path, DriversConfig)
+    config = with_sources(load_body_config(path, DriversConfig), path)
     document = load_yaml(path)
     config._document = Document(None, document.file, document.lines)
     model = load_model(config.model)

@@ -3,13 +3,17 @@ button."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
+from typing import cast
 
 import pytest
 
 from app.console.drive import drive_lease
 from app.console.drive.drive_controller import Driving
 from app.console.drive.gamepad import OPERATOR, GamepadDriver
+from app.link import RobotLink, StreamDescription
 from app.messages import GamepadState, TeleopCommand
 from app.program.system import System
 from app.runtime.clock import VirtualClock, in_virtual_time
@@ -112,8 +116,33 @@ def test_a_page_that_drives_keeps_the_wheel_and_the_button_stops_both(built: tup
     story()
 
 
-def test_a_body_without_one_is_left_alone(built: tuple[System, Body]) -> None:
+class Listened:
+    """A body with the streams ``names``, as far as a gamepad's driver sees one."""
+
+    def __init__(self, body: Body, *names: str) -> None:
+        streams = {name: StreamDescription(name, GamepadState, 20.0) for name in names}
+        self.description = replace(body.description, streams=streams)
+        self.receive: Callable[[GamepadState], None] | None = None
+        self.demanded: list[float] = []
+
+    def attach(self, stream: str, receive: Callable[[GamepadState], None]) -> Callable[[], None]:
+        assert stream in self.description.streams
+        self.receive = receive
+        return lambda: setattr(self, "receive", None)
+
+    def demand(self, stream: str, rate_hz: float) -> None:
+        self.demanded.append(rate_hz)
+
+
+def test_it_listens_to_a_body_that_has_one_and_leaves_others_alone(built: tuple[System, Body]) -> None:
     system, body = built
     at = AtTheRobot(system, body)
-    at.gamepad.attach(body)()
-    assert not at.commands
+    link = Listened(body, "gamepad")
+    end = at.gamepad.attach(cast("RobotLink", link))
+    assert link.receive is not None
+    link.receive(GamepadState(system.clock.now(), connected=True, held=False, stop=False))
+    assert at.driving.lease.operators["gamepad"] == OPERATOR
+    end()
+    assert link.receive is None
+    assert link.demanded == [20.0, 0.0]
+    at.gamepad.attach(cast("RobotLink", Listened(body)))()

@@ -24,6 +24,7 @@ from tests.patience import PATIENCE_S
 from tests.robots.drivers.parts import PartsDriver, Robot, body_file
 from tests.robots.played import odometry
 
+PORTRAIT = Path(__file__).parents[3] / "app" / "robots" / "simulated" / "scenery" / "faces" / "pilot.jpg"
 pytestmark = [
     pytest.mark.slow,
     pytest.mark.blocking(reason="reads the robot's log and feeds it faults; nothing else is on the loop"),
@@ -35,8 +36,8 @@ def start_robot(tmp_path: Path) -> Iterator[Callable[..., Robot]]:
     """Start robots that end with the test."""
     robots: list[Robot] = []
 
-    def start(*options: str) -> Robot:
-        robots.append(Robot(body_file(tmp_path), *options))
+    def start(**changes: Any) -> Robot:
+        robots.append(Robot(body_file(tmp_path, **changes)))
         return robots[-1]
 
     yield start
@@ -119,9 +120,10 @@ async def test_whatever_is_pulled_its_base_stops_and_comes_back(start_robot: Cal
 
 
 async def test_the_guards_process_is_killed_and_the_base_stops_by_itself(start_robot: Callable[..., Robot]) -> None:
-    robot = start_robot()
+    robot = start_robot(camera={"source": str(PORTRAIT), "link": "hokuyo_link", "rate_hz": 5})
     async with PartsDriver(robot.config) as driver:
         await driver.set_out()
+        await driver.wait_for("a picture", lambda seen: "camera" in seen)
         process_id = driver.parts.process_id
         assert process_id is not None
         os.kill(process_id, signal.SIGKILL)
@@ -131,6 +133,8 @@ async def test_the_guards_process_is_killed_and_the_base_stops_by_itself(start_r
         # It is started again, as the program does.
         await driver.link.start()
         await driver.set_out()
+        before = driver.newest["camera"].stamp
+        await driver.wait_for("a later picture", lambda seen: seen["camera"].stamp > before)
 
 
 async def test_the_program_is_frozen_and_killed(start_robot: Callable[..., Robot]) -> None:
