@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from app.base import paths
 from app.link import RobotLink
@@ -87,7 +87,7 @@ class Driver:
         self._changed = asyncio.Event()
         self._driving: asyncio.Task[None] | None = None
 
-    async def __aenter__(self) -> Driver:
+    async def __aenter__(self) -> Self:
         for stream in self.link.description.streams:
             self.link.attach(stream, self._keep(stream))
             self.link.demand(stream, 100.0)

@@ -108,7 +108,7 @@ def load_devices_config(path: Path | str) -> DevicesConfig:
 
 
 def with_sources(config: BodyT, path: Path | str) -> BodyT:
-    """``config`` with the files that its camera and microphones name, where they exist, relative to its file ``path``."""
+    """``config`` with the files that camera and microphones name, where they exist, relative to its file ``path``."""
     here = Path(path).resolve().parent
     update: dict[str, Any] = {}
     for key in ("camera", "microphones"):

@@ -175,8 +175,9 @@ async def refused(folder: Path, **changes: Any) -> str:
 
 
 async def test_what_is_not_there_and_what_is_another_device_are_one_sentence(
-    tmp_path: Path, start_robot: Callable[..., Robot]
+    tmp_path: Path, start_robot: Callable[..., Robot], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr("app.robots.drivers.link.START_TIMEOUT_S", PATIENCE_S)
     said = await refused(tmp_path, found_within_s=0.2)
     where = f"base ({tmp_path / 'base'})"
     assert said.startswith(f"Serial base was not found within 0.2 s: {where}: there is no such device: is it plugged")
