@@ -120,7 +120,7 @@ def test_a_serial_base_and_a_laser_drive_to_a_goal(reader: Reader, capsys: pytes
     wait_until(lambda: drives(reader.running[-1]))
     assert driven_m() > 0.5
     report = httpx.get(f"http://127.0.0.1:{reader.console}/api/v1/robot", timeout=PATIENCE_S).json()
-    assert report["guard"] == "driving", report
+    assert report["robot"]["name"] == "My robot"
 
 
 def wait_until(found: Callable[[], bool]) -> None:
