@@ -1,8 +1,8 @@
-"""A gamepad at the robot drives by the same lease as the pages: one driver, whoever asks for the wheel gets an answer.
+"""A gamepad at the robot drives by the same lease as the pages: one driver at a time.
 
-Who holds it stands beside the robot and sees more than a page does, but takes the wheel from nobody: while a page
-drives, its dead-man is refused. Its stop button stops the robot whoever drives. It asks for nothing and answers
-nothing, so that a page that asks for the wheel has it once the gamepad holds nothing.
+It takes the wheel from no other: while a page drives, its dead-man is refused. Its stop button stops the robot,
+whichever of them drives. It asks for nothing and answers nothing, so that a page that asks for the wheel has it once
+the gamepad holds nothing.
 """
 
 from __future__ import annotations

@@ -16,7 +16,7 @@ from app.robots.drivers.device_clock import DeviceClock
 
 #: Time (s) that a laser has for an answer; one that is not lit yet takes its time.
 ANSWER_S = 2.0
-#: Without a scan for so long (s) it is begun with again.
+#: Without a scan for so long (s) its port is opened again.
 SILENT_S = 1.0
 #: Times that a question is asked.
 _ATTEMPTS = 3

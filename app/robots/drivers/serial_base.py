@@ -11,7 +11,7 @@ from app.robots.drivers import base_protocol as protocol
 from app.robots.drivers.base_protocol import Fault, Identity, State, Velocity
 from app.robots.drivers.device import DeviceLost, Reading, WrongDevice, shown
 from app.robots.drivers.device_clock import DeviceClock
-from app.robots.drivers.wheel_counts import WheelGeometry, WheelPath, begun_at, followed
+from app.robots.drivers.wheel_counts import WheelGeometry, WheelPath, restarted, followed
 from app.robots.guard import BaseVelocity
 
 #: Time (s) that a base has to say who it is: a board that resets when its port is opened takes its time.
@@ -166,7 +166,7 @@ class SerialBase:
             path = followed(self._path, self._geometry, left=state.left, right=state.right, stamp=stamp)
             if path is None:
                 self.cautions.append("its counts jumped: what its wheels did meanwhile is not known")
-        self._path = path or begun_at(self._path, state.left, state.right, stamp)
+        self._path = path or restarted(self._path, state.left, state.right, stamp)
         self._again = False
         self._say(state)
         if state.taken != self._taken:
@@ -185,7 +185,7 @@ class SerialBase:
             self.cautions.append(protocol.WORDS[Fault.LOW_BATTERY])
         for fault, words in protocol.WORDS.items():
             if fault & new & protocol.STOPPING:
-                self.cautions.append(f"{words}: it stands")
+                self.cautions.append(f"{words}: it has stopped")
         self._faults = state.faults
 
     def _command(self, now: float) -> bytes:

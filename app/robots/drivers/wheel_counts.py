@@ -36,7 +36,7 @@ class WheelPath:
     stamp: float = 0.0
 
 
-def begun_at(path: WheelPath, left: int, right: int, stamp: float) -> WheelPath:
+def restarted(path: WheelPath, left: int, right: int, stamp: float) -> WheelPath:
     """``path`` with counters that began again: the base stays where it was."""
     return WheelPath(path.pose, left_m=path.left_m, right_m=path.right_m, left=left, right=right, stamp=stamp)
 
@@ -45,7 +45,7 @@ def followed(path: WheelPath, geometry: WheelGeometry, *, left: int, right: int,
     """``path`` after the counts ``left`` and ``right`` (signed, 32 bits) at ``stamp``; None where the base cannot have
     driven so far: its counters began again."""
     if path.left is None or path.right is None:
-        return begun_at(path, left, right, stamp)
+        return restarted(path, left, right, stamp)
     seconds = stamp - path.stamp
     ways = [_difference(now, before) / geometry.ticks_per_m for now, before in ((left, path.left), (right, path.right))]
     if max(map(abs, ways)) > JUMP_M + 2.0 * geometry.most_mps * max(seconds, 0.0):

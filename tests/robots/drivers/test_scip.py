@@ -70,7 +70,7 @@ def test_a_changed_byte_never_passes_for_a_distance(place: int, change: int) -> 
     data[place % len(data)] ^= change
     for reply in replies(bytes(data)):
         if reply.command != "MD0000002001000":
-            continue  # of another command: nobody takes it for a scan
+            continue  # of another command, and so no scan
         try:
             taken = scip.measurement(reply)
         except scip.Garbled:

@@ -16,7 +16,7 @@ from app.robots.drivers.base_firmware import BaseFirmware, FirmwareSetting
 from app.robots.drivers.base_protocol import Fault, Identity
 from app.robots.drivers.device import DeviceLost, WrongDevice
 from app.robots.drivers.serial_base import BaseSetting, SerialBase
-from app.robots.drivers.wheel_counts import WheelGeometry, WheelPath, begun_at, followed
+from app.robots.drivers.wheel_counts import WheelGeometry, WheelPath, restarted, followed
 from app.robots.guard import BaseVelocity
 from app.robots.simulated.kinematic.base import moved
 
@@ -126,7 +126,7 @@ def test_its_faults_are_said_and_stop_it(fault: Fault) -> None:
     stops = bool(fault & protocol.STOPPING)
     assert bench.driver.problem(bench.now) == (words if stops else "")
     assert (bench.board.wheels_mps == (0.0, 0.0)) == stops
-    assert bench.driver.cautions == [f"{words}: it stands" if stops else words]
+    assert bench.driver.cautions == [f"{words}: it has stopped" if stops else words]
 
 
 def test_a_gap_loses_no_way_and_a_reset_jumps_nowhere() -> None:
@@ -206,7 +206,7 @@ def test_counters_that_run_over_go_on(ways: list[tuple[float, float]], begin: in
     """The path is the same wherever the counters began."""
 
     def path(at: int) -> WheelPath:
-        found, left, right = begun_at(WheelPath(Pose2()), at, at, 0.0), at, at
+        found, left, right = restarted(WheelPath(Pose2()), at, at, 0.0), at, at
         for number, (left_m, right_m) in enumerate(ways, 1):
             left, right = (
                 (count + round(way * 10000) + 2**31) % 2**32 - 2**31
