@@ -38,9 +38,7 @@ def test_what_is_plugged_in_is_named(dev: Path, tmp_path_factory: pytest.TempPat
 def test_what_may_not_be_read_says_the_group(dev: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("app.commands.doctor_devices.os.access", lambda *_: False)
     group = (dev / "ttyUSB0").group()
-    assert serial_ports(dev)[1] == (
-        f"{dev}/ttyUSB0, not readable: add the user to the group {group}, and log in again"
-    )
+    assert serial_ports(dev)[1] == (f"{dev}/ttyUSB0, not readable: add the user to the group {group}, and log in again")
 
 
 def test_nothing_is_plugged_in(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

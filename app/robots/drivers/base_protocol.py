@@ -1,8 +1,8 @@
 """The serial protocol of a differential base (docs/serial-base.md): pure functions between frames and bytes.
 
-A frame is type, sequence number, payload and CRC-16/CCITT-FALSE (polynomial 0x1021, initial value 0xFFFF), little-endian,
-stuffed by COBS so that 0x00 occurs in none, and ended by 0x00. A reader that begins in the middle, or lost bytes, is
-right again at the next 0x00.
+A frame is type, sequence number, payload and CRC-16/CCITT-FALSE (polynomial 0x1021, initial value 0xFFFF), all
+little-endian, stuffed by COBS so that 0x00 occurs in none, and ended by 0x00. A reader that begins in the middle, or
+lost bytes, is right again at the next 0x00.
 
 Source of COBS: Cheshire, Baker, "Consistent Overhead Byte Stuffing", SIGCOMM 1997.
 """

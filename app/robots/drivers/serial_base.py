@@ -11,7 +11,7 @@ from app.robots.drivers import base_protocol as protocol
 from app.robots.drivers.base_protocol import Fault, Identity, State, Velocity
 from app.robots.drivers.device import DeviceLost, Reading, WrongDevice, shown
 from app.robots.drivers.device_clock import DeviceClock
-from app.robots.drivers.wheel_counts import WheelGeometry, WheelPath, restarted, followed
+from app.robots.drivers.wheel_counts import WheelGeometry, WheelPath, followed, restarted
 from app.robots.guard import BaseVelocity
 
 #: Time (s) that a base has to say who it is: a board that resets when its port is opened takes its time.

@@ -16,7 +16,7 @@ from app.robots.drivers.base_firmware import BaseFirmware, FirmwareSetting
 from app.robots.drivers.base_protocol import Fault, Identity
 from app.robots.drivers.device import DeviceLost, WrongDevice
 from app.robots.drivers.serial_base import BaseSetting, SerialBase
-from app.robots.drivers.wheel_counts import WheelGeometry, WheelPath, restarted, followed
+from app.robots.drivers.wheel_counts import WheelGeometry, WheelPath, followed, restarted
 from app.robots.guard import BaseVelocity
 from app.robots.simulated.kinematic.base import moved
 
