@@ -208,7 +208,7 @@ def _frame(kind: int, values: tuple[int, ...], text: str) -> Frame:
             return Velocity(linear, angular, timeout_ms, brake=bool(flags & 1))
         case 0x81:
             version, boot, linear, angular, ticks, track = values
-            return Identity(version, boot, linear, angular, ticks, track, name=text)
+            return Identity(version, boot, linear, angular, ticks_per_m=ticks, track_um=track, name=text)
         case 0x82:
             time_us, left, right, taken, faults = values
             return State(time_us, left, right, taken, Fault(faults & sum(Fault)))
