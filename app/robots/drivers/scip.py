@@ -170,9 +170,7 @@ def geometry(values: Mapping[str, str]) -> LaserGeometry:
     least, most, turn, first, last, front, rpm = numbers
     if not (0 <= least < most and turn > 0 and 0 <= first < last and first <= front <= last and rpm > 0):
         raise Garbled(f"PP says impossible sizes: {', '.join(f'{name}:{values[name]}' for name in names)}")
-    return LaserGeometry(
-        values.get("MODL", "Hokuyo"), least, most, turn, first=first, last=last, front=front, rpm=rpm
-    )
+    return LaserGeometry(values.get("MODL", "Hokuyo"), least, most, turn, first=first, last=last, front=front, rpm=rpm)
 
 
 @dataclass(frozen=True, slots=True)
