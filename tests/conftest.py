@@ -19,6 +19,7 @@ from blockbuster import blockbuster_ctx
 from hypothesis import is_hypothesis_test, settings
 
 from app.robots.simulated.gl import gl_environment
+from tests.examples_share import fewer
 
 for name, value in gl_environment().items():
     os.environ.setdefault(name, value)  # before anything imports mujoco, which reads it then
@@ -43,15 +44,6 @@ def _walk_noted(f: FrameType | None) -> Iterator[tuple[FrameType, int]]:
 
 
 traceback.walk_stack = _walk_noted
-
-#: Of the examples that each property is tried on, the share that is: fewer where many tests run, in each run others.
-EXAMPLES = float(os.environ.get("HBBA_EXAMPLES") or 1)
-
-
-def fewer(examples: int) -> int:
-    """So many, of ``examples``, are tried."""
-    return max(round(EXAMPLES * examples), 3)
-
 
 # No deadline: on a shared computer a slow example says nothing about the program.
 settings.register_profile("house", deadline=None, max_examples=fewer(100))

@@ -11,6 +11,7 @@ import struct
 import tokenize
 import zipfile
 import zlib
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -52,6 +53,28 @@ def read_arrays(path: Path, what: str) -> dict[str, NDArray[Any]]:
         raise ConfigError(f"{what} cannot be read: {failure.strerror or failure}", str(path)) from None
     except _DAMAGE as damage:
         raise ConfigError(f"{what} is damaged: {damage}", str(path)) from None
+
+
+def checked_array(
+    arrays: Mapping[str, NDArray[Any]], name: str, dtype: type[np.generic], shape: tuple[int, ...]
+) -> NDArray[Any]:
+    """The array ``name``, of this kind and shape (-1: any length), every number finite.
+
+    Raises ValueError, and KeyError where there is none of that name.
+    """
+    array = arrays[name]
+    if array.dtype != dtype or array.ndim != len(shape):
+        raise ValueError(f"{name} has {array.ndim} dimensions of {array.dtype}")
+    if any(wanted not in (-1, there) for wanted, there in zip(shape, array.shape, strict=True)):
+        raise ValueError(f"{name} has the shape {array.shape}")
+    if array.dtype.kind == "f" and not np.isfinite(array).all():
+        raise ValueError(f"{name} has numbers that are not finite")
+    return array
+
+
+def joined(parts: Sequence[NDArray[Any]], empty: tuple[int, ...], dtype: type[np.generic]) -> NDArray[Any]:
+    """``parts`` one after another, of ``dtype``; an array of the shape ``empty`` where there are none."""
+    return np.concatenate(parts).astype(dtype, copy=False) if parts else np.zeros(empty, dtype)
 
 
 def _check_extent(file: BinaryIO, path: Path, what: str) -> None:

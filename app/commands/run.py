@@ -7,7 +7,6 @@ import asyncio
 import atexit
 import gc
 import logging
-import math
 import os
 import signal
 import socket
@@ -185,6 +184,8 @@ async def _live(
     from app.console.panels import load_panels
     from app.console.server import address_of, serve
     from app.console.webhooks.kept import default_file
+    from app.memory.store import MemoryStore
+    from app.memory.store import default_folder as default_memory_folder
     from app.program.system import System
     from app.robots.factory import create_link
     from app.runtime.clock import RealClock
@@ -201,7 +202,7 @@ async def _live(
     clock = RealClock()
     system = System(
         configuration, link=create_link(body, clock.offset), body=body, clock=clock, runs=RunLibrary(default_folder()),
-        nodes=True,
+        memory=MemoryStore(default_memory_folder()), nodes=True,
     )  # fmt: skip
     panels = await asyncio.to_thread(load_panels)
     # Building takes long enough to disturb driving.
@@ -307,11 +308,23 @@ class Stopping:
         threading.Thread(target=self._count_down, name="stopping", daemon=True).start()
 
     def _count_down(self) -> None:
-        """Count in small steps: time in which a busy computer does not let this process run hardly counts."""
-        for _ in range(math.ceil(self._within_s / COUNT_S)):
+        """Count in small steps, without the time in which a busy computer keeps the main thread from running."""
+        counted_s, kept_s = 0.0, kept_waiting_s()
+        while counted_s < self._within_s:
             time.sleep(COUNT_S)
+            before_s, kept_s = kept_s, kept_waiting_s()
+            counted_s += max(COUNT_S - (kept_s - before_s), 0.0)
         log.error("not stopped within %g s: ended by force", self._within_s)
         self._force(1)
+
+
+def kept_waiting_s() -> float:
+    """For how long (s) the main thread has waited for a processor so far; 0 where the system does not say."""
+    try:
+        _, waited_ns, _ = Path("/proc/self/schedstat").read_bytes().split()
+    except (OSError, ValueError):
+        return 0.0
+    return int(waited_ns) / 1e9
 
 
 def end_now(code: int) -> None:

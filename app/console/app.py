@@ -38,6 +38,7 @@ from app.console.rest.lanes import lanes_router
 from app.console.rest.link import link_router
 from app.console.rest.map_route import route_router
 from app.console.rest.maps import maps_router
+from app.console.rest.memory import memory_router
 from app.console.rest.percepts import percepts_router
 from app.console.rest.places import places_router
 from app.console.rest.playback import playback_router
@@ -153,6 +154,7 @@ def create_app(
         tours_router(system),
         tour_media_router(system),
         tour_run_router(system),
+        memory_router(system),
         rehearsal_router(system, rehearsals),
         visitor_router(system, door, visitors, listens=host, names=host_names),
         program_router(system, hub),

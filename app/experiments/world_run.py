@@ -6,15 +6,16 @@ coroutine ``script`` beside it in virtual time and returns what that returns.
 
 from __future__ import annotations
 
-import asyncio
 import itertools
 from collections.abc import Awaitable, Callable, Collection, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TypeVar
 
 from app.base.yaml_source import suggestion
 from app.maps.library import MapLibrary
 from app.modules.recording.recorder import Recorder
+from app.program.beside import run_beside
 from app.program.config import Configuration
 from app.program.system import System
 from app.robots.config import RobotConfig
@@ -73,7 +74,7 @@ def run_in_world(
         partial=True,
         reproducible=True,
     )
-    return run_virtual(_run(WorldRun(system, link), script), patience_s=PATIENCE_S)
+    return run_virtual(run_beside(system, partial(script, WorldRun(system, link))), patience_s=PATIENCE_S)
 
 
 def able(
@@ -113,21 +114,6 @@ def with_settings(configuration: Configuration, settings: Mapping[str, Mapping[s
             raise configuration.program_document.error(f"there is no module {name}; {suggestion(name, list(modules))}")
         modules[name] = modules[name].model_copy(update={"settings": {**modules[name].settings, **more}})
     return replace(configuration, program=configuration.program.model_copy(update={"modules": modules}))
-
-
-async def _run(run: WorldRun, script: Callable[[WorldRun], Awaitable[T]]) -> T:
-    async with run.system:
-        failed = asyncio.create_task(run.system.wait_failed(), name="failure")
-        scripted = asyncio.ensure_future(script(run))
-        try:
-            await asyncio.wait({scripted, failed}, return_when=asyncio.FIRST_COMPLETED)
-            if not scripted.done():
-                raise failed.result()
-            return scripted.result()
-        finally:
-            failed.cancel()
-            scripted.cancel()
-            await asyncio.wait({failed, scripted})
 
 
 def _numbered() -> Callable[[], str]:

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from app.base.geometry import FloatArray
 from app.maps.place_checks import OCCUPIED
-from app.maps.ray_kernels import cast_grid
 from app.messages import OccupancyGrid
 
 #: Half a cell's diagonal, of the cell where a ray is and of the occupied one: so much nearer than its middle an
@@ -23,6 +22,10 @@ class GridRays:
     """Distances on ``grid``. Cells from :data:`OCCUPIED` on are obstacles; unknown ones and what is beyond are not."""
 
     def __init__(self, grid: OccupancyGrid) -> None:
+        # Late: numba takes a second of each program that starts, also of those that cast no ray.
+        from app.maps.ray_kernels import cast_grid
+
+        self._cast_grid = cast_grid
         self._origin = grid.origin
         self._cell_m = grid.resolution_m
         self._occupied = (grid.cells >= OCCUPIED).astype(np.uint8)
@@ -51,7 +54,7 @@ class GridRays:
         cell; infinite where there is none within ``reach_m``."""
         column, row = ((at - begin) / self._cell_m for at, begin in zip((x, y), self._origin, strict=True))
         reach = reach_m / self._cell_m
-        ranges = cast_grid(self._occupied, self._unknown, column, row, np.ascontiguousarray(directions), reach)
+        ranges = self._cast_grid(self._occupied, self._unknown, column, row, np.ascontiguousarray(directions), reach)
         # Comparison with NaN, which rays beyond the grid have, is false.
         return np.where(ranges < reach, ranges * self._cell_m, np.inf)
 

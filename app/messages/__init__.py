@@ -42,6 +42,19 @@ from app.messages.base import Look, Message, PerceptKind, read_only
 from app.messages.driving import Exploitation, GamepadState, LinkStatus, TeleopCommand, Twist
 from app.messages.energy import BatteryState, DockingState, DockingStatus, DockSighting
 from app.messages.landmarks import DisplacedLandmark, DisplacedLandmarks, Keyframes, LandmarkPose
+from app.messages.memory import (
+    AnticipatedEvent,
+    EpisodeDeed,
+    EpisodeEvent,
+    EpisodeReport,
+    EpisodeSummary,
+    MemoryChannel,
+    MemoryEvent,
+    MemoryItem,
+    MemoryReport,
+    MemoryState,
+    RaisedDesire,
+)
 from app.messages.navigation import (
     GivenUpGoal,
     Localization,
@@ -121,6 +134,7 @@ __all__ = [
     "Accomplished",
     "Accomplishment",
     "Alternative",
+    "AnticipatedEvent",
     "Asked",
     "Audio",
     "BatteryState",
@@ -138,6 +152,10 @@ __all__ = [
     "DockingState",
     "DockingStatus",
     "EncodedImage",
+    "EpisodeDeed",
+    "EpisodeEvent",
+    "EpisodeReport",
+    "EpisodeSummary",
     "EventKind",
     "Exploitation",
     "ExternalForce",
@@ -168,6 +186,11 @@ __all__ = [
     "LogLine",
     "Look",
     "LoudNoise",
+    "MemoryChannel",
+    "MemoryEvent",
+    "MemoryItem",
+    "MemoryReport",
+    "MemoryState",
     "Message",
     "ModuleInput",
     "ModuleOutput",
@@ -197,6 +220,7 @@ __all__ = [
     "PointCloud",
     "QRCode",
     "QRCodes",
+    "RaisedDesire",
     "Reason",
     "ReasonState",
     "RecorderState",

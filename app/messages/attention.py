@@ -34,6 +34,7 @@ EventKind = Literal[
     "battery",
     "accomplishment",
     "tour",
+    "memory",
 ]
 #: What a behavior reports of a desire.
 Accomplished = Literal["done", "failed"]

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import asyncio
 import itertools
 import math
 from collections.abc import Awaitable, Callable, Collection
 from dataclasses import dataclass
+from functools import partial
 from typing import TypeVar
 
 from app.base.geometry import Pose2
 from app.maps.library import MAP, MapLibrary
+from app.program.beside import run_beside
 from app.program.config import Configuration
 from app.program.system import System
 from app.rehearsal.configuration import rehearsed
@@ -76,7 +77,7 @@ def play(stage: Stage, script: Callable[[RehearsalRun], Awaitable[T]]) -> T:
         partial=True,
         reproducible=True,
     )
-    return run_virtual(_run(RehearsalRun(system, link), script), patience_s=PATIENCE_S)
+    return run_virtual(run_beside(system, partial(script, RehearsalRun(system, link))), patience_s=PATIENCE_S)
 
 
 def _body(stage: Stage, body: BodyConfig) -> KinematicConfig:
@@ -85,18 +86,3 @@ def _body(stage: Stage, body: BodyConfig) -> KinematicConfig:
     if config.laser is None or not stage.noise_m:
         return config
     return config.model_copy(update={"laser": config.laser.model_copy(update={"noise_m": stage.noise_m})})
-
-
-async def _run(run: RehearsalRun, script: Callable[[RehearsalRun], Awaitable[T]]) -> T:
-    async with run.system:
-        failed = asyncio.create_task(run.system.wait_failed(), name="failure")
-        scripted = asyncio.ensure_future(script(run))
-        try:
-            await asyncio.wait({scripted, failed}, return_when=asyncio.FIRST_COMPLETED)
-            if not scripted.done():
-                raise failed.result()
-            return scripted.result()
-        finally:
-            failed.cancel()
-            scripted.cancel()
-            await asyncio.wait({failed, scripted})

@@ -23,7 +23,8 @@ import psutil
 import pytest
 
 from app import cli
-from app.commands.run import Stopping, login_url, serve_once_started
+from app.commands import run
+from app.commands.run import Stopping, kept_waiting_s, login_url, serve_once_started
 from app.link import LinkFailed
 from app.program.system import System
 from app.robots.simulated.gl import check_gl
@@ -60,6 +61,25 @@ def test_what_does_not_stop_in_time_is_forced() -> None:
     forced: queue.Queue[int] = queue.Queue()
     Stopping(forced.put, within_s=0.01).begin()
     assert forced.get(timeout=PATIENCE_S) == 1
+
+
+def test_time_that_the_computer_is_too_busy_for_it_does_not_count(monkeypatch: pytest.MonkeyPatch) -> None:
+    waits = [0.0, 1.0, 2.0, 3.0, 3.5]  # seconds that it was kept waiting so far, as said each time
+    said: list[float] = []
+
+    def kept_waiting() -> float:
+        said.append(waits[min(len(said), 4)])
+        return said[-1]
+
+    monkeypatch.setattr(run, "kept_waiting_s", kept_waiting)
+    forced: queue.Queue[int] = queue.Queue()
+    Stopping(forced.put, within_s=0.01).begin()
+    assert forced.get(timeout=PATIENCE_S) == 1
+    assert said == [*waits, 3.5]
+
+
+def test_how_long_it_was_kept_waiting_grows() -> None:
+    assert 0.0 <= kept_waiting_s() <= kept_waiting_s()
 
 
 def test_a_taken_port_is_one_sentence_and_nothing_starts(capsys: pytest.CaptureFixture[str]) -> None:

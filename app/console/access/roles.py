@@ -42,7 +42,7 @@ OPERATIONS: dict[str, Role] = _table(
         find_camera_point find_scene_point get_goal plan_route
         list_maps get_map get_map_picture get_zones list_places get_place
         get_playback list_recordings download_recording
-        get_rehearsal get_tour_run list_tour_reports export_tour_reports get_tour_report
+        get_rehearsal get_memory get_tour_run list_tour_reports export_tour_reports get_tour_report
         list_tours validate_tour get_tour_schema get_tour export_tour export_tour_archive get_tour_posters
         list_tour_media get_tour_media get_visitor_media
     """,
@@ -61,6 +61,7 @@ OPERATIONS: dict[str, Role] = _table(
     supervisor="""
         save_map load_map rename_map delete_map begin_map
         delete_recording delete_tour delete_tour_report put_link
+        delete_memory delete_episode
         list_webhooks get_webhook create_webhook try_webhook delete_webhook
     """,
 )

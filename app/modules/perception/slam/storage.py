@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from app.base.errors import ConfigError
 from app.base.geometry import Pose2
-from app.base.npz_source import read_arrays
+from app.base.npz_source import checked_array, joined, read_arrays
 from app.modules.perception.slam.information import matrices, packed
 from app.modules.perception.slam.types import Edge, Keyframe, SlamState
 
@@ -34,11 +34,11 @@ def write_state(path: Path, state: SlamState) -> None:
             travelled_m=np.array([k.travelled_m for k in keyframes], np.float64),
             origin=np.array([k.origin for k in keyframes], np.float32).reshape(-1, 2),
             pose=np.array([(p.x, p.y, p.theta) for p in state.poses], np.float64).reshape(-1, 3),
-            points=_joined([k.points for k in keyframes], (0, 4), np.float32),
+            points=joined([k.points for k in keyframes], (0, 4), np.float32),
             points_of=_offsets([k.points for k in keyframes]),
-            ends=_joined([k.ends for k in keyframes], (0, 2), np.float32),
+            ends=joined([k.ends for k in keyframes], (0, 2), np.float32),
             ends_of=_offsets([k.ends for k in keyframes]),
-            hits=_joined([k.hits for k in keyframes], (0,), np.bool_),
+            hits=joined([k.hits for k in keyframes], (0,), np.bool_),
             edge=np.array([(e.a, e.b) for e in edges], np.int64).reshape(-1, 2),
             edge_pose=np.array([(e.X_ab.x, e.X_ab.y, e.X_ab.theta) for e in edges], np.float64).reshape(-1, 3),
             edge_information=np.array([e.information for e in edges], np.float64).reshape(-1, 6),
@@ -63,18 +63,18 @@ def read_state(path: Path) -> SlamState:
 
 
 def _state(a: Mapping[str, NDArray[Any]]) -> SlamState:
-    ids = _checked(a, "id", np.int64, (-1,))
+    ids = checked_array(a, "id", np.int64, (-1,))
     count = len(ids)
     known = set(ids.tolist())
     if len(known) != count:
         raise ValueError("two keyframes have the same id")
-    stamps, travelled = (_checked(a, name, np.float64, (count,)) for name in ("stamp", "travelled_m"))
-    origins = _checked(a, "origin", np.float32, (count, 2))
-    poses = _checked(a, "pose", np.float64, (count, 3))
-    points = _split(_checked(a, "points", np.float32, (-1, 4)), a, "points_of", count)
-    all_ends = _checked(a, "ends", np.float32, (-1, 2))
+    stamps, travelled = (checked_array(a, name, np.float64, (count,)) for name in ("stamp", "travelled_m"))
+    origins = checked_array(a, "origin", np.float32, (count, 2))
+    poses = checked_array(a, "pose", np.float64, (count, 3))
+    points = _split(checked_array(a, "points", np.float32, (-1, 4)), a, "points_of", count)
+    all_ends = checked_array(a, "ends", np.float32, (-1, 2))
     ends = _split(all_ends, a, "ends_of", count)
-    hits = _split(_checked(a, "hits", np.bool_, (len(all_ends),)), a, "ends_of", count)
+    hits = _split(checked_array(a, "hits", np.bool_, (len(all_ends),)), a, "ends_of", count)
     keyframes = tuple(
         Keyframe(
             id=int(ids[i]), stamp=float(stamps[i]), points=points[i], ends=ends[i], hits=hits[i], origin=origins[i],
@@ -82,11 +82,11 @@ def _state(a: Mapping[str, NDArray[Any]]) -> SlamState:
         )
         for i in range(count)
     )  # fmt: skip
-    pairs = _checked(a, "edge", np.int64, (-1, 2))
-    measured = _checked(a, "edge_pose", np.float64, (len(pairs), 3))
-    information = _checked(a, "edge_information", np.float64, (len(pairs), 6))
-    loops = _checked(a, "edge_loop", np.bool_, (len(pairs),))
-    submaps = _split(_checked(a, "submap", np.int64, (-1,)), a, "submap_of", None)
+    pairs = checked_array(a, "edge", np.int64, (-1, 2))
+    measured = checked_array(a, "edge_pose", np.float64, (len(pairs), 3))
+    information = checked_array(a, "edge_information", np.float64, (len(pairs), 6))
+    loops = checked_array(a, "edge_loop", np.bool_, (len(pairs),))
+    submaps = _split(checked_array(a, "submap", np.int64, (-1,)), a, "submap_of", None)
     if not known.issuperset(pairs.ravel().tolist()) or not known.issuperset(a["submap"].tolist()):
         raise ValueError("it names keyframes that it does not have")
     if not all(len(submap) for submap in submaps):
@@ -102,33 +102,15 @@ def _state(a: Mapping[str, NDArray[Any]]) -> SlamState:
     )
 
 
-def _joined(parts: list[NDArray[Any]], empty: tuple[int, ...], dtype: type[np.generic]) -> NDArray[Any]:
-    return np.concatenate(parts).astype(dtype, copy=False) if parts else np.zeros(empty, dtype)
-
-
 def _offsets(parts: Any) -> NDArray[np.int64]:
     """Offset of each part in the concatenation, and the end of the last."""
     return np.cumsum([0, *(len(part) for part in parts)], dtype=np.int64)
 
 
-def _checked(
-    arrays: Mapping[str, NDArray[Any]], name: str, dtype: type[np.generic], shape: tuple[int, ...]
-) -> NDArray[Any]:
-    """The array ``name``, of this kind and shape (−1: any length), every number finite."""
-    array = arrays[name]
-    if array.dtype != dtype or array.ndim != len(shape):
-        raise ValueError(f"{name} has {array.ndim} dimensions of {array.dtype}")
-    if any(wanted not in (-1, there) for wanted, there in zip(shape, array.shape, strict=True)):
-        raise ValueError(f"{name} has the shape {array.shape}")
-    if array.dtype.kind == "f" and not np.isfinite(array).all():
-        raise ValueError(f"{name} has numbers that are not finite")
-    return array
-
-
 def _split(
     array: NDArray[Any], arrays: Mapping[str, NDArray[Any]], offsets: str, count: int | None
 ) -> list[NDArray[Any]]:
-    bounds = _checked(arrays, offsets, np.int64, (-1 if count is None else count + 1,))
+    bounds = checked_array(arrays, offsets, np.int64, (-1 if count is None else count + 1,))
     if not len(bounds) or bounds[0] != 0 or bounds[-1] != len(array) or (np.diff(bounds) < 0).any():
         raise ValueError(f"{offsets} does not fit what it divides")
     return [np.ascontiguousarray(array[a:b]) for a, b in pairwise(bounds.tolist())]

@@ -182,7 +182,7 @@ def test_gestures_that_interrupt_each_other_do_not_bring_the_arms_into_the_body(
 
         run.link.attach("joints", measure)
         await run.system.clock.sleep(1.0)
-        for number in range(10):
+        for number in range(6):
             cls = "PointAt" if number % 3 == 0 else "Reach"
             point = dict(zip("xyz", random.uniform(*boxes[cls]).tolist(), strict=True))
             desire = arms.desire(cls, **point, frame="base_link", hold_s=0.0)
