@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from app.base import child_processes, paths
+from app.commands import doctor_devices
 from app.commands.output import add_json, print_json
 
 CHROMIUM_NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
@@ -76,6 +77,8 @@ def checks(port: int) -> Iterable[Callable[[], Finding]]:
         voice_network,
         cameras,
         audio,
+        serial_ports,
+        gamepads,
         speech,
         chromium,
     )
@@ -265,7 +268,7 @@ def voice_network() -> Finding:
 
 def cameras() -> Finding:
     """Cameras, for a body of devices."""
-    found = sorted(str(path) for path in Path("/dev").glob("video*"))
+    found = doctor_devices.cameras()
     remedy = "only for --robot webcam; there, --camera FILE takes a video or pictures instead"
     return Finding("cameras", bool(found), False, ", ".join(found) or "none", remedy)
 
@@ -277,10 +280,25 @@ def audio() -> Finding:
 
     only = "only for --robot webcam; there, --microphones FILE takes a sound file instead"
     try:
-        inputs = [device["name"] for device in sounddevice().query_devices() if device["max_input_channels"]]
+        devices = [device for device in sounddevice().query_devices() if device["max_input_channels"]]
     except InputUnavailable as failure:
         return Finding("microphones", False, False, str(failure).partition(";")[0], only)
+    inputs = [f"{device['name']} ({device['max_input_channels']} ch)" for device in devices]
     return Finding("microphones", bool(inputs), False, ", ".join(inputs) or "none", only)
+
+
+def serial_ports() -> Finding:
+    """Serial ports, for a robot of parts (docs/your-robot.md)."""
+    found = doctor_devices.serial_ports()
+    remedy = "only for a base or a laser on a serial line (docs/your-robot.md)"
+    return Finding("serial ports", bool(found), False, ", ".join(found) or "none", remedy)
+
+
+def gamepads() -> Finding:
+    """Gamepads that are plugged in here, for a robot of parts."""
+    found = doctor_devices.gamepads()
+    remedy = "only to drive a robot of parts by hand beside it; the page takes a gamepad of the browser's"
+    return Finding("gamepads", bool(found), False, ", ".join(found) or "none", remedy)
 
 
 def speech() -> Finding:

@@ -39,7 +39,7 @@ from app.messages.attention import (
     TimelineEvent,
 )
 from app.messages.base import Look, Message, PerceptKind, read_only
-from app.messages.driving import Exploitation, LinkStatus, TeleopCommand, Twist
+from app.messages.driving import Exploitation, GamepadState, LinkStatus, TeleopCommand, Twist
 from app.messages.energy import BatteryState, DockingState, DockingStatus, DockSighting
 from app.messages.landmarks import DisplacedLandmark, DisplacedLandmarks, Keyframes, LandmarkPose
 from app.messages.memory import (
@@ -163,6 +163,7 @@ __all__ = [
     "Face",
     "Faces",
     "Fixation",
+    "GamepadState",
     "GivenUpGoal",
     "GroundTruth",
     "GroupStatus",

@@ -33,6 +33,23 @@ class TeleopCommand:
 
 
 @dataclass(frozen=True, slots=True)
+class GamepadState:
+    """A gamepad that is plugged in at the robot, with each of its reports, and again while its dead-man is held.
+
+    ``held`` is the dead-man, ``stop`` the button of the emergency stop; ``linear``, ``angular`` and ``lateral`` are its
+    sticks, -1 to 1 (forward, left, left). ``connected`` False: it was unplugged, and holds nothing.
+    """
+
+    stamp: float
+    connected: bool
+    held: bool
+    stop: bool
+    linear: float = 0.0
+    angular: float = 0.0
+    lateral: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
 class Twist:
     """A velocity command for the base: forward m/s, turn rad/s and sideways m/s (left positive).
 

@@ -16,6 +16,7 @@ from app.maps.map_file import read_map
 from app.messages import JointState, LinkStatus, Odometry
 from app.robots.config import BodyConfig, RobotConfig, StartPose, load_robot_config
 from app.robots.devices.config import DevicesConfig, load_devices_config
+from app.robots.drivers.config import DriversConfig, load_drivers_config
 from app.robots.ros2.config import Ros2Config, load_ros2_config
 from app.robots.ros2.link import Ros2Link
 from app.robots.simulated.kinematic.config import KinematicConfig, load_kinematic_config
@@ -135,6 +136,12 @@ def _devices(config: DevicesConfig, clock_offset: float) -> RobotLink:
     return DevicesLink(config, model, clock_offset)
 
 
+def _drivers(config: DriversConfig, clock_offset: float) -> RobotLink:
+    from app.robots.drivers.link import DriversLink  # imports sound libraries, too
+
+    return DriversLink(config, load_model(config.model), clock_offset)
+
+
 def _kinematic(config: KinematicConfig, clock_offset: float) -> RobotLink:
     return create_kinematic(config, RealClock(clock_offset))
 
@@ -186,4 +193,5 @@ SIMULATED_KIND = "simulated"
 SIMULATED = BodyKind(load_robot_config, _simulated)
 DEVICES = BodyKind(load_devices_config, _devices)
 KINEMATIC = BodyKind(load_kinematic_config, _kinematic)
+DRIVERS = BodyKind(load_drivers_config, _drivers)
 ROS2 = BodyKind(load_ros2_config, _ros2)

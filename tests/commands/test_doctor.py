@@ -69,7 +69,7 @@ def test_the_inputs_that_can_be_named_are_listed(monkeypatch: pytest.MonkeyPatch
     devices = [{"name": "HDMI", "max_input_channels": 0}, {"name": "USB array", "max_input_channels": 8}]
     library = types.SimpleNamespace(query_devices=lambda: devices)
     monkeypatch.setitem(sys.modules, "sounddevice", library)
-    assert doctor.audio() == Finding("microphones", True, False, "USB array", doctor.audio().remedy)
+    assert doctor.audio() == Finding("microphones", True, False, "USB array (8 ch)", doctor.audio().remedy)
     monkeypatch.setitem(sys.modules, "sounddevice", None)
     assert "hbba[devices]" in doctor.audio().found
     assert not doctor.audio().ok

@@ -76,7 +76,7 @@ def test_barn_reports_its_results_and_draws_them(tmp_path: Path, capsys: pytest.
         (["--plot", "5"], "--plot: world '5' is not among those to run"),
         (
             ["--config", "none.yaml"],
-            "--config: there is no program none.yaml; a file, or one of: jackal, lab, turtlebot4, ",
+            "--config: there is no program none.yaml; a file, or one of: jackal, lab, serial_base, ",
         ),
         (["--controller", "dwb"], "--controller: there is no controller 'dwb'; did you mean 'dwa'? allowed: dwa, dwa_"),
         (["--jobs", "0"], "a whole number from 1 to 256"),

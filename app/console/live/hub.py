@@ -21,6 +21,7 @@ from app.console.access.identity import LOCAL, Identity, role_name
 from app.console.drive import drive_lease
 from app.console.drive.command_age import CommandAge
 from app.console.drive.drive_controller import Driving, teleop_channel
+from app.console.drive.gamepad import GamepadDriver
 from app.console.drive.goals import withdraw_all
 from app.console.drive.look_here import LookHere
 from app.console.drive.telepresence_desire import LISTEN, WATCH, Presence, Spectators
@@ -108,6 +109,7 @@ class Hub:
         """Subscribe to the guard's reports and sample the lanes."""
         self._stack.callback(self._system.link.attach("status", self._on_status))
         self._stack.callback(self._system.body_restarter.observe(self._on_body))
+        self._stack.callback(GamepadDriver(self.driving, self._system.clock.now).attach(self._system.link))
         self._stack.callback(self._link.observe(lambda _: self._mark_stale("link")))
         self._remember_lanes()
         if self._playback is not None:

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, field_validator
 
 from app.robots.actuator_config import ActuatorConfig, LimitsConfig
-from app.robots.config import BodyConfig, load_body_config
+from app.robots.config import BodyConfig, BodyT, load_body_config
 from app.robots.config_model import ConfigModel, Positive
 
 #: Rate (Hz) of the odometry of bodies without wheels.
@@ -104,7 +104,11 @@ def load_devices_config(path: Path | str) -> DevicesConfig:
 
     Source files are relative to the configuration file; missing ones are reported on opening.
     """
-    config = load_body_config(path, DevicesConfig)
+    return with_sources(load_body_config(path, DevicesConfig), path)
+
+
+def with_sources(config: BodyT, path: Path | str) -> BodyT:
+    """``config`` with the files that camera and microphones name, where they exist, relative to its file ``path``."""
     here = Path(path).resolve().parent
     update: dict[str, Any] = {}
     for key in ("camera", "microphones"):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import logging
 import time
 from collections.abc import Callable
 from typing import Any
@@ -11,18 +10,12 @@ from typing import Any
 from app.base.geometry import Pose2
 from app.base.kinematic_model import KinematicModel
 from app.link import LinkFailed, RobotDescription, StreamDescription
-from app.messages import Audio, Image, JointCommand, JointState, LinkStatus, Odometry, Twist
+from app.messages import Audio, JointCommand, JointState, LinkStatus, Odometry, Twist
 from app.robots.devices.config import JOINTS_HZ, ODOMETRY_HZ, STATUS_HZ, DevicesConfig
-from app.robots.devices.player import Player
-from app.robots.devices.reader_thread import InputReader
-from app.robots.devices.sound import no_sound_card
-from app.robots.devices.streams import AudioFrames, ImageFrames
+from app.robots.devices.senses import Senses
 from app.robots.receivers import Receivers
 
-log = logging.getLogger("hbba.devices")
-
 NO_WHEELS = "This body has no wheels."
-_MOST_PICTURES, _MOST_FRAMES = 2, 94
 
 
 class DevicesLink:
@@ -31,64 +24,41 @@ class DevicesLink:
     def __init__(self, config: DevicesConfig, model: KinematicModel, clock_offset: float) -> None:
         self._config = config
         self._offset = clock_offset
-        self._readers: dict[str, InputReader[Any]] = {}
         self._tasks: list[asyncio.Task[None]] = []
         self._failure: asyncio.Future[LinkFailed] | None = None
-        self._player = None
-        self._mute = no_sound_card() if config.loudspeaker is not None else ""
-        if config.loudspeaker is not None and not self._mute:
-            self._player = Player(config.loudspeaker)
         self._e_stop: str | None = None
         streams = {
             "odometry": StreamDescription("odometry", Odometry, ODOMETRY_HZ),
             "joints": StreamDescription("joints", JointState, JOINTS_HZ),
             "status": StreamDescription("status", LinkStatus, STATUS_HZ),
         }
-        if config.camera is not None:
-            # Once for all: a body without motors has no joints that move
-            eye = ImageFrames(config.camera, model.pose(config.camera.link), self._now)
-            self._readers["camera"] = InputReader(
-                "camera", eye.open, lambda image: self._receivers.deliver("camera", image),
-                pause_s=eye.pause_s, most_waiting=_MOST_PICTURES,
-            )  # fmt: skip
-            streams["camera"] = StreamDescription("camera", Image, config.camera.rate_hz or 15.0)
-        if config.microphones is not None:
-            ear = AudioFrames(config.microphones, model.pose(config.microphones.link), self._now)
-            self._readers["microphones"] = InputReader(
-                "microphones", ear.open, lambda audio: self._receivers.deliver("microphones", audio),
-                pause_s=ear.pause_s, most_waiting=_MOST_FRAMES,
-            )  # fmt: skip
-            rate_hz = config.microphones.rate / config.microphones.frame_samples
-            streams["microphones"] = StreamDescription("microphones", Audio, rate_hz)
+        self._senses = Senses(config, model, self._now, self._deliver)
+        streams |= self._senses.streams
         self.description = RobotDescription(
             config.name,
             config.model,
             config.limits.base(),
             streams,
             simulated=False,
-            loudspeaker=self._player is not None,
+            loudspeaker=self._senses.has_loudspeaker,
         )
         self._receivers = Receivers(self.description)
 
     async def start(self) -> None:
         """Open the devices. A device that cannot be opened is logged and tried again; LinkFailed if none can."""
-        if self._mute:
-            log.warning("%s is mute: %s", self._config.name, self._mute)
         self._failure = asyncio.get_running_loop().create_future()
-        problems = await asyncio.gather(*(reader.start() for reader in self._readers.values()))
-        if problems and all(problems):
+        problems = await self._senses.start()
+        if problems and len(problems) == len(self._senses.streams):
             await self._release()
             raise LinkFailed(f"{self._config.name} can neither see nor hear: {'; '.join(problems)}.")
-        for name, reader in self._readers.items():
-            reader.want(name in self._receivers.wanted)
+        for name in self._senses.streams:
+            self._senses.want(name, name in self._receivers.wanted)
         for period_s, publish in (
             (1 / ODOMETRY_HZ, self._stand),
             (1 / JOINTS_HZ, self._pose),
             (1 / STATUS_HZ, self._report),
         ):
             self._tasks.append(asyncio.create_task(_repeat(period_s, publish), name=f"devices {publish.__name__}"))
-        if self._player is not None:
-            self._player.start()
 
     async def stop(self) -> None:
         await self._release()
@@ -104,8 +74,8 @@ class DevicesLink:
 
     def demand(self, stream: str, rate_hz: float) -> None:
         """Set the rate at which ``stream`` is wanted: at 0, the device is not read, and is released after a time."""
-        if self._receivers.demand(stream, rate_hz) and stream in self._readers:
-            self._readers[stream].want(rate_hz > 0)
+        if self._receivers.demand(stream, rate_hz):
+            self._senses.want(stream, rate_hz > 0)
 
     def periods(self, stream: str) -> int:
         """How many periods of ``stream`` the message being delivered ends."""
@@ -115,8 +85,7 @@ class DevicesLink:
         """No effect: there are no wheels."""
 
     def play(self, audio: Audio) -> None:
-        if self._player is not None:
-            self._player.play(audio)
+        self._senses.play(audio)
 
     def e_stop(self, reason: str) -> None:
         self._e_stop = self._e_stop or reason
@@ -130,9 +99,10 @@ class DevicesLink:
             task.cancel()
         if tasks:
             await asyncio.wait(tasks)
-        await asyncio.gather(*(reader.stop() for reader in self._readers.values()))
-        if self._player is not None:
-            self._player.stop()
+        await self._senses.stop()
+
+    def _deliver(self, stream: str, message: Any) -> None:
+        self._receivers.deliver(stream, message)
 
     def _now(self) -> float:
         return time.monotonic() + self._offset

@@ -10,20 +10,12 @@ import sys
 import time
 
 from app.base.kinematic_model import load_model
-from app.messages import Image, JointState, LinkStatus, Twist
+from app.messages import Image, JointState
 from app.robots import guard
-from app.robots.link_protocol import (
-    ClearEStop,
-    Demand,
-    DriveRequest,
-    EStopRequest,
-    Ready,
-    Sample,
-    Socket,
-    Stop,
-)
+from app.robots.guarded_base import GuardedBase
+from app.robots.link_protocol import Demand, Ready, Sample, Socket, Stop
 from app.robots.ros2.config import STATUS_HZ, Ros2Config
-from app.robots.ros2.health import decide, faults
+from app.robots.ros2.health import faults
 from app.robots.ros2.node import RosNode
 from app.robots.ros2.protocol import Start
 
@@ -42,7 +34,7 @@ class BodyLoop:
         self._offset = start.clock_offset
         self._limits = config.limits.guard()
         self._period_s = 1.0 / config.base.rate_hz
-        self._state = guard.GuardState(e_stop=start.e_stop)
+        self._base = GuardedBase(self._limits, start.e_stop)
         self._wake_read, self._wake_write = os.pipe()
         os.set_blocking(self._wake_read, False)
         os.set_blocking(self._wake_write, False)
@@ -107,24 +99,11 @@ class BodyLoop:
     def _turn(self, monotonic: float, seconds: float) -> None:
         now = monotonic + self._offset
         reasons = faults(self._node.required, self._node.commands, now, self._limits.sensor_timeout_s)
-        action = decide(now, self._state, reasons, self._limits)
-        self._state = guard.step(self._state, action, self._limits, seconds)
-        self._node.publish(self._state.applied, now)
+        self._base.step(now, seconds, reasons)
+        self._node.publish(self._base.velocity, now)
         if monotonic - self._reported >= 1.0 / STATUS_HZ:
             self._reported = monotonic
-            applied = self._state.applied
-            self._send(
-                "status",
-                LinkStatus(
-                    stamp=now,
-                    guard=action.mode.value,
-                    reason=action.reason,
-                    e_stopped=self._state.e_stop is not None,
-                    command_age_s=guard.command_age(self._state, now),
-                    applied=Twist(now, applied.linear_mps, applied.angular_radps, applied.lateral_mps),
-                    world_rate=1.0,
-                ),
-            )
+            self._send("status", self._base.status(now))
         if self._config.streams.joints is None and monotonic - self._moved >= 1.0 / self._config.standing_rates_hz[1]:
             self._moved = monotonic
             self._send("joints", JointState(now, tuple(self._unmoved), tuple(self._unmoved.values())))
@@ -133,18 +112,13 @@ class BodyLoop:
         """Read what the program sent; whether it is over. Raises Unavailable and errors of rclpy's thread."""
         for frame in self._socket.receive():
             match frame:
-                case DriveRequest(stamp, linear, angular, lateral):
-                    velocity = guard.BaseVelocity(linear, angular, lateral)
-                    self._state = guard.accept(self._state, guard.VelocityCommand(stamp, velocity))
-                case EStopRequest(reason):
-                    self._state = guard.e_stop(self._state, reason)
-                case ClearEStop():
-                    self._state = guard.clear_e_stop(self._state)
                 case Demand(stream, rate_hz):
                     wanted = self._node.wanted - {stream}
                     self._node.wanted = wanted | {stream} if rate_hz > 0 else wanted
                 case Stop():
                     self._ending = True
+                case _:
+                    self._base.take(frame)
         if self._node.failure is not None:
             raise self._node.failure
         if self._node.void:

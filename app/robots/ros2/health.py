@@ -9,8 +9,6 @@ from dataclasses import dataclass
 from app.base.geometry import Pose2
 from app.link import BaseLimits
 from app.messages import Odometry
-from app.robots import guard
-from app.robots.guard import GuardAction, GuardLimits, GuardMode, GuardState
 
 #: Beyond what the base can have driven meanwhile, odometry that moved farther than this (m) began again.
 JUMP_M = 0.5
@@ -55,13 +53,6 @@ def faults(required: Iterable[Seen], commands: Seen, now: float, timeout_s: floa
     """All that forbids driving, the gravest first."""
     found = [fault(seen, now, timeout_s) for seen in required] + [unheard(commands)]
     return tuple(reason for reason in found if reason)
-
-
-def decide(now: float, state: GuardState, reasons: tuple[str, ...], limits: GuardLimits) -> GuardAction:
-    """The allowed motion at ``now``: none while there are ``reasons``, else the guard's decision on the command."""
-    if state.e_stop is None and reasons:
-        return GuardAction(GuardMode.SENSOR_FAILURE, reasons[0], guard.ZERO, immediate=True)
-    return guard.decide(now, state, {}, limits)
 
 
 def began_again(before: Odometry | None, now: Odometry, limits: BaseLimits) -> bool:

@@ -157,13 +157,13 @@ async def test_a_computer_without_sound_cards_makes_a_mute_body(
     missing: str, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     """Or the page would record a voice that is never played."""
-    monkeypatch.setattr("app.robots.devices.link.no_sound_card", lambda: missing)
+    monkeypatch.setattr("app.robots.devices.senses.no_sound_card", lambda: missing)
     config = DevicesConfig(kind="devices", name="A desk", model=MODEL, loudspeaker=SpeakerConfig())
     body = DevicesLink(config, DESK, 0.0)
     assert body.description.loudspeaker == (not missing)
     # A command that only looks at the body, as `hbba check` does, does not ask about this computer.
     assert caplog.messages == []
-    monkeypatch.setattr("app.robots.devices.link.Player.start", lambda _: None)
+    monkeypatch.setattr("app.robots.devices.senses.Player.start", lambda _: None)
     await body.start()
     await body.stop()
     assert caplog.messages == ([f"A desk is mute: {missing}"] if missing else [])

@@ -12,7 +12,7 @@ import pytest
 from app.base import paths
 from app.messages import Image, LaserScan
 from tests.robots.conftest import needs_gl
-from tests.robots.ros2.robot import Driver, Robot, mapping, needs_ros2
+from tests.robots.ros2.robot import Robot, Ros2Driver, mapping, needs_ros2
 
 pytestmark = [
     pytest.mark.slow,
@@ -60,7 +60,7 @@ def robot(tmp_path: Path, file: Path) -> Iterator[Robot]:
 
 
 async def test_the_camera_sees_what_the_laser_measures(robot: Robot, file: Path) -> None:
-    async with Driver(mapping(file)) as driver:
+    async with Ros2Driver(mapping(file)) as driver:
         await driver.wait_for("a picture and a scan", lambda seen: {"kinect", "hokuyo"} <= set(seen))
         image: Image = driver.newest["kinect"]
         scan: LaserScan = driver.newest["hokuyo"]

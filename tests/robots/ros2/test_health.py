@@ -11,7 +11,8 @@ from app.link import BaseLimits
 from app.messages import Odometry
 from app.robots import guard
 from app.robots.guard import BaseVelocity, GuardLimits, GuardMode, GuardState, VelocityCommand
-from app.robots.ros2.health import Seen, began_again, decide, fault, faults, unheard
+from app.robots.guarded_base import decide
+from app.robots.ros2.health import Seen, began_again, fault, faults, unheard
 
 BASE = BaseLimits(0.3, 1.9, 0.45, 4.0)
 LIMITS = GuardLimits(BASE)

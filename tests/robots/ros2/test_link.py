@@ -23,7 +23,8 @@ from app.base.child_processes import python
 from app.link import LinkFailed
 from app.messages import JointState, LaserScan
 from tests.patience import PATIENCE_S
-from tests.robots.ros2.robot import MAPPING, Driver, Robot, domain, mapping, needs_ros2, odometry
+from tests.robots.played import Driver, odometry
+from tests.robots.ros2.robot import MAPPING, Robot, Ros2Driver, domain, mapping, needs_ros2
 
 pytestmark = [
     pytest.mark.slow,
@@ -56,7 +57,7 @@ async def stands(robot: Robot) -> None:
 
 async def test_whatever_goes_wrong_with_the_robot_its_base_stops(start_robot: Callable[..., Robot]) -> None:
     robot = start_robot()
-    async with Driver(mapping()) as driver:
+    async with Ros2Driver(mapping()) as driver:
         await driver.set_out()
         await driver.wait_for("every stream", lambda seen: {"hokuyo", "joints", "battery"} <= seen.keys())
         check_what_came(driver)
@@ -136,7 +137,7 @@ async def test_simulated_time_and_a_type_that_does_not_fit(start_robot: Callable
     found = await asyncio.to_thread(survey)
     assert (found["mapping"].count("topic: "), "clock: sim" in found["mapping"]) == (5, True)
     assert [sentence.partition(":")[0] for sentence in found["missing"]] == ["watchdog"]
-    async with Driver(mapping(clock="sim")) as driver:
+    async with Ros2Driver(mapping(clock="sim")) as driver:
         await driver.set_out()
         # Its clock reads a thousand seconds; what comes of it is on the program's.
         assert abs(odometry(driver.newest).stamp - driver.clock.now()) < PATIENCE_S
@@ -148,7 +149,7 @@ async def test_simulated_time_and_a_type_that_does_not_fit(start_robot: Callable
     config._document = mapping()._document
     line = 1 + next(n for n, text in enumerate(MAPPING.read_text("utf-8").splitlines()) if text.startswith("  type:"))
     with pytest.raises(LinkFailed) as refused:
-        await Driver(config).link.start()
+        await Ros2Driver(config).link.start()
     assert str(refused.value) == (
         f"{MAPPING}:{line}: base.type: /cmd_vel has the type geometry_msgs/msg/TwistStamped; "
         "the mapping reads or writes geometry_msgs/msg/Twist"
@@ -184,7 +185,7 @@ async def test_the_program_is_frozen_and_killed(start_robot: Callable[..., Robot
 
 async def test_the_links_process_dies_and_odometry_begins_again(start_robot: Callable[..., Robot]) -> None:
     robot = start_robot("--watchdog", "0.4")
-    driver = Driver(mapping())
+    driver = Ros2Driver(mapping())
     async with driver:
         await driver.set_out()
         await driver.wait_for("some way", lambda seen: odometry(seen).X_OB.y > 0.8)
@@ -196,7 +197,7 @@ async def test_the_links_process_dies_and_odometry_begins_again(start_robot: Cal
         # It is started again, as the program does; then it is killed: the robot's own watchdog is all there is.
         await driver.link.start()
         await driver.set_out()
-        process_id = driver.link.process_id
+        process_id = driver.ros2.process_id
         assert process_id is not None
         os.kill(process_id, signal.SIGKILL)
         async with asyncio.timeout(PATIENCE_S):
@@ -206,7 +207,7 @@ async def test_the_links_process_dies_and_odometry_begins_again(start_robot: Cal
 
 async def test_a_robot_that_is_not_there_is_one_sentence() -> None:
     with pytest.raises(LinkFailed) as refused:
-        await Driver(mapping(found_within_s=0.2)).link.start()
+        await Ros2Driver(mapping(found_within_s=0.2)).link.start()
     assert str(refused.value) == (
         "TurtleBot 4 was not found within 0.2 s: odometry has given nothing yet: /odom has no publisher; "
         "nothing listens to /cmd_vel: commands do not reach the robot. Topics that are there: none."
