@@ -27,6 +27,7 @@ from app.messages.attention import (
     LaneRow,
     Lanes,
     LaneState,
+    OmegaWeights,
     Reason,
     ReasonState,
     ResourceReport,
@@ -56,6 +57,7 @@ from app.messages.navigation import (
     Zones,
 )
 from app.messages.percepts import (
+    Confidence,
     Darkness,
     EncodedImage,
     Face,
@@ -85,6 +87,7 @@ from app.messages.records import (
     Divisors,
     LoadReport,
     LogLine,
+    LoopReport,
     ModuleInput,
     ModuleOutput,
     ModuleRecord,
@@ -93,6 +96,7 @@ from app.messages.records import (
     ModuleStatus,
     RecorderState,
     RecorderStatus,
+    StrategyLoad,
     SubscriptionCounters,
 )
 from app.messages.sensors import (
@@ -124,6 +128,7 @@ __all__ = [
     "Asked",
     "Audio",
     "BatteryState",
+    "Confidence",
     "Darkness",
     "Desire",
     "DesireClassReport",
@@ -165,6 +170,7 @@ __all__ = [
     "LoadReport",
     "Localization",
     "LogLine",
+    "LoopReport",
     "Look",
     "LoudNoise",
     "Message",
@@ -178,6 +184,7 @@ __all__ = [
     "NavigationStatus",
     "OccupancyGrid",
     "Odometry",
+    "OmegaWeights",
     "OperatorQuestion",
     "PerceptEvent",
     "PerceptKind",
@@ -218,6 +225,7 @@ __all__ = [
     "SourceKind",
     "Speech",
     "SpeechState",
+    "StrategyLoad",
     "StrategyReport",
     "SubscriptionCounters",
     "TeleopCommand",

@@ -1,0 +1,1 @@
+"""The closed-loop experiment: wrong costs, dearer modules, a computer that is taken away, without the loop and with it."""
