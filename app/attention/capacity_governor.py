@@ -25,6 +25,8 @@ _GIVEN: Final = 0.8
 _STEP: Final = 0.05
 _WORTH: Final = 0.05
 _TRY: Final = 0.1
+#: What is kept at least of the CPU that was had.
+_KEPT: Final = 0.8
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +79,11 @@ class CapacityGovernor:
         self._relief = Reluctance(Patience(least_s=1.0, most_s=8.0, regret_s=10.0))
         self._probe = Reluctance(Patience(least_s=15.0, most_s=240.0, regret_s=30.0))
 
+    @property
+    def suspects(self) -> bool:
+        """Whether the last window was under pressure, of which the next may make something."""
+        return self._pressed > 0
+
     def take(self, now: float, pressure: Pressure, budget: float, used: float) -> bool:
         """A window closed at ``now``, in which attention's modules used ``used`` of the declared ``budget``. Returns
         whether the share changed."""
@@ -85,14 +92,15 @@ class CapacityGovernor:
         if excess > 0 and not pressure.has_room:
             self._pressed += 1
             if self._pressed >= 2:
-                self._lower(now, excess)
+                self._lower(now, excess, used / budget if budget > 0 else 0.0)
         else:
             self._pressed = 0
         self._raise(now, pressure, excess, budget, used)
         return self.share != before
 
-    def _lower(self, now: float, excess: float) -> None:
-        lower = max(self._least, _stepped(self.share * (1 - min(excess, 0.5))))
+    def _lower(self, now: float, excess: float, had: float) -> None:
+        # What was had under pressure is there, nearly.
+        lower = max(self._least, _stepped(self.share * (1 - min(excess, 0.5))), _stepped(_KEPT * min(had, self.share)))
         if lower >= self.share:
             return
         self.share = lower

@@ -19,6 +19,10 @@ from app.attention.desires import GRAIN
 from app.attention.reluctance import Reluctance
 from app.attention.strategies import Strategy
 
+#: Lengths of windows (s): while all goes on as before, and after something changed, for so many windows.
+WINDOW_S: Final = 1.0
+SHORT_S: Final = 0.5
+_AFTER: Final = 6
 #: An estimate is used anew if it differs by this share, and by this much (% of one core).
 _DIFFERS: Final = 0.15
 _LEAST: Final = 0.3
@@ -85,11 +89,18 @@ class ClosedLoop:
         self._used = dict(self._declared)
         self._groups = [(group, Reluctance()) for group in self._estimator.groups()]
         self._measured: Mapping[str, float] = {}
+        self._windows_since = 0
 
     @property
     def share(self) -> float:
         """Of the budget, what may be given now."""
         return self._governor.share
+
+    @property
+    def window_s(self) -> float:
+        """How long the next window should be: short where the last one made something change, or may be about to."""
+        short = self._estimator.suspects or self._governor.suspects or self._windows_since < _AFTER
+        return SHORT_S if short else WINDOW_S
 
     @property
     def measured_cpu(self) -> float:
@@ -113,6 +124,7 @@ class ClosedLoop:
         changed = self._changed(window)
         self._used |= changed
         share = self._governor.share if moved else None
+        self._windows_since = 0 if changed or moved else self._windows_since + 1
         return Adjustment(changed, share, self._words(window, changed, share))
 
     def _changed(self, window: Window) -> dict[str, float]:

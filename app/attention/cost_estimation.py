@@ -146,6 +146,11 @@ class _Group:
         self.theta += (1 - math.exp(-dt / _FADES_S)) * (toward * self.prior - self.theta)
 
     @property
+    def suspects(self) -> bool:
+        """Whether the last window was so unlike the estimate that another such one is a change."""
+        return self._side != 0
+
+    @property
     def ratio(self) -> float:
         """The estimate over the prior, by the sums of both."""
         return float(self.theta.sum() / self.prior.sum())
@@ -219,6 +224,11 @@ class CostEstimator:
     def groups(self) -> tuple[frozenset[str], ...]:
         """The strategies that are estimated together, by name."""
         return tuple(frozenset(n for line in group.lines for n in line.declared) for group in self._groups)
+
+    @property
+    def suspects(self) -> bool:
+        """Whether some of them may just have changed."""
+        return any(group.suspects for group in self._groups)
 
     def used(self) -> float:
         """The last window's CPU of all modules at work for strategies, % of one core."""

@@ -1,7 +1,7 @@
 """The closed loop around attention: measures the modules and the computer, and gives attention what follows.
 
-What decides is pure (:mod:`app.attention.closed_loop`, :mod:`app.attention.confidence`). Once a second; figures of the
-computer are read, and all is reckoned, in a thread.
+What decides is pure (:mod:`app.attention.closed_loop`, :mod:`app.attention.confidence`). Once or twice a second;
+figures of the computer are read, and all is reckoned, in a thread.
 """
 
 from __future__ import annotations
@@ -9,7 +9,6 @@ from __future__ import annotations
 import asyncio
 import math
 from functools import partial
-from typing import Final
 
 from app.attention.calibration import RESOURCE
 from app.attention.capacity_governor import Pressure
@@ -24,8 +23,6 @@ from app.runtime.clock import Clock
 from app.runtime.graph import Graph
 from app.runtime.pressure import PressureMeter
 from app.runtime.watchdog import LoopWatchdog
-
-WINDOW_S: Final = 1.0
 
 
 class LoadControl:
@@ -59,7 +56,7 @@ class LoadControl:
         began, at_work = self._clock.now(), self._selected()
         late = self._lateness()
         while True:
-            await self._clock.sleep(WINDOW_S)
+            await self._clock.sleep(self._loop.window_s)
             counts, now, selected = self._counts(), self._clock.now(), self._selected()
             late_now = self._lateness()
             pressed = await asyncio.to_thread(meter.sample)

@@ -7,17 +7,20 @@ program wants beyond the rest waits, and is not done: messages are taken and CPU
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 from app.attention.calibration import RESOURCE
 from app.attention.capacity_governor import Pressure
 from app.attention.closed_loop import ClosedLoop, Window
 from app.attention.cost_estimation import Work
+from app.attention.hysteresis import HysteresisState, SelectionHysteresis
 from app.attention.problem import Selection, SelectionProblem
 from app.attention.solver import solve
 from app.attention.strategies import CLOSED, Strategy
 
+#: As programs have it that say nothing else.
+HYSTERESIS = SelectionHysteresis(gain=2.0, dwell_s=1.0)
 #: Waiting of threads for each other, which nobody causes.
 _EACH_OTHER = 0.05
 
@@ -56,14 +59,19 @@ class ModelledRobot:
         self._budget = problem.capacities[RESOURCE]
         self._loop = loop
         self._own = own
-        self._selection = self._solve()
-        self._before: frozenset[str] = frozenset()
+        self._hold = HysteresisState(HYSTERESIS)
+        self._selection = self._chosen(0.0)
 
-    def run(self, conditions: Sequence[Conditions], began: float = 0.0) -> list[Moment]:
-        """One window of a second under each of ``conditions``."""
-        return [self._window(began + number + 1, each) for number, each in enumerate(conditions)]
+    def run(self, conditions: Callable[[float], Conditions], seconds: float) -> list[Moment]:
+        """Windows of ``seconds`` together, each under the ``conditions`` of its begin."""
+        now, moments = 0.0, []
+        while now < seconds - 1e-9:
+            length = 1.0 if self._loop is None else self._loop.window_s
+            moments.append(self._window(now + length, length, conditions(now)))
+            now += length
+        return moments
 
-    def _window(self, now: float, conditions: Conditions) -> Moment:
+    def _window(self, now: float, length: float, conditions: Conditions) -> Moment:
         chosen = frozenset(self._selection.strategies)
         wanted = {name: self._cost(self._declared[name], conditions) for name in chosen}
         demand = self._own + sum(wanted.values())
@@ -94,7 +102,7 @@ class ModelledRobot:
         if self._loop is not None:
             window = Window(
                 now,
-                1.0,
+                length,
                 at_work=chosen,
                 work=Work(cpu, taken),
                 pressure=pressure,
@@ -106,8 +114,6 @@ class ModelledRobot:
     def _adjust(self, window: Window) -> None:
         assert self._loop is not None
         adjustment = self._loop.take(window)
-        if not adjustment:
-            return
         if adjustment.costs:
             strategies = tuple(
                 replace(s, costs={**s.costs, RESOURCE: adjustment.costs[s.name]}) if s.name in adjustment.costs else s
@@ -117,11 +123,18 @@ class ModelledRobot:
         if adjustment.share is not None:
             capacity = math.floor(1000 * self._budget * adjustment.share + 1e-6) / 1000
             self._problem = self._problem.with_capacity(RESOURCE, capacity)
-        self._selection = self._solve()
+        if adjustment or self._hold.until is not None:
+            self._selection = self._chosen(window.now)
 
-    def _solve(self) -> Selection:
-        selection = solve(self._problem, time_limit_s=60.0)
-        self._problem = replace(self._problem, previous=frozenset(selection.strategies))
+    def _chosen(self, now: float) -> Selection:
+        problem, before = self._problem, self._problem.previous
+        selection = solve(problem, time_limit_s=60.0)
+        if before and self._hold.concerns(selection, before):
+            only = tuple(s for s in problem.strategies if s.name in before)
+            stay = solve(replace(problem, strategies=only, prepared=None), time_limit_s=60.0)
+            if self._hold.holds(problem, selection, stay, before, now):
+                return stay
+        self._problem = replace(problem, previous=frozenset(selection.strategies))
         return selection
 
     def _cost(self, strategy: Strategy, conditions: Conditions) -> float:
