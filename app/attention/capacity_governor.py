@@ -33,9 +33,10 @@ _KEPT: Final = 0.8
 class Pressure:
     """The computer in one window.
 
-    ``waiting``: of the time that the program's threads ran or could have run, the share in which they had no core (Linux,
-    ``schedstat``). ``room``: idle time of the cores that it may use, % of one core. ``stalled``: the share of the time in
-    which some task of the computer had none (PSI, ``cpu some``). ``runnable``: tasks that could run, over those cores.
+    ``waiting``: of the time that the program's threads ran or could have run, the share in which they had no core
+    (Linux, ``schedstat``). ``room``: idle time of the cores that it may use, % of one core. ``stalled``: the share of
+    the time in which some task of the computer had none (PSI, ``cpu some``). ``runnable``: tasks that could run, over
+    those cores.
     ``late_s``: how late the event loop was on average. NaN: not known here.
     """
 

@@ -64,9 +64,7 @@ def strategy_report(strategy: Strategy, declared: Strategy, *, selected: bool) -
     )
 
 
-def resource_report(
-    resource: Resource, capacity: float, budget: float, intention: Intention | None
-) -> ResourceReport:
+def resource_report(resource: Resource, capacity: float, budget: float, intention: Intention | None) -> ResourceReport:
     """``resource``, its ``capacity`` now, of the ``budget`` set, and what ``intention`` uses of it."""
     used = 0.0 if intention is None else intention.selection.use.get(resource.name, 0.0)
     return ResourceReport(

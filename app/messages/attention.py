@@ -195,7 +195,9 @@ class IntentionReport:
     previous: Annotated[tuple[str, ...], doc("Strategies that were selected before; of equals, they stay.")] = ()
     costs: Annotated[
         Mapping[str, Mapping[str, float]],
-        doc("Costs that are not those of the table the program began with: by strategy, what it uses of each resource."),
+        doc(
+            "Costs that are not those of the table the program began with: by strategy, what it uses of each resource."
+        ),
     ] = field(default_factory=dict)
     utilities: Annotated[
         Mapping[str, float],

@@ -170,7 +170,8 @@ class System:
         self.translator = self._make_translator()
         manifest = snapshot(configuration, self.graph, self.link.description.name, body)
         services[Manifest] = with_table(manifest, self.translator.problem())
-        self._control = self._load_control()
+        #: Attention's closed loop; None where it is open.
+        self.control = self._load_control()
         self._battery = BatteryWatch(self.timeline, self._power(), self.translator.set_capacity)
         self._lanes = None if "lanes" in recorded else self._lane_monitor()
         self.body_restarter = BodyRestarter(self.link, self.supervisor, self._renew_state, self.timeline, self.clock)
@@ -209,9 +210,9 @@ class System:
             for channel in self.graph.channels.values():
                 if channel.message_type is PerceptEvent:
                     stack.callback(channel.observe(self._feed.percept))
-                if channel.message_type is Confidence and self._control is not None:
+                if channel.message_type is Confidence and self.control is not None:
                     producer = self.graph.producers[channel.name].partition(".")[0]
-                    stack.callback(channel.observe(partial(self._control.hear, producer)))
+                    stack.callback(channel.observe(partial(self.control.hear, producer)))
                 if channel.message_type is Accomplishment:
                     stack.callback(channel.observe(self.workspace.accomplish))
             if not self._reproducible:
@@ -234,7 +235,7 @@ class System:
                     if channel.message_type is BatteryState
                 },
                 **({} if self._lanes is None else {"lanes": self._lanes.run()}),
-                **({} if self._control is None else {"closed loop": self._control.run()}),
+                **({} if self.control is None else {"closed loop": self.control.run()}),
             }.items():
                 task = asyncio.create_task(coroutine, name=name)
                 self._tasks.append(task)
@@ -271,8 +272,8 @@ class System:
         self._feed.reset()
         self._exploitation.clear()
         self._battery.reset()
-        if self._control is not None:
-            self._control.reset()
+        if self.control is not None:
+            self.control.reset()
         if self._lanes is not None:
             self._lanes.reset()
 
@@ -412,7 +413,7 @@ class System:
             self._feed.load(load)
         if load.stamp != before:  # time goes on
             budget, modules = self.translator.capacities.get("cpu"), self._modules.sample()
-            loop = None if self._control is None else self._control.report()
+            loop = None if self.control is None else self.control.report()
             process = round(load.process, 2)
             self._report.load(LoadReport(load.stamp, load.window_s, process, budget, modules=modules, loop=loop))
 

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from app.attention.capacity_governor import CapacityGovernor, Pressure
 from app.attention.reluctance import Patience, Reluctance
+import itertools
 
 CALM = Pressure(waiting=0.05, room=40)
 PRESSED = Pressure(waiting=0.5, room=0)
@@ -85,7 +86,7 @@ def test_constant_pressure_gives_a_constant_share(waiting: float, room: float, h
         governor.take(now, Pressure(waiting=waiting, room=room), 40, 40 * min(had, governor.share))
         shares.append(governor.share)
     assert all(0.4 <= share <= 1 for share in shares)
-    steps = [b - a for a, b in zip(shares, shares[1:], strict=False) if a != b]
+    steps = [b - a for a, b in itertools.pairwise(shares) if a != b]
     assert not (any(step > 0 for step in steps) and any(step < 0 for step in steps)), "it swings"
 
 
@@ -98,7 +99,7 @@ def test_tries_that_fail_become_rare() -> None:
         governor.take(now, PRESSED if governor.share > 0.5 else Pressure(waiting=0.05, room=0), 40, 40 * governor.share)
         if governor.share > before:
             tried.append(now)
-    gaps = [b - a for a, b in zip(tried, tried[1:], strict=False)]
+    gaps = [b - a for a, b in itertools.pairwise(tried)]
     assert len(tried) < 12
     assert gaps[-1] >= 200
 

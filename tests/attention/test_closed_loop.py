@@ -16,6 +16,7 @@ from app.attention.problem import SelectionProblem
 from app.attention.strategies import StrategyTable, load_strategies
 from app.base import paths
 from app.experiments.closed_loop.modelled import Conditions, ModelledRobot, Moment
+import itertools
 
 #: What a robot desires that drives among people.
 DESIRES = {
@@ -52,7 +53,7 @@ MODULES = sorted({name.partition(".")[0] for name in lab().filters})
 
 def switches(moments: list[Moment]) -> list[float]:
     """When another selection was at work."""
-    return [b.now for a, b in zip(moments, moments[1:], strict=False) if a.selected != b.selected]
+    return [b.now for a, b in itertools.pairwise(moments) if a.selected != b.selected]
 
 
 def kept_from(moments: list[Moment]) -> float:
@@ -118,7 +119,7 @@ def test_constant_conditions_settle(factors: dict[str, float], taken: float, sud
     moments = robot().run(at, 60)
     late = [when for when in switches(moments) if when > 15]
     assert len(late) <= (8 if taken else 0)
-    assert all(m.used <= WITHIN * m.budget for m in moments if 15 < m.now and m.waiting <= 0.2)
+    assert all(m.used <= WITHIN * m.budget for m in moments if m.now > 15 and m.waiting <= 0.2)
 
 
 @pytest.mark.parametrize("make", [lambda: ClosedLoop(lab().strategies)])

@@ -121,6 +121,17 @@ export const panels = {
   "Governed by attention": "Gouverné par l’attention",
   "{attended} % of a core · budget {budget} %": "{attended} % d’un cœur · budget {budget} %",
   "Whole process": "Processus entier",
+  "Costs: declared, measured, reckoned with": "Coûts : déclarés, mesurés, comptés",
+  Serves: "Sert",
+  "Declared %": "Déclaré %",
+  "Measured %": "Mesuré %",
+  "Reckoned %": "Compté %",
+  "The program waits {share} % of its time for a core.":
+    "Le programme attend un cœur pendant {share} % de son temps.",
+  "Others press on the computer: attention gives {left} of {budget} %.":
+    "D’autres chargent l’ordinateur : l’attention accorde {left} % sur {budget}.",
+  "Attention may give the whole budget.": "L’attention peut accorder tout le budget.",
+  "{weight} per {unit} left": "{weight} par {unit} restant",
   "expected under {cpuBudget} %": "attendu sous {cpuBudget} %",
   "{time} ms of CPU per message": "{time} ms de CPU par message",
   "restarted {count} times": { one: "redémarré une fois", other: "redémarré {count} fois" },
