@@ -152,9 +152,7 @@ class ClosedLoop:
         said = []
         if share is not None:
             lack = window.pressure.lack
-            cause = (
-                f"its threads lacked {100 * lack:.0f} % of their time" if lack > 0 else "the computer has room again"
-            )
+            cause = f"the program's threads lacked {100 * lack:.0f} % of their time"
             if window.pressure.has_room:
                 cause = f"its cores have {window.pressure.room:.0f} % of a core free"
             said.append(cause)

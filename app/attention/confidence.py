@@ -1,8 +1,8 @@
 """Confidence as utility: what a perception says of how well it works now scales what its strategies produce.
 
 After HAMMER (Demiris and Khadhouri 2006), whose models get attention by the confidence of their predictions. Bounded,
-in steps, and with hysteresis: another level counts once it has differed for a while. A perception that says nothing more,
-as one that attention has closed for it, is trusted again, so that it is tried.
+in steps, and with hysteresis: another level counts once it has differed for a while. A perception that says nothing
+more, as one that attention has closed for it, is trusted again, so that it is tried.
 """
 
 from __future__ import annotations

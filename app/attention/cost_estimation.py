@@ -125,9 +125,8 @@ class _Group:
             return
         self.measured = sum(work.cpu.get(name, 0.0) for name in modules)
         whole = sum(self.parts.values())
-        self.parts = {
-            n: self.measured * (part / whole if whole else 1 / len(self.parts)) for n, part in self.parts.items()
-        }
+        even = 1 / len(self.parts)
+        self.parts = {n: self.measured * (part / whole if whole else even) for n, part in self.parts.items()}
         if done >= _IDLE:
             self._forget(dt, _FORGETS_S)
             self._update(row, self.measured)

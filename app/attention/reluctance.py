@@ -1,4 +1,4 @@
-"""Ease that is given back with growing patience, so that nothing swings: what had to be taken back soon waits longer."""
+"""Ease that is given with growing patience, so that nothing swings: what had to be taken back soon waits longer."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""``hbba experiment closed-loop``: wrong costs, a dear module, a computer that is taken away, with attention's loop open
-and closed."""
+"""``hbba experiment closed-loop``: wrong costs, a dear module, half of the computer gone; attention's loop open and
+closed."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ def add_parser(experiments: Any) -> None:
     parser = experiments.add_parser(
         "closed-loop",
         help="how attention follows what is measured: wrong costs, a dear module, half of the computer gone",
-        description="Drive to and fro among people, the program kept on one core, with costs declared three times wrong, "
-        "with a module that suddenly takes twice the CPU, and with half of the core taken away and given back; each with "
-        "attention's loop open and closed. Reports how soon the CPU was within its budget, what changed after that, and "
-        "the planner's period.",
+        description="Drive to and fro among people, the program kept on one core, with costs declared three times "
+        "wrong, with a module that suddenly takes twice the CPU, and with half of the core taken away and given back; "
+        "each with attention's loop open and closed. Reports how soon the CPU was within its budget, what changed "
+        "after that, and the planner's period.",
     )
     add_config(parser)
     parser.add_argument("--scenario", metavar="FILE", help="a file, or a name as people (default: walkers)")

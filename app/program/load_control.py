@@ -128,9 +128,8 @@ class LoadControl:
             translator.set_costs(costs, said or "strategies that are not at work were measured before")
             if not selected.isdisjoint(costs):
                 self._why = said
-                self._timeline.add(
-                    "capacity", RESOURCE, f"CPU is reckoned otherwise: {said}", {"costs": adjustment.costs}
-                )
+                text = f"CPU is reckoned otherwise: {said}"
+                self._timeline.add("capacity", RESOURCE, text, {"costs": adjustment.costs})
         if adjustment.share is not None and self._settings.pressure and RESOURCE in translator.budgets:
             self._why = said
             translator.set_share(RESOURCE, adjustment.share, said)

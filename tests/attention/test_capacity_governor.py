@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import pytest
@@ -10,7 +11,6 @@ from hypothesis import strategies as st
 
 from app.attention.capacity_governor import CapacityGovernor, Pressure
 from app.attention.reluctance import Patience, Reluctance
-import itertools
 
 CALM = Pressure(waiting=0.05, room=40)
 PRESSED = Pressure(waiting=0.5, room=0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import random
 from collections.abc import Callable
 from functools import cache
@@ -16,7 +17,6 @@ from app.attention.problem import SelectionProblem
 from app.attention.strategies import StrategyTable, load_strategies
 from app.base import paths
 from app.experiments.closed_loop.modelled import Conditions, ModelledRobot, Moment
-import itertools
 
 #: What a robot desires that drives among people.
 DESIRES = {

@@ -37,8 +37,8 @@ class Conditions:
 
 @dataclass(frozen=True, slots=True)
 class Moment:
-    """One window as it was: the ``selected`` strategies, ``used`` CPU of their modules and the ``budget`` that there was
-    for it (% of the core), the ``waiting`` share, and φ by filter."""
+    """One window as it was: the ``selected`` strategies, ``used`` CPU of their modules, the CPU ``wanted`` and the
+    ``budget`` that there was (% of the core), the ``waiting`` share, and φ by filter."""
 
     now: float
     selected: tuple[str, ...]

@@ -18,7 +18,7 @@ OTHERS = 25.0
 def table(results: Sequence[RunResult]) -> str:
     """A row for each phase, the open loop beside the closed one."""
     lines = [
-        "| | open: within its budget after, s | CPU over budget | φ changed | closed: after, s | CPU over budget | φ changed |",
+        "| | open: in budget after, s | CPU over budget | φ changed | closed: after, s | CPU over budget | φ changed |",
         "|---|--:|--:|--:|--:|--:|--:|",
     ]
     for opened, closed in pairs(results):

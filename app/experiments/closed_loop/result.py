@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-import itertools
 
 #: Over the budget by no more than this is within it.
 WITHIN: Final = 1.05
@@ -40,8 +40,8 @@ class Phase:
 @dataclass(frozen=True, slots=True)
 class RunResult:
     """One run: its ``kind``, whether the loop was ``closed``, its ``phases`` and ``samples``; ``periods`` (s) of the
-    planner's commands while it drove; modules ``restarts``; what ``others`` took of the computer (% of one core), and how
-    fast the world was."""
+    planner's commands while it drove; ``restarts`` of modules; what ``others`` took of the computer (% of one core),
+    and how fast the world was."""
 
     kind: str
     closed: bool
@@ -55,8 +55,8 @@ class RunResult:
 
 @dataclass(frozen=True, slots=True)
 class Judgement:
-    """Of one phase: ``settled_s`` after its begin the CPU was within its budget for good (inf: never), ``left`` how often
-    φ changed in the second half, ``over`` the mean of used CPU over the budget there."""
+    """Of one phase: ``settled_s`` after its begin the CPU was within its budget for good (inf: never), ``left`` how
+    often φ changed in the second half, ``over`` the mean of used CPU over the budget there."""
 
     phase: Phase
     settled_s: float

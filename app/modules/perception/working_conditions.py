@@ -1,4 +1,4 @@
-"""How well a perception can work under the conditions at hand, as a confidence for attention: pure, and its reporter."""
+"""How well a perception can work under the conditions at hand, as a confidence for attention."""
 
 from __future__ import annotations
 
