@@ -36,7 +36,7 @@ class LoopLimits:
     that pressure leaves."""
 
     most: float = 5.0
-    least_share: float = 0.4
+    least_share: float = 0.5
 
 
 @dataclass(frozen=True, slots=True)

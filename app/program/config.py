@@ -54,7 +54,7 @@ class ClosedLoopConfig(_Model):
     costs: bool = Field(True, description="costs of the CPU follow the CPU that modules take")
     most: float = Field(5.0, ge=1, le=100, description="an estimate is at most so many times what is declared; ...")
     pressure: bool = Field(True, description="the budget of the CPU follows the pressure on the computer")
-    least_share: float = Field(0.4, gt=0, le=1, description="of the budget that pressure leaves in any case")
+    least_share: float = Field(0.5, gt=0, le=1, description="of the budget that pressure leaves in any case")
     confidence: bool = Field(True, description="utilities follow how well perceptions say that they work")
     least_confidence: float = Field(0.25, gt=0, le=1, description="of a utility that is left in any case")
 

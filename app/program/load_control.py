@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import math
+from collections.abc import Mapping
 from functools import partial
 
 from app.attention.calibration import RESOURCE
@@ -75,22 +76,22 @@ class LoadControl:
                 ),
                 budget=self._translator.budgets.get(RESOURCE, math.inf),
             )
-            self._apply(await asyncio.to_thread(partial(self._loop.take, window)), selected)
+            self.apply(await asyncio.to_thread(partial(self._loop.take, window)))
             self._pressure = window.pressure
             self._confidences.expire(now)
-            self._trust()
+            self.trust(self._confidences.levels())
             before, began, at_work, late = counts, now, selected, late_now
 
     def hear(self, module: str, message: Confidence) -> None:
         """A perception says how well it works."""
         if self._settings.confidence:
             self._confidences.take(module, self._clock.now(), message.value, message.reason)
-            self._trust()
+            self.trust(self._confidences.levels())
 
     def reset(self) -> None:
         """Time has jumped: what perceptions said was of another time."""
         self._confidences.clear()
-        self._trust()
+        self.trust(self._confidences.levels())
 
     def report(self) -> LoopReport:
         """What was measured last, and what attention makes of it."""
@@ -120,13 +121,14 @@ class LoadControl:
             why=self._why,
         )
 
-    def _apply(self, adjustment: Adjustment, selected: frozenset[str]) -> None:
+    def apply(self, adjustment: Adjustment) -> None:
+        """Put in force what follows from a window, as far as the settings let it."""
         translator, said = self._translator, adjustment.why
         if adjustment.costs and self._settings.costs:
             table = {s.name: s for s in translator.table.strategies}
             costs = {name: {**table[name].costs, RESOURCE: cost} for name, cost in adjustment.costs.items()}
             translator.set_costs(costs, said or "strategies that are not at work were measured before")
-            if not selected.isdisjoint(costs):
+            if not self._selected().isdisjoint(costs):
                 self._why = said
                 text = f"CPU is reckoned otherwise: {said}"
                 self._timeline.add("capacity", RESOURCE, text, {"costs": adjustment.costs})
@@ -134,8 +136,8 @@ class LoadControl:
             self._why = said
             translator.set_share(RESOURCE, adjustment.share, said)
 
-    def _trust(self) -> None:
-        levels = self._confidences.levels()
+    def trust(self, levels: Mapping[str, tuple[float, str]]) -> None:
+        """Let strategies produce as much as the ``levels`` of perceptions leave them, with the reasons."""
         if levels == self._levels:
             return
         strategies = self._translator.table.strategies
@@ -144,7 +146,7 @@ class LoadControl:
             if self._levels.get(name, (1.0, ""))[0] != level:
                 text = f"{name} counts for {100 * level:.0f} % of its utility: {reason}"
                 self._timeline.add("capacity", name, text, {"confidence": level, "reason": reason})
-        self._levels = levels
+        self._levels = dict(levels)
         self._translator.set_utilities(factors(strategies, levels), remarks(strategies, levels))
 
     def _selected(self) -> frozenset[str]:

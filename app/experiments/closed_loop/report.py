@@ -24,8 +24,8 @@ def table(results: Sequence[RunResult]) -> str:
     for opened, closed in pairs(results):
         for phase in opened.phases:
             cells = [judge(result, phase) for result in (opened, closed)]
-            figures = [f"{_s(j.settled_s)} | {j.over:.2f} | {j.left}" for j in cells]
-            lines.append(f"| {phase.name} | {' | '.join(figures)} |")
+            judged = " | ".join(f"{_s(j.settled_s)} | {j.over:.2f} | {j.left}" for j in cells)
+            lines.append(f"| {phase.name} | {judged} |")
     lines += [
         "",
         "| run | loop | φ back after relief, s | planner's period p99, ms | modules restarted | world's rate |",
