@@ -3,6 +3,7 @@
 import { fromRobot, langOf, t } from "../i18n";
 import type { Load } from "../protocol/types";
 import { number, spaced } from "../ui/format";
+import { budgetWords } from "./closedLoopText";
 
 type Loop = NonNullable<Load["loop"]>;
 
@@ -46,20 +47,6 @@ export function ClosedLoop({ loop }: { loop: Loop }) {
       )}
     </section>
   );
-}
-
-/** What is left of the budget, and what the computer is like. */
-export function budgetWords({ budget, share, waiting }: Pick<Loop, "budget" | "share" | "waiting">): string {
-  const waits =
-    waiting === null ? "" : t("The program waits {share} % of its time for a core.", { share: number(100 * waiting) });
-  const left =
-    share < 1
-      ? t("Others press on the computer: attention gives {left} of {budget} %.", {
-          left: number(share * budget, 1),
-          budget: number(budget, 1),
-        })
-      : t("Attention may give the whole budget.");
-  return waits ? `${left} ${waits}` : left;
 }
 
 function differs(one: number, other: number): boolean {

@@ -111,7 +111,9 @@ function Body({ intention }: { intention: IntentionMessage }) {
 /** What Ω is made of. */
 function weightsWords({ intensity, utility, spare, spare_of }: IntentionMessage["weights"]): string {
   const sum = `Ω = ${number(intensity, 3)} i + ${number(utility, 3)} v`;
-  return spare > 0 ? `${sum} + ${t("{weight} per {unit} left", { weight: small(spare), unit: resourceUnit(spare_of) })}` : sum;
+  return spare > 0
+    ? `${sum} + ${t("{weight} per {unit} left", { weight: small(spare), unit: resourceUnit(spare_of) })}`
+    : sum;
 }
 
 function Row({ name, reason, strategies }: { name: string; reason: Reason; strategies: SelectedStrategy[] }) {

@@ -126,8 +126,7 @@ export const panels = {
   "Declared %": "Déclaré %",
   "Measured %": "Mesuré %",
   "Reckoned %": "Compté %",
-  "The program waits {share} % of its time for a core.":
-    "Le programme attend un cœur pendant {share} % de son temps.",
+  "The program waits {share} % of its time for a core.": "Le programme attend un cœur pendant {share} % de son temps.",
   "Others press on the computer: attention gives {left} of {budget} %.":
     "D’autres chargent l’ordinateur : l’attention accorde {left} % sur {budget}.",
   "Attention may give the whole budget.": "L’attention peut accorder tout le budget.",
