@@ -236,8 +236,9 @@ class CostEstimator:
         return sum(group.measured for group in self._groups if group.measured is not None)
 
     def _unseen_ratio(self) -> float:
-        """How dear this computer is beside what was declared, by the modules that were measured."""
-        return median([1.0] * _ORDINARY + [group.ratio for group in self._groups if group.seen])
+        """How dear this computer is beside what was declared, by the modules that were measured. Not below 1: many have
+        nothing to do most of the time, which makes no other module cheap."""
+        return max(1.0, median([1.0] * _ORDINARY + [group.ratio for group in self._groups if group.seen]))
 
 
 def _inverse(phi: float) -> float:

@@ -20,8 +20,8 @@ class Intention:
     ``stamp`` when it was applied; ``selection`` the solver's answer; ``strategies`` those selected; ``divisors`` φ of
     every filter that some strategy of the table sets (math.inf: closed); ``parameters`` P' by module; ``reasons`` by
     desired class; ``desires`` the strongest of each class at the time; ``capacities`` the budgets at the time;
-    ``previous`` the strategies that were selected then; ``weights`` those of Ω; ``costs`` and ``utilities``, by
-    strategy, where they were not those of the table the translator began with.
+    ``previous`` the strategies that were selected then; ``weights`` those of Ω; ``changed`` the
+    strategies that cost or produce otherwise than in the table the translator began with.
     """
 
     stamp: float
@@ -34,8 +34,7 @@ class Intention:
     capacities: Mapping[str, float]
     previous: frozenset[str] = frozenset()
     weights: Weights = field(default_factory=Weights)
-    costs: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
-    utilities: Mapping[str, float] = field(default_factory=dict)
+    changed: tuple[Strategy, ...] = ()
 
 
 def divisors_of(strategies: Collection[Strategy], controlled: Collection[str]) -> dict[str, float]:

@@ -10,6 +10,7 @@ from app.attention.strategies import Resource, Strategy, StrategyTable
 from app.attention.workspace import IntentionWorkspace
 from app.messages import (
     Asked,
+    ChangedStrategy,
     DesireClassReport,
     Desires,
     IntentionReport,
@@ -100,7 +101,6 @@ def intention_report(intention: Intention, resources: Mapping[str, Resource]) ->
         desires={cls: desire.id for cls, desire in intention.desires.items()},
         asked={cls: Asked(d.intensity, d.utility, d.security) for cls, d in intention.desires.items()},
         previous=tuple(sorted(intention.previous)),
-        costs=intention.costs,
-        utilities=intention.utilities,
+        changed=tuple(ChangedStrategy(s.name, s.utility, s.costs) for s in intention.changed),
         weights=OmegaWeights(weights.intensity, weights.utility, spare=weights.spare, spare_of=weights.spare_of),
     )

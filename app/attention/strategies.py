@@ -133,15 +133,10 @@ class StrategyTable:
         )
         return replace(self, strategies=tuple(strategies))
 
-    def other_costs(self, strategies: Iterable[Strategy]) -> dict[str, dict[str, float]]:
-        """The costs of those of ``strategies`` (of the same names, in the same order) that cost something else here."""
+    def changed(self, strategies: Iterable[Strategy]) -> tuple[Strategy, ...]:
+        """Those of ``strategies`` (of the same names, in the same order) that cost or produce otherwise than here."""
         pairs = zip(self.strategies, strategies, strict=True)
-        return {s.name: dict(s.costs) for mine, s in pairs if s is not mine and s.costs != mine.costs}
-
-    def other_utilities(self, strategies: Iterable[Strategy]) -> dict[str, float]:
-        """As :meth:`other_costs`, of utilities."""
-        pairs = zip(self.strategies, strategies, strict=True)
-        return {s.name: s.utility for mine, s in pairs if s is not mine and s.utility != mine.utility}
+        return tuple(s for mine, s in pairs if s is not mine and (s.costs != mine.costs or s.utility != mine.utility))
 
     def capacities(self) -> dict[str, float]:
         """The declared capacity of each resource."""

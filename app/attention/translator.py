@@ -342,8 +342,7 @@ class IntentionTranslator:
             capacities=problem.capacities,
             previous=problem.previous,
             weights=problem.weights,
-            costs=self._declared.other_costs(problem.strategies),
-            utilities=self._declared.other_utilities(problem.strategies),
+            changed=self._declared.changed(problem.strategies),
         )
         self._configure(before.parameters if before is not None else {}, intention.parameters)
         old = before.divisors if before is not None else {}

@@ -158,6 +158,15 @@ class Asked:
 
 
 @dataclass(frozen=True, slots=True)
+class ChangedStrategy:
+    """What attention reckons with of a strategy."""
+
+    name: str
+    utility: Annotated[float, doc("Less than declared while a perception works badly.")]
+    costs: Annotated[Mapping[str, float], doc("What it uses of each resource.")]
+
+
+@dataclass(frozen=True, slots=True)
 class OmegaWeights:
     """What Ω is made of: intensity·i of what is fulfilled, utility·v of what serves it, spare for each unit left of a
     resource."""
@@ -193,16 +202,10 @@ class IntentionReport:
         Mapping[str, Asked], doc("By class, what that desire asked for; empty in recordings of older programs.")
     ] = field(default_factory=dict)
     previous: Annotated[tuple[str, ...], doc("Strategies that were selected before; of equals, they stay.")] = ()
-    costs: Annotated[
-        Mapping[str, Mapping[str, float]],
-        doc(
-            "Costs that are not those of the table the program began with: by strategy, what it uses of each resource."
-        ),
-    ] = field(default_factory=dict)
-    utilities: Annotated[
-        Mapping[str, float],
-        doc("Produced utilities that are not those of that table, by strategy: a perception works less well now."),
-    ] = field(default_factory=dict)
+    changed: Annotated[
+        tuple[ChangedStrategy, ...],
+        doc("Strategies that cost or produce otherwise than in the table that the program began with."),
+    ] = ()
     weights: Annotated[OmegaWeights, doc("What Ω is made of.")] = OmegaWeights()
 
 

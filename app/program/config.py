@@ -71,8 +71,8 @@ class AttentionConfig(_Model):
     )
     solve_time_limit_s: float = Field(0.5, gt=0, le=10, description="the solver keeps the best it has found by then")
     history: int = Field(20_000, ge=100, description="events the timeline remembers")
-    hysteresis_gain: float = Field(2.0, ge=0, description="a switch must gain more than this in Ω ...")
-    hysteresis_dwell_s: float = Field(1.0, ge=0, description="... or last for longer than this; 0 and 0: at once")
+    hysteresis_gain: float = Field(0.0, ge=0, description="a switch must gain more than this in Ω ...")
+    hysteresis_dwell_s: float = Field(0.0, ge=0, description="... or last for longer than this; 0 and 0: at once")
     weights: WeightsConfig = WeightsConfig()
     closed_loop: Annotated[ClosedLoopConfig | None, BeforeValidator(_on_or_off)] = Field(
         None, description="on, off, or what of it is on: whether costs, budget and utilities follow what is measured"

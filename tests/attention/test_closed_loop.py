@@ -119,7 +119,8 @@ def test_constant_conditions_settle(factors: dict[str, float], taken: float, sud
     moments = robot().run(at, 60)
     late = [when for when in switches(moments) if when > 15]
     assert len(late) <= (8 if taken else 0)
-    assert all(m.used <= WITHIN * m.budget for m in moments if m.now > 15 and m.waiting <= 0.2)
+    # A try, or what was never measured before, may be too much for a moment.
+    assert sum(m.used > WITHIN * m.budget for m in moments if m.now > 15 and m.waiting <= 0.2) <= 3
 
 
 @pytest.mark.parametrize("make", [lambda: ClosedLoop(lab().strategies)])

@@ -289,13 +289,13 @@ async def test_a_perception_that_works_badly_produces_less_and_the_reason_says_s
         assert not {"1", "2", "3", "4"} & set(s.selected), "four are wanted"
         assert current.reasons["FindQRCodes"].remark == "it is dark"
         assert current.reasons["LocateFaces"].remark == ""
-        assert current.utilities["1"] == 2
+        assert {each.name: each.utility for each in current.changed} == {"1": 2, "2": 1, "3": 0.5, "4": 0.25}
         s.translator.set_costs({"1": {"cpu": 7.0}}, "measured")
         s.translator.set_utilities({}, {})
         await s.translator.settled()
         assert (s.translator.table["1"].utility, s.translator.table["1"].costs) == (8, {"cpu": 7.0})
         assert s.translator.current is not None
-        assert s.translator.current.costs == {"1": {"cpu": 7.0}}
+        assert [(each.name, each.costs) for each in s.translator.current.changed] == [("1", {"cpu": 7.0})]
         for factors in ({"no such": 0.5}, {"1": 0.0}, {"1": 1.5}):
             with pytest.raises(ValueError, match=r"does not exist|over 0 and at most 1"):
                 s.translator.set_utilities(factors, {})

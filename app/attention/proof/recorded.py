@@ -44,7 +44,7 @@ def verdicts(table: bytes, reports: Iterable[IntentionReport], time_limit_s: flo
             continue
         claim = claim_in(stated, report)
         key = json.dumps([claim.problem["desires"], claim.problem["capacities"], claim.problem["previous"]])
-        key += json.dumps([report.costs, report.utilities])
+        key += json.dumps([[each.name, each.utility, dict(each.costs)] for each in report.changed])
         key += json.dumps([report.omega, claim.selected, claim.fulfilled, claim.relaxed])
         if key not in known:
             known[key] = _verdict(claim, report, time_limit_s)
@@ -60,13 +60,10 @@ def claim_in(table: Mapping[str, Any], report: IntentionReport) -> Claim:
 
 def _table_of(table: Mapping[str, Any], report: IntentionReport) -> Mapping[str, Any]:
     """``table`` with the costs and utilities that ``report`` was made with."""
-    if not report.costs and not report.utilities:
-        return table
     strategies = dict(table["strategies"])
-    for name, costs in report.costs.items():
-        strategies[name] = {**strategies[name], "costs": {resource: whole(cost) for resource, cost in costs.items()}}
-    for name, utility in report.utilities.items():
-        strategies[name] = {**strategies[name], "utility": whole(utility)}
+    for each in report.changed:
+        costs = {resource: whole(cost) for resource, cost in each.costs.items()}
+        strategies[each.name] = {**strategies[each.name], "utility": whole(each.utility), "costs": costs}
     return {**table, "strategies": strategies}
 
 

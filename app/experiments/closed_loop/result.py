@@ -92,7 +92,7 @@ def changes(samples: Sequence[Sample]) -> int:
 
 def back_s(result: RunResult, before: Phase, relief: float) -> float:
     """How long (s) after ``relief`` φ of no perception was more than at the end of ``before``; inf: never."""
-    old = [s for s in result.samples if s.t <= before.ends]
+    old = [s for s in result.samples if s.t < before.ends]
     if not old:
         return math.inf
     wanted = old[-1].divisors
