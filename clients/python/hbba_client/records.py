@@ -128,6 +128,16 @@ class Caution(Struct, kw_only=True, frozen=True):
     where: str
 
 
+class ChangedStrategy(Struct, kw_only=True, frozen=True):
+    """What attention reckons with of a strategy."""
+
+    name: str
+    utility: float
+    """Less than declared while a perception works badly."""
+    costs: dict[str, float]
+    """What it uses of each resource."""
+
+
 class ChannelList(Struct, kw_only=True, frozen=True):
     """Every channel."""
 
@@ -493,10 +503,8 @@ class IntentionReport(Struct, kw_only=True, frozen=True):
     """By class, what that desire asked for; empty in recordings of older programs."""
     previous: list[str]
     """Strategies that were selected before; of equals, they stay."""
-    costs: dict[str, dict[str, float]]
-    """Costs that are not those of the table the program began with: by strategy, what it uses of each resource."""
-    utilities: dict[str, float]
-    """Produced utilities that are not those of that table, by strategy: a perception works less well now."""
+    changed: list[ChangedStrategy]
+    """Strategies that cost or produce otherwise than in the table that the program began with."""
     weights: OmegaWeights
     """What Ω is made of."""
 

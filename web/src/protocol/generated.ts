@@ -122,6 +122,15 @@ export interface Caution {
   where: string;
 }
 
+/** What attention reckons with of a strategy. */
+export interface ChangedStrategy {
+  name: string;
+  /** Less than declared while a perception works badly. */
+  utility: number;
+  /** What it uses of each resource. */
+  costs: Record<string, number>;
+}
+
 /** Whether there are such pictures, scans and clouds. */
 export interface Channels {
   camera: boolean;
@@ -430,10 +439,8 @@ export interface IntentionReport {
   asked: Record<string, Asked>;
   /** Strategies that were selected before; of equals, they stay. */
   previous: string[];
-  /** Costs that are not those of the table the program began with: by strategy, what it uses of each resource. */
-  costs: Record<string, Record<string, number>>;
-  /** Produced utilities that are not those of that table, by strategy: a perception works less well now. */
-  utilities: Record<string, number>;
+  /** Strategies that cost or produce otherwise than in the table that the program began with. */
+  changed: ChangedStrategy[];
   /** What Ω is made of. */
   weights: OmegaWeights;
 }
