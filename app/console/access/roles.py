@@ -36,7 +36,7 @@ OPEN_OPERATIONS = frozenset({"get_session", "log_in", "log_out", "get_health", "
 OPERATIONS: dict[str, Role] = _table(
     spectator="""
         latch_e_stop
-        get_robot get_percepts list_modules get_module list_channels list_viewers get_scene
+        get_robot get_fleet get_percepts list_modules get_module list_channels list_viewers get_scene
         list_desires get_desire list_desire_classes get_desire_class
         get_intention list_strategies list_resources get_timeline get_link get_lanes
         find_camera_point find_scene_point get_goal plan_route

@@ -21,6 +21,7 @@ from .records import (
     Desires,
     EStop,
     EventList,
+    FleetReport,
     Goal,
     GoalRequest,
     Health,
@@ -454,6 +455,17 @@ class Operations(ABC):
         result: DesireClassReport = self.ask(
             Request("GET", f"/desire-classes/{Request.quoted(name)}", DesireClassReport)
         )
+        return result
+
+    def get_fleet(self) -> FleetReport:
+        """The robots of the fleet: state, and who drives.
+
+        This robot, and those of the file of `hbba run --fleet`, whose consoles are asked now: one that does not
+        answer within 2 s is `unreachable`.
+
+        Role: spectator.
+        """
+        result: FleetReport = self.ask(Request("GET", "/fleet", FleetReport))
         return result
 
     def get_goal(self) -> Goal:
@@ -1587,6 +1599,17 @@ class AsyncOperations(ABC):
         result: DesireClassReport = await self.ask(
             Request("GET", f"/desire-classes/{Request.quoted(name)}", DesireClassReport)
         )
+        return result
+
+    async def get_fleet(self) -> FleetReport:
+        """The robots of the fleet: state, and who drives.
+
+        This robot, and those of the file of `hbba run --fleet`, whose consoles are asked now: one that does not
+        answer within 2 s is `unreachable`.
+
+        Role: spectator.
+        """
+        result: FleetReport = await self.ask(Request("GET", "/fleet", FleetReport))
         return result
 
     async def get_goal(self) -> Goal:

@@ -329,6 +329,38 @@ class FieldProblem(Struct, kw_only=True, frozen=True, omit_defaults=True):
     """What `kind` says, as `{"gt": 0}`, and the value that was `given`."""
 
 
+class FleetReport(Struct, kw_only=True, frozen=True):
+    """This robot first, then the others in the order of the fleet's file."""
+
+    stamp: float
+    """Seconds of the robot's clock (Unix epoch)."""
+    robots: list[FleetRobot]
+
+
+class FleetRobot(Struct, kw_only=True, frozen=True):
+    """One robot, as its own console answered just now."""
+
+    name: str
+    """Its name in the fleet; empty while it has not answered."""
+    body: str
+    """What kind of robot it is."""
+    url: str
+    """Its own console; empty: this one."""
+    state: Literal["problem", "refused", "stopped", "unreachable", "well"]
+    """stopped: its emergency stop is latched; problem: it cannot be driven as it is, or has another's name; refused:
+    its console asks for another login; unreachable: it does not answer.
+    """
+    detail: str
+    """The state in words, where there is more to say."""
+    driver: str | None
+    """The operator who drives it."""
+    exploited: str | None
+    """The behavior that drives its base."""
+    charge: float | None
+    """Share of its battery's capacity that is left, 0 to 1; null: not known."""
+    simulated: bool
+
+
 class GivenUpModel(Struct, kw_only=True, frozen=True):
     """A goal that the robot has given up."""
 
@@ -1508,6 +1540,8 @@ class RobotFacts(Struct, kw_only=True, frozen=True):
     """The body and its limits."""
 
     name: str
+    called: str
+    """What this robot is called among others (`console.name`); its `name` without one."""
     simulated: bool
     replayed: bool
     """Whether it is the body of a replay: it can neither be driven nor stopped."""

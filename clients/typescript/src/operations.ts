@@ -14,6 +14,7 @@ import type {
   Desires,
   EStop,
   EventList,
+  FleetReport,
   Goal,
   GoalRequest,
   Health,
@@ -318,6 +319,14 @@ export abstract class Operations {
   /** One desire class. Role: spectator. */
   getDesireClass(name: string): Promise<DesireClassReport> {
     return this.ask<DesireClassReport>({ method: "GET", path: `/desire-classes/${encodeURIComponent(name)}`, answer: "json" });
+  }
+
+  /**
+   * The robots of the fleet: state, and who drives. This robot, and those of the file of `hbba run --fleet`, whose
+   * consoles are asked now: one that does not answer within 2 s is `unreachable`. Role: spectator.
+   */
+  getFleet(): Promise<FleetReport> {
+    return this.ask<FleetReport>({ method: "GET", path: `/fleet`, answer: "json" });
   }
 
   /**

@@ -291,6 +291,37 @@ export interface Farewell {
   do: Step[];
 }
 
+/** This robot first, then the others in the order of the fleet's file. */
+export interface FleetReport {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  robots: FleetRobot[];
+}
+
+/** One robot, as its own console answered just now. */
+export interface FleetRobot {
+  /** Its name in the fleet; empty while it has not answered. */
+  name: string;
+  /** What kind of robot it is. */
+  body: string;
+  /** Its own console; empty: this one. */
+  url: string;
+  /**
+   * stopped: its emergency stop is latched; problem: it cannot be driven as it is, or has another's name; refused: its
+   * console asks for another login; unreachable: it does not answer.
+   */
+  state: "problem" | "refused" | "stopped" | "unreachable" | "well";
+  /** The state in words, where there is more to say. */
+  detail: string;
+  /** The operator who drives it. */
+  driver: string | null;
+  /** The behavior that drives its base. */
+  exploited: string | null;
+  /** Share of its battery's capacity that is left, 0 to 1; null: not known. */
+  charge: number | null;
+  simulated: boolean;
+}
+
 /** A desire of a class of the body's, such as Wave. */
 export interface Gesture {
   /** The desire class, as Wave or Reach. */
@@ -1215,6 +1246,8 @@ export interface ResourceUse {
 /** The body and its limits. */
 export interface RobotFacts {
   name: string;
+  /** What this robot is called among others (`console.name`); its `name` without one. */
+  called: string;
   simulated: boolean;
   /** Whether it is the body of a replay: it can neither be driven nor stopped. */
   replayed: boolean;
