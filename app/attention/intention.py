@@ -4,11 +4,11 @@ Generation*)."""
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from app.attention.desires import Desire
-from app.attention.problem import Selection
+from app.attention.problem import Selection, Weights
 from app.attention.strategies import CLOSED, Strategy
 from app.messages import Reason
 
@@ -20,7 +20,8 @@ class Intention:
     ``stamp`` when it was applied; ``selection`` the solver's answer; ``strategies`` those selected; ``divisors`` φ of
     every filter that some strategy of the table sets (math.inf: closed); ``parameters`` P' by module; ``reasons`` by
     desired class; ``desires`` the strongest of each class at the time; ``capacities`` the budgets at the time;
-    ``previous`` the strategies that were selected then.
+    ``previous`` the strategies that were selected then; ``weights`` those of Ω; ``changed`` the
+    strategies that cost or produce otherwise than in the table the translator began with.
     """
 
     stamp: float
@@ -32,6 +33,8 @@ class Intention:
     desires: Mapping[str, Desire]
     capacities: Mapping[str, float]
     previous: frozenset[str] = frozenset()
+    weights: Weights = field(default_factory=Weights)
+    changed: tuple[Strategy, ...] = ()
 
 
 def divisors_of(strategies: Collection[Strategy], controlled: Collection[str]) -> dict[str, float]:

@@ -10,9 +10,11 @@ from app.attention.strategies import Resource, Strategy, StrategyTable
 from app.attention.workspace import IntentionWorkspace
 from app.messages import (
     Asked,
+    ChangedStrategy,
     DesireClassReport,
     Desires,
     IntentionReport,
+    OmegaWeights,
     ResourceReport,
     ResourceUse,
     SelectedStrategy,
@@ -46,8 +48,8 @@ def desires_report(workspace: IntentionWorkspace, now: float, exploited: tuple[s
     )
 
 
-def strategy_report(strategy: Strategy, *, selected: bool) -> StrategyReport:
-    """``strategy``, and whether it is at work."""
+def strategy_report(strategy: Strategy, declared: Strategy, *, selected: bool) -> StrategyReport:
+    """``strategy`` as attention reckons with it, as it was ``declared``, and whether it is at work."""
     return StrategyReport(
         strategy.name,
         strategy.cls,
@@ -58,17 +60,20 @@ def strategy_report(strategy: Strategy, *, selected: bool) -> StrategyReport:
         costs=strategy.costs,
         selected=selected,
         declared=None if strategy.location is None else str(strategy.location),
+        declared_costs=declared.costs,
+        declared_utility=declared.utility,
     )
 
 
-def resource_report(resource: Resource, capacity: float, intention: Intention | None) -> ResourceReport:
-    """``resource``, its ``capacity`` now, and what ``intention`` uses of it."""
+def resource_report(resource: Resource, capacity: float, budget: float, intention: Intention | None) -> ResourceReport:
+    """``resource``, its ``capacity`` now, of the ``budget`` set, and what ``intention`` uses of it."""
     used = 0.0 if intention is None else intention.selection.use.get(resource.name, 0.0)
     return ResourceReport(
         resource.name,
         capacity,
         declared=resource.capacity,
         used=used,
+        budget=budget,
         unit=resource.unit,
         description=resource.description,
     )
@@ -76,7 +81,7 @@ def resource_report(resource: Resource, capacity: float, intention: Intention | 
 
 def intention_report(intention: Intention, resources: Mapping[str, Resource]) -> IntentionReport:
     """``intention``, over ``resources``."""
-    selection = intention.selection
+    selection, weights = intention.selection, intention.weights
     return IntentionReport(
         stamp=intention.stamp,
         strategies=tuple(SelectedStrategy(s.name, s.cls, s.utility, s.filters, s.costs) for s in intention.strategies),
@@ -96,4 +101,6 @@ def intention_report(intention: Intention, resources: Mapping[str, Resource]) ->
         desires={cls: desire.id for cls, desire in intention.desires.items()},
         asked={cls: Asked(d.intensity, d.utility, d.security) for cls, d in intention.desires.items()},
         previous=tuple(sorted(intention.previous)),
+        changed=tuple(ChangedStrategy(s.name, s.utility, s.costs) for s in intention.changed),
+        weights=OmegaWeights(weights.intensity, weights.utility, spare=weights.spare, spare_of=weights.spare_of),
     )

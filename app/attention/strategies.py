@@ -118,6 +118,26 @@ class StrategyTable:
         strategies = (replace(s, costs=dict(costs[s.name])) if s.name in costs else s for s in self.strategies)
         return replace(self, strategies=tuple(strategies))
 
+    def with_utilities(self, declared: Mapping[str, float], factors: Mapping[str, float]) -> StrategyTable:
+        """The same table with the utilities ``declared``, by strategy, times ``factors`` (over 0, at most 1; 1 where
+        there is none), at least a thousandth. Raises ValueError for a strategy that there is not, or another factor."""
+        unknown = sorted(factors.keys() - {strategy.name for strategy in self.strategies})
+        if unknown:
+            raise ValueError(f"utilities of what does not exist: {', '.join(unknown)}")
+        wrong = sorted(name for name, factor in factors.items() if not 0 < factor <= 1)
+        if wrong:
+            raise ValueError(f"a strategy produces over 0 and at most 1 of its utility: {', '.join(wrong)}")
+        strategies = (
+            replace(s, utility=max(1, math.floor(declared[s.name] * factors.get(s.name, 1.0) * GRAIN + 1e-6)) / GRAIN)
+            for s in self.strategies
+        )
+        return replace(self, strategies=tuple(strategies))
+
+    def changed(self, strategies: Iterable[Strategy]) -> tuple[Strategy, ...]:
+        """Those of ``strategies`` (of the same names, in the same order) that cost or produce otherwise than here."""
+        pairs = zip(self.strategies, strategies, strict=True)
+        return tuple(s for mine, s in pairs if s is not mine and (s.costs != mine.costs or s.utility != mine.utility))
+
     def capacities(self) -> dict[str, float]:
         """The declared capacity of each resource."""
         return {name: resource.capacity for name, resource in self.resources.items()}

@@ -29,6 +29,7 @@ from app.attention.timeline import Timeline
 from app.attention.timeline_writer import note_desires, note_filters, note_intention
 from app.attention.workspace import IntentionWorkspace, WorkspaceChange
 from app.base.observers import Observers
+from app.messages import Reason
 from app.runtime.clock import Clock
 
 _log = logging.getLogger(__name__)
@@ -74,7 +75,7 @@ class IntentionTranslator:
         hysteresis: SelectionHysteresis | None = None,
         offload: Callable[..., Awaitable[Any]] = asyncio.to_thread,
     ) -> None:
-        self.table = table
+        self.table = self._declared = table
         self.controlled = table.filters
         unknown = sorted(self.controlled - set(filters.names()))
         if unknown:
@@ -95,7 +96,11 @@ class IntentionTranslator:
         self._retry = Retry(timeline)
         self._offload = offload
         self._prepared = prepare(table.strategies)
-        self._capacities = table.capacities()
+        self._budgets = table.capacities()
+        #: Of the budgets, what pressure leaves; 1 where nothing is said.
+        self._shares: dict[str, float] = {}
+        #: By class, what is to be said with its reason.
+        self._remarks: dict[str, str] = {}
         self._observers: Observers[[Intention]] = Observers("the intention")
         self._current: Intention | None = None
         self._version = 1
@@ -118,8 +123,13 @@ class IntentionTranslator:
 
     @property
     def capacities(self) -> Mapping[str, float]:
-        """The budgets now."""
-        return dict(self._capacities)
+        """What attention may give now: the budgets, less what pressure on the computer takes of them."""
+        return {name: _grained(budget * self._shares.get(name, 1.0)) for name, budget in self._budgets.items()}
+
+    @property
+    def budgets(self) -> Mapping[str, float]:
+        """The budgets as they were set last."""
+        return dict(self._budgets)
 
     def observe(self, callback: Callable[[Intention], None]) -> Callable[[], None]:
         """Call ``callback`` with every intention applied, and again once its reasons are complete; returns a function
@@ -133,7 +143,7 @@ class IntentionTranslator:
         return SelectionProblem(
             desires,
             self.table.strategies,
-            dict(self._capacities),
+            self.capacities,
             previous,
             self._weights,
             prepared=self._prepared,
@@ -141,26 +151,54 @@ class IntentionTranslator:
 
     def set_capacity(self, resource: str, value: float, reason: str) -> None:
         """Change a budget and solve again. ``reason`` goes to the timeline. Raises ValueError."""
-        if resource not in self._capacities:
-            raise ValueError(f"no resource {resource!r}; there are: {', '.join(self._capacities)}")
+        self._known(resource)
         if not 0 <= value <= MOST:
             raise ValueError(f"the capacity of {resource} must be from 0 to {MOST:,.0f}, not {value!r}")
-        before, after = self._capacities[resource], math.floor(value * GRAIN + 1e-6) / GRAIN
+        before, after = self._budgets[resource], _grained(value)
         if after == before:
             return
-        self._capacities[resource] = after
+        self._budgets[resource] = after
         text = f"{resource} may now use {after:g} instead of {before:g}: {reason}"
         self._timeline.add("capacity", resource, text, {"before": before, "after": after, "reason": reason})
         self._touch()
 
+    def set_share(self, resource: str, share: float, reason: str) -> None:
+        """Leave attention ``share`` (0 to 1) of a budget, which stays set, and solve again. ``reason`` goes to the
+        timeline. Raises ValueError."""
+        self._known(resource)
+        if not 0 <= share <= 1:
+            raise ValueError(f"the share of {resource} must be from 0 to 1, not {share!r}")
+        before = self.capacities[resource]
+        self._shares[resource] = share
+        after = self.capacities[resource]
+        if after == before:
+            return
+        text = f"{resource} may now use {after:g} of its {self._budgets[resource]:g}: {reason}"
+        data = {"before": before, "after": after, "budget": self._budgets[resource], "reason": reason}
+        self._timeline.add("capacity", resource, text, data)
+        self._touch()
+
+    def _known(self, resource: str) -> None:
+        if resource not in self._budgets:
+            raise ValueError(f"no resource {resource!r}; there are: {', '.join(self._budgets)}")
+
     def set_costs(self, costs: Mapping[str, Mapping[str, float]], reason: str) -> None:
         """Change what strategies cost, by name and resource, and solve again. Raises ValueError for a strategy or a
         resource that there is not."""
-        table = self.table.with_costs(costs)
+        self._take_table(self.table.with_costs(costs))
+        _log.info("other costs of %d strategies: %s", len(costs), reason)
+
+    def set_utilities(self, factors: Mapping[str, float], remarks: Mapping[str, str]) -> None:
+        """Let strategies, by name, produce so much (over 0, at most 1) of their declared utility, all others all of it,
+        and solve again. ``remarks`` by class go with its reason. Raises ValueError for a strategy that there is not, or
+        another factor."""
+        self._take_table(self.table.with_utilities({s.name: s.utility for s in self._declared.strategies}, factors))
+        self._remarks = dict(remarks)
+
+    def _take_table(self, table: StrategyTable) -> None:
         # What cannot be reckoned with changes nothing.
         self._prepared = prepare(table.strategies)
         self.table = table
-        _log.info("other costs of %d strategies: %s", len(costs), reason)
         self._touch()
 
     @property
@@ -299,10 +337,12 @@ class IntentionTranslator:
             strategies=chosen,
             divisors=divisors_of(chosen, self.controlled),
             parameters=parameters_of(chosen, desires),
-            reasons=selection.reasons,
+            reasons=self._remarked(selection.reasons),
             desires=problem.desires,
             capacities=problem.capacities,
             previous=problem.previous,
+            weights=problem.weights,
+            changed=self._declared.changed(problem.strategies),
         )
         self._configure(before.parameters if before is not None else {}, intention.parameters)
         old = before.divisors if before is not None else {}
@@ -314,6 +354,9 @@ class IntentionTranslator:
         note_intention(self._timeline, before, intention)
         note_filters(self._timeline, old, changed)
         self._observers.notify(intention)
+
+    def _remarked(self, reasons: Mapping[str, Reason]) -> dict[str, Reason]:
+        return {cls: replace(reason, remark=self._remarks.get(cls, "")) for cls, reason in reasons.items()}
 
     def _configure(self, before: Mapping[str, Mapping[str, Any]], after: Mapping[str, Mapping[str, Any]]) -> None:
         for module in sorted({*before, *after}):
@@ -332,6 +375,7 @@ class IntentionTranslator:
         reasons = await self._explainer.reasons(problem, selection, lambda: version != self._version)
         if version != self._version or self._current is None:
             return
+        reasons = None if reasons is None else self._remarked(reasons)
         if reasons is not None and reasons != self._current.reasons:
             self._current = replace(self._current, reasons=reasons)
             self._observers.notify(self._current)
@@ -383,3 +427,7 @@ class IntentionTranslator:
         self._timer.set()
         if note_desires(self._timeline, change):
             self._touch()
+
+
+def _grained(value: float) -> float:
+    return math.floor(value * GRAIN + 1e-6) / GRAIN

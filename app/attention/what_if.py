@@ -89,6 +89,7 @@ def intention_if(
         desires=asked.desires,
         capacities=asked.capacities,
         previous=asked.previous,
+        weights=asked.weights,
     )
 
 

@@ -89,7 +89,7 @@ def document(outcomes: Sequence[Outcome], settings: dict[str, Any]) -> dict[str,
         entry = asdict(outcome)
         del entry["series"]
         entries.append(entry)
-    return {**settings, "outcomes": _plain(entries)}
+    return {**settings, "outcomes": plain(entries)}
 
 
 class Observer:
@@ -230,9 +230,10 @@ def _busy_s() -> float:
     return float(sum(times) - times.idle - getattr(times, "iowait", 0.0) - getattr(times, "guest", 0.0))
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
+    """``value`` as JSON has it: numbers that are none are null."""
     if isinstance(value, float):
         return round(value, 6) if math.isfinite(value) else None
     if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
-    return [_plain(item) for item in value] if isinstance(value, list | tuple) else value
+        return {key: plain(item) for key, item in value.items()}
+    return [plain(item) for item in value] if isinstance(value, list | tuple) else value

@@ -127,6 +127,7 @@ class Reason:
     text: Annotated[str, doc("The reason in words.")]
     alternatives: tuple[Alternative, ...] = ()
     searched: Annotated[bool, doc("Whether the search for alternatives was complete.")] = True
+    remark: Annotated[str, doc("What lessens the utility that its strategies produce now; empty: nothing.")] = ""
 
 
 class SelectedStrategy(Struct, frozen=True, rename={"cls": "class"}):
@@ -158,6 +159,26 @@ class Asked:
 
 
 @dataclass(frozen=True, slots=True)
+class ChangedStrategy:
+    """What attention reckons with of a strategy."""
+
+    name: str
+    utility: Annotated[float, doc("Less than declared while a perception works badly.")]
+    costs: Annotated[Mapping[str, float], doc("What it uses of each resource.")]
+
+
+@dataclass(frozen=True, slots=True)
+class OmegaWeights:
+    """What Ω is made of: intensity·i of what is fulfilled, utility·v of what serves it, spare for each unit left of a
+    resource."""
+
+    intensity: Annotated[float, doc("Of the intensities of fulfilled desires; 1 in the thesis.")] = 1.0
+    utility: Annotated[float, doc("Of produced utilities; 1 in the thesis.")] = 1.0
+    spare: Annotated[float, doc("Of each unit of `spare_of` that is left; 0 in the thesis.")] = 0.0
+    spare_of: Annotated[str, doc("The resource.")] = ""
+
+
+@dataclass(frozen=True, slots=True)
 class IntentionReport:
     """The intention at work: what was selected, what follows from it, and why. Published when it is put in force, and
     again once its reasons are complete."""
@@ -182,6 +203,11 @@ class IntentionReport:
         Mapping[str, Asked], doc("By class, what that desire asked for; empty in recordings of older programs.")
     ] = field(default_factory=dict)
     previous: Annotated[tuple[str, ...], doc("Strategies that were selected before; of equals, they stay.")] = ()
+    changed: Annotated[
+        tuple[ChangedStrategy, ...],
+        doc("Strategies that cost or produce otherwise than in the table that the program began with."),
+    ] = ()
+    weights: Annotated[OmegaWeights, doc("What Ω is made of.")] = OmegaWeights()
 
 
 class LaneRow(Struct, frozen=True, rename={"cls": "class"}):
@@ -247,15 +273,17 @@ class StrategyReport(Struct, frozen=True, rename={"cls": "class"}):
 
     name: str
     cls: str
-    utility: Annotated[float, doc("Produced utility v, over 0 and at most 8.")]
+    utility: Annotated[float, doc("Produced utility v, over 0 and at most 8, as attention reckons now.")]
     requires: Annotated[Mapping[str, float], doc("Utility needed of other classes.")]
     filters: Annotated[Mapping[str, Divisor], doc("φ by `Module.port`.")]
     parameters: Annotated[
         Mapping[str, Mapping[str, Any]], doc("What modules are handed while it is selected, by module.")
     ]
-    costs: Annotated[Mapping[str, float], doc("What it uses of each resource.")]
+    costs: Annotated[Mapping[str, float], doc("What it uses of each resource, as attention reckons now.")]
     selected: bool
     declared: Annotated[str | None, doc("File and line.")]
+    declared_costs: Annotated[Mapping[str, float], doc("As declared there, or calibrated on this computer.")]
+    declared_utility: Annotated[float, doc("As declared there: `utility` is less while a perception works badly.")]
 
 
 @dataclass(frozen=True, slots=True)
@@ -266,5 +294,6 @@ class ResourceReport:
     capacity: Annotated[float, Meta(description="How much of it attention may give now.", examples=[120])]
     declared: Annotated[float, doc("Its capacity in configuration.")]
     used: Annotated[float, doc("What the intention at work uses of it.")]
+    budget: Annotated[float, doc("As it was set last; `capacity` is less while others press on the computer.")]
     unit: str
     description: str

@@ -168,6 +168,16 @@ class Darkness:
 
 
 @dataclass(frozen=True, slots=True)
+class Confidence:
+    """How well a perception works now: ``value`` in [0, 1], 1 as well as it can; ``reason`` in words where it is less
+    ("the picture is dark")."""
+
+    stamp: float
+    value: float
+    reason: str = ""
+
+
+@dataclass(frozen=True, slots=True)
 class LoudNoise:
     """A frame of sound much louder than those before it: ``ratio`` of its energy to their moving mean (thesis 4.2).
 

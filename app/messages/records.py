@@ -6,6 +6,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
+from msgspec import Struct
+
 from app.messages.attention import Divisor
 from app.messages.base import Stamp, doc
 
@@ -71,6 +73,37 @@ class ModuleReport:
     role: Annotated[ModuleRole, doc("Its layer in the architecture, by the package that it comes from.")] = "other"
 
 
+class StrategyLoad(Struct, frozen=True, rename={"cls": "class"}):
+    """CPU of a strategy at work, in per cent of one core."""
+
+    name: str
+    cls: str
+    declared: Annotated[float, doc("As its file says, or as calibrated on this computer.")]
+    measured: Annotated[float | None, doc("Over the last second; null: it was not at work all that time.")]
+    estimated: Annotated[float, doc("By all that was measured.")]
+    used: Annotated[float, doc("What attention reckons with.")]
+
+
+@dataclass(frozen=True, slots=True)
+class LoopReport:
+    """Attention's closed loop: costs follow what is measured, the budget of the CPU the pressure on the computer."""
+
+    budget: Annotated[float, doc("As it was set, in per cent of one core.")]
+    share: Annotated[float, doc("What pressure leaves of it, at most 1.")]
+    used: Annotated[float, doc("CPU of all modules at work for strategies, measured over the last second.")]
+    waiting: Annotated[
+        float, doc("Share of the time they wanted in which the program's threads had no core.", nullable=True)
+    ]
+    room: Annotated[float, doc("Idle time of the program's cores, in per cent of one core.", nullable=True)]
+    stalled: Annotated[
+        float, doc("Share of the time in which some task of the computer had no core (PSI).", nullable=True)
+    ]
+    runnable: Annotated[float, doc("Tasks that could run, over those cores.", nullable=True)]
+    late_ms: Annotated[float, doc("How late the event loop was on average.", nullable=True)]
+    strategies: Annotated[tuple[StrategyLoad, ...], doc("Those at work that take CPU.")]
+    why: Annotated[str, doc("Why costs or share changed last, in words; empty: they never did.")] = ""
+
+
 @dataclass(frozen=True, slots=True)
 class LoadReport:
     """What the modules take of the computer, once a second."""
@@ -80,6 +113,7 @@ class LoadReport:
     process_cpu: Annotated[float, doc("Per cent of one core.")]
     budget: Annotated[float | None, doc("Per cent that attention may give; null: no limit.")]
     modules: tuple[ModuleReport, ...]
+    loop: Annotated[LoopReport | None, doc("What attention makes of it; null: its loop is not closed.")] = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -41,6 +41,28 @@ class PowerConfig(_Model):
         return self.empty_w + share * (self.full_w - self.empty_w)
 
 
+class WeightsConfig(_Model):
+    """What Ω is made of; 1 and 1 are the thesis's."""
+
+    intensity: float = Field(1.0, ge=0, le=8, multiple_of=0.001, description="of intensities of what is fulfilled")
+    utility: float = Field(1.0, ge=0, le=8, multiple_of=0.001, description="of the utilities that strategies produce")
+
+
+class ClosedLoopConfig(_Model):
+    """How attention follows what is measured."""
+
+    costs: bool = Field(True, description="costs of the CPU follow the CPU that modules take")
+    most: float = Field(5.0, ge=1, le=100, description="an estimate is at most so many times what is declared; ...")
+    pressure: bool = Field(True, description="the budget of the CPU follows the pressure on the computer")
+    least_share: float = Field(0.5, gt=0, le=1, description="of the budget that pressure leaves in any case")
+    confidence: bool = Field(True, description="utilities follow how well perceptions say that they work")
+    least_confidence: float = Field(0.25, gt=0, le=1, description="of a utility that is left in any case")
+
+
+def _on_or_off(value: Any) -> Any:
+    return {} if value in ("on", True) else None if value in ("off", False) else value
+
+
 class AttentionConfig(_Model):
     """Settings of attention: how intentions are chosen."""
 
@@ -51,6 +73,10 @@ class AttentionConfig(_Model):
     history: int = Field(20_000, ge=100, description="events the timeline remembers")
     hysteresis_gain: float = Field(0.0, ge=0, description="a switch must gain more than this in Ω ...")
     hysteresis_dwell_s: float = Field(0.0, ge=0, description="... or last for longer than this; 0 and 0: at once")
+    weights: WeightsConfig = WeightsConfig()
+    closed_loop: Annotated[ClosedLoopConfig | None, BeforeValidator(_on_or_off)] = Field(
+        None, description="on, off, or what of it is on: whether costs, budget and utilities follow what is measured"
+    )
     power: PowerConfig | None = Field(None, description="power as a resource, where the body has a battery")
 
 

@@ -11,6 +11,7 @@ import logging
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import AsyncExitStack
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from types import TracebackType
 
@@ -38,12 +39,13 @@ from app.maps.route_service import RouteService
 from app.memory.service import MemoryService
 from app.memory.store import MemoryStore
 from app.memory.store import default_folder as default_memory_folder
-from app.messages import Accomplishment, BatteryState, Exploitation, LoadReport, PerceptEvent, PerceptKind
+from app.messages import Accomplishment, BatteryState, Confidence, Exploitation, LoadReport, PerceptEvent, PerceptKind
 from app.program.attachments import snapshot, with_table
 from app.program.battery_watch import BatteryWatch
 from app.program.body_restart import BodyRestarter
 from app.program.config import Configuration, PowerConfig, load_configuration
 from app.program.desire_classes import desire_classes
+from app.program.load_control import LoadControl
 from app.program.module_meter import ModuleMeter
 from app.program.nodes import ProgramNodes
 from app.program.self_report import SelfReport
@@ -176,6 +178,8 @@ class System:
         self.translator = self._make_translator()
         manifest = snapshot(configuration, self.graph, self.link.description.name, body)
         services[Manifest] = with_table(manifest, self.translator.problem())
+        #: Attention's closed loop; None where it is open.
+        self.control = self._load_control()
         self._battery = BatteryWatch(self.timeline, self._power(), self.translator.set_capacity)
         self._lanes = None if "lanes" in recorded else self._lane_monitor()
         self.body_restarter = BodyRestarter(self.link, self.supervisor, self._renew_state, self.timeline, self.clock)
@@ -214,6 +218,9 @@ class System:
             for channel in self.graph.channels.values():
                 if channel.message_type is PerceptEvent:
                     stack.callback(channel.observe(self._feed.percept))
+                if channel.message_type is Confidence and self.control is not None:
+                    producer = self.graph.producers[channel.name].partition(".")[0]
+                    stack.callback(channel.observe(partial(self.control.hear, producer)))
                 if channel.message_type is Accomplishment:
                     stack.callback(channel.observe(self.workspace.accomplish))
             if not self._reproducible:
@@ -236,6 +243,7 @@ class System:
                     if channel.message_type is BatteryState
                 },
                 **({} if self._lanes is None else {"lanes": self._lanes.run()}),
+                **({} if self.control is None else {"closed loop": self.control.run()}),
             }.items():
                 task = asyncio.create_task(coroutine, name=name)
                 self._tasks.append(task)
@@ -272,6 +280,8 @@ class System:
         self._feed.reset()
         self._exploitation.clear()
         self._battery.reset()
+        if self.control is not None:
+            self.control.reset()
         if self._lanes is not None:
             self._lanes.reset()
 
@@ -357,11 +367,30 @@ class System:
                 safe=safe,
                 solver=CachedSolver(time_limit_s=limit_s, timed=not self._reproducible),
                 explain_limit_s=PATIENT_S if self._reproducible else EXPLAIN_S,
-                weights=Weights() if power is None else Weights(spare=power.weight, spare_of=power.resource),
+                weights=Weights(
+                    settings.weights.intensity,
+                    settings.weights.utility,
+                    spare=0.0 if power is None else power.weight,
+                    spare_of="" if power is None else power.resource,
+                ),
                 hysteresis=SelectionHysteresis(settings.hysteresis_gain, settings.hysteresis_dwell_s),
             )
         except ValueError as failure:
             raise self.config.program_document.error(str(failure), ("attention", "safe_strategies")) from None
+
+    def _load_control(self) -> LoadControl | None:
+        settings = self.config.program.attention.closed_loop
+        # What follows the speed of this computer cannot be repeated, nor is a replay's load that of the robot.
+        if settings is None or self._reproducible or isinstance(self.clock, ReplayClock):
+            return None
+        return LoadControl(
+            settings,
+            self.graph,
+            translator=self.translator,
+            timeline=self.timeline,
+            watchdog=self.watchdog,
+            clock=self.clock,
+        )
 
     def _lane_monitor(self) -> LaneMonitor | None:
         channel = self.graph.channels.get("lanes")
@@ -383,7 +412,6 @@ class System:
                 self._sample_load()
             if self.nodes is not None and (costs := self.nodes.measured()):
                 self.translator.set_costs(costs, "messages to nodes are of another size than reckoned")
-                self.table = self.translator.table
             self._feed.freshness(self.freshness.sample(self.clock.now()))
             self._note_exploitation(self._exploitation.expire(self.clock.now()))
 
@@ -393,7 +421,9 @@ class System:
             self._feed.load(load)
         if load.stamp != before:  # time goes on
             budget, modules = self.translator.capacities.get("cpu"), self._modules.sample()
-            self._report.load(LoadReport(load.stamp, load.window_s, round(load.process, 2), budget, modules))
+            loop = None if self.control is None else self.control.report()
+            process = round(load.process, 2)
+            self._report.load(LoadReport(load.stamp, load.window_s, process, budget, modules=modules, loop=loop))
 
     async def _follow_exploitation(self, channel: Channel[Exploitation]) -> None:
         async for message in channel.subscribe("timeline"):

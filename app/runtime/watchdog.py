@@ -61,12 +61,14 @@ class Blockage:
 
 @dataclass(frozen=True, slots=True)
 class WatchdogStatistics:
-    """``beats`` of the loop so far, ``blockages`` over the limit, the ``worst_lateness_s`` and ``last_lateness_s``."""
+    """``beats`` of the loop so far, ``blockages`` over the limit, the ``worst_lateness_s`` and ``last_lateness_s``, and
+    the ``total_lateness_s`` of all beats."""
 
     beats: int
     blockages: int
     worst_lateness_s: float
     last_lateness_s: float
+    total_lateness_s: float
 
 
 class LoopWatchdog:
@@ -99,7 +101,7 @@ class LoopWatchdog:
         #: Lateness of beats over the limit that the thread has not reported yet.
         self._late: deque[float] = deque()
         self._beats = self._blockages = 0
-        self._worst_s = self._last_s = 0.0
+        self._worst_s = self._last_s = self._total_s = 0.0
 
     async def __aenter__(self) -> LoopWatchdog:
         self._loop = asyncio.get_running_loop()
@@ -116,7 +118,7 @@ class LoopWatchdog:
             self._timer.cancel()
 
     def statistics(self) -> WatchdogStatistics:
-        return WatchdogStatistics(self._beats, self._blockages, self._worst_s, self._last_s)
+        return WatchdogStatistics(self._beats, self._blockages, self._worst_s, self._last_s, self._total_s)
 
     # --- on the loop ---
 
@@ -128,6 +130,7 @@ class LoopWatchdog:
     def _beat(self) -> None:
         self._last_s = max(0.0, time.monotonic() - self._due)
         self._worst_s = max(self._worst_s, self._last_s)
+        self._total_s += self._last_s
         self._beats += 1
         if self._last_s > self._limit_s:
             self._blockages += 1

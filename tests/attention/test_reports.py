@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from typing import Any
 
 import msgspec
@@ -46,15 +47,17 @@ def test_class_strategy_resource_event() -> None:
     assert not described.served
     assert desire_class_report(DesireClass("GoTo", "Go", "Go there."), TABLE).served
     strategy = Strategy("a", "A", 4, filters={"M.x": math.inf}, costs={"cpu": 2}, location=Location("t.yaml", 7))
-    document = as_json(strategy_report(strategy, selected=True))
+    document = as_json(strategy_report(strategy, replace(strategy, costs={"cpu": 1}), selected=True))
     assert (document["class"], document["filters"], document["declared"], document["selected"]) == (
         "A",
         {"M.x": None},
         "t.yaml:7",
         True,
     )
-    report = resource_report(TABLE.resources["cpu"], 50, None)
-    assert (report.unit, report.capacity, report.declared, report.used) == ("% of one core", 50, 100, 0)
+    assert (document["costs"], document["declared_costs"]) == ({"cpu": 2}, {"cpu": 1})
+    report = resource_report(TABLE.resources["cpu"], 50, 80, None)
+    assert (report.unit, report.capacity, report.budget, report.declared) == ("% of one core", 50, 80, 100)
+    assert report.used == 0
     event = Timeline(5).add("guard", "guard", "stopped", {"why": "late"}, stamp=2.0)
     assert as_json(event) == {
         "id": 1,

@@ -252,6 +252,56 @@ async def test_costs_that_were_measured_move_filters() -> None:
 
 
 @in_virtual_time
+async def test_a_budget_stays_set_while_others_press() -> None:
+    s = Setting()
+    async with s.running():
+        s.add("FindQRCodes")
+        await s.translator.settled()
+        assert s.selected == ("1",)
+        s.translator.set_share("cpu", 0.5, "others press")
+        await s.translator.settled()
+        assert (s.selected, s.translator.capacities["cpu"], s.translator.budgets["cpu"]) == (("2",), 50, 100)
+        s.translator.set_capacity("cpu", 200, "asked for")
+        await s.translator.settled()
+        assert (s.selected, s.translator.capacities["cpu"], s.translator.budgets["cpu"]) == (("1",), 100, 200)
+        assert [e.text for e in s.timeline.query(kinds={"capacity"})] == [
+            "cpu may now use 50 of its 100: others press",
+            "cpu may now use 200 instead of 100: asked for",
+        ]
+        for resource, share in (("gpu", 1.0), ("cpu", 1.5), ("cpu", math.nan)):
+            with pytest.raises(ValueError, match=r"no resource|from 0 to 1"):
+                s.translator.set_share(resource, share, "")
+
+
+@in_virtual_time
+async def test_a_perception_that_works_badly_produces_less_and_the_reason_says_so() -> None:
+    s = Setting(explain_limit_s=5.0)
+    async with s.running():
+        s.add("FindQRCodes", utility=4)
+        s.add("LocateFaces", utility=1)
+        await s.translator.settled()
+        s.translator.set_utilities({"1": 0.25, "2": 0.25, "3": 0.25, "4": 0.25}, {"FindQRCodes": "it is dark"})
+        await s.translator.settled()
+        await s.translator.explained()
+        current = s.translator.current
+        assert current is not None
+        assert s.translator.table["1"].utility == 2, "a quarter of 8"
+        assert not {"1", "2", "3", "4"} & set(s.selected), "four are wanted"
+        assert current.reasons["FindQRCodes"].remark == "it is dark"
+        assert current.reasons["LocateFaces"].remark == ""
+        assert {each.name: each.utility for each in current.changed} == {"1": 2, "2": 1, "3": 0.5, "4": 0.25}
+        s.translator.set_costs({"1": {"cpu": 7.0}}, "measured")
+        s.translator.set_utilities({}, {})
+        await s.translator.settled()
+        assert (s.translator.table["1"].utility, s.translator.table["1"].costs) == (8, {"cpu": 7.0})
+        assert s.translator.current is not None
+        assert [(each.name, each.costs) for each in s.translator.current.changed] == [("1", {"cpu": 7.0})]
+        for factors in ({"no such": 0.5}, {"1": 0.0}, {"1": 1.5}):
+            with pytest.raises(ValueError, match=r"does not exist|over 0 and at most 1"):
+                s.translator.set_utilities(factors, {})
+
+
+@in_virtual_time
 async def test_equal_problems_are_recalled() -> None:
     s = Setting()
     async with s.running():

@@ -173,6 +173,8 @@ def _program(
         "robot": "robot.yaml",
         "channels": "channels.yaml",
         "strategies": [str(config / file) for file in program["strategies"]],
+        # What attention gives must not depend on how busy the computer is.
+        "attention": program["attention"] | {"closed_loop": "off"},
     }
     path = folder / "program.yaml"
     path.write_text(yaml.safe_dump(program))

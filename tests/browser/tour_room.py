@@ -72,6 +72,7 @@ def write_program(folder: Path, *, visitors: bool, heading_deg: float = START["h
         "robot": "robot.yaml",
         "channels": str(config / program["channels"]),
         "strategies": [str(config / file) for file in program["strategies"]],
+        "attention": program["attention"] | {"closed_loop": "off"},
     }
     program["modules"]["ScenarioCoordinator"]["settings"] = {"desires": [{"class": "Teleoperation", "security": True}]}
     for name, content in {"room": world, "scenario": scenario, "robot": body, "program": program}.items():

@@ -18,7 +18,7 @@ from app.attention.solver import solve
 from app.commands import check_proofs
 from app.logs.log import Logged
 from app.logs.manifest import JSON, AttachedFile, Manifest
-from app.messages import IntentionReport
+from app.messages import ChangedStrategy, IntentionReport
 from app.runtime.channel_table import ChannelSpec
 from tests.attention.thesis import CPU, TABLE_4_4, desire, problem
 from tests.logs.mcap.mcap_files import write_log
@@ -113,6 +113,23 @@ def test_each_proven_selection_of_a_recording_is_checked(tmp_path: Path, capsys:
     path = recording(tmp_path / "a.mcap", reports())
     assert cli.main(["check", str(path)]) == 0
     assert capsys.readouterr().out == f"{path}: recording, 3 of 3 proven selections are certified and checked\n"
+
+
+def test_a_selection_under_measured_costs_is_checked_with_those(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The cheapest way got dear meanwhile, and another produces less: the recording says so."""
+    first = PROBLEMS[0]
+    name = solve(first).strategies[0]
+    now = tuple(replace(s, costs={"cpu": 60.0}, utility=0.5) if s.name == name else s for s in first.strategies)
+    measured = report(replace(first, strategies=now, prepared=None), 100.0)
+    changed = (ChangedStrategy(name, 0.5, {"cpu": 60.0}),)
+    path = recording(tmp_path / "a.mcap", [replace(measured, changed=changed)])
+    assert cli.main(["check", str(path)]) == 0
+    assert "1 of 1 proven selections are certified and checked" in capsys.readouterr().out
+    path = recording(tmp_path / "b.mcap", [measured])
+    assert cli.main(["check", str(path)]) == 2, "by what was declared it is another problem"
+    capsys.readouterr()
 
 
 def test_a_selection_that_is_not_the_best_is_found(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -145,3 +145,24 @@ def test_a_missing_file_of_a_package_is_named_where_it_is_asked_for(tmp_path: Pa
     error = refused(tmp_path, PROGRAM.replace("[strategies.yaml]", f"[{named}]"))
     assert error.line == 3
     assert words in error.message
+
+
+@pytest.mark.parametrize(
+    ("written", "closed", "costs"),
+    [("on", True, True), ("off", False, False), ("{costs: false}", True, False), ("null", False, False)],
+)
+def test_the_closed_loop_is_on_or_off(tmp_path: Path, written: str, closed: bool, costs: bool) -> None:
+    path = written_program(tmp_path, f"attention: {{closed_loop: {written}}}\n")
+    loop = load_configuration(path).program.attention.closed_loop
+    assert (loop is not None, loop is not None and loop.costs) == (closed, costs)
+
+
+def test_a_closed_loop_that_cannot_be_is_found_at_its_line(tmp_path: Path) -> None:
+    with pytest.raises(ConfigError) as refusal:
+        load_configuration(written_program(tmp_path, "attention: {closed_loop: {least_share: 0}}\n"))
+    assert refusal.value.key == "attention.closed_loop.least_share"
+
+
+def written_program(folder: Path, more: str) -> Path:
+    """The program with ``more`` in its file."""
+    return written(folder, PROGRAM + more)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from dataclasses import replace
 from pathlib import Path
 from statistics import median
 
@@ -29,8 +30,11 @@ needs_gl = pytest.mark.skipif(check_gl() is not None, reason=check_gl() or "")
 
 @pytest.fixture
 def lab() -> System:
-    """The lab's program, built outside the event loop, since it reads its files."""
-    return System(load_configuration(paths.config_dir() / "lab.yaml"))
+    """The lab's program, built outside the event loop, since it reads its files; with a budget that is not this
+    computer's."""
+    configuration = load_configuration(paths.config_dir() / "lab.yaml")
+    attention = configuration.program.attention.model_copy(update={"closed_loop": None})
+    return System(replace(configuration, program=configuration.program.model_copy(update={"attention": attention})))
 
 
 @needs_gl

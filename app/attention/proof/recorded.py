@@ -11,7 +11,7 @@ from app.attention.proof.certificate import certify
 from app.attention.proof.checker import check
 from app.attention.proof.equations import Refused
 from app.attention.proof.prover import NotBest, NotProven
-from app.attention.proof.statement import Claim, state
+from app.attention.proof.statement import Claim, state, whole
 from app.messages import IntentionReport
 
 
@@ -44,6 +44,7 @@ def verdicts(table: bytes, reports: Iterable[IntentionReport], time_limit_s: flo
             continue
         claim = claim_in(stated, report)
         key = json.dumps([claim.problem["desires"], claim.problem["capacities"], claim.problem["previous"]])
+        key += json.dumps([[each.name, each.utility, dict(each.costs)] for each in report.changed])
         key += json.dumps([report.omega, claim.selected, claim.fulfilled, claim.relaxed])
         if key not in known:
             known[key] = _verdict(claim, report, time_limit_s)
@@ -53,8 +54,17 @@ def verdicts(table: bytes, reports: Iterable[IntentionReport], time_limit_s: flo
 def claim_in(table: Mapping[str, Any], report: IntentionReport) -> Claim:
     """What ``report`` claims of the problem it answers, over ``table``."""
     capacities = {name: use.capacity for name, use in report.use.items()}
-    problem = state(table, report.asked, capacities, report.previous)
+    problem = state(_table_of(table, report), report.asked, capacities, report.previous)
     return Claim(problem, tuple(s.name for s in report.strategies), report.fulfilled, report.relaxed)
+
+
+def _table_of(table: Mapping[str, Any], report: IntentionReport) -> Mapping[str, Any]:
+    """``table`` with the costs and utilities that ``report`` was made with."""
+    strategies = dict(table["strategies"])
+    for each in report.changed:
+        costs = {resource: whole(cost) for resource, cost in each.costs.items()}
+        strategies[each.name] = {**strategies[each.name], "utility": whole(each.utility), "costs": costs}
+    return {**table, "strategies": strategies}
 
 
 def _verdict(claim: Claim, report: IntentionReport, time_limit_s: float) -> Verdict:

@@ -52,10 +52,10 @@ def state(
     return {
         **table,
         "desires": {
-            cls: {"intensity": _whole(d.intensity), "utility": _whole(d.utility), "security": d.security}
+            cls: {"intensity": whole(d.intensity), "utility": whole(d.utility), "security": d.security}
             for cls, d in desires.items()
         },
-        "capacities": {name: _whole(capacity) for name, capacity in capacities.items()},
+        "capacities": {name: whole(capacity) for name, capacity in capacities.items()},
         "previous": sorted(previous),
     }
 
@@ -67,22 +67,23 @@ def state_table(problem: SelectionProblem) -> dict[str, Any]:
         "strategies": {
             s.name: {
                 "class": s.cls,
-                "utility": _whole(s.utility),
-                "requires": {cls: _whole(need) for cls, need in s.requires.items()},
-                "costs": {name: _whole(cost) for name, cost in s.costs.items()},
+                "utility": whole(s.utility),
+                "requires": {cls: whole(need) for cls, need in s.requires.items()},
+                "costs": {name: whole(cost) for name, cost in s.costs.items()},
                 "filters": list(s.filters),
             }
             for s in problem.strategies
         },
         "thrift": thrift_resource(problem) or "",
-        "intensity": _whole(weights.intensity),
-        "utility": _whole(weights.utility),
-        "spare": _whole(weights.spare),
+        "intensity": whole(weights.intensity),
+        "utility": whole(weights.utility),
+        "spare": whole(weights.spare),
         "spare_of": spare_resource(problem) or "",
     }
 
 
-def _whole(amount: float) -> int:
+def whole(amount: float) -> int:
+    """``amount`` in thousandths."""
     return round(amount * GRAIN)
 
 

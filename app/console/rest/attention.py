@@ -42,7 +42,8 @@ def attention_router(system: System) -> APIRouter:
 
     def resource(name: str) -> ResourceReport:
         translator = system.translator
-        return resource_report(system.table.resources[name], translator.capacities[name], translator.current)
+        known = system.table.resources[name]
+        return resource_report(known, translator.capacities[name], translator.budgets[name], translator.current)
 
     @router.get(
         "/intention",
@@ -104,8 +105,9 @@ def attention_router(system: System) -> APIRouter:
     async def list_strategies() -> Response:
         current = system.translator.current
         selected = frozenset(() if current is None else current.selection.strategies)
-        strategies = tuple(strategy_report(s, selected=s.name in selected) for s in system.table.strategies)
-        return Json(StrategyList(strategies))
+        now = {s.name: s for s in system.translator.table.strategies}
+        reports = (strategy_report(now[s.name], s, selected=s.name in selected) for s in system.table.strategies)
+        return Json(StrategyList(tuple(reports)))
 
     @router.get("/resources", response_model=ResourceList, summary="Resources: budgets and use")
     async def list_resources() -> Response:

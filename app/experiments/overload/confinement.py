@@ -39,19 +39,26 @@ def confined(body: int, budget: float) -> Iterator[None]:
     if len(cores) < 2:
         raise ConfigError("the world needs a core of its own beside the program's: two at least", "this computer")
     ours, others = {cores[0]}, set(cores[1:])
-    neighbours: list[subprocess.Popen[bytes]] = []
     try:
         _keep(os.getpid(), ours)
         for process in (body, *(child.pid for child in psutil.Process(body).children(recursive=True))):
             _keep(process, others)
-        if budget < WHOLE:
-            neighbours = _neighbours(budget, ours)
+        with shared(budget):
+            yield
+    finally:
+        _keep(os.getpid(), set(cores))
+
+
+@contextlib.contextmanager
+def shared(budget: float) -> Iterator[None]:
+    """Leave this process ``budget`` % of the cores that it may use: busy processes get the rest whenever both run."""
+    neighbours = [] if budget >= WHOLE else _neighbours(budget, set(os.sched_getaffinity(0)))
+    try:
         yield
     finally:
         for neighbour in neighbours:
             neighbour.kill()
             neighbour.wait()
-        _keep(os.getpid(), set(cores))
 
 
 def neighbours_niceness(budget: float) -> list[int]:

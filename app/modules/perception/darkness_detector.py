@@ -11,23 +11,13 @@ every ``step``-th row. It is dark below ``dark_below``, light above ``light_abov
 
 from __future__ import annotations
 
-import cv2
-import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from app.attention.desires import DesireClass
 from app.messages import Darkness, Image
+from app.modules.perception.luma import mean_luma
 from app.modules.perception.opencv import use_calling_thread
 from app.runtime.module import Module, ModuleContext, Settings
-
-_LUMA = np.array((0.2126, 0.7152, 0.0722)) / 255
-
-
-def mean_luma(color: NDArray[np.uint8], step: int) -> float:
-    """Mean luma of ``color`` (H, W, 3) uint8 RGB, in [0, 1], from one pixel in ``step`` by ``step``."""
-    red, green, blue, _ = cv2.mean(np.ascontiguousarray(color[::step, ::step]))
-    return float(np.dot(_LUMA, (red, green, blue)))
 
 
 class DarknessDetectorSettings(Settings):

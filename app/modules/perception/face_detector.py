@@ -7,6 +7,7 @@
     │                in   persons    Persons: above whose legs to look for colours; optional       │
     │                out  faces      Faces, with each image taken, px and m in base_link           │
     │                out  torsos     TorsoColors, with each image in which there are any           │
+    │                out  confidence Confidence, by how bright the images are                      │
     └─────────────────────────────────────────────────────────────────────────────────────────────┘
 
 Detects faces with YuNet, in the fisheye's image after unrolling (``faces/yunet.py``, ``faces/panorama.py``). Positions
@@ -29,7 +30,7 @@ import numpy as np
 from pydantic import BaseModel, Field
 
 from app.attention.desires import DesireClass
-from app.messages import Face, Faces, Image, Odometry, Persons, TorsoColors, read_only
+from app.messages import Confidence, Face, Faces, Image, Odometry, Persons, TorsoColors, read_only
 from app.modules.perception.faces.face_position import FaceLocator, FaceSighting
 from app.modules.perception.faces.face_tracks import FaceTracks, TrackedFace, TrackModel, prepare
 from app.modules.perception.faces.yunet import THRESHOLD
@@ -38,6 +39,7 @@ from app.modules.perception.opencv import use_calling_thread
 from app.modules.perception.people.torso_color import BINS, LEGS_ASIDE_M, histogram, torso_pixels
 from app.modules.perception.people.torso_places import torso_places
 from app.modules.perception.pose_at import PoseAt
+from app.modules.perception.working_conditions import LightReporter
 from app.runtime.module import Module, ModuleContext, Settings
 
 #: Kept over restarts, so that track numbers are not reused.
@@ -98,6 +100,8 @@ class FaceDetector(Module):
         self.persons = self.input("persons", Persons, always_open=True, wants="never", rests=True)
         self.faces = self.output("faces", Faces)
         self.torsos = self.output("torsos", TorsoColors)
+        self.confidence = self.output("confidence", Confidence)
+        self._light = LightReporter(self.confidence)
         self.on(self.images, self._detect)
         self.on(self.panorama, self._detect)
         self.on(self.odometry, self._poses.add)
@@ -116,6 +120,7 @@ class FaceDetector(Module):
         self._fine = bool(parameters.get("fine", self.settings.fine))
 
     async def _detect(self, image: Image) -> None:
+        self._light.look(image)
         sightings = await self.compute(self._find, image, self._min_score, self._fine)
         X_OB = await self._poses.logged_at(image.stamp) if sightings else None
         # The same module on another computer may have given numbers meanwhile.

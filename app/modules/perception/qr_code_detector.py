@@ -11,6 +11,7 @@
     │                                   moves or is gone                                       │
     │                   out  displaced  DisplacedLandmarks (m in map), with the landmarks      │
     │                   out  poses      LandmarkPose: X_MO by a landmark, while it is lost     │
+    │                   out  confidence Confidence, by how bright the images are               │
     └─────────────────────────────────────────────────────────────────────────────────────────┘
 
 Decodes (zxing-cpp), takes each code's centre and normal from the depth inside its corners, and maps both into
@@ -46,6 +47,7 @@ from app.base.geometry import FisheyeModel, Pose2
 from app.maps.library import MapLibrary
 from app.maps.map_service import MapService
 from app.messages import (
+    Confidence,
     DisplacedLandmarks,
     Image,
     Keyframes,
@@ -65,6 +67,7 @@ from app.modules.perception.laser_ray import WallPoint, scan_points, wall_on_ray
 from app.modules.perception.opencv import use_calling_thread
 from app.modules.perception.pose_at import PoseAt
 from app.modules.perception.qr_codes import central_ray, corner_rays, detect, detect_panorama, edge_angle
+from app.modules.perception.working_conditions import LightReporter
 from app.runtime.errors import ModuleFailed
 from app.runtime.module import Module, ModuleContext, Settings
 
@@ -138,6 +141,8 @@ class QRCodeDetector(Module):
         self.landmarks = self.output("landmarks", Landmarks)
         self.displaced = self.output("displaced", DisplacedLandmarks)
         self.poses = self.output("poses", LandmarkPose)
+        self.confidence = self.output("confidence", Confidence)
+        self._light = LightReporter(self.confidence)
         self.on(self.images, self._detect)
         self.on(self.panorama, self._detect)
         self.on(self.scans, self._scans.append)
@@ -189,6 +194,7 @@ class QRCodeDetector(Module):
         self._upscale = bool(parameters.get("upscale", self.settings.upscale))
 
     async def _detect(self, image: Image) -> None:
+        self._light.look(image)
         codes = await self._read(image)
         measured = any(code.p_BQ for code in codes)
         by_laser = bool(codes) and image.depth is None and bool(self._scans)

@@ -8,6 +8,7 @@
     │           out  map           OccupancyGrid in map, when it changed, every 1 s at most    │
     │           out  zones         Zones in map, when they change                              │
     │           out  keyframes     Keyframes in map, with each localization                    │
+    │           out  confidence    Confidence, by how many of the laser's rays return          │
     │           is the MapServer: save, load, begin, place, search, mark                       │
     └─────────────────────────────────────────────────────────────────────────────────────────┘
 
@@ -42,6 +43,7 @@ from app.base.geometry import Pose2
 from app.maps.library import MapLibrary
 from app.maps.map_service import MapService
 from app.messages import (
+    Confidence,
     Keyframes,
     LandmarkPose,
     LaserScan,
@@ -59,6 +61,7 @@ from app.modules.perception.slam.keyframe_view import KeyframePublisher
 from app.modules.perception.slam.localization_quality import FITS_NOT, FitMonitor, empty_grid, spread_of
 from app.modules.perception.slam.map_server import SlamMapServer
 from app.modules.perception.slam.optimizer import OptimizerProcess
+from app.modules.perception.working_conditions import ConfidenceReporter, returns_confidence
 from app.runtime.module import Module, ModuleContext, Settings
 from app.runtime.ports import Output
 
@@ -148,6 +151,8 @@ class SLAM2D(Module):
         self.zones = self.output("zones", Zones)
         self.landmark_poses = self.input("landmark_poses", LandmarkPose, capacity=_MOST_SUGGESTED, wants="never")
         self.keyframes = self.output("keyframes", Keyframes)
+        self.confidence = self.output("confidence", Confidence)
+        self._works = ConfidenceReporter(self.confidence)
         self._keyframes = KeyframePublisher(self.keyframes)
         self.on(self.landmark_poses, self._take_landmark_pose)
         self.on(self.scans, self._see)
@@ -184,6 +189,9 @@ class SLAM2D(Module):
         self._poses.add(odometry)
 
     async def _see(self, scan: LaserScan) -> None:
+        if self._works.due(scan.stamp):
+            value = returns_confidence(scan.ranges, scan.range_min)
+            self._works.say(scan.stamp, value, "few of the laser's rays return")
         X_OB = await self._poses.logged_at(scan.stamp, _PATIENCE_S)
         session = self._session
         if X_OB is None or session is None:

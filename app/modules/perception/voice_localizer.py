@@ -9,6 +9,7 @@
     │                                   numbered as the microphones' samples; may be absent    │
     │                   out  sources    SoundSources, 23 Hz, directions in base_link           │
     │                   out  separated  SeparatedSound, 8 blocks/s, 16 kHz, up to 2 voices     │
+    │                   out  confidence Confidence, by the noise there is all the time         │
     └─────────────────────────────────────────────────────────────────────────────────────────┘
 
 Computes steered response power over the sphere (voices/localization.py), tracks in ``odom``'s axes by the heading at
@@ -35,13 +36,14 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, Field
 
 from app.attention.desires import DesireClass
-from app.messages import Audio, Odometry, SeparatedSound, SoundSources
+from app.messages import Audio, Confidence, Odometry, SeparatedSound, SoundSources
 from app.modules.perception.overruns import Overruns
 from app.modules.perception.pose_at import PoseAt
 from app.modules.perception.voices.microphone_array import MicrophoneArray
 from app.modules.perception.voices.own_voice import Numbered, OwnVoiceFilter
 from app.modules.perception.voices.pipeline import PipelineSettings, VoicePipeline
 from app.modules.perception.voices.voice_activity import VoiceActivityDetector
+from app.modules.perception.working_conditions import ConfidenceReporter, SteadyNoise, quiet_confidence
 from app.runtime.errors import InboxOverflow, ModuleFailed
 from app.runtime.module import Module, ModuleContext, Settings
 
@@ -127,6 +129,9 @@ class VoiceLocalizer(Module):
         self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True, rests=True)
         self.sources = self.output("sources", SoundSources)
         self.separated = self.output("separated", SeparatedSound)
+        self.confidence = self.output("confidence", Confidence)
+        self._works = ConfidenceReporter(self.confidence)
+        self._noise = SteadyNoise()
         self.on(self.audio, self._take_audio)
         self.on(self.odometry, self._take_odometry)
 
@@ -171,6 +176,9 @@ class VoiceLocalizer(Module):
                 self._retire()
         self._next_sample = audio.first_sample + len(audio.samples)
         first_sample, samples = await self._without_own_voice(audio)
+        level_db = self._noise.hear(samples, audio.rate)
+        if level_db is not None and self._works.due(audio.stamp):
+            self._works.say(audio.stamp, quiet_confidence(level_db), "it is noisy all the time")
         if not self._waiting_length:
             self._first_sample = first_sample
             self._stamp = audio.stamp + (first_sample - audio.first_sample) / audio.rate

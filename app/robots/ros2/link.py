@@ -33,7 +33,8 @@ class Ros2Link(ProcessLink):
             return Start(config, clock_offset, demanded, e_stop)
 
         within_s = START_TIMEOUT_S + config.graph.found_within_s
-        super().__init__(describe(config), "app.robots.ros2.process", begin, within_s, environment=environment(config.graph.discovery))
+        where = environment(config.graph.discovery)
+        super().__init__(describe(config), "app.robots.ros2.process", begin, within_s, environment=where)
 
 
 def describe(config: Ros2Config) -> RobotDescription:

@@ -136,6 +136,16 @@ class Caution(Struct, kw_only=True, frozen=True):
     where: str
 
 
+class ChangedStrategy(Struct, kw_only=True, frozen=True):
+    """What attention reckons with of a strategy."""
+
+    name: str
+    utility: float
+    """Less than declared while a perception works badly."""
+    costs: dict[str, float]
+    """What it uses of each resource."""
+
+
 class ChannelList(Struct, kw_only=True, frozen=True):
     """Every channel."""
 
@@ -585,6 +595,10 @@ class IntentionReport(Struct, kw_only=True, frozen=True):
     """By class, what that desire asked for; empty in recordings of older programs."""
     previous: list[str]
     """Strategies that were selected before; of equals, they stay."""
+    changed: list[ChangedStrategy]
+    """Strategies that cost or produce otherwise than in the table that the program began with."""
+    weights: OmegaWeights
+    """What Ω is made of."""
 
 
 class Jump(Struct, kw_only=True, frozen=True):
@@ -787,6 +801,8 @@ class LoadReport(Struct, kw_only=True, frozen=True):
     budget: float | None
     """Per cent that attention may give; null: no limit."""
     modules: list[ModuleReport]
+    loop: LoopReport | None
+    """What attention makes of it; null: its loop is not closed."""
 
 
 class LoadRequest(Struct, kw_only=True, frozen=True, omit_defaults=True):
@@ -821,6 +837,31 @@ class LoginRequest(Struct, kw_only=True, frozen=True):
     """The console's token, or the password of a role."""
 
     token: str
+
+
+class LoopReport(Struct, kw_only=True, frozen=True):
+    """Attention's closed loop: costs follow what is measured, the budget of the CPU the pressure on the computer."""
+
+    budget: float
+    """As it was set, in per cent of one core."""
+    share: float
+    """What pressure leaves of it, at most 1."""
+    used: float
+    """CPU of all modules at work for strategies, measured over the last second."""
+    waiting: float | None
+    """Share of the time they wanted in which the program's threads had no core."""
+    room: float | None
+    """Idle time of the program's cores, in per cent of one core."""
+    stalled: float | None
+    """Share of the time in which some task of the computer had no core (PSI)."""
+    runnable: float | None
+    """Tasks that could run, over those cores."""
+    late_ms: float | None
+    """How late the event loop was on average."""
+    strategies: list[StrategyLoad]
+    """Those at work that take CPU."""
+    why: str
+    """Why costs or share changed last, in words; empty: they never did."""
 
 
 class LoudNoise(Struct, kw_only=True, frozen=True):
@@ -1099,6 +1140,21 @@ class OdometryReport(Struct, kw_only=True, frozen=True):
     linear_mps: float
     angular_radps: float
     lateral_mps: float
+
+
+class OmegaWeights(Struct, kw_only=True, frozen=True):
+    """What Ω is made of: intensity·i of what is fulfilled, utility·v of what serves it, spare for each unit left of
+    a resource.
+    """
+
+    intensity: float
+    """Of the intensities of fulfilled desires; 1 in the thesis."""
+    utility: float
+    """Of produced utilities; 1 in the thesis."""
+    spare: float
+    """Of each unit of `spare_of` that is left; 0 in the thesis."""
+    spare_of: str
+    """The resource."""
 
 
 class OperatorQuestion(Struct, kw_only=True, frozen=True):
@@ -1419,6 +1475,8 @@ class Reason(Struct, kw_only=True, frozen=True):
     alternatives: list[Alternative]
     searched: bool
     """Whether the search for alternatives was complete."""
+    remark: str
+    """What lessens the utility that its strategies produce now; empty: nothing."""
 
 
 class RecorderReport(Struct, kw_only=True, frozen=True):
@@ -1591,6 +1649,8 @@ class ResourceReport(Struct, kw_only=True, frozen=True):
     """Its capacity in configuration."""
     used: float
     """What the intention at work uses of it."""
+    budget: float
+    """As it was set last; `capacity` is less while others press on the computer."""
     unit: str
     description: str
 
@@ -1957,13 +2017,28 @@ class StrategyList(Struct, kw_only=True, frozen=True):
     strategies: list[StrategyReport]
 
 
+class StrategyLoad(Struct, kw_only=True, frozen=True, rename={"class_": "class"}):
+    """CPU of a strategy at work, in per cent of one core."""
+
+    name: str
+    class_: str
+    declared: float
+    """As its file says, or as calibrated on this computer."""
+    measured: float | None
+    """Over the last second; null: it was not at work all that time."""
+    estimated: float
+    """By all that was measured."""
+    used: float
+    """What attention reckons with."""
+
+
 class StrategyReport(Struct, kw_only=True, frozen=True, rename={"class_": "class"}):
     """One way to serve a desire class."""
 
     name: str
     class_: str
     utility: float
-    """Produced utility v, over 0 and at most 8."""
+    """Produced utility v, over 0 and at most 8, as attention reckons now."""
     requires: dict[str, float]
     """Utility needed of other classes."""
     filters: dict[str, float | None]
@@ -1971,10 +2046,14 @@ class StrategyReport(Struct, kw_only=True, frozen=True, rename={"class_": "class
     parameters: dict[str, dict[str, Any]]
     """What modules are handed while it is selected, by module."""
     costs: dict[str, float]
-    """What it uses of each resource."""
+    """What it uses of each resource, as attention reckons now."""
     selected: bool
     declared: str | None
     """File and line."""
+    declared_costs: dict[str, float]
+    """As declared there, or calibrated on this computer."""
+    declared_utility: float
+    """As declared there: `utility` is less while a perception works badly."""
 
 
 class SubscriptionCounters(Struct, kw_only=True, frozen=True):

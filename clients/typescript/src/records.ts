@@ -116,6 +116,15 @@ export interface Caution {
   where: string;
 }
 
+/** What attention reckons with of a strategy. */
+export interface ChangedStrategy {
+  name: string;
+  /** Less than declared while a perception works badly. */
+  utility: number;
+  /** What it uses of each resource. */
+  costs: Record<string, number>;
+}
+
 /** Every channel. */
 export interface ChannelList {
   channels: ChannelReport[];
@@ -534,6 +543,10 @@ export interface IntentionReport {
   asked: Record<string, Asked>;
   /** Strategies that were selected before; of equals, they stay. */
   previous: string[];
+  /** Strategies that cost or produce otherwise than in the table that the program began with. */
+  changed: ChangedStrategy[];
+  /** What Ω is made of. */
+  weights: OmegaWeights;
 }
 
 /** Where a recording goes on. */
@@ -721,6 +734,8 @@ export interface LoadReport {
   /** Per cent that attention may give; null: no limit. */
   budget: number | null;
   modules: ModuleReport[];
+  /** What attention makes of it; null: its loop is not closed. */
+  loop: LoopReport | null;
 }
 
 /** How to take a map into use. */
@@ -752,6 +767,30 @@ export interface LocalizationReport {
 /** The console's token, or the password of a role. */
 export interface LoginRequest {
   token: string;
+}
+
+/** Attention's closed loop: costs follow what is measured, the budget of the CPU the pressure on the computer. */
+export interface LoopReport {
+  /** As it was set, in per cent of one core. */
+  budget: number;
+  /** What pressure leaves of it, at most 1. */
+  share: number;
+  /** CPU of all modules at work for strategies, measured over the last second. */
+  used: number;
+  /** Share of the time they wanted in which the program's threads had no core. */
+  waiting: number | null;
+  /** Idle time of the program's cores, in per cent of one core. */
+  room: number | null;
+  /** Share of the time in which some task of the computer had no core (PSI). */
+  stalled: number | null;
+  /** Tasks that could run, over those cores. */
+  runnable: number | null;
+  /** How late the event loop was on average. */
+  late_ms: number | null;
+  /** Those at work that take CPU. */
+  strategies: StrategyLoad[];
+  /** Why costs or share changed last, in words; empty: they never did. */
+  why: string;
 }
 
 /**
@@ -1007,6 +1046,21 @@ export interface OdometryReport {
   linear_mps: number;
   angular_radps: number;
   lateral_mps: number;
+}
+
+/**
+ * What Ω is made of: intensity·i of what is fulfilled, utility·v of what serves it, spare for each unit left of a
+ * resource.
+ */
+export interface OmegaWeights {
+  /** Of the intensities of fulfilled desires; 1 in the thesis. */
+  intensity: number;
+  /** Of produced utilities; 1 in the thesis. */
+  utility: number;
+  /** Of each unit of `spare_of` that is left; 0 in the thesis. */
+  spare: number;
+  /** The resource. */
+  spare_of: string;
 }
 
 /** What the robot asks its operator; without an answer it does what it says. */
@@ -1310,6 +1364,8 @@ export interface Reason {
   alternatives: Alternative[];
   /** Whether the search for alternatives was complete. */
   searched: boolean;
+  /** What lessens the utility that its strategies produce now; empty: nothing. */
+  remark: string;
 }
 
 /** State of the Recorder. */
@@ -1469,6 +1525,8 @@ export interface ResourceReport {
   declared: number;
   /** What the intention at work uses of it. */
   used: number;
+  /** As it was set last; `capacity` is less while others press on the computer. */
+  budget: number;
   unit: string;
   description: string;
 }
@@ -1806,11 +1864,25 @@ export interface StrategyList {
   strategies: StrategyReport[];
 }
 
+/** CPU of a strategy at work, in per cent of one core. */
+export interface StrategyLoad {
+  name: string;
+  class: string;
+  /** As its file says, or as calibrated on this computer. */
+  declared: number;
+  /** Over the last second; null: it was not at work all that time. */
+  measured: number | null;
+  /** By all that was measured. */
+  estimated: number;
+  /** What attention reckons with. */
+  used: number;
+}
+
 /** One way to serve a desire class. */
 export interface StrategyReport {
   name: string;
   class: string;
-  /** Produced utility v, over 0 and at most 8. */
+  /** Produced utility v, over 0 and at most 8, as attention reckons now. */
   utility: number;
   /** Utility needed of other classes. */
   requires: Record<string, number>;
@@ -1818,11 +1890,15 @@ export interface StrategyReport {
   filters: Record<string, number | null>;
   /** What modules are handed while it is selected, by module. */
   parameters: Record<string, Record<string, unknown>>;
-  /** What it uses of each resource. */
+  /** What it uses of each resource, as attention reckons now. */
   costs: Record<string, number>;
   selected: boolean;
   /** File and line. */
   declared: string | null;
+  /** As declared there, or calibrated on this computer. */
+  declared_costs: Record<string, number>;
+  /** As declared there: `utility` is less while a perception works badly. */
+  declared_utility: number;
 }
 
 /** The counters of one consumer's end of a channel, since the start. */

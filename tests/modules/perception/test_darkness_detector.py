@@ -10,7 +10,7 @@ import pytest
 from app.base.geometry import Pose2
 from app.logs.open import open_log
 from app.messages import Darkness, Image, PerceptEvent
-from app.modules.perception.darkness_detector import mean_luma
+from app.modules.perception.luma import mean_luma
 from app.runtime.clock import run_virtual
 from tests.modules.fakes import Bench, drain
 from tests.modules.perception.rendering import kinect_image

@@ -24,7 +24,11 @@ export function Budget({ name, label, use }: Props) {
     open.value = !open.value;
     text.value = number(use.capacity, 2);
     problem.value = "";
-    if (open.value) declared.value = await session.rest.declaredBudget(name).catch(() => null);
+    if (!open.value) return;
+    const known = await session.rest.budget(name).catch(() => null);
+    declared.value = known?.declared ?? null;
+    // Pressure may leave less of it than was set.
+    if (known !== null) text.value = number(known.budget, 2);
   };
   const set = async (capacity: number) => {
     problem.value = "";

@@ -1,7 +1,7 @@
 /** What the robot gave up and why, first; then what it attends to in full. Names, filters and costs on demand. */
 
 import { signal } from "@preact/signals";
-import { langOf, t } from "../i18n";
+import { fromRobot, langOf, t } from "../i18n";
 import type { Intention as IntentionMessage, SelectedStrategy } from "../protocol/types";
 import { useApp } from "../state/context";
 import type { Message } from "../state/latest";
@@ -104,6 +104,7 @@ function Body({ intention }: { intention: IntentionMessage }) {
         {intention.proven ? t("No better choice exists") : t("The best choice found; a better one may exist")}
         {named.value &&
           ` · ${t("Ω = {omega} in {time} ms", { omega: number(intention.omega, 2), time: number(intention.solve_ms, 1) })}`}
+        {named.value && ` · ${weightsWords(intention.weights)}`}
       </p>
     </>
   );
@@ -114,6 +115,14 @@ function ChosenAgo({ stamp }: { stamp: number }) {
   const { store } = useApp();
   const now = store.seconds.value;
   return now === null ? null : <>{t("Chosen {ago}", { ago: ago(now - stamp) })} · </>;
+}
+
+/** What Ω is made of. */
+function weightsWords({ intensity, utility, spare, spare_of }: IntentionMessage["weights"]): string {
+  const sum = `Ω = ${number(intensity, 3)} i + ${number(utility, 3)} v`;
+  return spare > 0
+    ? `${sum} + ${t("{weight} per {unit} left", { weight: small(spare), unit: resourceUnit(spare_of) })}`
+    : sum;
 }
 
 function Row({ name, reason, strategies }: { name: string; reason: Reason; strategies: SelectedStrategy[] }) {
@@ -137,6 +146,11 @@ function Row({ name, reason, strategies }: { name: string; reason: Reason; strat
         {why && (
           <p class="reason-text" lang={langOf(why)}>
             {reasonText(reason.state, why)}
+          </p>
+        )}
+        {reason.remark && (
+          <p class="reason-text" lang={langOf(reason.remark)} data-testid={`remark-${name}`}>
+            {fromRobot(reason.remark)}
           </p>
         )}
         <Taken strategies={strategies} />

@@ -7,6 +7,7 @@ import { attendedCpu } from "../state/load";
 import { divisor, millis, number, spaced } from "../ui/format";
 import { ChevronIcon, WarnIcon } from "../ui/icons";
 import { Meter } from "../ui/Meter";
+import { ClosedLoop } from "./ClosedLoop";
 import { CpuPlot } from "./CpuPlot";
 import { panel } from "./panel";
 
@@ -54,6 +55,7 @@ function Body({ load }: { load: LoadMessage }) {
         limit={Math.max(100, load.process_cpu)}
         text={t("{share} % of a core", { share: number(load.process_cpu, 0) })}
       />
+      {load.loop && <ClosedLoop loop={load.loop} />}
       <CpuPlot />
       <ul class="modules">
         {modules.map((module) => (

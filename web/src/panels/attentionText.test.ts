@@ -10,6 +10,7 @@ const reason = (state: Reason["state"], utility: number, best: number): Reason =
   text: "",
   alternatives: [],
   searched: true,
+  remark: "",
 });
 
 test.each([

@@ -130,9 +130,10 @@ export class Rest {
   }
 
   /** The capacity of a resource as the configuration declares it; null: there is no such resource. */
-  async declaredBudget(name: string): Promise<number | null> {
+  /** The budget of a resource as it is set and as it was declared; null where there is no such resource. */
+  async budget(name: string): Promise<{ budget: number; declared: number } | null> {
     const { resources } = (await this.ask("GET", "/resources")) as ResourceList;
-    return resources.find((resource) => resource.name === name)?.declared ?? null;
+    return resources.find((resource) => resource.name === name) ?? null;
   }
 
   async changeBudget(name: string, capacity: number): Promise<void> {
