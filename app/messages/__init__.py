@@ -19,6 +19,7 @@ from app.messages.attention import (
     Desire,
     DesireClassReport,
     DesireOutcome,
+    DesireProgress,
     DesireReport,
     Desires,
     Divisor,
@@ -31,6 +32,8 @@ from app.messages.attention import (
     ReasonState,
     ResourceReport,
     ResourceUse,
+    RuleReport,
+    RulesReport,
     Scale,
     SelectedStrategy,
     Source,
@@ -56,6 +59,7 @@ from app.messages.navigation import (
     Zones,
 )
 from app.messages.percepts import (
+    PERCEPT_KINDS,
     Darkness,
     EncodedImage,
     Face,
@@ -118,6 +122,7 @@ from app.messages.tours import (
 )
 
 __all__ = [
+    "PERCEPT_KINDS",
     "Accomplished",
     "Accomplishment",
     "Alternative",
@@ -128,6 +133,7 @@ __all__ = [
     "Desire",
     "DesireClassReport",
     "DesireOutcome",
+    "DesireProgress",
     "DesireReport",
     "Desires",
     "DisplacedLandmark",
@@ -202,6 +208,8 @@ __all__ = [
     "RecorderStatus",
     "ResourceReport",
     "ResourceUse",
+    "RuleReport",
+    "RulesReport",
     "SaliencyMap",
     "SalientRegion",
     "SalientRegions",

@@ -51,6 +51,7 @@ class AttentionConfig(_Model):
     history: int = Field(20_000, ge=100, description="events the timeline remembers")
     hysteresis_gain: float = Field(0.0, ge=0, description="a switch must gain more than this in Ω ...")
     hysteresis_dwell_s: float = Field(0.0, ge=0, description="... or last for longer than this; 0 and 0: at once")
+    idle_after_s: float = Field(10.0, gt=0, description="intended so long without being exploited is noted")
     power: PowerConfig | None = Field(None, description="power as a resource, where the body has a battery")
 
 
@@ -87,6 +88,7 @@ class ProgramConfig(_Model):
         min_length=1, description="a table of channels, or several that have no channel in common"
     )
     strategies: tuple[Path, ...] = Field(min_length=1)
+    rules: tuple[Path, ...] = Field((), description="files of rules, which a module of class Rules goes by")
     calibration: Path = Field(Path("calibration"), description="folder of what modules cost, a file for each computer")
     attention: AttentionConfig = AttentionConfig()
     console: ConsoleConfig = ConsoleConfig()
@@ -149,6 +151,8 @@ def load_configuration(path: Path, *, host: str | None = None) -> Configuration:
     ]
     for number, file in enumerate(program.strategies):
         _file(document, ("strategies", number), file, folder)
+    for number, file in enumerate(program.rules):
+        _file(document, ("rules", number), file, folder)
     channels, channel_documents = _channels(tables)
     host = host or paths.host_name()
     calibration = load_cost_calibration(folder / program.calibration, host)
