@@ -21,6 +21,7 @@ from app.console.live.messages import FROM_ROBOT, FaceReport, VisitorLink, Visit
 from app.console.live.protocol import FromPage, TimedMessage
 from app.console.records.attention import ResourceList, StrategyList
 from app.console.records.camera import CameraPoint
+from app.console.records.fleet import FleetReport
 from app.console.records.lanes import LanesPast
 from app.console.records.maps import MapList
 from app.console.records.places import PlaceReport
@@ -57,6 +58,7 @@ ANSWERS = (
     ResourceList,
     RehearsalReport,
     RouteReport,
+    FleetReport,
     RunReportList,
     Saved,
     SceneAddress,

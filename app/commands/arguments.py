@@ -124,6 +124,12 @@ def names(text: str) -> tuple[str, ...]:
     return found
 
 
+def numbers(least: float, most: float) -> Callable[[str], tuple[float, ...]]:
+    """A function for argparse that reads ``X,Y,Z``, each from ``least`` to ``most``."""
+    one = real(least, most)
+    return lambda text: tuple(one(part) for part in text.split(","))
+
+
 def whole(least: int, most: int | None = None) -> Callable[[str], int]:
     """A function for argparse that reads a whole number from ``least`` to ``most``."""
 

@@ -17,12 +17,14 @@ import time
 import webbrowser
 from collections.abc import Callable, Coroutine, Sequence
 from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
 from app.base import logging_setup
-from app.commands.arguments import add_config
+from app.commands.arguments import add_config, file_named
 from app.commands.body_options import add_body_options, chosen
 from app.commands.console_access import (
     ConsoleAccess,
@@ -36,6 +38,7 @@ from app.runtime.realtime import garbage_held, tune_for_latency
 
 if TYPE_CHECKING:
     from app.base.network_link import LinkSettings
+    from app.console.fleet.asking import Fleet
     from app.program.config import Configuration
     from app.program.system import System
     from app.robots.factory import Body
@@ -44,6 +47,8 @@ if TYPE_CHECKING:
 STOP_WITHIN_S = 2.0
 #: Seconds of one step of its countdown.
 COUNT_S = 0.02
+#: Characters of a robot's name.
+LONGEST_NAME = 40
 
 log = logging.getLogger("hbba.run")
 
@@ -58,6 +63,13 @@ def add_parser(subparsers: Any) -> None:
     add_body_options(parser)
     add_console_options(parser)
     add_viewer_options(parser)
+    parser.add_argument("--name", type=_name, metavar="NAME", help="this robot's name among those of a fleet")
+    parser.add_argument(
+        "--fleet",
+        type=file_named,
+        metavar="FILE",
+        help="file with the consoles of other robots, which the page lists",
+    )
     parser.add_argument(
         "--link",
         type=_link,
@@ -105,9 +117,11 @@ def _run(args: argparse.Namespace) -> int:
     share_arenas()
     configuration, body = chosen(args)
     configuration = with_viewers(configuration, args.foxglove)
+    configuration = _named(configuration, args.name)
     console = configuration.program.console
     host = args.host or console.host
     access = console_access(args, host)
+    fleet = None if args.fleet is None else _fleet(args.fleet)
     try:
         with ExitStack() as stack:
             listener = stack.enter_context(listen(host, console.port if args.port is None else args.port))
@@ -116,7 +130,16 @@ def _run(args: argparse.Namespace) -> int:
             logging_setup.configure(args.log_level, as_json=args.log_json)
             warn_of_plain_connections(access, host)
             names = (*console.host_names, *args.host_name)
-            live = _live(configuration, body, (listener, scene), access, names, open_browser=args.open, link=args.link)
+            live = _live(
+                configuration,
+                body,
+                (listener, scene),
+                access,
+                names,
+                open_browser=args.open,
+                link=args.link,
+                fleet=fleet,
+            )
             return asyncio.run(until_stopped(live, Stopping()))
     except LinkFailed as failure:
         print(f"hbba run: {failure}", file=sys.stderr)
@@ -148,6 +171,7 @@ async def _live(
     *,
     open_browser: bool,
     link: LinkSettings | None,
+    fleet: Fleet | None,
 ) -> None:
     """Bring everything up, say where, wait for the end, take everything down. Raises LinkFailed, ConfigError.
 
@@ -161,6 +185,8 @@ async def _live(
     from app.console.panels import load_panels
     from app.console.server import address_of, serve
     from app.console.webhooks.kept import default_file
+    from app.memory.store import MemoryStore
+    from app.memory.store import default_folder as default_memory_folder
     from app.program.system import System
     from app.robots.factory import create_link
     from app.runtime.clock import RealClock
@@ -177,7 +203,7 @@ async def _live(
     clock = RealClock()
     system = System(
         configuration, link=create_link(body, clock.offset), body=body, clock=clock, runs=RunLibrary(default_folder()),
-        nodes=True,
+        memory=MemoryStore(default_memory_folder()), nodes=True,
     )  # fmt: skip
     panels = await asyncio.to_thread(load_panels)
     # Building takes long enough to disturb driving.
@@ -192,6 +218,7 @@ async def _live(
         replay_options=access.replay_options,
         link=Link(link, seed=0),
         webhooks_file=default_file(),
+        fleet=fleet,
     )
     if link is not None and link.shapes:
         log.warning("the link to the pages is shaped: %s", link.words)
@@ -311,6 +338,26 @@ def _link(text: str) -> LinkSettings:
         return parse_link(text)
     except ValueError as failure:
         raise argparse.ArgumentTypeError(str(failure)) from None
+
+
+def _fleet(file: Path) -> Fleet:
+    from app.console.fleet.asking import Fleet
+    from app.console.fleet.fleet_file import load_fleet
+
+    return Fleet(load_fleet(file))
+
+
+def _named(configuration: Configuration, name: str | None) -> Configuration:
+    if name is None:
+        return configuration
+    console = configuration.program.console.model_copy(update={"name": name})
+    return replace(configuration, program=configuration.program.model_copy(update={"console": console}))
+
+
+def _name(text: str) -> str:
+    if not 0 < len(text.strip()) <= LONGEST_NAME or not text.isprintable():
+        raise argparse.ArgumentTypeError(f"a robot's name has 1 to {LONGEST_NAME} characters, not {text!r}")
+    return text.strip()
 
 
 def _host_name(text: str) -> str:

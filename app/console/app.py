@@ -32,11 +32,13 @@ from app.console.replays import Replays
 from app.console.rest.attention import attention_router
 from app.console.rest.camera import camera_router
 from app.console.rest.desires import desires_router
+from app.console.rest.fleet import fleet_router
 from app.console.rest.goal import goal_router
 from app.console.rest.lanes import lanes_router
 from app.console.rest.link import link_router
 from app.console.rest.map_route import route_router
 from app.console.rest.maps import maps_router
+from app.console.rest.memory import memory_router
 from app.console.rest.percepts import percepts_router
 from app.console.rest.places import places_router
 from app.console.rest.playback import playback_router
@@ -58,6 +60,7 @@ from app.console.view.view import View
 from app.console.webhooks.webhooks import Webhooks
 
 if TYPE_CHECKING:
+    from app.console.fleet.asking import Fleet
     from app.logs.replay.playback import Playback
     from app.program.system import System
 
@@ -77,6 +80,7 @@ def create_app(
     replay_options: Sequence[str] = (),
     link: Link | None = None,
     webhooks_file: Path | None = None,
+    fleet: Fleet | None = None,
 ) -> FastAPI:
     """The console of ``system``: REST and live stream under ``/api/v1``, the 3D view under ``/viser``, the page at /.
 
@@ -89,6 +93,7 @@ def create_app(
     (:func:`app.console.panels.load_panels`). ``passwords`` are those of roles, asked for beside the token;
     ``replay_options`` are options of ``hbba replay`` for replays that are started from here. ``link`` shapes every
     stream, for tests; None: not until it is asked to. Webhooks are kept in ``webhooks_file``; None: not kept.
+    ``fleet`` asks the consoles of other robots; it is closed with this one.
     """
     link = link or Link()
     panels = panels or {}
@@ -115,6 +120,8 @@ def create_app(
             hub.close()
             if webhooks is not None:
                 await webhooks.close()
+            if fleet is not None:
+                await fleet.close()
             await asyncio.gather(replays.close(), rehearsals.close(), view.close())
 
     # FastAPI's own documentation pages load scripts from elsewhere; ours need nothing but this server.
@@ -136,6 +143,7 @@ def create_app(
         desires_router(system),
         attention_router(system),
         robot_router(system, hub),
+        fleet_router(system, hub, fleet),
         percepts_router(system),
         maps_router(system),
         places_router(system),
@@ -146,6 +154,7 @@ def create_app(
         tours_router(system),
         tour_media_router(system),
         tour_run_router(system),
+        memory_router(system),
         rehearsal_router(system, rehearsals),
         visitor_router(system, door, visitors, listens=host, names=host_names),
         program_router(system, hub),

@@ -31,6 +31,7 @@ _TAGS = [
     {"name": "attention", "description": "The intention and its reasons, strategies, budgets, timeline."},
     {"name": "robot", "description": "The body: pose, guard, emergency stop."},
     {"name": "maps", "description": "Maps, the robot's place on them, and its goal."},
+    {"name": "memory", "description": "What the robot remembers: export it, delete it."},
     {"name": "tours", "description": "Guided tours: edit, check, exchange, print posters, lead, report."},
     {"name": "visitors", "description": "What phones of a tour's visitors may do, by the key of its run."},
     {"name": "program", "description": "Modules and channels."},

@@ -28,6 +28,7 @@ def robot_facts(system: System, *, replayed: bool = False) -> RobotFacts:
     footprint = tuple((round(x, 4), round(y, 4)) for x, y in description.footprint)
     return RobotFacts(
         name=description.name,
+        called=system.config.program.console.name or description.name,
         simulated=description.simulated,
         replayed=replayed,
         limits=description.limits,

@@ -45,6 +45,19 @@ from app.messages.base import Look, Message, PerceptKind, read_only
 from app.messages.driving import Exploitation, LinkStatus, TeleopCommand, Twist
 from app.messages.energy import BatteryState, DockingState, DockingStatus, DockSighting
 from app.messages.landmarks import DisplacedLandmark, DisplacedLandmarks, Keyframes, LandmarkPose
+from app.messages.memory import (
+    AnticipatedEvent,
+    EpisodeDeed,
+    EpisodeEvent,
+    EpisodeReport,
+    EpisodeSummary,
+    MemoryChannel,
+    MemoryEvent,
+    MemoryItem,
+    MemoryReport,
+    MemoryState,
+    RaisedDesire,
+)
 from app.messages.navigation import (
     GivenUpGoal,
     Localization,
@@ -126,6 +139,7 @@ __all__ = [
     "Accomplished",
     "Accomplishment",
     "Alternative",
+    "AnticipatedEvent",
     "Asked",
     "Audio",
     "BatteryState",
@@ -144,6 +158,10 @@ __all__ = [
     "DockingState",
     "DockingStatus",
     "EncodedImage",
+    "EpisodeDeed",
+    "EpisodeEvent",
+    "EpisodeReport",
+    "EpisodeSummary",
     "EventKind",
     "Exploitation",
     "ExternalForce",
@@ -173,6 +191,11 @@ __all__ = [
     "LogLine",
     "Look",
     "LoudNoise",
+    "MemoryChannel",
+    "MemoryEvent",
+    "MemoryItem",
+    "MemoryReport",
+    "MemoryState",
     "Message",
     "ModuleInput",
     "ModuleOutput",
@@ -202,6 +225,7 @@ __all__ = [
     "PointCloud",
     "QRCode",
     "QRCodes",
+    "RaisedDesire",
     "Reason",
     "ReasonState",
     "RecorderState",

@@ -35,6 +35,7 @@ EventKind = Literal[
     "accomplishment",
     "tour",
     "rule",
+    "memory",
 ]
 #: What a behavior reports of a desire.
 Accomplished = Literal["done", "failed"]

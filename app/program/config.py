@@ -58,6 +58,7 @@ class AttentionConfig(_Model):
 class ConsoleConfig(_Model):
     """The address of the console."""
 
+    name: str = Field("", max_length=40, description="this robot's name among others; empty: that of its body")
     host: str = "127.0.0.1"
     port: int = Field(8080, ge=0, le=65535, description="0: any free port")
     scene_port: int | None = Field(

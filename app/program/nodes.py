@@ -50,7 +50,8 @@ class ProgramNodes:
         program, document = self.configuration.program, self.configuration.program_document
         self._home = table
         self._elsewhere = {
-            name: Elsewhere(name, link.settings, self._streams(link.settings)) for name, link in self.hub.links.items()
+            name: Elsewhere(name, link.settings, streams_of(self.configuration, link.settings))
+            for name, link in self.hub.links.items()
         }
         extended = with_nodes(table, list(self._elsewhere.values()))
         assert program.nodes is not None
@@ -87,13 +88,15 @@ class ProgramNodes:
 
         return self.hub.observe(change)
 
-    def _streams(self, node: NodeSettings) -> dict[str, Stream]:
-        channels, modules = self.configuration.channels, self.configuration.program.modules
-        return {
-            f"{module}.{port}": _stream(channels[channel], node)
-            for module in node.modules
-            for port, channel in modules[module].inputs.items()
-        }
+
+def streams_of(configuration: Configuration, node: NodeSettings) -> dict[str, Stream]:
+    """What comes to the inputs of the modules that ``node`` may run, by ``Module.port``, at sizes not measured yet."""
+    channels, modules = configuration.channels, configuration.program.modules
+    return {
+        f"{module}.{port}": _stream(channels[channel], node)
+        for module in node.modules
+        for port, channel in modules[module].inputs.items()
+    }
 
 
 def described_modules(configuration: Configuration, name: str, node: NodeSettings) -> Mapping[str, Described]:

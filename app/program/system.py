@@ -35,6 +35,9 @@ from app.maps.library import default_folder as default_maps_folder
 from app.maps.map_service import MapService
 from app.maps.place_service import PlaceService
 from app.maps.route_service import RouteService
+from app.memory.service import MemoryService
+from app.memory.store import MemoryStore
+from app.memory.store import default_folder as default_memory_folder
 from app.messages import Accomplishment, BatteryState, Exploitation, LoadReport, PerceptEvent, PerceptKind
 from app.program.attachments import snapshot, with_table
 from app.program.battery_watch import BatteryWatch
@@ -89,6 +92,7 @@ class System:
         maps: MapLibrary | None = None,
         tours: TourStore | None = None,
         runs: RunLibrary | None = None,
+        memory: MemoryStore | None = None,
         new_id: Callable[[], str] = random_id,
         partial: bool = False,
         reproducible: bool = False,
@@ -100,12 +104,13 @@ class System:
         ``body`` describes ``link`` where its file does not; recordings carry it. ``pins`` fixes filters
         (``Module.port``) against all strategies. ``recordings`` is the library of recordings, by default the user's
         folder; so are ``maps``, ``tours`` and ``runs``, of which the default resumes no tour that was under way when
-        another program ended. ``new_id`` makes the ids of desires. ``partial``: strategies may name modules that do not
-        exist, and are used without them. ``reproducible``: nothing may depend on the speed of this
-        computer, so that two runs in virtual time are equal: the solver finds the optimum without a time limit and
-        reports no solve time, the watchdog of the loop is off, no load is reported. ``recorded``: channels that come
-        from a recording, so that the program does not publish on them what it knows of itself. ``nodes``: the computers
-        that the configuration declares may join. Raises ConfigError.
+        another program ended. ``memory`` is the file of what is remembered, by default none. ``new_id`` makes the ids
+        of desires. ``partial``: strategies may name modules that do not exist, and are used without them.
+        ``reproducible``: nothing may depend on the speed of this computer, so that two runs in virtual time are equal:
+        the solver finds the optimum without a time limit and reports no solve time, the watchdog of the loop is off, no
+        load is reported. ``recorded``: channels that come from a recording, so that the program does not publish on
+        them what it knows of itself. ``nodes``: the computers that the configuration declares may join. Raises
+        ConfigError.
         """
         self._partial = partial
         self._reproducible = reproducible
@@ -130,6 +135,7 @@ class System:
         self.places = PlaceService()
         self.runs = runs or RunLibrary(default_runs_folder(), resumes=False)
         self.tour_run = TourRunService()
+        self.memory = MemoryService()
         self.routes = RouteService()
         services: dict[type[object], object] = {
             RobotLink: self.link,
@@ -143,6 +149,8 @@ class System:
             PlaceService: self.places,
             RunLibrary: self.runs,
             TourRunService: self.tour_run,
+            MemoryStore: memory or MemoryStore(default_memory_folder(), keeps=False),
+            MemoryService: self.memory,
             RouteService: self.routes,
             ChannelTable: ChannelTable(configuration.channels),
             RuleBook: RuleBook([configuration.path(file) for file in program.rules]),

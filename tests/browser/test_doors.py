@@ -16,6 +16,8 @@ from playwright.async_api import Browser, Page, expect
 from app.console.access.passwords import hash_of
 from app.console.access.roles import Role
 from app.console.app import create_app
+from app.console.fleet.asking import Fleet
+from app.console.fleet.fleet_file import RobotConsole
 from app.program.system import System
 from tests.browser.browsers import BOTH, Browsers, named
 from tests.console.places import FakeMapServer, grid
@@ -102,3 +104,25 @@ async def test_a_visitor_s_phone_shows_the_tour_that_its_key_is_of(browser: Brow
         async with opened(browser, f"{url}/visitor#key=a-guess") as stranger:
             await stranger.locator("[data-testid=visitor][data-phase=over]").wait_for()
             await expect(stranger.get_by_role("heading", level=1)).to_have_count(0)
+
+
+async def test_the_list_of_robots_opens_the_page_of_another(browser: Browser, system: System, tmp_path: Path) -> None:
+    """Two consoles, of which the second asks for a login that the first has; a third robot is not there."""
+    (tmp_path / "other").mkdir()
+    other, _ = await asyncio.to_thread(build, tmp_path / "other")
+    there = await asyncio.to_thread(create_app, other, token=TOKEN, early_view=False)
+    async with other, served(there) as other_url:
+        fleet = Fleet((RobotConsole(other_url, TOKEN), RobotConsole("http://127.0.0.1:9")))
+        app = await asyncio.to_thread(create_app, system, early_view=False, fleet=fleet)
+        async with served(app) as url, opened(browser, f"{url}/?scene=off") as page:
+            await page.get_by_test_id("fleet").click()
+            robots = page.get_by_test_id("fleet-robot")
+            await expect(robots).to_have_count(3)
+            await expect(robots.nth(0)).to_contain_text("this page")
+            await expect(robots.nth(1)).to_have_attribute("data-state", "problem")  # of the same name
+            await expect(robots.nth(2)).to_have_attribute("data-state", "unreachable")
+            async with page.expect_popup() as popup:
+                await robots.nth(1).get_by_role("link").click()
+            await (await popup.value).get_by_test_id("login-token").wait_for()
+            await page.keyboard.press("Escape")
+            await expect(page.get_by_test_id("fleet-box")).to_have_count(0)

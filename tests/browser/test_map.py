@@ -149,6 +149,15 @@ def test_a_kept_map_is_loaded_the_robot_finds_itself_and_goes_to_another_room(
     assert math.hypot(error.x, error.y) < 0.1
     assert abs(error.theta) < 0.1
 
+    # Loaded once more while it stands, it keeps the pose that it has: it would find itself only by being turned.
+    row.get_by_test_id("map-load").click()
+    expect(row.get_by_test_id("map-here")).to_be_checked()
+    row.get_by_test_id("map-load-confirm").click()
+    expect(row.get_by_test_id("map-load-confirm")).to_have_count(0)
+    expect(where).to_have_attribute("data-state", "tracking")
+    again = (X_MW @ true_pose(truth)).inverse() @ shown_pose(page)
+    assert math.hypot(again.x, again.y) < 0.1
+
     page.get_by_test_id("map-toggle").click()
     page.get_by_test_id("map-fit").click()
     # This body has no camera: no card of one lies over the map.

@@ -39,6 +39,7 @@ import "./styles/layout.css";
 import "./styles/overlays.css";
 import "./styles/bar.css";
 import "./styles/view.css";
+import "./styles/memory.css";
 import "./styles/senses.css";
 import "./styles/drive.css";
 import "./styles/lanes.css";

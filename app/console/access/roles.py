@@ -36,13 +36,13 @@ OPEN_OPERATIONS = frozenset({"get_session", "log_in", "log_out", "get_health", "
 OPERATIONS: dict[str, Role] = _table(
     spectator="""
         latch_e_stop
-        get_robot get_percepts list_modules get_module list_channels list_viewers get_scene
+        get_robot get_fleet get_percepts list_modules get_module list_channels list_viewers get_scene
         list_desires get_desire list_desire_classes get_desire_class
         get_intention list_strategies list_rules list_resources get_timeline get_link get_lanes
         find_camera_point find_scene_point get_goal plan_route
         list_maps get_map get_map_picture get_zones list_places get_place
         get_playback list_recordings download_recording
-        get_rehearsal get_tour_run list_tour_reports export_tour_reports get_tour_report
+        get_rehearsal get_memory get_tour_run list_tour_reports export_tour_reports get_tour_report
         list_tours validate_tour get_tour_schema get_tour export_tour export_tour_archive get_tour_posters
         list_tour_media get_tour_media get_visitor_media
     """,
@@ -61,6 +61,7 @@ OPERATIONS: dict[str, Role] = _table(
     supervisor="""
         save_map load_map rename_map delete_map begin_map
         delete_recording delete_tour delete_tour_report put_link
+        delete_memory delete_episode
         list_webhooks get_webhook create_webhook try_webhook delete_webhook
     """,
 )

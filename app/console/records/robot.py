@@ -16,6 +16,7 @@ class RobotFacts:
     """The body and its limits."""
 
     name: str
+    called: Annotated[str, doc("What this robot is called among others (`console.name`); its `name` without one.")]
     simulated: bool
     replayed: Annotated[bool, doc("Whether it is the body of a replay: it can neither be driven nor stopped.")]
     limits: BaseLimits

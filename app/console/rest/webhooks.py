@@ -8,12 +8,13 @@ from fastapi import APIRouter, Path
 from fastapi.responses import Response
 from pydantic import Field, field_validator
 
+from app.base.web_address import checked_url
 from app.console.problems import Problem
 from app.console.records.webhooks import NewWebhookReport, WebhookList, WebhookReport, WebhookTrial
 from app.console.rest.answers import Json, problems
 from app.console.rest.models import Request
 from app.console.rest.routing import router as api_router
-from app.console.webhooks.kept import MOST_HOOKS, WebhooksUnreadable, checked_url
+from app.console.webhooks.kept import MOST_HOOKS, WebhooksUnreadable
 from app.console.webhooks.signing import secret_bytes
 from app.console.webhooks.webhooks import TooManyWebhooks, UnknownWebhook, Webhooks
 from app.messages import EventKind

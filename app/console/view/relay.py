@@ -152,6 +152,7 @@ def view_router(view: View, page_origin: Callable[[Scope], str | None] = lambda 
         try:
             await _pulse(
                 websocket,
+                session,
                 lambda round_trip_s, frames_s: view.answered(session, round_trip_s, frames_s),
                 wished,
             )
@@ -267,17 +268,23 @@ async def _report_camera(websocket: WebSocket, session: ViewerSession) -> None:
 
 
 async def _pulse(
-    websocket: WebSocket, answered: Callable[[float | None, float], None], wished: Callable[[Wish], None]
+    websocket: WebSocket,
+    session: ViewerSession,
+    answered: Callable[[float | None, float], None],
+    wished: Callable[[Wish], None],
 ) -> None:
     """Ask the page again and again for an answer two frames on, and time it; ends with the connection.
 
-    In between the page may say what it wants to see, and from where.
+    With it goes of when the robot is that the page has by then. In between the page may say what it wants to see, and
+    from where.
     """
     number = 0
     while True:
         number += 1
         began = time.monotonic()
-        await websocket.send_text(str(number))
+        # What was drawn for it meanwhile is on its way as long as the frame before it waited for room.
+        shown = "" if session.stamp is None else f" {session.stamp - session.drain_s:.3f}"
+        await websocket.send_text(f"{number}{shown}")
         try:
             async with asyncio.timeout(SILENT_AFTER_S):
                 while (frames_s := _answer(frame := await _received(websocket), number)) is None:

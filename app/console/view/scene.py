@@ -185,6 +185,11 @@ class ViewerScene:
             new += self._soft_limit.draw(pace.choice.soft_limit, self.camera.state.gaze)
         return new
 
+    @property
+    def stamp(self) -> float | None:
+        """Of the robot as it is drawn (s, the robot's clock); None: it is not yet."""
+        return self._drawn.stamp
+
     def steer(self, world: World, now: float, pace: Pace) -> None:
         """Move the camera and the stage alone."""
         with self._client.atomic():
@@ -361,6 +366,10 @@ class Scene:
         """What the viewer is shown at a point of its picture (:meth:`ViewerScene.pick`); None: there is no such one."""
         scene = self._viewers.get(viewer)
         return None if scene is None else scene.pick(u, v)
+
+    def stamps(self) -> dict[str, float | None]:
+        """Of the robot as each viewer is sent it (:attr:`ViewerScene.stamp`)."""
+        return {viewer: scene.stamp for viewer, scene in self._viewers.items()}
 
     def states(self) -> dict[str, CameraState]:
         """What each viewer sees from."""

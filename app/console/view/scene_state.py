@@ -35,10 +35,10 @@ class Picture:
 class World:
     """Each part is replaced as a whole, so that ``is`` shows whether it is new.
 
-    ``robot`` is ``X_OB`` now, ``joints`` are the positions (rad, m) of its joints by name at that instant. ``scan``
-    comes with the pose of its own instant, as the cloud does by itself, and what is ``perceived`` of people. ``forces``
-    are on the body, which moves by ``applied``, and goes on by ``motions`` (None in a recording). ``picture`` is there
-    while a viewer looks through the camera.
+    ``robot`` is ``X_OB`` at ``stamp`` (s, the robot's clock; None before it is known), ``joints`` are the positions
+    (rad, m) of its joints by name at that instant. ``scan`` comes with the pose of its own instant, as the cloud does
+    by itself, and what is ``perceived`` of people. ``forces`` are on the body, which moves by ``applied``, and goes on
+    by ``motions`` (None in a recording). ``picture`` is there while a viewer looks through the camera.
     ``localization`` says where that lies which is on the map: ``map`` itself, ``zones``, the ``path`` and the ``goal``
     (x, y in m, heading in rad or None). The ``costmap`` is in ``odom``.
     """
@@ -59,5 +59,6 @@ class World:
     picture: Picture | None = None
     applied: Twist | None = None
     motions: Motions | None = None
+    stamp: float | None = None
     #: The robot's clock (s).
     now: float = 0.0

@@ -71,6 +71,7 @@ class Painter:
         self._drawn = 0
         self._longest_s = 0.0
         self._cameras: Mapping[str, CameraState] = {}
+        self._stamps: Mapping[str, float | None] = {}
         #: viser's server; set before ``ready`` is called.
         self.host: ViewHost | None = None
         self._worker = ModuleWorker("3D view")
@@ -103,6 +104,10 @@ class Painter:
     def cameras(self) -> Mapping[str, CameraState]:
         """What each viewer sees from."""
         return self._cameras
+
+    def stamps(self) -> Mapping[str, float | None]:
+        """Of the robot as each viewer was sent it last (s, the robot's clock)."""
+        return self._stamps
 
     def _ring(self) -> None:
         if not self._rung:
@@ -140,7 +145,7 @@ class Painter:
                     point, answer = self._asked.get()
                     if answer.set_running_or_notify_cancel():
                         answer.set_result(scene.pick(*point))
-                self._cameras = scene.states()
+                self._cameras, self._stamps = scene.states(), scene.stamps()
                 self._longest_s = max(self._longest_s, time.monotonic() - began)
         finally:
             host.stop()

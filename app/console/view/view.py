@@ -354,12 +354,12 @@ class View:
         clock = self._system.clock
         return grid if grid is not None and clock.now() - grid.stamp <= COSTMAP_FRESH_S * rate(clock) else None
 
-    def _body_now(self) -> tuple[Pose2 | None, Mapping[str, float] | None]:
-        """The robot's pose and its joints, of one instant."""
+    def _body_now(self) -> tuple[Pose2 | None, float | None, Mapping[str, float] | None]:
+        """The robot's pose, the instant (s) that it is of, and the joints then."""
         if self._odometry is None:
-            return None, None
+            return None, None, None
         instant = drawn_instant(self._odometry.stamp, self._joints)
-        return self._poses.at(instant), self._joints.at(instant)
+        return self._poses.at(instant), instant, self._joints.at(instant)
 
     async def _feed(self) -> None:
         beat = 0
@@ -372,7 +372,7 @@ class View:
                 # A moment after it came, when odometry has reached its stamp.
                 if self._scan is not None and (pose := self._poses.at(self._scan.stamp)) is not None:
                     self._placed = (self._scan, pose)
-            robot, joints = self._body_now()
+            robot, stamp, joints = self._body_now()
             self._look_for_costmap()
             self._pictures.watch(any(session.choice.viewpoint == "first_person" for session in self.sessions))
             if self._painter is not None:
@@ -396,10 +396,14 @@ class View:
                     picture=self._pictures.placed(self._poses),
                     applied=applied,
                     motions=self._motions(applied),
+                    stamp=stamp,
                     now=self._system.clock.now(),
                 )
                 self._painter.show(world)
                 self._look_at_cameras(self._painter.cameras())
+                for viewer, drawn in self._painter.stamps().items():
+                    if viewer in self._sessions:
+                        self._sessions[viewer].stamp = drawn
             await self._system.pace.sleep(PERIOD_S)
 
 

@@ -16,7 +16,8 @@ if TYPE_CHECKING:
 @dataclass(slots=True, eq=False)
 class ViewerSession:
     """One open view. ``drain_s`` is how long its last frame waited for room towards it. ``costmap``: whether it shows
-    the local costmap; None: if any page does. ``camera``: from where it looks; ``changed`` is set when that is new."""
+    the local costmap; None: if any page does. ``camera``: from where it looks; ``changed`` is set when that is new.
+    ``stamp``: of the robot as it was sent last (s, the robot's clock)."""
 
     viewer: str
     budget: PointBudget = field(default_factory=PointBudget)
@@ -26,4 +27,5 @@ class ViewerSession:
     costmap: bool | None = None
     choice: Choice = field(default_factory=Choice)
     camera: CameraState | None = None
+    stamp: float | None = None
     changed: asyncio.Event = field(default_factory=asyncio.Event)

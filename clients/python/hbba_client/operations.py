@@ -21,6 +21,7 @@ from .records import (
     Desires,
     EStop,
     EventList,
+    FleetReport,
     Goal,
     GoalRequest,
     Health,
@@ -32,6 +33,7 @@ from .records import (
     LoadRequest,
     LoginRequest,
     MapList,
+    MemoryReport,
     ModuleList,
     ModuleReport,
     NewDesire,
@@ -284,6 +286,16 @@ class Operations(ABC):
         result: NewWebhookReport = self.ask(Request("POST", "/webhooks", NewWebhookReport, body=body))
         return result
 
+    def delete_episode(self, episode: int) -> None:
+        """Delete an episode.
+
+        With the events that were its own.
+
+        Role: supervisor.
+        """
+
+        self.ask(Request("DELETE", f"/memory/episodes/{Request.quoted(episode)}", None))
+
     def delete_map(self, name: str) -> None:
         """Delete a map.
 
@@ -293,6 +305,16 @@ class Operations(ABC):
         """
 
         self.ask(Request("DELETE", f"/maps/{Request.quoted(name)}", None))
+
+    def delete_memory(self) -> None:
+        """Delete all that is remembered.
+
+        Also what is under way. What is deleted is overwritten on the disk.
+
+        Role: supervisor.
+        """
+
+        self.ask(Request("DELETE", "/memory", None))
 
     def delete_place(self, place_id: str, *, if_match: str | None = None) -> None:
         """Delete a place.
@@ -457,6 +479,17 @@ class Operations(ABC):
         )
         return result
 
+    def get_fleet(self) -> FleetReport:
+        """The robots of the fleet: state, and who drives.
+
+        This robot, and those of the file of `hbba run --fleet`, whose consoles are asked now: one that does not
+        answer within 2 s is `unreachable`.
+
+        Role: spectator.
+        """
+        result: FleetReport = self.ask(Request("GET", "/fleet", FleetReport))
+        return result
+
     def get_goal(self) -> Goal:
         """The goal and the state of navigation.
 
@@ -526,6 +559,17 @@ class Operations(ABC):
         Role: spectator.
         """
         result: bytes = self.ask(Request("GET", f"/maps/{Request.quoted(name)}/picture", bytes))
+        return result
+
+    def get_memory(self) -> MemoryReport:
+        """Export what is remembered.
+
+        All episodes, those that happened last first, and their events. Of people, it has numbers alone. Refused
+        where memory is off.
+
+        Role: spectator.
+        """
+        result: MemoryReport = self.ask(Request("GET", "/memory", MemoryReport))
         return result
 
     def get_module(self, name: str) -> ModuleReport:
@@ -1430,6 +1474,16 @@ class AsyncOperations(ABC):
         result: NewWebhookReport = await self.ask(Request("POST", "/webhooks", NewWebhookReport, body=body))
         return result
 
+    async def delete_episode(self, episode: int) -> None:
+        """Delete an episode.
+
+        With the events that were its own.
+
+        Role: supervisor.
+        """
+
+        await self.ask(Request("DELETE", f"/memory/episodes/{Request.quoted(episode)}", None))
+
     async def delete_map(self, name: str) -> None:
         """Delete a map.
 
@@ -1439,6 +1493,16 @@ class AsyncOperations(ABC):
         """
 
         await self.ask(Request("DELETE", f"/maps/{Request.quoted(name)}", None))
+
+    async def delete_memory(self) -> None:
+        """Delete all that is remembered.
+
+        Also what is under way. What is deleted is overwritten on the disk.
+
+        Role: supervisor.
+        """
+
+        await self.ask(Request("DELETE", "/memory", None))
 
     async def delete_place(self, place_id: str, *, if_match: str | None = None) -> None:
         """Delete a place.
@@ -1603,6 +1667,17 @@ class AsyncOperations(ABC):
         )
         return result
 
+    async def get_fleet(self) -> FleetReport:
+        """The robots of the fleet: state, and who drives.
+
+        This robot, and those of the file of `hbba run --fleet`, whose consoles are asked now: one that does not
+        answer within 2 s is `unreachable`.
+
+        Role: spectator.
+        """
+        result: FleetReport = await self.ask(Request("GET", "/fleet", FleetReport))
+        return result
+
     async def get_goal(self) -> Goal:
         """The goal and the state of navigation.
 
@@ -1674,6 +1749,17 @@ class AsyncOperations(ABC):
         Role: spectator.
         """
         result: bytes = await self.ask(Request("GET", f"/maps/{Request.quoted(name)}/picture", bytes))
+        return result
+
+    async def get_memory(self) -> MemoryReport:
+        """Export what is remembered.
+
+        All episodes, those that happened last first, and their events. Of people, it has numbers alone. Refused
+        where memory is off.
+
+        Role: spectator.
+        """
+        result: MemoryReport = await self.ask(Request("GET", "/memory", MemoryReport))
         return result
 
     async def get_module(self, name: str) -> ModuleReport:

@@ -39,6 +39,14 @@ class Alternative(Struct, kw_only=True, frozen=True):
     """Of `without`: the other class; else empty."""
 
 
+class AnticipatedEvent(Struct, kw_only=True, frozen=True):
+    """An event that is to come, by the episode that is recognized."""
+
+    event: MemoryEvent
+    weight: float
+    """In the episode, over 0 and at most 1: the later, the greater."""
+
+
 class Asked(Struct, kw_only=True, frozen=True):
     """What the strongest desire of a class asked for, when the problem was solved."""
 
@@ -319,6 +327,58 @@ class EStop(Struct, kw_only=True, frozen=True):
     """The robot's clock then (s): what a release names by `seen`."""
 
 
+class EpisodeDeed(Struct, kw_only=True, frozen=True, rename={"class_": "class"}):
+    """A desire that led to the accomplishment of an episode."""
+
+    class_: str
+    params: dict[str, Any]
+    weight: float
+    """In which share of the last times, over 0 and at most 1."""
+
+
+class EpisodeEvent(Struct, kw_only=True, frozen=True):
+    """An event of an episode, in its order."""
+
+    event: int
+    weight: float
+    """Over 0 and at most 1: the later, the greater."""
+
+
+class EpisodeReport(Struct, kw_only=True, frozen=True):
+    """An episode as it is kept."""
+
+    id: int
+    times: int
+    first: float
+    """When it ended first (robot's clock, s)."""
+    last: float
+    """When it ended last (robot's clock, s)."""
+    learning_rate: float
+    """How fast it is overwritten, 0.1 to 1."""
+    vigilance: float
+    """The match from which it is recognized, 0.45 to 0.85."""
+    events: list[EpisodeEvent]
+    deeds: list[EpisodeDeed]
+
+
+class EpisodeSummary(Struct, kw_only=True, frozen=True):
+    """An episode in a few words."""
+
+    id: int
+    times: int
+    """How often it has happened."""
+    first: float
+    """When it ended first (robot's clock, s)."""
+    last: float
+    """When it ended last (robot's clock, s)."""
+    events: int
+    """How many it has."""
+    items: list[MemoryItem]
+    """The firmest of its events, at most 8."""
+    deeds: list[str]
+    """Classes of desires that led to its accomplishment."""
+
+
 class EventList(Struct, kw_only=True, frozen=True):
     """Events, oldest first."""
 
@@ -336,6 +396,38 @@ class FieldProblem(Struct, kw_only=True, frozen=True, omit_defaults=True):
     """The rule that the value breaks, as `greater_than`: for other languages. Empty: none."""
     values: dict[str, str | float] | UnsetType = UNSET
     """What `kind` says, as `{"gt": 0}`, and the value that was `given`."""
+
+
+class FleetReport(Struct, kw_only=True, frozen=True):
+    """This robot first, then the others in the order of the fleet's file."""
+
+    stamp: float
+    """Seconds of the robot's clock (Unix epoch)."""
+    robots: list[FleetRobot]
+
+
+class FleetRobot(Struct, kw_only=True, frozen=True):
+    """One robot, as its own console answered just now."""
+
+    name: str
+    """Its name in the fleet; empty while it has not answered."""
+    body: str
+    """What kind of robot it is."""
+    url: str
+    """Its own console; empty: this one."""
+    state: Literal["problem", "refused", "stopped", "unreachable", "well"]
+    """stopped: its emergency stop is latched; problem: it cannot be driven as it is, or has another's name; refused:
+    its console asks for another login; unreachable: it does not answer.
+    """
+    detail: str
+    """The state in words, where there is more to say."""
+    driver: str | None
+    """The operator who drives it."""
+    exploited: str | None
+    """The behavior that drives its base."""
+    charge: float | None
+    """Share of its battery's capacity that is left, 0 to 1; null: not known."""
+    simulated: bool
 
 
 class GivenUpModel(Struct, kw_only=True, frozen=True):
@@ -769,6 +861,59 @@ class MapList(Struct, kw_only=True, frozen=True):
     maps: list[KeptMap]
 
 
+class MemoryEvent(Struct, kw_only=True, frozen=True):
+    """What was perceived and done at one time."""
+
+    id: int
+    items: list[MemoryItem]
+
+
+class MemoryItem(Struct, kw_only=True, frozen=True):
+    """Something that belongs to an event."""
+
+    channel: Literal["desire", "emotion", "object", "person", "place"]
+    item: str
+    """Which: `someone`, or `person 3` by the number of this run of the program; `code lab` by the place in front of
+    which it hangs, else by a number; `word hello`; a place's id on its map; the class of a desire.
+    """
+    weight: float
+    """How firmly it belongs to it, over 0 and at most 1."""
+
+
+class MemoryReport(Struct, kw_only=True, frozen=True):
+    """All that is remembered."""
+
+    stamp: float
+    """Seconds of the robot's clock (Unix epoch)."""
+    episodes: list[EpisodeReport]
+    """Those that happened last first."""
+    events: list[MemoryEvent]
+
+
+class MemoryState(Struct, kw_only=True, frozen=True):
+    """What happens now, as memory sees it, and the episodes it has; published with each change."""
+
+    stamp: float
+    """Seconds of the robot's clock (Unix epoch)."""
+    on: bool
+    """Whether anything is remembered."""
+    problem: str
+    """Why nothing is written to the disk, in words; empty: nothing is wrong."""
+    under_way: list[MemoryEvent]
+    """The last events of the episode under way, at most 12, in order."""
+    recognized: int | None
+    """The episode that this is like; null: none."""
+    match: float
+    """How much it is like it, 0 to 1."""
+    anticipated: list[AnticipatedEvent]
+    """What comes next by that, the next first, at most 5."""
+    raised: list[RaisedDesire]
+    episodes: list[EpisodeSummary]
+    """At most 20, those that happened last first."""
+    episode_count: int
+    event_count: int
+
+
 class ModuleInput(Struct, kw_only=True, frozen=True):
     """A module's input and its counters since the start."""
 
@@ -940,6 +1085,7 @@ class NewWebhook(Struct, kw_only=True, frozen=True, omit_defaults=True):
             "accomplishment",
             "tour",
             "rule",
+            "memory",
         ]
     ]
     """Kinds of events of the timeline."""
@@ -1265,6 +1411,19 @@ class ProblemDocument(Struct, kw_only=True, frozen=True, omit_defaults=True):
     """Field by field, where fields are wrong."""
 
 
+class RaisedDesire(Struct, kw_only=True, frozen=True, rename={"class_": "class"}):
+    """A desire of memory's."""
+
+    id: str
+    """Of the desire."""
+    class_: str
+    intensity: float
+    episode: int
+    """The episode that is the reason."""
+    why: str
+    """In words."""
+
+
 class Reason(Struct, kw_only=True, frozen=True):
     """Why a desired class gets what it gets."""
 
@@ -1468,6 +1627,8 @@ class RobotFacts(Struct, kw_only=True, frozen=True):
     """The body and its limits."""
 
     name: str
+    called: str
+    """What this robot is called among others (`console.name`); its `name` without one."""
     simulated: bool
     replayed: bool
     """Whether it is the body of a replay: it can neither be driven nor stopped."""
@@ -1937,6 +2098,7 @@ class TimelineEvent(Struct, kw_only=True, frozen=True):
         "goal",
         "guard",
         "intention",
+        "memory",
         "module",
         "overload",
         "percept",
@@ -2233,6 +2395,7 @@ class WebhookReport(Struct, kw_only=True, frozen=True):
             "goal",
             "guard",
             "intention",
+            "memory",
             "module",
             "overload",
             "percept",
@@ -2343,6 +2506,7 @@ LIVE: dict[str, type[Struct]] = {
     "load": LoadReport,
     "localization": LocalizationReport,
     "map_info": GridInfo,
+    "memory": MemoryState,
     "navigation": NavigationModel,
     "notice": Notice,
     "perceived": PlacedPercepts,

@@ -50,9 +50,9 @@ class Request:
     headers: Mapping[str, str | None] = field(default_factory=dict)
 
     @staticmethod
-    def quoted(part: str) -> str:
+    def quoted(part: str | int) -> str:
         """``part`` as one segment of a path."""
-        return quote(part, safe="")
+        return quote(str(part), safe="")
 
     def options(self) -> dict[str, Any]:
         """As httpx takes it."""

@@ -14,6 +14,7 @@ import type {
   Desires,
   EStop,
   EventList,
+  FleetReport,
   Goal,
   GoalRequest,
   Health,
@@ -25,6 +26,7 @@ import type {
   LoadRequest,
   LoginRequest,
   MapList,
+  MemoryReport,
   ModuleList,
   ModuleReport,
   NewDesire,
@@ -212,9 +214,22 @@ export abstract class Operations {
     return this.ask<NewWebhookReport>({ method: "POST", path: `/webhooks`, answer: "json", body });
   }
 
+  /** Delete an episode. With the events that were its own. Role: supervisor. */
+  deleteEpisode(episode: number): Promise<void> {
+    return this.ask<void>({ method: "DELETE", path: `/memory/episodes/${encodeURIComponent(episode)}`, answer: "nothing" });
+  }
+
   /** Delete a map. For good, with its zones. The map in use is refused. Role: supervisor. */
   deleteMap(name: string): Promise<void> {
     return this.ask<void>({ method: "DELETE", path: `/maps/${encodeURIComponent(name)}`, answer: "nothing" });
+  }
+
+  /**
+   * Delete all that is remembered. Also what is under way. What is deleted is overwritten on the disk. Role:
+   * supervisor.
+   */
+  deleteMemory(): Promise<void> {
+    return this.ask<void>({ method: "DELETE", path: `/memory`, answer: "nothing" });
   }
 
   /** Delete a place. Goals that were given by it stay: they are its pose. Role: operator. */
@@ -322,6 +337,14 @@ export abstract class Operations {
   }
 
   /**
+   * The robots of the fleet: state, and who drives. This robot, and those of the file of `hbba run --fleet`, whose
+   * consoles are asked now: one that does not answer within 2 s is `unreachable`. Role: spectator.
+   */
+  getFleet(): Promise<FleetReport> {
+    return this.ask<FleetReport>({ method: "GET", path: `/fleet`, answer: "json" });
+  }
+
+  /**
    * The goal and the state of navigation. What is desired, and what the behavior that goes there is about. Role:
    * spectator.
    */
@@ -367,6 +390,14 @@ export abstract class Operations {
   /** A map's picture. One pixel a cell; its top row has the greatest y. Role: spectator. */
   getMapPicture(name: string): Promise<ArrayBuffer> {
     return this.ask<ArrayBuffer>({ method: "GET", path: `/maps/${encodeURIComponent(name)}/picture`, answer: "bytes" });
+  }
+
+  /**
+   * Export what is remembered. All episodes, those that happened last first, and their events. Of people, it has
+   * numbers alone. Refused where memory is off. Role: spectator.
+   */
+  getMemory(): Promise<MemoryReport> {
+    return this.ask<MemoryReport>({ method: "GET", path: `/memory`, answer: "json" });
   }
 
   /** One module. Role: spectator. */

@@ -29,6 +29,13 @@ export interface Alternative {
   without: string;
 }
 
+/** An event that is to come, by the episode that is recognized. */
+export interface AnticipatedEvent {
+  event: MemoryEvent;
+  /** In the episode, over 0 and at most 1: the later, the greater. */
+  weight: number;
+}
+
 /** What the strongest desire of a class asked for, when the problem was solved. */
 export interface Asked {
   intensity: number;
@@ -285,6 +292,54 @@ export interface EStop {
   stamp: number;
 }
 
+/** A desire that led to the accomplishment of an episode. */
+export interface EpisodeDeed {
+  class: string;
+  params: Record<string, unknown>;
+  /** In which share of the last times, over 0 and at most 1. */
+  weight: number;
+}
+
+/** An event of an episode, in its order. */
+export interface EpisodeEvent {
+  event: number;
+  /** Over 0 and at most 1: the later, the greater. */
+  weight: number;
+}
+
+/** An episode as it is kept. */
+export interface EpisodeReport {
+  id: number;
+  times: number;
+  /** When it ended first (robot's clock, s). */
+  first: number;
+  /** When it ended last (robot's clock, s). */
+  last: number;
+  /** How fast it is overwritten, 0.1 to 1. */
+  learning_rate: number;
+  /** The match from which it is recognized, 0.45 to 0.85. */
+  vigilance: number;
+  events: EpisodeEvent[];
+  deeds: EpisodeDeed[];
+}
+
+/** An episode in a few words. */
+export interface EpisodeSummary {
+  id: number;
+  /** How often it has happened. */
+  times: number;
+  /** When it ended first (robot's clock, s). */
+  first: number;
+  /** When it ended last (robot's clock, s). */
+  last: number;
+  /** How many it has. */
+  events: number;
+  /** The firmest of its events, at most 8. */
+  items: MemoryItem[];
+  /** Classes of desires that led to its accomplishment. */
+  deeds: string[];
+}
+
 /** Events, oldest first. */
 export interface EventList {
   events: TimelineEvent[];
@@ -300,6 +355,37 @@ export interface FieldProblem {
   kind?: string;
   /** What `kind` says, as `{"gt": 0}`, and the value that was `given`. */
   values?: Record<string, string | number>;
+}
+
+/** This robot first, then the others in the order of the fleet's file. */
+export interface FleetReport {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  robots: FleetRobot[];
+}
+
+/** One robot, as its own console answered just now. */
+export interface FleetRobot {
+  /** Its name in the fleet; empty while it has not answered. */
+  name: string;
+  /** What kind of robot it is. */
+  body: string;
+  /** Its own console; empty: this one. */
+  url: string;
+  /**
+   * stopped: its emergency stop is latched; problem: it cannot be driven as it is, or has another's name; refused: its
+   * console asks for another login; unreachable: it does not answer.
+   */
+  state: "problem" | "refused" | "stopped" | "unreachable" | "well";
+  /** The state in words, where there is more to say. */
+  detail: string;
+  /** The operator who drives it. */
+  driver: string | null;
+  /** The behavior that drives its base. */
+  exploited: string | null;
+  /** Share of its battery's capacity that is left, 0 to 1; null: not known. */
+  charge: number | null;
+  simulated: boolean;
 }
 
 /** A goal that the robot has given up. */
@@ -703,6 +789,56 @@ export interface MapList {
   maps: KeptMap[];
 }
 
+/** What was perceived and done at one time. */
+export interface MemoryEvent {
+  id: number;
+  items: MemoryItem[];
+}
+
+/** Something that belongs to an event. */
+export interface MemoryItem {
+  channel: "desire" | "emotion" | "object" | "person" | "place";
+  /**
+   * Which: `someone`, or `person 3` by the number of this run of the program; `code lab` by the place in front of which
+   * it hangs, else by a number; `word hello`; a place's id on its map; the class of a desire.
+   */
+  item: string;
+  /** How firmly it belongs to it, over 0 and at most 1. */
+  weight: number;
+}
+
+/** All that is remembered. */
+export interface MemoryReport {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  /** Those that happened last first. */
+  episodes: EpisodeReport[];
+  events: MemoryEvent[];
+}
+
+/** What happens now, as memory sees it, and the episodes it has; published with each change. */
+export interface MemoryState {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  /** Whether anything is remembered. */
+  on: boolean;
+  /** Why nothing is written to the disk, in words; empty: nothing is wrong. */
+  problem: string;
+  /** The last events of the episode under way, at most 12, in order. */
+  under_way: MemoryEvent[];
+  /** The episode that this is like; null: none. */
+  recognized: number | null;
+  /** How much it is like it, 0 to 1. */
+  match: number;
+  /** What comes next by that, the next first, at most 5. */
+  anticipated: AnticipatedEvent[];
+  raised: RaisedDesire[];
+  /** At most 20, those that happened last first. */
+  episodes: EpisodeSummary[];
+  episode_count: number;
+  event_count: number;
+}
+
 /** A module's input and its counters since the start. */
 export interface ModuleInput {
   /** φ: one message in φ passes; null: none passes. */
@@ -861,7 +997,8 @@ export interface NewWebhook {
     | "battery"
     | "accomplishment"
     | "tour"
-    | "rule")[];
+    | "rule"
+    | "memory")[];
   /** Only events about this: a desire class, a module; empty: about anything. */
   subject?: string;
   /** With which requests are signed: `whsec_` and 24 to 64 bytes in base64; left out: a new one. */
@@ -1166,6 +1303,18 @@ export interface ProblemDocument {
   errors?: FieldProblem[];
 }
 
+/** A desire of memory's. */
+export interface RaisedDesire {
+  /** Of the desire. */
+  id: string;
+  class: string;
+  intensity: number;
+  /** The episode that is the reason. */
+  episode: number;
+  /** In words. */
+  why: string;
+}
+
 /** Why a desired class gets what it gets. */
 export interface Reason {
   state: "degraded" | "fulfilled" | "inhibited" | "unfulfilled";
@@ -1353,6 +1502,8 @@ export interface ResourceUse {
 /** The body and its limits. */
 export interface RobotFacts {
   name: string;
+  /** What this robot is called among others (`console.name`); its `name` without one. */
+  called: string;
   simulated: boolean;
   /** Whether it is the body of a replay: it can neither be driven nor stopped. */
   replayed: boolean;
@@ -1789,6 +1940,7 @@ export interface TimelineEvent {
     | "goal"
     | "guard"
     | "intention"
+    | "memory"
     | "module"
     | "overload"
     | "percept"
@@ -2076,6 +2228,7 @@ export interface WebhookReport {
     | "goal"
     | "guard"
     | "intention"
+    | "memory"
     | "module"
     | "overload"
     | "percept"
@@ -2176,6 +2329,7 @@ export interface LiveRecords {
   load: LoadReport;
   localization: LocalizationReport;
   map_info: GridInfo;
+  memory: MemoryState;
   navigation: NavigationModel;
   notice: Notice;
   perceived: PlacedPercepts;

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 
 from playwright.sync_api import Page, expect
@@ -27,6 +28,7 @@ def test_each_key_brings_the_camera_to_its_viewpoint_wherever_the_keyboard_is(
     frame = frame_of(page)
     strip = page.get_by_test_id("viewpoints")
     expect(strip).to_have_attribute("data-arrived", "behind")
+    expect(page.get_by_test_id("scene-age")).to_have_text(re.compile(r"^\d+ ms$|^\d+(\.\d)? s$"))
     for number, (code, name) in enumerate(KEYS.items()):
         if number % 2:
             frame.evaluate(STRIKE, ["keydown", code])

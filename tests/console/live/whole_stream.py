@@ -10,14 +10,20 @@ import numpy as np
 
 from app.attention.desires import Source
 from app.messages import (
+    AnticipatedEvent,
     BatteryState,
+    EpisodeSummary,
     HeardWords,
     Landmark,
     Landmarks,
     LoudNoise,
+    MemoryEvent,
+    MemoryItem,
+    MemoryState,
     OperatorQuestion,
     Person,
     Persons,
+    RaisedDesire,
     SaliencyMap,
     SalientRegion,
     SalientRegions,
@@ -69,6 +75,15 @@ def say_everything(system: System, body: Body) -> None:
         last_seen=now,
     )
     system.graph.channel("persons").publish(Persons(now, (someone,)))
+    event = MemoryEvent(7, (MemoryItem("person", "someone", 1.0),))
+    memory = MemoryState(
+        now, on=True, problem="", under_way=(event,), recognized=3, match=0.9,
+        anticipated=(AnticipatedEvent(event, 1.0),),
+        raised=(RaisedDesire("d-1", "Listen", 2.0, 3, "it was accomplished with it"),),
+        episodes=(EpisodeSummary(3, times=2, first=1.0, last=2.0, events=1, items=event.items, deeds=("Listen",)),),
+        episode_count=1, event_count=1,
+    )  # fmt: skip
+    system.graph.channel("memory").publish(memory)
     text = {"en": "The arm"}
     tour = TourProgress(
         now, "run", "arm-tour", title=text, language="en", languages=("en",), waits=False, state="blocked", since=now,

@@ -76,6 +76,25 @@ async def test_a_choice_glides_there_and_arrives_when_the_browser_says_so(url: s
         assert not [m for m in viewer.seen if m["type"] == "SetOrientationMessage" and m["name"] == "/odom"]
 
 
+async def test_the_pulse_says_of_when_the_robot_is_that_was_drawn(url: str, system: System, body: Body) -> None:
+    pulse_address = f"{url.replace('http', 'ws')}/viser/pulse?viewer=abc"
+    async with (
+        looking(url) as viewer,
+        websockets.connect(pulse_address, proxy=None, close_timeout=1) as pulse,
+        asyncio.timeout(PATIENCE_S),
+    ):
+        await viewer.until(("PointCloudMessage", "/odom/cloud"))
+        stamp = system.clock.now() + 0.5
+        body.emit("odometry", Odometry(stamp, Pose2(1.0, 2.0, 0.5), 0.0, 0.0))
+        said = 0.0
+        # What waited for room on its way is taken off: it was drawn that much before.
+        while not stamp - 0.2 < said <= stamp + 1e-3:
+            number, _, of = str(await pulse.recv()).partition(" ")
+            if number.isdecimal():
+                await pulse.send(f"{number} 5.0")
+                said = float(of or 0)
+
+
 async def test_a_hand_on_the_camera_ends_a_glide(url: str) -> None:
     pulse_address = f"{url.replace('http', 'ws')}/viser/pulse?viewer=abc"
     async with (

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from app.console.webhooks.kept import Webhook, WebhooksUnreadable, checked_url, read_webhooks, write_webhooks
+from app.base.web_address import checked_url
+from app.console.webhooks.kept import Webhook, WebhooksUnreadable, read_webhooks, write_webhooks
 from app.console.webhooks.signing import new_secret
 
 

@@ -89,15 +89,22 @@ function LoadForm({ kept, onDone }: { kept: KeptMap; onDone: () => void }) {
   const { maps, store } = useApp();
   const id = useId();
   const extend = useSignal(false);
-  const where = useSignal<"anywhere" | "start">("anywhere");
-  const unsaved = store.of("localization").value !== null && maps.inUse.value === "";
+  const localization = store.of("localization").value;
+  /** It is loaded again, and the robot knows where it is on it. */
+  const known =
+    maps.inUse.value === kept.name && (localization?.state === "tracking" || localization?.state === "mapping");
+  const chosen = useSignal<"here" | "anywhere" | "start" | null>(null);
+  const where = chosen.value === "here" && !known ? "anywhere" : (chosen.value ?? (known ? "here" : "anywhere"));
+  const unsaved = localization !== null && maps.inUse.value === "";
   return (
     <form
       class="map-form"
       onSubmit={(event) => {
         event.preventDefault();
-        const pose = where.value === "start" ? { pose: { x: 0, y: 0, theta: 0 } } : {};
-        void maps.load(kept.name, { ...pose, extend: extend.value }).then((done) => done && onDone());
+        const { x, y, theta } = where === "here" ? localization! : { x: 0, y: 0, theta: 0 };
+        void maps
+          .load(kept.name, { ...(where === "anywhere" ? {} : { pose: { x, y, theta } }), extend: extend.value })
+          .then((done) => done && onDone());
       }}
     >
       <fieldset>
@@ -117,19 +124,29 @@ function LoadForm({ kept, onDone }: { kept: KeptMap; onDone: () => void }) {
       </fieldset>
       <fieldset>
         <legend>{t("The robot")}</legend>
+        {known && (
+          <Choice
+            group={`${id}-robot`}
+            id="map-here"
+            checked={where === "here"}
+            onChoose={() => (chosen.value = "here")}
+          >
+            {t("is where it found itself on it")}
+          </Choice>
+        )}
         <Choice
           group={`${id}-robot`}
           id="map-anywhere"
-          checked={where.value === "anywhere"}
-          onChoose={() => (where.value = "anywhere")}
+          checked={where === "anywhere"}
+          onChoose={() => (chosen.value = "anywhere")}
         >
           {t("is somewhere on it: search for its pose")}
         </Choice>
         <Choice
           group={`${id}-robot`}
           id="map-at-start"
-          checked={where.value === "start"}
-          onChoose={() => (where.value = "start")}
+          checked={where === "start"}
+          onChoose={() => (chosen.value = "start")}
         >
           {t("is at the start of the map")}
         </Choice>

@@ -6,6 +6,7 @@ import { useEffect, useRef } from "preact/hooks";
 import { t } from "../i18n";
 import { useApp } from "../state/context";
 import type { MapPlace } from "../state/store";
+import { ago } from "../ui/format";
 import {
   CompassIcon,
   EnlargeIcon,
@@ -19,6 +20,9 @@ import {
 import { listen } from "./listeners";
 import { emptyWords, poseWords } from "./mapText";
 import { paintOn } from "./painter";
+
+/** A pose that is older (s of the robot, at its own pace) says so. */
+const OLD_S = 3;
 
 interface Props {
   place: MapPlace;
@@ -87,6 +91,7 @@ function Where() {
   const name = maps.inUse.value ?? localization.map;
   const { tone, text, more } = poseWords(localization, store.replay.value ? undefined : lane, name);
   const trouble = tone !== "good";
+  const age = (store.seconds.value ?? localization.stamp) - localization.stamp;
   return (
     <p
       class={`map-where ${tone}`}
@@ -96,7 +101,7 @@ function Where() {
       data-map={name}
       title={more}
     >
-      <b>{text}</b>
+      <b>{age > OLD_S * Math.max(1, store.clock.rate) ? t("{text}, {ago}", { text, ago: ago(age) }) : text}</b>
       <span class={trouble ? "" : "map-sigma"}>{more}</span>
     </p>
   );

@@ -3,8 +3,9 @@
 import { signal } from "@preact/signals";
 import { langOf, t } from "../i18n";
 import type { Intention as IntentionMessage, SelectedStrategy } from "../protocol/types";
+import { useApp } from "../state/context";
 import type { Message } from "../state/latest";
-import { divisor, number, reasonText, small, spaced, stateWord } from "../ui/format";
+import { ago, divisor, number, reasonText, small, spaced, stateWord } from "../ui/format";
 import { StateMark, WarnIcon } from "../ui/icons";
 import { headline, intake, plainReason, type Reason, shortfall, sorted } from "./attentionText";
 import { Budget } from "./Budget";
@@ -99,12 +100,20 @@ function Body({ intention }: { intention: IntentionMessage }) {
         data-omega={intention.omega}
         title={t("Ω, the worth of what was chosen (the higher, the more of what is desired is served)")}
       >
+        <ChosenAgo stamp={intention.stamp} />
         {intention.proven ? t("No better choice exists") : t("The best choice found; a better one may exist")}
         {named.value &&
           ` · ${t("Ω = {omega} in {time} ms", { omega: number(intention.omega, 2), time: number(intention.solve_ms, 1) })}`}
       </p>
     </>
   );
+}
+
+/** "Chosen 12 s ago", and a dot to what follows. */
+function ChosenAgo({ stamp }: { stamp: number }) {
+  const { store } = useApp();
+  const now = store.seconds.value;
+  return now === null ? null : <>{t("Chosen {ago}", { ago: ago(now - stamp) })} · </>;
 }
 
 function Row({ name, reason, strategies }: { name: string; reason: Reason; strategies: SelectedStrategy[] }) {

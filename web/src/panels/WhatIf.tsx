@@ -9,7 +9,6 @@ import { useApp } from "../state/context";
 import type { Message } from "../state/latest";
 import { number, spaced } from "../ui/format";
 import { Meter } from "../ui/Meter";
-import { headline } from "./attentionText";
 import { NewestAnswer } from "./newestAnswer";
 import { panel } from "./panel";
 import { resourceLabel, resourceUnit } from "./resourceNames";
@@ -24,6 +23,7 @@ import {
   NOTHING,
   outcome,
   type Supposed,
+  supposedHeadline,
   withCost,
   withValue,
 } from "./supposition";
@@ -74,7 +74,17 @@ function Sliders({ now }: { now: Intention }) {
   };
   return (
     <div class="what-if">
-      <p class="muted small">{t("Nothing here touches the robot until you apply it.")}</p>
+      <div class="what-if-said">
+        <p class="attention-headline" aria-live="polite" data-testid="what-if-headline" data-omega={then?.omega ?? ""}>
+          {problem ? "" : then ? supposedHeadline(then.reasons) : t("Everything as it is now: move a slider.")}
+        </p>
+        {problem && <p class="inline-note error">{problem}</p>}
+        {isNothing(supposed.value) ? (
+          <p class="muted small">{t("Nothing here touches the robot until you apply it.")}</p>
+        ) : (
+          <Apply supposed={supposed.value} now={now} onDone={reset} />
+        )}
+      </div>
       <fieldset>
         <legend>{t("Budgets")}</legend>
         {Object.entries(now.use).map(([name, { capacity, unit }]) => (
@@ -131,11 +141,9 @@ function Sliders({ now }: { now: Intention }) {
         )}
       </fieldset>
       <Costs now={now} then={then} supposed={supposed.value} onChange={(next) => (supposed.value = next)} />
-      <div class="what-if-answer" aria-live="polite" data-testid="what-if-answer">
-        {problem && <p class="inline-note error">{problem}</p>}
+      <div class="what-if-answer" data-testid="what-if-answer">
         {!problem && then && <Answer now={now} then={then} />}
       </div>
-      {!isNothing(supposed.value) && <Apply supposed={supposed.value} now={now} onDone={reset} />}
     </div>
   );
 }
@@ -175,9 +183,7 @@ function Answer({ now, then }: { now: Intention; then: Intention }) {
   const changed = differences(now, then);
   return (
     <>
-      <p class="attention-headline" data-testid="what-if-headline" data-omega={then.omega}>
-        {headline(then.reasons)}
-      </p>
+      <h3>{t("What would change")}</h3>
       {changed.length === 0 ? (
         <p class="muted small">{t("Nothing would change.")}</p>
       ) : (
@@ -287,7 +293,7 @@ interface SliderProps {
   /** What would come of it. */
   note?: string;
   value: number;
-  /** What there is; its place is marked. */
+  /** What there is; its place is marked once the value is another. */
   now: number;
   most: number;
   steps?: number;
@@ -300,7 +306,7 @@ function Slider({ id, label, note = "", value, now, most, steps = STEPS, words, 
   const step = most / steps;
   const near = Math.abs(value - now) < step / 2;
   return (
-    <div class={`what-if-slider ${near ? "" : "changed"}`}>
+    <div class={`what-if-slider ${near ? "" : "changed"}`} style={{ "--now": now / most }}>
       <label for={own}>{label}</label>
       <span class="what-if-note">{note}</span>
       <output for={own}>{words(value)}</output>
@@ -313,7 +319,6 @@ function Slider({ id, label, note = "", value, now, most, steps = STEPS, words, 
         value={value}
         data-testid={`what-if-${id}`}
         aria-valuetext={words(value)}
-        style={{ "--now": `${(100 * now) / most}%` }}
         onInput={(event) => {
           const asked = event.currentTarget.valueAsNumber;
           onChange(Math.abs(asked - now) < step / 2 ? now : Math.round(asked * 1000) / 1000);

@@ -9,6 +9,7 @@ import { mapPanel } from "../map/MapPanel";
 import { mapsPanel } from "../map/Maps";
 import { placesPanel } from "../map/Places";
 import { zonesPanel } from "../map/Zones";
+import { memoryPanel } from "../memory/MemoryPanel";
 import { recordingsPanel } from "../recordings/Recordings";
 import { wordsPanel } from "../speech/WordsPanel";
 import { tourPanel } from "../tours/TourPanel";
@@ -40,6 +41,7 @@ export const PANELS: readonly Panel[] = [
   aroundPanel,
   peoplePanel,
   wordsPanel,
+  memoryPanel,
   foundPanel,
   loadPanel,
   graphPanel,

@@ -1,6 +1,16 @@
 import { expect, test } from "vitest";
 import type { Intention, SelectedStrategy } from "../protocol/types";
-import { bodyOf, dearest, deedsOf, differences, isNothing, NOTHING, withCost, withValue } from "./supposition";
+import {
+  bodyOf,
+  dearest,
+  deedsOf,
+  differences,
+  isNothing,
+  NOTHING,
+  supposedHeadline,
+  withCost,
+  withValue,
+} from "./supposition";
 
 const strategy = (of: string, utility: number, phi: number): SelectedStrategy => ({
   name: `${of}-${phi}`,
@@ -83,4 +93,15 @@ test("the dearest resource is that of which the greatest share of the budget goe
   const use = { cpu: { used: 0, capacity: 100, unit: "%" }, link: { used: 0, capacity: 4, unit: "Mbit/s" } };
   expect(dearest({ cpu: 20, link: 2 }, use)).toBe("link");
   expect(dearest({ cpu: 0 }, use)).toBe(null);
+});
+
+test("what would be given up is said as what would be, not as what is", () => {
+  expect(supposedHeadline({})).toContain("Nothing would be desired");
+  expect(supposedHeadline({ SLAM: reason("fulfilled", 8, 8) })).toContain("would get all it can use");
+  const reasons = {
+    SLAM: reason("unfulfilled", 0, 8),
+    LocateFaces: reason("degraded", 4, 8),
+    LocateVoices: reason("degraded", 2, 8),
+  };
+  expect(supposedHeadline(reasons)).toBe("The robot would give up SLAM, give less to Locate voices and Locate faces.");
 });

@@ -1,9 +1,9 @@
 /** What is supposed, what would follow from it, and what it takes to have it so. Pure. */
 
-import { t } from "../i18n";
+import { listed, t } from "../i18n";
 import type { Intention, WhatIf } from "../protocol/types";
 import { number, spaced, stateWord } from "../ui/format";
-import { intake, shortfall } from "./attentionText";
+import { intake, shortfall, sorted } from "./attentionText";
 
 /** Intensities by class, 0: not desired; costs by strategy of the one resource it needs most; budgets by resource. */
 export interface Supposed {
@@ -72,6 +72,21 @@ export function differences(now: Intention, then: Intention): Difference[] {
     .filter(({ before, after }) => before !== after)
     .sort((a, b) => a.gain - b.gain)
     .map(({ gain, ...rest }) => ({ ...rest, better: gain > 0 }));
+}
+
+/** What would be given up, in one sentence. */
+export function supposedHeadline(reasons: Intention["reasons"]): string {
+  const { given, best } = sorted(reasons);
+  if (given.length + best.length === 0) return t("Nothing would be desired: the robot would attend to nothing.");
+  const of = (state: string) =>
+    listed(given.filter(([, reason]) => reason.state === state).map(([name]) => spaced(name)));
+  const parts = [
+    of("unfulfilled") && t("give up {classes}", { classes: of("unfulfilled") }),
+    of("degraded") && t("give less to {classes}", { classes: of("degraded") }),
+    of("inhibited") && t("hold back {classes}", { classes: of("inhibited") }),
+  ].filter(Boolean);
+  if (parts.length === 0) return t("Everything that is desired would get all it can use.");
+  return t("The robot would {deeds}.", { deeds: parts.join(", ") });
 }
 
 /** In short, what a class would get, where that is something else: "→ 50 % of its best". */

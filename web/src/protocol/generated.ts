@@ -31,6 +31,13 @@ export interface Alternative {
   without: string;
 }
 
+/** An event that is to come, by the episode that is recognized. */
+export interface AnticipatedEvent {
+  event: MemoryEvent;
+  /** In the episode, over 0 and at most 1: the later, the greater. */
+  weight: number;
+}
+
 /** What the strongest desire of a class asked for, when the problem was solved. */
 export interface Asked {
   intensity: number;
@@ -270,6 +277,23 @@ export interface Driver {
   holds: boolean;
 }
 
+/** An episode in a few words. */
+export interface EpisodeSummary {
+  id: number;
+  /** How often it has happened. */
+  times: number;
+  /** When it ended first (robot's clock, s). */
+  first: number;
+  /** When it ended last (robot's clock, s). */
+  last: number;
+  /** How many it has. */
+  events: number;
+  /** The firmest of its events, at most 8. */
+  items: MemoryItem[];
+  /** Classes of desires that led to its accomplishment. */
+  deeds: string[];
+}
+
 /** Events, oldest first. */
 export interface EventList {
   events: TimelineEvent[];
@@ -298,6 +322,37 @@ export interface FailureRules {
 /** What the robot does before it goes home. */
 export interface Farewell {
   do: Step[];
+}
+
+/** This robot first, then the others in the order of the fleet's file. */
+export interface FleetReport {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  robots: FleetRobot[];
+}
+
+/** One robot, as its own console answered just now. */
+export interface FleetRobot {
+  /** Its name in the fleet; empty while it has not answered. */
+  name: string;
+  /** What kind of robot it is. */
+  body: string;
+  /** Its own console; empty: this one. */
+  url: string;
+  /**
+   * stopped: its emergency stop is latched; problem: it cannot be driven as it is, or has another's name; refused: its
+   * console asks for another login; unreachable: it does not answer.
+   */
+  state: "problem" | "refused" | "stopped" | "unreachable" | "well";
+  /** The state in words, where there is more to say. */
+  detail: string;
+  /** The operator who drives it. */
+  driver: string | null;
+  /** The behavior that drives its base. */
+  exploited: string | null;
+  /** Share of its battery's capacity that is left, 0 to 1; null: not known. */
+  charge: number | null;
+  simulated: boolean;
 }
 
 /** A desire of a class of the body's, such as Wave. */
@@ -668,6 +723,47 @@ export interface Media {
   alt: Record<string, string>;
 }
 
+/** What was perceived and done at one time. */
+export interface MemoryEvent {
+  id: number;
+  items: MemoryItem[];
+}
+
+/** Something that belongs to an event. */
+export interface MemoryItem {
+  channel: "desire" | "emotion" | "object" | "person" | "place";
+  /**
+   * Which: `someone`, or `person 3` by the number of this run of the program; `code lab` by the place in front of which
+   * it hangs, else by a number; `word hello`; a place's id on its map; the class of a desire.
+   */
+  item: string;
+  /** How firmly it belongs to it, over 0 and at most 1. */
+  weight: number;
+}
+
+/** What happens now, as memory sees it, and the episodes it has; published with each change. */
+export interface MemoryState {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  /** Whether anything is remembered. */
+  on: boolean;
+  /** Why nothing is written to the disk, in words; empty: nothing is wrong. */
+  problem: string;
+  /** The last events of the episode under way, at most 12, in order. */
+  under_way: MemoryEvent[];
+  /** The episode that this is like; null: none. */
+  recognized: number | null;
+  /** How much it is like it, 0 to 1. */
+  match: number;
+  /** What comes next by that, the next first, at most 5. */
+  anticipated: AnticipatedEvent[];
+  raised: RaisedDesire[];
+  /** At most 20, those that happened last first. */
+  episodes: EpisodeSummary[];
+  episode_count: number;
+  event_count: number;
+}
+
 /** A module's input and its counters since the start. */
 export interface ModuleInput {
   /** φ: one message in φ passes; null: none passes. */
@@ -983,6 +1079,18 @@ export interface Question {
   answer: Step;
 }
 
+/** A desire of memory's. */
+export interface RaisedDesire {
+  /** Of the desire. */
+  id: string;
+  class: string;
+  intensity: number;
+  /** The episode that is the reason. */
+  episode: number;
+  /** In words. */
+  why: string;
+}
+
 /** A stop's own ReachRule: what is left out is the tour's. */
 export interface ReachException {
   retry: number | null;
@@ -1175,6 +1283,8 @@ export interface ResourceUse {
 /** The body and its limits. */
 export interface RobotFacts {
   name: string;
+  /** What this robot is called among others (`console.name`); its `name` without one. */
+  called: string;
   simulated: boolean;
   /** Whether it is the body of a replay: it can neither be driven nor stopped. */
   replayed: boolean;
@@ -1579,6 +1689,7 @@ export interface TimelineEvent {
     | "goal"
     | "guard"
     | "intention"
+    | "memory"
     | "module"
     | "overload"
     | "percept"
@@ -2333,6 +2444,8 @@ export interface RobotMessages {
   places: PlaceList;
   /** On change: how the guided tour goes. */
   tour: TourProgress;
+  /** On change, up to 4 times a second: what is recognized, expected, remembered. */
+  memory: MemoryState;
   /** Right before each picture of kind 3 (map): what it shows. */
   map_info: GridInfo;
   /** Right before each picture of kind 4 (costmap): what it shows. */

@@ -9,6 +9,7 @@ import type {
   Desire,
   DesireChange,
   EventList,
+  FleetReport,
   GoalRequest,
   Intention,
   LanesPast,
@@ -104,6 +105,11 @@ export class Rest {
 
   lanes(from: number, to: number, points: number): Promise<LanesPast> {
     return this.ask("GET", `/lanes?from=${from}&to=${to}&points=${points}`) as Promise<LanesPast>;
+  }
+
+  /** This robot first, then the others that it knows. */
+  async fleet(): Promise<FleetReport> {
+    return (await this.ask("GET", "/fleet")) as FleetReport;
   }
 
   async strategies(): Promise<readonly StrategyReport[]> {
@@ -358,6 +364,19 @@ export class Rest {
   /** A table of all reports. */
   tourReportsTable(): string {
     return `${ROOT}/tour-reports.csv`;
+  }
+
+  /** All that is remembered, as a file. */
+  memoryFile(): string {
+    return `${ROOT}/memory`;
+  }
+
+  async deleteMemory(): Promise<void> {
+    await this.ask("DELETE", "/memory");
+  }
+
+  async deleteEpisode(id: number): Promise<void> {
+    await this.ask("DELETE", `/memory/episodes/${id}`);
   }
 
   /** Begins a rehearsal of a tour as it is kept; refused while another runs. */

@@ -2,6 +2,7 @@
 
 import type { ComponentChildren } from "preact";
 import { WheelAsked } from "../drive/Wheel";
+import { FleetMenu } from "../fleet/FleetMenu";
 import { decimals, fromRobot, t } from "../i18n";
 import { LayoutMenu } from "../layout/LayoutMenu";
 import { ShapedLink } from "../panels/LinkShape";
@@ -48,7 +49,7 @@ export function TopBar({ narrow }: { narrow: boolean }) {
         <div class="brand">
           <h1>HBBA</h1>
           <span class="robot-name" data-testid="robot-name">
-            {replay ? t("Replay") : hello ? hello.robot.name : t("No robot yet")}
+            {replay ? t("Replay") : <FleetMenu />}
             {!replay && hello?.robot.simulated && <i class="tag">{t("simulated")}</i>}
           </span>
         </div>

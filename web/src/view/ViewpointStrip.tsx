@@ -7,6 +7,7 @@ import type { FollowControl } from "../drive/followControl";
 import { LEAST_LIMIT_DEG, MOST_LIMIT_DEG } from "../drive/viewFollow";
 import { t } from "../i18n";
 import { useApp } from "../state/context";
+import { sceneAge } from "./pictureAge";
 import type { SceneFrame } from "./sceneFrame";
 import { VIEWPOINTS, type Viewpoint, viewpointOf } from "./viewpoints";
 
@@ -91,6 +92,7 @@ export function ViewpointStrip({ scene, follow }: { scene: SceneFrame; follow: F
           </svg>
         </button>
       )}
+      <SceneAge stamp={scene.stamp.value} />
       {follows && (
         <label class="soft-limit" title={t("So far aside the head follows alone; beyond it, the robot turns")}>
           <span>{limit}°</span>
@@ -107,6 +109,20 @@ export function ViewpointStrip({ scene, follow }: { scene: SceneFrame; follow: F
         </label>
       )}
     </div>
+  );
+}
+
+/** How old it is what the 3D view shows: refreshed with the robot's clock, also while nothing new is drawn. */
+function SceneAge({ stamp }: { stamp: number | null }) {
+  const { store } = useApp();
+  const now = store.now.value;
+  const age = now !== null && stamp !== null ? sceneAge(now - stamp, store.clock.rate, store.replay.value) : null;
+  return (
+    age && (
+      <span class={`scene-age ${age.late ? "late" : ""}`} data-testid="scene-age" title={age.title}>
+        {age.text}
+      </span>
+    )
   );
 }
 

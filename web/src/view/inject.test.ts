@@ -28,8 +28,22 @@ function canvases(renderer: string, drawMs: { value: number }) {
   };
 }
 
+/** The connection over which its pulse comes. */
+interface Pulse {
+  onmessage?: (event: { data: string }) => void;
+  send: ReturnType<typeof vi.fn>;
+}
+
 /** The script in a window of little more than what it uses. */
-function injected(pageOrigin = PAGE, renderer = "", drawMs = { value: 0 }) {
+function injected(pageOrigin = PAGE, renderer = "", drawMs = { value: 0 }, onFrame = vi.fn()) {
+  const sockets: Pulse[] = [];
+  class OurSocket implements Pulse {
+    readyState = 1;
+    send = vi.fn();
+    constructor() {
+      sockets.push(this);
+    }
+  }
   const HTMLCanvasElement = canvases(renderer, drawMs);
   const parent = { postMessage: vi.fn() };
   const target = new EventTarget();
@@ -47,8 +61,8 @@ function injected(pageOrigin = PAGE, renderer = "", drawMs = { value: 0 }) {
     document,
     setInterval: everyPeriod,
     history: { replaceState: vi.fn() },
-    requestAnimationFrame: vi.fn(),
-    WebSocket: class {},
+    requestAnimationFrame: onFrame,
+    WebSocket: OurSocket,
     HTMLCanvasElement,
     addEventListener: target.addEventListener.bind(target),
     dispatchEvent: target.dispatchEvent.bind(target),
@@ -70,7 +84,7 @@ function injected(pageOrigin = PAGE, renderer = "", drawMs = { value: 0 }) {
     target.dispatchEvent(event);
   };
   const said = () => parent.postMessage.mock.calls.map(([message]) => (message as { type: string }).type);
-  return { parent, target, tell, press, point, said, everyPeriod, window, HTMLCanvasElement };
+  return { parent, target, sockets, tell, press, point, said, everyPeriod, window, HTMLCanvasElement };
 }
 
 /** What draws at each frame that it gets; when (ms) it drew. */
@@ -147,6 +161,22 @@ test("a card draws each frame", () => {
   const drawn = viser(scene);
   vi.advanceTimersByTime(100);
   expect(drawn.length).toBeGreaterThan(50);
+});
+
+test.each([
+  ["7 1764.250", [{ type: "shown", stamp: 1764.25 }]],
+  ["7", []], // nothing is drawn yet
+])("the pulse '%s' is answered two frames on, and the page hears of when it is what is seen then", (data, said) => {
+  const nextFrame = vi.fn();
+  const { parent, sockets } = injected(PAGE, "", { value: 0 }, nextFrame);
+  const drawFrame = () => nextFrame.mock.calls.splice(0).forEach(([run]) => (run as (now: number) => void)(0));
+  const heard = () => parent.postMessage.mock.calls.map(([message]) => message as { type: string });
+  sockets[0]!.onmessage!({ data });
+  drawFrame();
+  expect(sockets[0]!.send).not.toHaveBeenCalled();
+  drawFrame();
+  expect(heard().filter(({ type }) => type === "shown")).toEqual(said);
+  expect(sockets[0]!.send).toHaveBeenCalledWith(expect.stringMatching(/^7 [0-9.]+$/));
 });
 
 test("it speaks to the page of one origin alone", () => {

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { isOld, pictureAge } from "./pictureAge";
+import { isOld, pictureAge, sceneAge } from "./pictureAge";
 
 test("a fresh picture says its age in small steps, and is not late", () => {
   expect(pictureAge(0.123, 1, false)).toMatchObject({ text: "120 ms", late: false });
@@ -23,4 +23,11 @@ test("in a recording only what is old says so, at the pace of its clock", () => 
 
 test("what is no age is not said", () => {
   expect(pictureAge(Number.NaN, 1, false)).toBeNull();
+});
+
+test("the 3D view says its age where there is room for few letters, and what it means", () => {
+  expect(sceneAge(0.234, 1, false)).toMatchObject({ text: "230 ms", late: false });
+  expect(sceneAge(1.26, 1, false)).toMatchObject({ text: "1.3 s", late: true });
+  expect(sceneAge(1.26, 1, false)?.title).toMatch(/3D view.*drive slowly/);
+  expect(sceneAge(1.26, 4, true)).toBeNull();
 });

@@ -1,6 +1,6 @@
-/** How old the camera's picture is, glass to glass: from the robot's lens to this screen. Pure. */
+/** How old the camera's picture is, glass to glass: from the robot's lens to this screen; and the 3D view. Pure. */
 
-import { t } from "../i18n";
+import { type Text, t } from "../i18n";
 import { number } from "../ui/format";
 
 /** A picture older than this is said to be late, and than the other, is greyed (s of the robot, at its own pace). */
@@ -25,10 +25,23 @@ export function pictureAge(age: number, rate: number, recorded: boolean): ShownA
   const text = old
     ? t("{age} s old", { age: number(age, 1) })
     : t("{count} ms", { count: 10 * Math.round(100 * Math.max(0, age)) });
-  const meaning = t("Age of the picture, glass to glass: since the robot's camera took it, until you see it.");
   return {
     text,
     late,
-    title: late ? t("{meaning} What you do now comes later still: drive slowly.", { meaning }) : meaning,
+    title: titled("Age of the picture, glass to glass: since the robot's camera took it, until you see it.", late),
   };
+}
+
+/** `age` (s) of the robot in the 3D view, at `rate` of its clock; null: nothing is to be said. In a recording only what is late is. */
+export function sceneAge(age: number, rate: number, recorded: boolean): ShownAge | null {
+  const late = age > LATE_S * Math.max(1, rate);
+  if (!Number.isFinite(age) || (recorded && !late)) return null;
+  const text = late
+    ? t("{age} s", { age: number(age, 1) })
+    : t("{count} ms", { count: 10 * Math.round(100 * Math.max(0, age)) });
+  return { text, late, title: titled("Age of the 3D view: since the robot was where you see it.", late) };
+}
+
+function titled(meaning: Text, late: boolean): string {
+  return late ? t("{meaning} What you do now comes later still: drive slowly.", { meaning: t(meaning) }) : t(meaning);
 }

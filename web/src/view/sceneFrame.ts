@@ -42,6 +42,8 @@ export class SceneFrame {
   readonly load = signal(0);
   /** What it looks from, as it says, and whether it is there; null: not known yet. */
   readonly camera = signal<Pick<SceneCamera, "viewpoint" | "arrived"> | null>(null);
+  /** Of when (s, the robot's clock) the robot is that it shows; null: not known yet. */
+  readonly stamp = signal<number | null>(null);
   /** Called several times a second with where it looks. */
   onCamera: (camera: SceneCamera) => void = () => {};
   /** Called while a hand has its camera, again and again, and when it has let go of it or turned its wheel. */
@@ -124,9 +126,11 @@ export class SceneFrame {
       this.state.value = "shown";
       this.say({ type: "keys", codes: this.taken });
       this.camera.value = null;
+      this.stamp.value = null;
       if (this.choice) this.say({ type: "viewpoint", ...this.choice });
       if (this.softLimit !== null) this.say({ type: "soft_limit", angle: this.softLimit });
     } else if (message.type === "frames") this.parts.frames(message.ms);
+    else if (message.type === "shown") this.stamp.value = message.stamp;
     else if (message.type === "camera") this.takeCamera(message);
     else if (message.type === "hand") this.onHand(message.down);
     else if (message.type === "pick") this.onPicked(message);

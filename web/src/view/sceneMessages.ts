@@ -49,6 +49,8 @@ export type FromScene =
   | { type: "blur" }
   /** The mean time between frames lately. */
   | { type: "frames"; ms: number }
+  /** Of when (s, the robot's clock) the robot is that is seen now. */
+  | { type: "shown"; stamp: number }
   | SceneCamera
   /** A hand has the camera, again and again while it does; or has just let go of it, or turned its wheel. */
   | { type: "hand"; down: boolean }
@@ -85,6 +87,7 @@ const SHAPES: ReadonlyMap<unknown, (said: Record<string, unknown>) => boolean> =
   ["ready", () => true],
   ["blur", () => true],
   ["frames", ({ ms }) => typeof ms === "number" && ms > 0],
+  ["shown", ({ stamp }) => Number.isFinite(stamp)],
   ["hand", ({ down }) => typeof down === "boolean"],
   ["pick", ({ viewer, u, v }) => typeof viewer === "string" && viewer !== "" && isShare(u) && isShare(v)],
   [

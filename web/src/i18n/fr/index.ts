@@ -4,6 +4,7 @@ import { desires } from "./desires";
 import { drive } from "./drive";
 import { lanes } from "./lanes";
 import { map } from "./map";
+import { memory } from "./memory";
 import { page } from "./page";
 import { panels } from "./panels";
 import { recordings } from "./recordings";
@@ -19,6 +20,7 @@ export const fr = {
   ...drive,
   ...lanes,
   ...map,
+  ...memory,
   ...page,
   ...panels,
   ...recordings,

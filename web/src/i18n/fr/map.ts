@@ -142,6 +142,8 @@ export const map = {
   "SLAM is off: the pose comes from odometry alone.": "Le SLAM est arrêté : la pose vient de l’odométrie seule.",
   "Extending {map}": "Prolonge {map}",
   "Mapping, not saved yet": "Cartographie, pas encore enregistrée",
+  "is where it found itself on it": "est là où il s’y est localisé",
+  "{text}, {ago}": "{text}, {ago}",
   "On the map {map}": "Sur la carte {map}",
   "Searching for its pose on {map}": "Cherche sa pose sur {map}",
   "Drive it around a little, or set its pose.": "Conduisez-le un peu, ou indiquez sa pose.",

@@ -2,6 +2,17 @@
 
 export const page = {
   "{words} and {last}": "{words} et {last}",
+  Robots: "Robots",
+  "All robots: how they are, and who drives them": "Tous les robots : leur état, et qui les conduit",
+  "this page": "cette page",
+  Ready: "Prêt",
+  Problem: "Problème",
+  Open: "Ouvrir",
+  "Asks for a login": "Demande une connexion",
+  "Not reached": "Injoignable",
+  "driven by {name}": "conduit par {name}",
+  "drives itself ({behavior})": "se conduit seul ({behavior})",
+  "battery {charge}": "batterie {charge}",
   "Layout: {preset}": "Disposition : {preset}",
   "What the page shows, and where": "Ce que montre la page, et où",
   Layout: "Disposition",

@@ -91,6 +91,9 @@ export const panels = {
   "needed by another": "nécessaire à un autre",
   "Ω, the worth of what was chosen (the higher, the more of what is desired is served)":
     "Ω, la valeur de ce qui a été choisi (plus elle est élevée, mieux les désirs sont servis)",
+  "Everything as it is now: move a slider.": "Tout comme maintenant : déplacez un curseur.",
+  "What would change": "Ce qui changerait",
+  "Chosen {ago}": "Choisi {ago}",
   "No better choice exists": "Il n’existe pas de meilleur choix",
   "The best choice found; a better one may exist": "Le meilleur choix trouvé ; un meilleur peut exister",
   "Ω = {omega} in {time} ms": "Ω = {omega} en {time} ms",
@@ -173,6 +176,14 @@ export const panels = {
   "one command in {phi}": "une commande sur {phi}",
   "every {nth} message": "un message sur {nth}",
   "one message in {phi}": "un message sur {phi}",
+  "Nothing would be desired: the robot would attend to nothing.":
+    "Rien ne serait désiré : le robot ne porterait attention à rien.",
+  "Everything that is desired would get all it can use.":
+    "Tout ce qui est désiré recevrait tout ce qui peut lui servir.",
+  "The robot would {deeds}.": "Le robot {deeds}.",
+  "give up {classes}": "abandonnerait {classes}",
+  "give less to {classes}": "donnerait moins à {classes}",
+  "hold back {classes}": "retiendrait {classes}",
   "gave up {classes}": "a abandonné {classes}",
   "gives less to {classes}": "donne moins à {classes}",
   "holds back {classes}": "retient {classes}",

@@ -105,6 +105,9 @@ export const view = {
   "{count} ms": "{count} ms",
   "Age of the picture, glass to glass: since the robot's camera took it, until you see it.":
     "Âge de l’image, de bout en bout : depuis que la caméra du robot l’a prise, jusqu’à ce que vous la voyiez.",
+  "Age of the 3D view: since the robot was where you see it.":
+    "Âge de la vue 3D : depuis que le robot était là où vous le voyez.",
+  "{age} s": "{age} s",
   "{meaning} What you do now comes later still: drive slowly.":
     "{meaning} Ce que vous faites maintenant arrive plus tard encore : conduisez lentement.",
   "Behind the robot": "Derrière le robot",

@@ -1,0 +1,1 @@
+"""The motivation that remembers episodes, recognizes them and anticipates what comes next."""
