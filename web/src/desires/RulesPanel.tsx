@@ -51,7 +51,7 @@ function Row({ rule }: { rule: RuleReport }) {
       </p>
       <p class="desire-by">
         <span lang={langOf(words)}>{fromRobot(words)}</span> · {file}:{line}
-        {fired > 1 && ` · ${t("{count} times", { count: fired })}`}
+        {fired > 1 && ` · ${t("{count}×", { count: fired })}`}
       </p>
       {problem && (
         <p class="inline-note warn" role="alert">

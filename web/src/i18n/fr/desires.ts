@@ -43,7 +43,7 @@ export const desires = {
   "Selected, but what was selected for it does not work.": "Choisi, mais ce qui a été choisi pour lui n’agit pas.",
   "not exploited for {time}": "non exploité depuis {time}",
   "switched off": "désactivée",
-  "{count} times": "{count} fois",
+  "{count}×": "{count}×",
   "by {name} over REST": "par {name} via REST",
   Desires: "Désirs",
   Attention: "Attention",
