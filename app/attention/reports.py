@@ -12,6 +12,7 @@ from app.messages import (
     Asked,
     ChangedStrategy,
     DesireClassReport,
+    DesireProgress,
     Desires,
     IntentionReport,
     OmegaWeights,
@@ -37,14 +38,20 @@ def desire_class_report(desire_class: DesireClass, table: StrategyTable) -> Desi
     )
 
 
-def desires_report(workspace: IntentionWorkspace, now: float, exploited: tuple[str, ...]) -> Desires:
-    """The desires there are at ``now``, and the last that left; ``exploited`` are ids."""
+def desires_report(
+    workspace: IntentionWorkspace,
+    now: float,
+    exploited: tuple[str, ...],
+    progress: tuple[DesireProgress, ...] = (),
+) -> Desires:
+    """The desires there are at ``now``, their ``progress``, and the last that left; ``exploited`` are ids."""
     return Desires(
         now,
         workspace.desires(),
         exploited,
         accomplishments=workspace.accomplishments(),
         ended=workspace.ended(ENDED_SHOWN),
+        progress=progress,
     )
 
 

@@ -78,7 +78,8 @@ def divisor_json(divisor: float) -> int | None:
 def source_words(source: Source) -> str:
     """The author of a desire as sentences name it: kind and name, once where they are equal."""
     kind = _KINDS.get(source.kind, source.kind)
-    return kind if source.name in ("", source.kind) else f"{kind} {source.name}"
+    author = kind if source.name in ("", source.kind) else f"{kind} {source.name}"
+    return f"{author} by rule {source.rule!r} ({source.event})" if source.rule else author
 
 
 def _wish(desire: Desire) -> str:
@@ -110,7 +111,7 @@ def _note_desire(timeline: Timeline, what: str, desire: Desire, text: str) -> No
         "intensity": desire.intensity,
         "utility": desire.utility,
         "security": desire.security,
-        "source": {"kind": desire.source.kind, "name": desire.source.name},
+        "source": msgspec.to_builtins(desire.source),
     }
     text += f" (intensity {desire.intensity:g}, utility {desire.utility:g}{security}{inhibits})"
     timeline.add("desire", desire.cls, text, data)

@@ -177,6 +177,17 @@ def _strategies(path: Path) -> tuple[str, ...]:
     return _programs(programs)
 
 
+def _rules(path: Path) -> tuple[str, ...]:
+    """Check a file of rules by itself, then every program in the folder above that goes by it."""
+    from app.attention.rule_book import load_rules
+
+    load_rules([path], None)
+    programs = _programs_naming(path)
+    if not programs:
+        return (f"{path}: no program beside it names this file: desire classes, channels and events are not checked",)
+    return _programs(programs)
+
+
 def _remap(path: Path) -> None:
     from app.logs.importers.remap import load_remap
 
@@ -218,7 +229,8 @@ def _programs_naming(path: Path) -> list[Path]:
             if not isinstance(data, Mapping) or "modules" not in data:
                 continue
             channels = data.get("channels")
-            named = [*(channels if isinstance(channels, list) else [channels]), *(data.get("strategies") or ())]
+            tables = channels if isinstance(channels, list) else [channels]
+            named = [*tables, *(data.get("strategies") or ()), *(data.get("rules") or ())]
             if wanted in [_named_file(str(name), folder) for name in named if name]:
                 found.append(candidate)
     return found
@@ -264,4 +276,5 @@ _KINDS: tuple[tuple[str, frozenset[str], _Check], ...] = (
     ("remap", frozenset({"channels", "frames"}), _remap),
     ("play", frozenset({"cues"}), _play),
     ("tour", frozenset({"stops"}), _tour),
+    ("rules", frozenset({"rules"}), _rules),
 )

@@ -20,6 +20,7 @@ from app.messages.attention import (
     Desire,
     DesireClassReport,
     DesireOutcome,
+    DesireProgress,
     DesireReport,
     Desires,
     Divisor,
@@ -33,6 +34,8 @@ from app.messages.attention import (
     ReasonState,
     ResourceReport,
     ResourceUse,
+    RuleReport,
+    RulesReport,
     Scale,
     SelectedStrategy,
     Source,
@@ -71,6 +74,7 @@ from app.messages.navigation import (
     Zones,
 )
 from app.messages.percepts import (
+    PERCEPT_KINDS,
     Confidence,
     Darkness,
     EncodedImage,
@@ -136,6 +140,7 @@ from app.messages.tours import (
 )
 
 __all__ = [
+    "PERCEPT_KINDS",
     "Accomplished",
     "Accomplishment",
     "Alternative",
@@ -149,6 +154,7 @@ __all__ = [
     "Desire",
     "DesireClassReport",
     "DesireOutcome",
+    "DesireProgress",
     "DesireReport",
     "Desires",
     "DisplacedLandmark",
@@ -236,6 +242,8 @@ __all__ = [
     "RecorderStatus",
     "ResourceReport",
     "ResourceUse",
+    "RuleReport",
+    "RulesReport",
     "SaliencyMap",
     "SalientRegion",
     "SalientRegions",

@@ -34,6 +34,7 @@ EventKind = Literal[
     "battery",
     "accomplishment",
     "tour",
+    "rule",
     "memory",
 ]
 #: What a behavior reports of a desire.
@@ -46,10 +47,14 @@ Divisor = Annotated[float, doc("φ: one message in φ passes; null: none passes.
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """The author of a desire: a motivation of the robot, an operator at the console or a REST client, by name."""
+    """The author of a desire: a motivation of the robot, an operator at the console or a REST client, by name; of a
+    motivation that goes by rules, the rule, its event and the time."""
 
     kind: SourceKind
     name: str
+    rule: Annotated[str, doc("The rule that it came by; empty: by none.")] = ""
+    event: Annotated[str, doc("What made the rule apply, in words; empty without a rule.")] = ""
+    stamp: Annotated[float | None, doc("When the rule applied (robot's clock, s); null without a rule.")] = None
 
 
 class Desire(Struct, frozen=True, rename={"cls": "class"}):
@@ -90,18 +95,40 @@ class DesireReport(Desire, frozen=True, rename={"cls": "class"}):
 
 
 @dataclass(frozen=True, slots=True)
+class DesireProgress:
+    """Whether a desire is intended and exploited now, and since when it has been so, or not."""
+
+    id: Annotated[str, doc("Of the desire.")]
+    intended: Annotated[bool, doc("It is the strongest of its class, and attention selected a strategy for it.")]
+    exploited: Annotated[
+        bool, doc("A behavior's commands for it pass its arbiter; of a perception: what was selected for it works.")
+    ]
+    intended_since: Annotated[
+        float | None, doc("Since when `intended` is what it is (robot's clock, s); null: since it came.")
+    ] = None
+    exploited_since: Annotated[float | None, doc("The same of `exploited`.")] = None
+
+
+@dataclass(frozen=True, slots=True)
 class Desires:
     """Every desire in the Intention Workspace, in the order they came."""
 
     stamp: Stamp
     desires: tuple[Desire, ...]
     exploited: Annotated[
-        tuple[str, ...], doc("Ids of those that a behavior serves by commands that its arbiter lets through now.")
+        tuple[str, ...],
+        doc(
+            "Ids of those that a behavior serves by commands that its arbiter lets through now, or for which a "
+            "perception works."
+        ),
     ] = ()
     accomplishments: Annotated[
         tuple[Accomplishment, ...], doc("The last report on each of `desires` on which there is one.")
     ] = ()
     ended: Annotated[tuple[DesireReport, ...], doc("The last that left, at most 5, the newest first.")] = ()
+    progress: Annotated[
+        tuple[DesireProgress, ...], doc("Of each of `desires`; empty in recordings of older programs.")
+    ] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -244,6 +271,36 @@ class TimelineEvent:
     subject: Annotated[str, doc("What it is about: a desire class, a module, a filter.")]
     text: Annotated[str, doc("One sentence.")]
     data: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class RuleReport:
+    """A rule by which something is desired (docs/rules.md), and what it did."""
+
+    name: str
+    about: Annotated[str, doc("What it is for, in words; may be empty.")]
+    words: Annotated[str, doc("When it applies, in words.")]
+    file: Annotated[str, doc("The file that it is in.")]
+    line: Annotated[int, doc("Its line there, from 1.")]
+    enabled: bool
+    holds: Annotated[bool | None, doc("Of a rule with `while`: whether it applies now; null of others.")]
+    fired: Annotated[int, doc("How often it applied.")]
+    last_fired: Annotated[float | None, doc("When it applied last (robot's clock, s); null: never.")]
+    last_event: Annotated[str, doc("What made it apply then, in words.")]
+    desires: Annotated[tuple[str, ...], doc("Ids of the desires that there are by it.")]
+    problem: Annotated[str, doc("Why something it should have done was not done, when it applied last.")] = ""
+
+
+@dataclass(frozen=True, slots=True)
+class RulesReport:
+    """The rules in force, in their order; published when one applies, and when their files change."""
+
+    stamp: Stamp
+    rules: tuple[RuleReport, ...]
+    files: Annotated[tuple[str, ...], doc("The files that they are read from.")] = ()
+    problem: Annotated[
+        str, doc("Why the files, as they are now, are not in force: file, line and mistake; empty: they are.")
+    ] = ""
 
 
 @dataclass(frozen=True, slots=True)

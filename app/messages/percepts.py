@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, Final
 
 import numpy as np
 from msgspec import Meta
@@ -338,6 +338,10 @@ class PlacedPercepts:
     sounds: tuple[PlacedSound, ...] = ()
     noises: tuple[LoudNoise, ...] = ()
     codes: tuple[PlacedCode, ...] = ()
+
+
+PERCEPT_KINDS: Final = ("code", "face", "voice", "noise")
+"""The kinds of percept events that are made of the messages here; other message types declare theirs."""
 
 
 @dataclass(frozen=True, slots=True)

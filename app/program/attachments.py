@@ -35,7 +35,12 @@ def snapshot(configuration: Configuration, graph: Graph, robot: str, body: Body 
         # Another body may replace the one that the program's file names.
         **dict(
             _named(configuration, file)
-            for file in (*program.channels, *program.strategies, Path(configuration.program_document.data["robot"]))
+            for file in (
+                *program.channels,
+                *program.strategies,
+                *program.rules,
+                Path(configuration.program_document.data["robot"]),
+            )
         ),
     }
     robot_name, robot_file = _named(configuration, program.robot)

@@ -77,6 +77,7 @@ class AttentionConfig(_Model):
     closed_loop: Annotated[ClosedLoopConfig | None, BeforeValidator(_on_or_off)] = Field(
         None, description="on, off, or what of it is on: whether costs, budget and utilities follow what is measured"
     )
+    idle_after_s: float = Field(10.0, gt=0, description="intended so long without being exploited is noted")
     power: PowerConfig | None = Field(None, description="power as a resource, where the body has a battery")
 
 
@@ -114,6 +115,7 @@ class ProgramConfig(_Model):
         min_length=1, description="a table of channels, or several that have no channel in common"
     )
     strategies: tuple[Path, ...] = Field(min_length=1)
+    rules: tuple[Path, ...] = Field((), description="files of rules, which a module of class Rules goes by")
     calibration: Path = Field(Path("calibration"), description="folder of what modules cost, a file for each computer")
     attention: AttentionConfig = AttentionConfig()
     console: ConsoleConfig = ConsoleConfig()
@@ -176,6 +178,8 @@ def load_configuration(path: Path, *, host: str | None = None) -> Configuration:
     ]
     for number, file in enumerate(program.strategies):
         _file(document, ("strategies", number), file, folder)
+    for number, file in enumerate(program.rules):
+        _file(document, ("rules", number), file, folder)
     channels, channel_documents = _channels(tables)
     host = host or paths.host_name()
     calibration = load_cost_calibration(folder / program.calibration, host)

@@ -10,7 +10,7 @@ import asyncio
 import logging
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
-from typing import Any
+from typing import Any, Protocol
 
 from app.attention.intention import Intention
 from app.attention.reports import desires_report, intention_report
@@ -18,6 +18,7 @@ from app.attention.timeline import Timeline
 from app.attention.translator import IntentionTranslator
 from app.attention.workspace import IntentionWorkspace
 from app.messages import (
+    DesireProgress,
     Divisors,
     LoadReport,
     LogLine,
@@ -29,6 +30,18 @@ from app.runtime.supervisor import ModuleState
 
 #: Loggers of the Recorder itself and of the layers below it: recording their lines would cause more lines.
 _NOT_RECORDED = ("hbba.Recorder", "asyncio")
+
+
+class DesireWatch(Protocol):
+    """What has become of the desires."""
+
+    def exploited(self) -> tuple[str, ...]:
+        """Ids of the desires that are exploited now."""
+        ...
+
+    def progress(self) -> tuple[DesireProgress, ...]:
+        """What has become of each desire so far."""
+        ...
 
 
 class SelfReport:
@@ -49,19 +62,19 @@ class SelfReport:
         self._published: Mapping[str, float] = {}
         self._workspace: IntentionWorkspace | None = None
         self._translator: IntentionTranslator | None = None
-        self._exploited: Callable[[], tuple[str, ...]] = tuple
-        self._published_exploited: tuple[str, ...] = ()
+        self._exploitation: DesireWatch | None = None
+        self._published_progress: tuple[DesireProgress, ...] = ()
 
     def open(
         self,
         workspace: IntentionWorkspace,
         translator: IntentionTranslator,
         timeline: Timeline,
-        exploited: Callable[[], tuple[str, ...]],
+        exploitation: DesireWatch,
     ) -> None:
-        """Start to publish attention's records and log lines. ``exploited`` gives the ids of the desires that behaviors
-        serve now; they are published again after an event of exploitation or intention that changes them."""
-        self._workspace, self._translator, self._exploited = workspace, translator, exploited
+        """Start to publish attention's records and log lines. ``exploitation`` gives what has become of the desires; it
+        is published again after an event of exploitation or intention that changes it."""
+        self._workspace, self._translator, self._exploitation = workspace, translator, exploitation
         self._stack.callback(workspace.observe(lambda _: self._desires()))
         self._stack.callback(translator.observe(self._intention))
         self._stack.callback(timeline.observe(self._event))
@@ -96,12 +109,16 @@ class SelfReport:
 
     def _desires(self) -> None:
         assert self._workspace is not None
-        self._published_exploited = self._exploited()
-        self._publish("workspace", desires_report(self._workspace, self._now(), self._published_exploited))
+        assert self._exploitation is not None
+        exploited, progress = self._exploitation.exploited(), self._exploitation.progress()
+        self._published_progress = progress
+        self._publish("workspace", desires_report(self._workspace, self._now(), exploited, progress))
 
     def _event(self, event: TimelineEvent) -> None:
         self._publish("events", event)
-        if event.kind in ("exploitation", "intention") and self._exploited() != self._published_exploited:
+        if event.kind not in ("exploitation", "intention") or self._exploitation is None:
+            return
+        if self._exploitation.progress() != self._published_progress:
             self._desires()
 
     def _intention(self, intention: Intention) -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import AsyncExitStack
 from dataclasses import replace
 from functools import partial
@@ -17,10 +17,10 @@ from types import TracebackType
 
 from app.attention.cached_solver import CachedSolver
 from app.attention.explaining import EXPLAIN_S
-from app.attention.exploitation import ExploitationChange, ExploitationMonitor, exploited_classes, exploited_desires
 from app.attention.hysteresis import SelectionHysteresis
 from app.attention.lanes import LaneMonitor, LaneSampler
 from app.attention.problem import Weights
+from app.attention.rule_book import RuleBook
 from app.attention.strategies import StrategyTable, load_strategies, trimmed
 from app.attention.timeline import Timeline
 from app.attention.translator import IntentionTranslator
@@ -45,6 +45,7 @@ from app.program.battery_watch import BatteryWatch
 from app.program.body_restart import BodyRestarter
 from app.program.config import Configuration, PowerConfig, load_configuration
 from app.program.desire_classes import desire_classes
+from app.program.exploitation_watch import ExploitationWatch
 from app.program.load_control import LoadControl
 from app.program.module_meter import ModuleMeter
 from app.program.nodes import ProgramNodes
@@ -154,6 +155,7 @@ class System:
             MemoryService: self.memory,
             RouteService: self.routes,
             ChannelTable: ChannelTable(configuration.channels),
+            RuleBook: RuleBook([configuration.path(file) for file in program.rules]),
         }
         if self.nodes is not None:
             services[NodeHub] = self.nodes.hub
@@ -183,10 +185,6 @@ class System:
         self._battery = BatteryWatch(self.timeline, self._power(), self.translator.set_capacity)
         self._lanes = None if "lanes" in recorded else self._lane_monitor()
         self.body_restarter = BodyRestarter(self.link, self.supervisor, self._renew_state, self.timeline, self.clock)
-        self._exploitation = ExploitationMonitor()
-        self._outputs = frozenset(
-            f"{name}.{port}" for name, slot in self.graph.modules.items() for port in slot.context.outputs
-        )
         self._stack = AsyncExitStack()
         self._tasks: list[asyncio.Task[None]] = []
         own = {name: channel for name, channel in self.graph.channels.items() if name not in recorded}
@@ -195,6 +193,14 @@ class System:
             self.timeline,
             {n: spec.cpu_budget for n, spec in program.modules.items() if spec.cpu_budget is not None},
             self._percept_kinds(),
+        )
+        self.exploitation = ExploitationWatch(
+            self.graph,
+            self.workspace,
+            self.translator,
+            self._feed,
+            self.clock.now,
+            idle_after_s=program.attention.idle_after_s,
         )
 
     @classmethod
@@ -212,7 +218,7 @@ class System:
             self.body_restarter.up()
             self.supervisor.observe(self._feed.module)
             self.supervisor.observe(self._report.module)
-            self._report.open(self.workspace, self.translator, self.timeline, self.exploited)
+            self._report.open(self.workspace, self.translator, self.timeline, self.exploitation)
             stack.callback(self._report.close)
             stack.callback(self.link.attach("status", self._feed.guard))
             for channel in self.graph.channels.values():
@@ -278,7 +284,7 @@ class System:
         self.graph.reset()
         self.freshness.reset()
         self._feed.reset()
-        self._exploitation.clear()
+        self.exploitation.clear()
         self._battery.reset()
         if self.control is not None:
             self.control.reset()
@@ -286,9 +292,8 @@ class System:
             self._lanes.reset()
 
     def exploited(self) -> tuple[str, ...]:
-        """Ids of the desires that a behavior serves by commands that its arbiter lets through now."""
-        classes = self._classes_exploited(self._exploitation.behaviors)
-        return exploited_desires(classes, self.workspace.strongest())
+        """Ids of the desires that are exploited now."""
+        return self.exploitation.exploited()
 
     async def keep_going(self) -> Exception:
         """As :meth:`wait_failed`, but restarts a body that failed if it can be restarted, unless it fails again and
@@ -413,7 +418,7 @@ class System:
             if self.nodes is not None and (costs := self.nodes.measured()):
                 self.translator.set_costs(costs, "messages to nodes are of another size than reckoned")
             self._feed.freshness(self.freshness.sample(self.clock.now()))
-            self._note_exploitation(self._exploitation.expire(self.clock.now()))
+            self.exploitation.sample()
 
     def _sample_load(self) -> None:
         before, load = self.load.latest.stamp, self.load.sample()
@@ -427,7 +432,7 @@ class System:
 
     async def _follow_exploitation(self, channel: Channel[Exploitation]) -> None:
         async for message in channel.subscribe("timeline"):
-            self._note_exploitation(self._exploitation.take(message))
+            self.exploitation.take(message)
 
     async def _follow_battery(self, channel: Channel[BatteryState]) -> None:
         async for state in channel.subscribe("battery watch"):
@@ -440,14 +445,6 @@ class System:
             return power
         message = f"there is no resource {power.resource!r}; {suggestion(power.resource, list(self.table.resources))}"
         raise self.config.program_document.error(message, ("attention", "power", "resource"))
-
-    def _note_exploitation(self, changes: Iterable[ExploitationChange]) -> None:
-        for change in changes:
-            self._feed.exploitation(change, self._classes_exploited({change.behavior}))
-
-    def _classes_exploited(self, behaviors: Collection[str]) -> frozenset[str]:
-        current = self.translator.current
-        return exploited_classes(behaviors, () if current is None else current.strategies, self._outputs)
 
 
 async def _cancelled(task: asyncio.Task[None]) -> None:

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
 
+from app.attention.activity import GROUP
+from app.attention.desire_progress import Waiting
 from app.attention.exploitation import ExploitationChange
 from app.attention.timeline import Timeline
 from app.messages import LinkStatus, PerceptEvent, PerceptKind
@@ -37,6 +39,10 @@ _GUARD_WORDS = {
 
 #: What people read of a percept that is there, by kind; of the others, kind and subject.
 _PERCEPT_WORDS = {"code": "QR code {subject}", "noise": "loud noise"}
+
+
+#: What is said of those who are exploited, by group; of others, that they move the group.
+_DOES = {"base": "drives", GROUP: "perceives"}
 
 
 class TimelineFeed:
@@ -96,10 +102,18 @@ class TimelineFeed:
 
     def exploitation(self, change: ExploitationChange, classes: Collection[str]) -> None:
         """A behavior began or ceased to command its group, for desires of ``classes``."""
-        text = f"{change.behavior} {'drives' if change.group == 'base' else f'moves the {change.group}'}"
+        does = _DOES.get(change.group, f"moves the {change.group}")
+        text = f"{change.behavior} {does}"
         data = {"group": change.group, "exploited": change.exploited, "classes": sorted(classes)}
         text = text if change.exploited else f"{text} no more"
         self._timeline.add("exploitation", change.behavior, text, data)
+
+    def idle(self, waiting: Waiting) -> None:
+        """A desire is intended, and has not been exploited for a while."""
+        cls = waiting.desire.cls
+        text = f"{cls} is intended and has not been exploited for {waiting.idle_s:.0f} s"
+        data = {"id": waiting.desire.id, "exploited": False, "classes": [cls], "idle_s": round(waiting.idle_s, 1)}
+        self._timeline.add("exploitation", cls, text, data)
 
     def percept(self, event: PerceptEvent) -> None:
         """Something perceived appeared, left or changed: noted under the event's name."""

@@ -163,8 +163,8 @@ def _program(
         # Before the longest free way there is: test after test drives on, and before a wall the robot is held up.
         body["start"] = {"x": 3.5, "y": 7.9, "heading_deg": 0}
         body["streams"]["panorama"]["rate_hz"] = channels["panorama"]["rate_hz"] = CALM_PANORAMA_HZ
-        desires = [{"class": "FindQRCodes"}, {"class": "Teleoperation", "security": True}]
-        program["modules"]["ScenarioCoordinator"]["settings"] = {"desires": desires}
+        desires: list[dict[str, Any]] = [{"desire": "FindQRCodes"}, {"desire": "Teleoperation", "security": True}]
+        program["rules"] = [write_rules(folder, desires)]
     if light:
         lighten(body, channels)
     (folder / "robot.yaml").write_text(yaml.safe_dump(body, sort_keys=False))
@@ -175,11 +175,19 @@ def _program(
         "strategies": [str(config / file) for file in program["strategies"]],
         # What attention gives must not depend on how busy the computer is.
         "attention": program["attention"] | {"closed_loop": "off"},
+        "rules": [str(config / file) for file in program["rules"]],
     }
     path = folder / "program.yaml"
     path.write_text(yaml.safe_dump(program))
     start = load_robot_config(folder / "robot.yaml").start
     return path, Pose2(start.x, start.y, math.radians(start.heading_deg))
+
+
+def write_rules(folder: Path, desires: list[dict[str, Any]]) -> str:
+    """A file of rules with ``desires`` from start to stop; returns its path."""
+    path = folder / "rules.yaml"
+    path.write_text(yaml.safe_dump({"rules": [{"name": "scenario", "while": "always", "then": desires}]}))
+    return str(path.resolve())
 
 
 def lighten(body: dict[str, Any], channels: dict[str, Any]) -> None:

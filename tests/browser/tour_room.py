@@ -8,6 +8,7 @@ from typing import Any
 import yaml
 
 from app.base.paths import config_dir
+from tests.browser.running import write_rules
 
 SIDE_M = 5.6
 #: Side of the walls: their faces are a tenth inside.
@@ -73,8 +74,8 @@ def write_program(folder: Path, *, visitors: bool, heading_deg: float = START["h
         "channels": str(config / program["channels"]),
         "strategies": [str(config / file) for file in program["strategies"]],
         "attention": program["attention"] | {"closed_loop": "off"},
+        "rules": [write_rules(folder, [{"desire": "Teleoperation", "security": True}])],
     }
-    program["modules"]["ScenarioCoordinator"]["settings"] = {"desires": [{"class": "Teleoperation", "security": True}]}
     for name, content in {"room": world, "scenario": scenario, "robot": body, "program": program}.items():
         (folder / f"{name}.yaml").write_text(yaml.safe_dump(content, sort_keys=False), encoding="utf-8")
     return folder / "program.yaml"

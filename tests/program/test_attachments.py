@@ -29,7 +29,7 @@ def test_everything_needed_to_replay_is_there(lab: System) -> None:
     names = {file.name for file in manifest.files}
     assert names >= {
         "lab.yaml", "channels.yaml", "strategies/lab.yaml", "robots/irl1_tr.yaml", "robots/irl1_tr.urdf",
-        "worlds/lab.yaml", "scenarios/lab.yaml",
+        "rules/lab.yaml", "worlds/lab.yaml", "scenarios/lab.yaml",
     }  # fmt: skip
     for file in manifest.files:
         assert file.data == (paths.config_dir() / file.name).read_bytes()

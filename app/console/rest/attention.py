@@ -22,7 +22,7 @@ from app.console.rest.answers import Json, packed, problems
 from app.console.rest.desires import OPERATOR_PARAMETER, source_of
 from app.console.rest.models import ResourceChange, WhatIf
 from app.console.rest.routing import router as api_router
-from app.messages import Asked, EventKind, IntentionReport, ResourceReport
+from app.messages import Asked, EventKind, IntentionReport, ResourceReport, RulesReport
 
 if TYPE_CHECKING:
     from app.program.system import System
@@ -37,7 +37,7 @@ KINDS_PATTERN = f"^{_KIND}(,{_KIND})*$"
 
 
 def attention_router(system: System) -> APIRouter:
-    """Routes of ``/intention``, ``/strategies``, ``/resources`` and ``/timeline``."""
+    """Routes of ``/intention``, ``/strategies``, ``/rules``, ``/resources`` and ``/timeline``."""
     router = api_router("attention")
 
     def resource(name: str) -> ResourceReport:
@@ -108,6 +108,12 @@ def attention_router(system: System) -> APIRouter:
         now = {s.name: s for s in system.translator.table.strategies}
         reports = (strategy_report(now[s.name], s, selected=s.name in selected) for s in system.table.strategies)
         return Json(StrategyList(tuple(reports)))
+
+    @router.get("/rules", response_model=RulesReport, summary="Rules, and when each applied last")
+    async def list_rules() -> Response:
+        """The rules by which something is desired without code, in force now. Where a file was changed and has a
+        mistake, `problem` says which, and the rules are still those before. No rules: the program has none."""
+        return Json(reports.latest(system.graph, "rules") or RulesReport(system.clock.now(), ()))
 
     @router.get("/resources", response_model=ResourceList, summary="Resources: budgets and use")
     async def list_resources() -> Response:

@@ -76,7 +76,9 @@ def desires_router(system: System) -> APIRouter:
 
     @router.get("/desires", response_model=Desires, summary="List all desires")
     async def list_desires() -> Response:
-        return Json(desires_report(workspace, system.clock.now(), system.exploited()))
+        """With what has become of each so far: intended, exploited, and since when (`progress`)."""
+        exploitation = system.exploitation
+        return Json(desires_report(workspace, system.clock.now(), exploitation.exploited(), exploitation.progress()))
 
     @router.post(
         "/desires",

@@ -61,6 +61,7 @@ from .records import (
     RobotReport,
     RouteReport,
     RouteRequest,
+    RulesReport,
     RunReport,
     RunReportList,
     Saved,
@@ -830,6 +831,8 @@ class Operations(ABC):
     def list_desires(self) -> Desires:
         """List all desires.
 
+        With what has become of each so far: intended, exploited, and since when (`progress`).
+
         Role: spectator.
         """
         result: Desires = self.ask(Request("GET", "/desires", Desires))
@@ -879,6 +882,17 @@ class Operations(ABC):
         Role: spectator.
         """
         result: ResourceList = self.ask(Request("GET", "/resources", ResourceList))
+        return result
+
+    def list_rules(self) -> RulesReport:
+        """Rules, and when each applied last.
+
+        The rules by which something is desired without code, in force now. Where a file was changed and has a
+        mistake, `problem` says which, and the rules are still those before. No rules: the program has none.
+
+        Role: spectator.
+        """
+        result: RulesReport = self.ask(Request("GET", "/rules", RulesReport))
         return result
 
     def list_strategies(self) -> StrategyList:
@@ -2007,6 +2021,8 @@ class AsyncOperations(ABC):
     async def list_desires(self) -> Desires:
         """List all desires.
 
+        With what has become of each so far: intended, exploited, and since when (`progress`).
+
         Role: spectator.
         """
         result: Desires = await self.ask(Request("GET", "/desires", Desires))
@@ -2056,6 +2072,17 @@ class AsyncOperations(ABC):
         Role: spectator.
         """
         result: ResourceList = await self.ask(Request("GET", "/resources", ResourceList))
+        return result
+
+    async def list_rules(self) -> RulesReport:
+        """Rules, and when each applied last.
+
+        The rules by which something is desired without code, in force now. Where a file was changed and has a
+        mistake, `problem` says which, and the rules are still those before. No rules: the program has none.
+
+        Role: spectator.
+        """
+        result: RulesReport = await self.ask(Request("GET", "/rules", RulesReport))
         return result
 
     async def list_strategies(self) -> StrategyList:

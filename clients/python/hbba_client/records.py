@@ -258,6 +258,21 @@ class DesireClassReport(Struct, kw_only=True, frozen=True):
     """Whether a desire for it leaves by itself once it is accomplished."""
 
 
+class DesireProgress(Struct, kw_only=True, frozen=True):
+    """Whether a desire is intended and exploited now, and since when it has been so, or not."""
+
+    id: str
+    """Of the desire."""
+    intended: bool
+    """It is the strongest of its class, and attention selected a strategy for it."""
+    exploited: bool
+    """A behavior's commands for it pass its arbiter; of a perception: what was selected for it works."""
+    intended_since: float | None
+    """Since when `intended` is what it is (robot's clock, s); null: since it came."""
+    exploited_since: float | None
+    """The same of `exploited`."""
+
+
 class DesireReport(Struct, kw_only=True, frozen=True, rename={"class_": "class"}):
     """A desire, and what became of it."""
 
@@ -293,11 +308,15 @@ class Desires(Struct, kw_only=True, frozen=True):
     """Seconds of the robot's clock (Unix epoch)."""
     desires: list[Desire]
     exploited: list[str]
-    """Ids of those that a behavior serves by commands that its arbiter lets through now."""
+    """Ids of those that a behavior serves by commands that its arbiter lets through now, or for which a perception
+    works.
+    """
     accomplishments: list[Accomplishment]
     """The last report on each of `desires` on which there is one."""
     ended: list[DesireReport]
     """The last that left, at most 5, the newest first."""
+    progress: list[DesireProgress]
+    """Of each of `desires`; empty in recordings of older programs."""
 
 
 class Driver(Struct, kw_only=True, frozen=True):
@@ -1106,6 +1125,7 @@ class NewWebhook(Struct, kw_only=True, frozen=True, omit_defaults=True):
             "battery",
             "accomplishment",
             "tour",
+            "rule",
             "memory",
         ]
     ]
@@ -1744,6 +1764,45 @@ class RouteRequest(Struct, kw_only=True, frozen=True, omit_defaults=True):
     """Share of the robot's greatest speed."""
 
 
+class RuleReport(Struct, kw_only=True, frozen=True):
+    """A rule by which something is desired (docs/rules.md), and what it did."""
+
+    name: str
+    about: str
+    """What it is for, in words; may be empty."""
+    words: str
+    """When it applies, in words."""
+    file: str
+    """The file that it is in."""
+    line: int
+    """Its line there, from 1."""
+    enabled: bool
+    holds: bool | None
+    """Of a rule with `while`: whether it applies now; null of others."""
+    fired: int
+    """How often it applied."""
+    last_fired: float | None
+    """When it applied last (robot's clock, s); null: never."""
+    last_event: str
+    """What made it apply then, in words."""
+    desires: list[str]
+    """Ids of the desires that there are by it."""
+    problem: str
+    """Why something it should have done was not done, when it applied last."""
+
+
+class RulesReport(Struct, kw_only=True, frozen=True):
+    """The rules in force, in their order; published when one applies, and when their files change."""
+
+    stamp: float
+    """Seconds of the robot's clock (Unix epoch)."""
+    rules: list[RuleReport]
+    files: list[str]
+    """The files that they are read from."""
+    problem: str
+    """Why the files, as they are now, are not in force: file, line and mistake; empty: they are."""
+
+
 class RunReport(Struct, kw_only=True, frozen=True):
     """What a run of a tour was."""
 
@@ -1916,10 +1975,18 @@ class ShownMedia(Struct, kw_only=True, frozen=True):
 
 
 class Source(Struct, kw_only=True, frozen=True):
-    """The author of a desire: a motivation of the robot, an operator at the console or a REST client, by name."""
+    """The author of a desire: a motivation of the robot, an operator at the console or a REST client, by name; of a
+    motivation that goes by rules, the rule, its event and the time.
+    """
 
     kind: Literal["motivation", "operator", "rest"]
     name: str
+    rule: str
+    """The rule that it came by; empty: by none."""
+    event: str
+    """What made the rule apply, in words; empty without a rule."""
+    stamp: float | None
+    """When the rule applied (robot's clock, s); null without a rule."""
 
 
 class SourceState(Struct, kw_only=True, frozen=True):
@@ -2115,6 +2182,7 @@ class TimelineEvent(Struct, kw_only=True, frozen=True):
         "overload",
         "percept",
         "restart",
+        "rule",
         "solver",
         "stale",
         "tour",
@@ -2411,6 +2479,7 @@ class WebhookReport(Struct, kw_only=True, frozen=True):
             "overload",
             "percept",
             "restart",
+            "rule",
             "solver",
             "stale",
             "tour",
@@ -2525,6 +2594,7 @@ LIVE: dict[str, type[Struct]] = {
     "playback": PlaybackReport,
     "pong": Pong,
     "recorder": RecorderReport,
+    "rules": RulesReport,
     "saliency": SaliencyMap,
     "salient_regions": SalientRegions,
     "speech": Speech,

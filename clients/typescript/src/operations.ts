@@ -54,6 +54,7 @@ import type {
   RobotReport,
   RouteReport,
   RouteRequest,
+  RulesReport,
   RunReport,
   RunReportList,
   SaveRequest,
@@ -546,7 +547,10 @@ export abstract class Operations {
     return this.ask<DesireClassList>({ method: "GET", path: `/desire-classes`, answer: "json" });
   }
 
-  /** List all desires. Role: spectator. */
+  /**
+   * List all desires. With what has become of each so far: intended, exploited, and since when (`progress`). Role:
+   * spectator.
+   */
   listDesires(): Promise<Desires> {
     return this.ask<Desires>({ method: "GET", path: `/desires`, answer: "json" });
   }
@@ -576,6 +580,15 @@ export abstract class Operations {
   /** Resources: budgets and use. Role: spectator. */
   listResources(): Promise<ResourceList> {
     return this.ask<ResourceList>({ method: "GET", path: `/resources`, answer: "json" });
+  }
+
+  /**
+   * Rules, and when each applied last. The rules by which something is desired without code, in force now. Where a file
+   * was changed and has a mistake, `problem` says which, and the rules are still those before. No rules: the program
+   * has none. Role: spectator.
+   */
+  listRules(): Promise<RulesReport> {
+    return this.ask<RulesReport>({ method: "GET", path: `/rules`, answer: "json" });
   }
 
   /** List all strategies. Role: spectator. */

@@ -120,7 +120,7 @@ def test_modules_that_would_hear_nothing_stay_out_with_their_strategies() -> Non
     ):
         assert f"{module} does not run: the log has no {channels}" in notes
     deaf = [note for note in notes if "gets nothing" in note]
-    assert "ScenarioCoordinator.landmarks gets nothing: the log has no landmarks" in deaf
+    assert "ScenarioCoordinator.loud_noises gets nothing: the log has no loud_noises" in deaf
     some = (
         "PerceptEvents.",
         "PersonTracker.",

@@ -3,9 +3,9 @@
 import { useSignal } from "@preact/signals";
 import { fromRobot, named, t } from "../i18n";
 import { inWords } from "../protocol/rest";
-import type { Accomplishment, Desire, DesireReport } from "../protocol/types";
+import type { Accomplishment, Desire, DesireProgress, DesireReport } from "../protocol/types";
 import { useApp } from "../state/context";
-import { ago, clockTime, left, number, spaced } from "../ui/format";
+import { ago, clockSpan, clockTime, left as remaining, number, spaced } from "../ui/format";
 import { LockIcon, TrashIcon } from "../ui/icons";
 import { Stepper } from "../ui/Stepper";
 
@@ -13,9 +13,11 @@ interface Props {
   desires: readonly Desire[] | null;
   /** The last reports on some of them. */
   accomplishments: readonly Accomplishment[];
+  /** Which are intended and exploited; nothing of them where the robot does not say. */
+  progress: readonly DesireProgress[];
 }
 
-export function DesireList({ desires, accomplishments }: Props) {
+export function DesireList({ desires, accomplishments, progress }: Props) {
   if (desires === null) return <p class="empty">{t("Waiting for the robot's desires…")}</p>;
   if (desires.length === 0)
     return <p class="empty">{t("No desires. Add one to give the robot something to attend to.")}</p>;
@@ -26,6 +28,7 @@ export function DesireList({ desires, accomplishments }: Props) {
           key={desire.id}
           desire={desire}
           report={accomplishments.find((report) => report.desire_id === desire.id) ?? null}
+          progress={progress.find(({ id }) => id === desire.id) ?? null}
         />
       ))}
     </ul>
@@ -56,7 +59,13 @@ function OutcomeTag({ outcome }: { outcome: string }) {
   return <span class={`tag ${outcome}`}>{named(outcome)}</span>;
 }
 
-function Row({ desire, report }: { desire: Desire; report: Accomplishment | null }) {
+interface RowProps {
+  desire: Desire;
+  report: Accomplishment | null;
+  progress: DesireProgress | null;
+}
+
+function Row({ desire, report, progress }: RowProps) {
   const { store, session } = useApp();
   const problem = useSignal("");
   const scale = store.hello.value?.scale ?? { intensity: 8, utility: 8 };
@@ -92,6 +101,7 @@ function Row({ desire, report }: { desire: Desire; report: Accomplishment | null
           </span>
         )}
         {report && <OutcomeTag outcome={report.outcome} />}
+        {progress && <ProgressTag progress={progress} />}
         <TimeLeft expires={desire.expires} />
         <button
           type="button"
@@ -139,14 +149,39 @@ function Row({ desire, report }: { desire: Desire; report: Accomplishment | null
   );
 }
 
+/** Exploited, or for how long it has been intended in vain; a moment says nothing. */
+function ProgressTag({ progress }: { progress: DesireProgress }) {
+  const now = useApp().store.seconds.value;
+  const { intended, exploited, intended_since: since, exploited_since: left } = progress;
+  if (exploited)
+    return (
+      <span class="tag exploited" data-testid="desire-exploited" title={t("What was selected for it is at work.")}>
+        {t("exploited")}
+      </span>
+    );
+  const idle = now === null || since === null ? 0 : now - Math.max(since, left ?? since);
+  if (!intended || idle < 3) return null;
+  return (
+    <span class="tag idle" data-testid="desire-idle" title={t("Selected, but what was selected for it does not work.")}>
+      {t("not exploited for {time}", { time: clockSpan(idle) })}
+    </span>
+  );
+}
+
 function TimeLeft({ expires }: { expires: number | null }) {
   const { store } = useApp();
   const now = store.now.value;
   if (expires === null || now === null) return null;
-  return <span class="desire-left">{left(expires - now)}</span>;
+  return <span class="desire-left">{remaining(expires - now)}</span>;
 }
 
 function sourceWords(source: Desire["source"]): string {
+  if (source.rule)
+    return t("by rule “{rule}”: {event}, {time}", {
+      rule: source.rule,
+      event: fromRobot(source.event),
+      time: source.stamp === null ? "" : clockTime(source.stamp),
+    });
   if (source.kind === "motivation") return t("by {name}", { name: spaced(source.name) });
   if (source.kind === "rest") return t("by {name} over REST", { name: source.name });
   return t("by {name}", { name: source.name });

@@ -17,7 +17,11 @@ function Desires({ message }: { message: Message<"desires"> | null }) {
       <h2>
         {t("Desires")} <span class="count">{message?.desires.length ?? 0}</span>
       </h2>
-      <DesireList desires={message?.desires ?? null} accomplishments={message?.accomplishments ?? []} />
+      <DesireList
+        desires={message?.desires ?? null}
+        accomplishments={message?.accomplishments ?? []}
+        progress={message?.progress ?? []}
+      />
       <EndedList ended={message?.ended ?? []} />
     </section>
   );

@@ -2,7 +2,7 @@
 
 import { useLayoutEffect, useRef, useState } from "preact/hooks";
 import { fromRobot, langOf, t } from "../i18n";
-import { clockTime, divisor, divisorLines, number, percent, reasonText, spaced, stateWord } from "../ui/format";
+import { clockSpan, clockTime, divisor, divisorLines, number, percent, reasonText, spaced, stateWord } from "../ui/format";
 import { StateMark } from "../ui/icons";
 import type { Hit } from "./chart";
 import { EVENTS_PX } from "./drawEvents";
@@ -81,7 +81,8 @@ export function Tooltip({ hit, area, top, now }: { hit: Hit; area: DOMRect; top:
             <StateMark state={sample.state} />
             <span>
               <b class="state-word">{stateWord(sample.state)}</b>
-              {hit.exploited && t(", exploited")}.{" "}
+              {hit.exploited && t(", exploited")}
+              {hit.idle !== null && t(", not exploited for {time}", { time: clockSpan(hit.idle) })}.{" "}
               <span lang={langOf(sample.text)}>{reasonText(sample.state, sample.text)}</span>
             </span>
           </p>

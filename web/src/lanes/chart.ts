@@ -15,6 +15,7 @@ import { PERIOD } from "./patterns";
 import { type Edges, Strip } from "./strip";
 import {
   exploitedSpells,
+  idleFor,
   type Folded,
   folded,
   type IntentionStep,
@@ -46,6 +47,8 @@ export interface Hit {
   stamp: number;
   sample: LaneSample | null;
   exploited: boolean;
+  /** For how long it had been exploited no more, s, while a strategy was selected for it; null: not so, or not known. */
+  idle: number | null;
   /** Of the events' own row: folded. */
   folded: Folded[];
   events: RobotEvent[];
@@ -216,11 +219,14 @@ export class LaneChart {
     const apart = (FOLD_PX / this.width) * (to - from);
     const about = folded(this.loose, apart).filter((mark) => mark.from - near <= stamp && stamp <= mark.to + near);
     const x = ((stamp - from) / (to - from)) * this.width;
+    const sample = name ? this.historyAt(stamp).sample(name, stamp) : null;
+    const selected = sample !== null && ["fulfilled", "degraded"].includes(sample.state);
     return {
       row: place,
       name,
       stamp,
-      sample: name ? this.historyAt(stamp).sample(name, stamp) : null,
+      sample,
+      idle: selected ? idleFor(this.exploited.get(name) ?? [], stamp) : null,
       exploited: this.exploits(name, stamp),
       folded: place === EVENTS_ROW ? about : [],
       events: place === EVENTS_ROW ? [] : events,

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { RobotEvent } from "../protocol/types";
-import { exploitedSpells, folded, foldedWords, intentionAt, intentionSteps } from "./timelineOf";
+import { exploitedSpells, idleFor, folded, foldedWords, intentionAt, intentionSteps } from "./timelineOf";
 
 let id = 0;
 const event = (kind: string, subject: string, stamp: number, data: object = {}) =>
@@ -51,4 +51,13 @@ test("repeats of one kind and subject are one mark, others between them or not",
   );
   expect(marks.map(foldedWords)).toEqual(["imv stale 3×", "world overload", "imv stale"]);
   expect(marks[0]).toMatchObject({ from: 1, to: 4, text: "imv at 4" });
+});
+
+test("a class is idle from the end of its last spell on", () => {
+  const spells = [
+    { from: 1, to: 3 },
+    { from: 5, to: Infinity },
+  ];
+  expect([0, 2, 4.5, 6].map((stamp) => idleFor(spells, stamp))).toEqual([null, null, 1.5, null]);
+  expect(idleFor([], 3)).toBe(null);
 });

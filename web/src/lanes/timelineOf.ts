@@ -29,6 +29,12 @@ export function exploitedSpells(events: readonly RobotEvent[]): Map<string, Spel
   return found;
 }
 
+/** For how long before `stamp` the last of `spells` was over, s; null: one goes on, or none was known. */
+export function idleFor(spells: readonly Spell[], stamp: number): number | null {
+  const last = spells.findLast(({ from }) => from <= stamp);
+  return last && last.to <= stamp ? stamp - last.to : null;
+}
+
 /** What an intention was worth and used, from `stamp` until the next. */
 export interface IntentionStep {
   stamp: number;

@@ -12,7 +12,7 @@ const goal = (id: string, kind: Desire["source"]["kind"]): Desire => ({
   utility: 4,
   security: false,
   params: { x: 1, y: 2 },
-  source: { kind, name: kind },
+  source: { kind, name: kind, rule: "", event: "", stamp: null },
   created: 1,
   expires: null,
 });
@@ -25,7 +25,7 @@ function page(desires: Desire[], setGoal = async () => ({})) {
     removeDesire: vi.fn(async (id: string) => void said.push(`remove ${id}`)),
   };
   const store = createStore();
-  store.latest.put({ type: "desires", stamp: 1, exploited: [], accomplishments: [], ended: [], desires });
+  store.latest.put({ type: "desires", stamp: 1, exploited: [], accomplishments: [], ended: [], progress: [], desires });
   store.link.value = { phase: "live", retryAt: 0 };
   const map = new MapControl(store, { rest: rest as unknown as Rest } as Session);
   const sent = () =>

@@ -10,7 +10,7 @@ const desire = (some: Partial<Desire>): Desire => ({
   utility: 1,
   security: false,
   params: { x: 3, y: 4 },
-  source: { kind: "operator", name: "Ann" },
+  source: { kind: "operator", name: "Ann", rule: "", event: "", stamp: null },
   created: 10,
   expires: null,
   ...some,
@@ -75,7 +75,7 @@ describe("the goal that counts", () => {
   });
 
   test("of a motivation is not the console's", () => {
-    expect(goalOf([desire({ source: { kind: "motivation", name: "Tour" } })])!.asked).toBe(false);
+    expect(goalOf([desire({ source: { kind: "motivation", name: "Tour", rule: "", event: "", stamp: null } })])!.asked).toBe(false);
   });
 });
 

@@ -2,6 +2,7 @@
 
 import { aroundPanel } from "../around/AroundPanel";
 import { addDesirePanel, desiresPanel } from "../desires/DesiresPanel";
+import { rulesPanel } from "../desires/RulesPanel";
 import { graphPanel } from "../graph/GraphPanel";
 import { lanesPanel } from "../lanes/Lanes";
 import { mapPanel } from "../map/MapPanel";
@@ -28,6 +29,7 @@ export const PANELS: readonly Panel[] = [
   intentionPanel,
   whatIfPanel,
   desiresPanel,
+  rulesPanel,
   mapPanel,
   placesPanel,
   zonesPanel,

@@ -219,6 +219,20 @@ export interface DesireClassReport {
   achievement: boolean;
 }
 
+/** Whether a desire is intended and exploited now, and since when it has been so, or not. */
+export interface DesireProgress {
+  /** Of the desire. */
+  id: string;
+  /** It is the strongest of its class, and attention selected a strategy for it. */
+  intended: boolean;
+  /** A behavior's commands for it pass its arbiter; of a perception: what was selected for it works. */
+  exploited: boolean;
+  /** Since when `intended` is what it is (robot's clock, s); null: since it came. */
+  intended_since: number | null;
+  /** The same of `exploited`. */
+  exploited_since: number | null;
+}
+
 /** A desire, and what became of it. */
 export interface DesireReport {
   id: string;
@@ -251,12 +265,16 @@ export interface Desires {
   /** Seconds of the robot's clock (Unix epoch). */
   stamp: number;
   desires: Desire[];
-  /** Ids of those that a behavior serves by commands that its arbiter lets through now. */
+  /**
+   * Ids of those that a behavior serves by commands that its arbiter lets through now, or for which a perception works.
+   */
   exploited: string[];
   /** The last report on each of `desires` on which there is one. */
   accomplishments: Accomplishment[];
   /** The last that left, at most 5, the newest first. */
   ended: DesireReport[];
+  /** Of each of `desires`; empty in recordings of older programs. */
+  progress: DesireProgress[];
 }
 
 /** Who has the wheel. */
@@ -1359,6 +1377,43 @@ export interface RouteReport {
   duration_s: number;
 }
 
+/** A rule by which something is desired (docs/rules.md), and what it did. */
+export interface RuleReport {
+  name: string;
+  /** What it is for, in words; may be empty. */
+  about: string;
+  /** When it applies, in words. */
+  words: string;
+  /** The file that it is in. */
+  file: string;
+  /** Its line there, from 1. */
+  line: number;
+  enabled: boolean;
+  /** Of a rule with `while`: whether it applies now; null of others. */
+  holds: boolean | null;
+  /** How often it applied. */
+  fired: number;
+  /** When it applied last (robot's clock, s); null: never. */
+  last_fired: number | null;
+  /** What made it apply then, in words. */
+  last_event: string;
+  /** Ids of the desires that there are by it. */
+  desires: string[];
+  /** Why something it should have done was not done, when it applied last. */
+  problem: string;
+}
+
+/** The rules in force, in their order; published when one applies, and when their files change. */
+export interface RulesReport {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  rules: RuleReport[];
+  /** The files that they are read from. */
+  files: string[];
+  /** Why the files, as they are now, are not in force: file, line and mistake; empty: they are. */
+  problem: string;
+}
+
 /** What a run of a tour was. */
 export interface RunReport {
   /** Its id. */
@@ -1497,10 +1552,19 @@ export interface Slot {
   times: string[];
 }
 
-/** The author of a desire: a motivation of the robot, an operator at the console or a REST client, by name. */
+/**
+ * The author of a desire: a motivation of the robot, an operator at the console or a REST client, by name; of a
+ * motivation that goes by rules, the rule, its event and the time.
+ */
 export interface Source {
   kind: "motivation" | "operator" | "rest";
   name: string;
+  /** The rule that it came by; empty: by none. */
+  rule: string;
+  /** What made the rule apply, in words; empty without a rule. */
+  event: string;
+  /** When the rule applied (robot's clock, s); null without a rule. */
+  stamp: number | null;
 }
 
 /** Freshness of a channel: its measured and its expected rate. */
@@ -1706,6 +1770,7 @@ export interface TimelineEvent {
     | "overload"
     | "percept"
     | "restart"
+    | "rule"
     | "solver"
     | "stale"
     | "tour";
@@ -2431,6 +2496,8 @@ export interface RobotMessages {
   landmarks: LandmarkList;
   /** On change: what the robot sees and hears. */
   perceived: PlacedPercepts;
+  /** When a rule applies, and when files of rules change: every rule. */
+  rules: RulesReport;
   /** On change, up to 20 times a second: what the robot says, for subtitles. */
   speech: Speech;
   /** Once a second, of a body with a battery: its charge. */

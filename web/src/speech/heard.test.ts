@@ -22,7 +22,7 @@ const DESIRE: Desire = {
   utility: 4,
   security: false,
   params: { words: "yes, come here ,no", language: "en" },
-  source: { kind: "motivation", name: "Ask" },
+  source: { kind: "motivation", name: "Ask", rule: "", event: "", stamp: null },
   created: 90,
   expires: 110,
 };
@@ -45,6 +45,7 @@ const desires = (...list: Desire[]): Message<"desires"> => ({
   exploited: [],
   accomplishments: [],
   ended: [],
+  progress: [],
 });
 const CHOSEN = { desires: { ListenForWords: "d-1" } };
 

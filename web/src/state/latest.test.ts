@@ -5,7 +5,7 @@ const ZONES = { type: "zones", zones: [] } as const;
 
 test("the newest message of a type is kept, whether or not it was asked for before", () => {
   const latest = new Latest();
-  latest.put({ type: "desires", stamp: 1, desires: [], exploited: [], accomplishments: [], ended: [] });
+  latest.put({ type: "desires", stamp: 1, desires: [], exploited: [], accomplishments: [], ended: [], progress: [] });
   const zones = latest.of("zones");
   expect(zones.value).toBeNull();
   const newest = { ...ZONES, zones: [] };
@@ -17,13 +17,13 @@ test("the newest message of a type is kept, whether or not it was asked for befo
 
 test("what does not come again on a new connection is dropped, the rest never blinks", () => {
   const latest = new Latest();
-  latest.put({ type: "desires", stamp: 1, desires: [], exploited: [], accomplishments: [], ended: [] });
+  latest.put({ type: "desires", stamp: 1, desires: [], exploited: [], accomplishments: [], ended: [], progress: [] });
   latest.put({ type: "zones", zones: [] });
   const seen: unknown[] = [];
   const end = latest.of("desires").subscribe((message) => void seen.push(message));
   latest.outdate();
   expect(latest.of("zones").value).not.toBeNull();
-  latest.put({ type: "desires", stamp: 1, desires: [], exploited: [], accomplishments: [], ended: [] });
+  latest.put({ type: "desires", stamp: 1, desires: [], exploited: [], accomplishments: [], ended: [], progress: [] });
   latest.dropOutdated();
   expect(latest.of("zones").value).toBeNull();
   expect(seen).toHaveLength(2);

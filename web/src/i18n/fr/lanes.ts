@@ -46,6 +46,7 @@ export const lanes = {
   "The intention of then is not known; the reasons are.": "L’intention d’alors n’est pas connue ; les raisons le sont.",
   "intensity {intensity}, utility {utility}": "intensité {intensity}, utilité {utility}",
   ", exploited": ", exploité",
+  ", not exploited for {time}": ", non exploité depuis {time}",
   "utility {utility}": "utilité {utility}",
   "Save what the lanes show": "Enregistrer ce que montrent les pistes",
   "Save as a picture or a table": "Enregistrer comme image ou tableau",
