@@ -69,7 +69,7 @@ def said_by(node: ast.AST) -> Iterator[str]:
     if isinstance(node, ast.Constant) and isinstance(node.value, str):
         yield node.value
     elif isinstance(node, ast.JoinedStr):
-        yield "".join(part.value if isinstance(part, ast.Constant) else "{}" for part in node.values)
+        yield "".join(str(part.value) if isinstance(part, ast.Constant) else "{}" for part in node.values)
     elif not isinstance(node, ast.Expr) or isinstance(node.value, ast.Await | ast.Yield | ast.YieldFrom):
         for child in ast.iter_child_nodes(node):
             if not (isinstance(child, ast.keyword) and child.arg == "description"):

@@ -5,7 +5,7 @@ import { fromRobot, named, t } from "../i18n";
 import { inWords } from "../protocol/rest";
 import type { Accomplishment, Desire, DesireProgress, DesireReport } from "../protocol/types";
 import { useApp } from "../state/context";
-import { ago, clockSpan, clockTime, left as remaining, number, spaced } from "../ui/format";
+import { ago, clockSpan, clockTime, number, left as remaining, spaced } from "../ui/format";
 import { LockIcon, TrashIcon } from "../ui/icons";
 import { Stepper } from "../ui/Stepper";
 

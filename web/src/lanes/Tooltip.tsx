@@ -2,7 +2,17 @@
 
 import { useLayoutEffect, useRef, useState } from "preact/hooks";
 import { fromRobot, langOf, t } from "../i18n";
-import { clockSpan, clockTime, divisor, divisorLines, number, percent, reasonText, spaced, stateWord } from "../ui/format";
+import {
+  clockSpan,
+  clockTime,
+  divisor,
+  divisorLines,
+  number,
+  percent,
+  reasonText,
+  spaced,
+  stateWord,
+} from "../ui/format";
 import { StateMark } from "../ui/icons";
 import type { Hit } from "./chart";
 import { EVENTS_PX } from "./drawEvents";

@@ -15,10 +15,10 @@ import { PERIOD } from "./patterns";
 import { type Edges, Strip } from "./strip";
 import {
   exploitedSpells,
-  idleFor,
   type Folded,
   folded,
   type IntentionStep,
+  idleFor,
   intentionAt,
   intentionSteps,
   type Spell,

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { RobotEvent } from "../protocol/types";
-import { exploitedSpells, idleFor, folded, foldedWords, intentionAt, intentionSteps } from "./timelineOf";
+import { exploitedSpells, folded, foldedWords, idleFor, intentionAt, intentionSteps } from "./timelineOf";
 
 let id = 0;
 const event = (kind: string, subject: string, stamp: number, data: object = {}) =>

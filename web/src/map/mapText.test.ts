@@ -75,7 +75,9 @@ describe("the goal that counts", () => {
   });
 
   test("of a motivation is not the console's", () => {
-    expect(goalOf([desire({ source: { kind: "motivation", name: "Tour", rule: "", event: "", stamp: null } })])!.asked).toBe(false);
+    expect(
+      goalOf([desire({ source: { kind: "motivation", name: "Tour", rule: "", event: "", stamp: null } })])!.asked,
+    ).toBe(false);
   });
 });
 

@@ -61,7 +61,10 @@ class Kind:
         if self.is_array or self.is_sequence:
             (node, inner), self.count = inner
         self.nested = inner if node == Nodetype.NAME else ""
-        self.base, self.string_bound = ("", 0) if self.nested else inner
+        self.base: str = ""
+        self.string_bound: int = 0
+        if not self.nested:
+            self.base, self.string_bound = inner
 
     @property
     def introspected(self) -> int:

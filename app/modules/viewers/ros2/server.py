@@ -232,7 +232,8 @@ class Ros2Server(Module):
         if self._description is not None and topic == self._description.topic:
             self._send(self._description)
         for channel in self._topics.channels_of(topic):
-            latest = self._ports[channel].channel.latest if self._ports[channel].channel is not None else None
+            connected = self._ports[channel].channel
+            latest = None if connected is None else connected.latest
             if latest is not None and self._table[channel].latched:
                 # An encoder of its own: what it has written before does not matter to those who have just come.
                 self._publish(self._records(Encoder(self._table, self.settings.jpeg_quality), channel, latest))

@@ -64,7 +64,7 @@ def test_types_are_those_of_rosidl(spin: Any) -> None:
     from type_description_interfaces.srv import GetTypeDescription
 
     node, until = spin
-    made = message_class(SCAN)
+    made: Any = message_class(SCAN)
     assert made is message_class(SCAN)
     plan = service_class(PLAN, REQUEST, "nav_msgs/Path plan\n")
     for name in (SCAN, PLAN):
@@ -73,12 +73,13 @@ def test_types_are_those_of_rosidl(spin: Any) -> None:
 
     # A made one is heard by ROS 2's own, and hears it.
     heard: list[Any] = []
-    for writer, reader in ((made, LaserScan), (LaserScan, made)):
+    rosidl: Any = LaserScan
+    for writer, reader in ((made, rosidl), (rosidl, made)):
         node.create_subscription(reader, writer.__module__.replace(".", "_"), heard.append, 10)
         publisher = node.create_publisher(writer, writer.__module__.replace(".", "_"), 10)
         until(lambda publisher=publisher: publisher.get_subscription_count() == 1)
-        if writer is LaserScan:
-            native = LaserScan(ranges=[1.0, 2.5], angle_min=-1.5)
+        if writer is rosidl:
+            native = rosidl(ranges=[1.0, 2.5], angle_min=-1.5)
             native.header.frame_id = "é"
             publisher.publish(native)
         else:

@@ -33,10 +33,10 @@ export const desires = {
   "Remove the desire {name} of {source}": "Retirer le désir « {name} » de {source}",
   inhibits: "inhibe",
   "by {name}": "par {name}",
-  "by rule “{rule}”: {event}, {time}": "par la règle « {rule} » : {event}, {time}",
+  "by rule “{rule}”: {event}, {time}": "par la règle « {rule} » : {event}, {time}",
   Rules: "Règles",
   "The files were changed and have a mistake; the rules are those before.":
-    "Les fichiers ont changé et contiennent une erreur ; les règles sont celles d’avant.",
+    "Les fichiers ont changé et contiennent une erreur ; les règles sont celles d’avant.",
   "There are none.": "Il n’y en a aucune.",
   desires: "désire",
   "What was selected for it is at work.": "Ce qui a été choisi pour lui est à l’œuvre.",
