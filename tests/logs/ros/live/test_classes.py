@@ -78,7 +78,7 @@ def test_types_are_those_of_rosidl(spin: Any) -> None:
         node.create_subscription(reader, writer.__module__.replace(".", "_"), heard.append, 10)
         publisher = node.create_publisher(writer, writer.__module__.replace(".", "_"), 10)
         until(lambda publisher=publisher: publisher.get_subscription_count() == 1)
-        if writer is rosidl:
+        if reader is not rosidl:
             native = rosidl(ranges=[1.0, 2.5], angle_min=-1.5)
             native.header.frame_id = "é"
             publisher.publish(native)
