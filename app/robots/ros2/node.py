@@ -157,7 +157,8 @@ class RosNode:
     def topics(self) -> list[str]:
         """The topics that others publish or listen to."""
         names = dict(self._node.get_topic_names_and_types())
-        own = {reading.topic for reading in self._readings.values()} | {self._commands.topic, "/parameter_events"}
+        asked = {self._commands.topic, self._config.full_name("tf_static"), "/parameter_events"}
+        own = {reading.topic for reading in self._readings.values()} | asked
         mine = self._node.get_name()
         return sorted(
             name
