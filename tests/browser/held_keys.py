@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 
 from playwright.sync_api import Locator, Page, TimeoutError
 
@@ -18,21 +19,27 @@ def wait_driving(page: Page, timeout_ms: float | None = None) -> None:
 
 
 def hold(page: Page, key: str) -> None:
-    """Press ``key`` and keep it down; returns when the robot drives.
+    """Press ``key`` and keep it down; returns when the robot drives."""
+    strike = {"down": page.keyboard.down, "up": page.keyboard.up}
+    hold_by(page, lambda way: strike[way](key), key)
+
+
+def hold_by(page: Page, strike: Callable[[str], object], name: str) -> None:
+    """Keep down the key called ``name`` by ``strike("down")`` until the robot drives; ``strike("up")`` lets go.
 
     On a busy computer what the page shows may be old for a moment: the page lets go of everything then, and the key
     is pressed again.
     """
     end = time.monotonic() + PATIENCE_S
     while time.monotonic() < end:
-        page.keyboard.down(key)
+        strike("down")
         try:
             wait_driving(page, _PRESS_AGAIN_MS)
         except TimeoutError:
-            page.keyboard.up(key)
+            strike("up")
         else:
             return
-    raise AssertionError(f"{key} was held again and again for {PATIENCE_S:.0f} s, and the robot never drove")
+    raise AssertionError(f"{name} was held again and again for {PATIENCE_S:.0f} s, and the robot never drove")
 
 
 def hold_until(page: Page, key: str, there: Locator, again_ms: float = 15_000) -> None:

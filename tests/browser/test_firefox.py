@@ -13,7 +13,7 @@ import pytest
 from playwright.sync_api import Browser, ConsoleMessage, Page, Playwright, expect
 
 from tests.browser.browsers import NO_DISPLAY, display, launching, missing
-from tests.browser.held_keys import hold
+from tests.browser.held_keys import hold, hold_by
 from tests.browser.map_view import map_view
 from tests.browser.running import Robot, running_robot
 from tests.browser.shared_robot.test_scene import STRIKE, frame_of
@@ -165,7 +165,6 @@ def test_the_3d_view_is_drawn_and_its_keys_choose_viewpoints_and_drive(
     frame.evaluate(STRIKE, ["keydown", "Digit6"])
     frame.evaluate(STRIKE, ["keyup", "Digit6"])
     expect(strip).to_have_attribute("data-arrived", "top")
-    frame.evaluate(STRIKE, ["keydown", "KeyW"])
-    page.locator("[data-testid=guard-state][data-state=driving]").wait_for()
+    hold_by(page, lambda way: frame.evaluate(STRIKE, [f"key{way}", "KeyW"]), "W over the 3D view")
     frame.evaluate(STRIKE, ["keyup", "KeyW"])
     page.locator(IDLE).wait_for()
