@@ -18,6 +18,7 @@ OF_DATETIME = {"now", "today", "utcnow"}
 
 #: Files that read it, and why the robot's clock would be wrong there.
 ALLOWED = {
+    "runtime/pressure.py": "the load of this computer between two looks at its counters",
     "attention/cpsat.py": "the solver's time limit: how long people wait for an intention",
     "attention/class_options.py": "the solver's time limit",
     "attention/reasons.py": "the time limit of reasons, likewise",

@@ -59,6 +59,10 @@ def imports_of(folder: str, package: str) -> dict[str, set[str]]:
     return found
 
 
+#: What benchmarks use of tests beside their scenery: what starts a robot, for a browser and over ROS 2.
+STARTED = ("tests.scenery.", "tests.browser.running.", "tests.robots.ros2.robot.")
+
+
 def test_tests_use_no_benchmark_but_those_of_benchmarks() -> None:
     """What both need is in ``tests/scenery``; of the others, benchmarks use what starts a robot for a browser."""
     of_tests = {file: names for file, names in imports_of("tests", "benchmarks").items() if names}
@@ -66,7 +70,7 @@ def test_tests_use_no_benchmark_but_those_of_benchmarks() -> None:
     assert all(file.startswith("tests/benchmarks/") for file in of_tests), of_tests
     of_benchmarks = {name for names in imports_of("benchmarks", "tests").values() for name in names}
     assert of_benchmarks
-    assert all(name.startswith(("tests.scenery.", "tests.browser.running.")) for name in of_benchmarks), of_benchmarks
+    assert all(name.startswith(STARTED) for name in of_benchmarks), of_benchmarks
 
 
 #: What must not be paid for by a person who only asks for help.

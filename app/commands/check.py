@@ -96,11 +96,12 @@ def check_file(path: Path) -> tuple[str, Sequence[str]]:
 
 def _kind_of(data: Mapping[Any, Any]) -> tuple[str, _Check | None]:
     """The kind of file by the keys that only this kind has, with its check; or all kinds for people, and None."""
+    # A channel may have the name of another kind's key.
+    if data and all(isinstance(row, Mapping) and "type" in row for row in data.values()):
+        return "channels", _channels
     for kind, keys, check in _KINDS:
         if keys & data.keys():
             return kind, check
-    if data and all(isinstance(row, Mapping) and "type" in row for row in data.values()):
-        return "channels", _channels
     kinds = [f"{kind} ({', '.join(sorted(keys))})" for kind, keys, _ in _KINDS]
     return f"{', '.join(kinds)} or channels (a `type` each)", None
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
+
 import pytest
 
 from app.attention.desires import Desire, Source
@@ -29,7 +31,7 @@ def test_the_author_of_a_desire_is_named_once(source: Source, words: str) -> Non
     note_desires(timeline, WorkspaceChange((desire,), (), ()))
     (event,) = timeline.query()
     assert event.text == f"{words} desires Explore (intensity 8, utility 2)"
-    assert event.data["source"] == {"kind": source.kind, "name": source.name}
+    assert event.data["source"] == asdict(source)
 
 
 @pytest.mark.parametrize(

@@ -122,6 +122,7 @@ def test_modules_that_would_hear_nothing_stay_out_with_their_strategies() -> Non
     deaf = [note for note in notes if "gets nothing" in note]
     assert "ScenarioCoordinator.loud_noises gets nothing: the log has no loud_noises" in deaf
     some = (
+        "EpisodicMemory.",
         "PerceptEvents.",
         "PersonTracker.",
         "ScenarioCoordinator.",
