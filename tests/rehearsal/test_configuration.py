@@ -49,7 +49,9 @@ def test_the_truth_stands_in_under_the_names_that_strategies_know() -> None:
     assert modules["SLAM2D"].class_path.endswith(":TrueLocalization")
     assert modules["SLAM2D"].settings == {"map": "room"}
     robots = lab().program.modules["SLAM2D"].outputs
-    assert modules["SLAM2D"].outputs.items() == {each for each in robots.items() if each[0] not in ("keyframes", "confidence")}
+    assert modules["SLAM2D"].outputs.items() == {
+        each for each in robots.items() if each[0] not in ("keyframes", "confidence")
+    }
     assert program().channels["keyframes"].external, "no keyframes move on a map that stays as it is"
     assert modules["FaceDetector"].class_path.endswith(":TrueFaces")
     assert modules["FaceDetector"].inputs == {"images": "kinect", "panorama": "panorama", "map": "map"}
