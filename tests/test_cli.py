@@ -130,7 +130,7 @@ def test_an_unknown_argument_is_reported_with_the_commands_own_usage(
 @pytest.mark.parametrize("command", list(leaves(build_parser())), ids=lambda parser: parser.prog)
 def test_json_means_the_same_in_every_command_that_reports(command: argparse.ArgumentParser) -> None:
     reports = command.prog.removeprefix("hbba ") not in (
-        "run", "node", "completion", "password", "log rerun", "body show",
+        "run", "node", "completion", "password", "log rerun", "body show", "ros package",
     )  # fmt: skip
     options = {option: action for action in command._actions for option in action.option_strings}
     assert ("--json" in options) == reports
