@@ -17,7 +17,7 @@ BEGAN = 1000.0
 
 
 class Bench:
-    """A driver and a laser on one line; time passes as it is told to."""
+    """A driver and a laser on one line; time passes as the test says."""
 
     def __init__(self, setting: LaserSetting | None = None, *, wanted: bool = True) -> None:
         self.now = BEGAN
