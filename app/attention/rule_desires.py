@@ -117,4 +117,4 @@ class RuleDesires:
         return [desire for key in keys for desire in self._there(key) if desire.cls == action.cls]
 
     def _source(self, cause: Cause) -> Source:
-        return Source("motivation", self._author, rule=cause.rule, event=cause.event, stamp=cause.stamp)
+        return Source("motivation", self._author, rule=cause.rule, event=cause.event, applied=cause.stamp)

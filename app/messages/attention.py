@@ -54,7 +54,7 @@ class Source:
     name: str
     rule: Annotated[str, doc("The rule that it came by; empty: by none.")] = ""
     event: Annotated[str, doc("What made the rule apply, in words; empty without a rule.")] = ""
-    stamp: Annotated[float | None, doc("When the rule applied (robot's clock, s); null without a rule.")] = None
+    applied: Annotated[float | None, doc("When the rule applied (robot's clock, s); null without a rule.")] = None
 
 
 class Desire(Struct, frozen=True, rename={"cls": "class"}):

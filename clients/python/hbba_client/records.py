@@ -1985,7 +1985,7 @@ class Source(Struct, kw_only=True, frozen=True):
     """The rule that it came by; empty: by none."""
     event: str
     """What made the rule apply, in words; empty without a rule."""
-    stamp: float | None
+    applied: float | None
     """When the rule applied (robot's clock, s); null without a rule."""
 
 

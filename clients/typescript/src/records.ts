@@ -1837,7 +1837,7 @@ export interface Source {
   /** What made the rule apply, in words; empty without a rule. */
   event: string;
   /** When the rule applied (robot's clock, s); null without a rule. */
-  stamp: number | null;
+  applied: number | null;
 }
 
 /** Freshness of a channel: its measured and its expected rate. */

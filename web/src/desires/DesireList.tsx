@@ -180,7 +180,7 @@ function sourceWords(source: Desire["source"]): string {
     return t("by rule “{rule}”: {event}, {time}", {
       rule: source.rule,
       event: fromRobot(source.event),
-      time: source.stamp === null ? "" : clockTime(source.stamp),
+      time: source.applied === null ? "" : clockTime(source.applied),
     });
   if (source.kind === "motivation") return t("by {name}", { name: spaced(source.name) });
   if (source.kind === "rest") return t("by {name} over REST", { name: source.name });
