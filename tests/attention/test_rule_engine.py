@@ -91,7 +91,7 @@ def test_an_event_adds_a_desire_that_says_why_it_is_here() -> None:
     play.face()
     (desire,) = play.workspace.desires()
     assert (desire.cls, desire.intensity, desire.params) == ("Say", 3, {"text": "Hello 7"})
-    assert desire.source == Source("motivation", "Rules", rule="one", event="face.appears 7", stamp=1001.0)
+    assert desire.source == Source("motivation", "Rules", rule="one", event="face.appears 7", applied=1001.0)
     report = play.report()
     assert (report.fired, report.last_fired, report.last_event) == (1, 1001.0, "face.appears 7")
     assert report.desires == (desire.id,)

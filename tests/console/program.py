@@ -137,6 +137,7 @@ operator_voice: {type: Audio, decimable: false, external: true}
 salient_regions: {type: SalientRegions, external: true, page: {every_hz: 5}}
 persons: {type: Persons, external: true, page: {every_hz: 10}}
 memory: {type: MemoryState, latched: true, external: true, decimable: false, page: {every_hz: 4}}
+rules: {type: RulesReport, latched: true, external: true, decimable: false, page: {every_hz: 4}}
 saliency: {type: SaliencyMap, log: never, external: true, page: {every_hz: 5}}
 speech: {type: Speech, latched: true, decimable: false, external: true, page: {every_hz: 20}}
 battery: {type: BatteryState, decimable: false, external: true, page: {every_hz: 2}}

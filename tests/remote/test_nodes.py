@@ -55,7 +55,7 @@ async def test_a_node_that_is_killed_or_frozen_is_done_without_and_comes_back(tm
             await looks(system, 200.0)
             assert local.taken == taken
             # The images are much smaller than was reckoned with, which the solver then knows.
-            await until(system, lambda: system.table["look@desk"].costs["bandwidth@desk"] < 0.1)
+            await until(system, lambda: system.translator.table["look@desk"].costs["bandwidth@desk"] < 0.1)
             # It went on from what was kept at home.
             assert system.graph.modules["Darkness"].context.persistent["looks"] > looked
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import math
 from collections.abc import Callable
 from typing import Any
@@ -24,6 +25,8 @@ from app.messages import (
     Person,
     Persons,
     RaisedDesire,
+    RuleReport,
+    RulesReport,
     SaliencyMap,
     SalientRegion,
     SalientRegions,
@@ -39,6 +42,7 @@ from tests.console.live_client import page, voice
 from tests.console.percepts import codes, faces, sound_sources
 from tests.console.places import grid, localization, path, status, zones
 from tests.console.program import Body
+from tests.patience import PATIENCE_S
 
 
 def say_everything(system: System, body: Body) -> None:
@@ -84,6 +88,11 @@ def say_everything(system: System, body: Body) -> None:
         episode_count=1, event_count=1,
     )  # fmt: skip
     system.graph.channel("memory").publish(memory)
+    rule = RuleReport(
+        "greet", "for visitors", words="when a face appears", file="rules.yaml", line=3, enabled=True, holds=None,
+        fired=1, last_fired=now, last_event="face.appears 7", desires=("d-1",),
+    )  # fmt: skip
+    system.graph.channel("rules").publish(RulesReport(now, (rule,), ("rules.yaml",)))
     text = {"en": "The arm"}
     tour = TourProgress(
         now, "run", "arm-tour", title=text, language="en", languages=("en",), waits=False, state="blocked", since=now,
@@ -107,7 +116,7 @@ async def heard(
 ) -> dict[str, dict[str, Any]]:
     """The last frame of each type, once every type of ``wanted`` came and, after that, the page drives and speaks.
 
-    ``check`` is called with every frame."""
+    ``check`` is called with every frame. Raises AssertionError, which names what did not come."""
     frames: dict[str, dict[str, Any]] = {}
     async with page(url) as ann:
 
@@ -121,8 +130,13 @@ async def heard(
         await ann.send("view", map=True, costmap=True)
         await ann.connection.send("{")
         system.timeline.add("module", "Nothing", "said")
-        while frames.keys() != wanted:
-            await take()
+        try:
+            async with asyncio.timeout(PATIENCE_S):
+                while not wanted <= frames.keys():
+                    await take()
+        except TimeoutError:
+            raise AssertionError(f"did not come: {', '.join(sorted(wanted - frames.keys()))}") from None
+        assert frames.keys() == wanted
         await ann.drive(0.1)
         await ann.connection.send(voice(1))
         while None in (frames["status"]["driver"], frames["status"]["speaker"]):
