@@ -54,7 +54,7 @@ async def test_a_robot_over_ros_2_is_mapped_and_driven(
             assert proposed in text
             text = text.replace(proposed, mine)
         (tmp_path / name).write_text(text, "utf-8")
-        assert cli.main(command("hbba check my_robot.yaml")[1:]) == 0, capsys.readouterr().out
+        assert cli.main(command("hbba check my_robot.yaml")[1:]) == 0, f"{capsys.readouterr()}, of\n{text}"
         async with Ros2Driver(mapping(tmp_path / name)) as driver:
             await driver.set_out()
     finally:
