@@ -14,10 +14,13 @@ def built(static: Path) -> None:
     assets = static / "assets"
     assets.mkdir()
     (static / "index.html").write_text('<script src="./assets/index-0123abcd.js"></script>')
-    (assets / "index-0123abcd.js").write_text('new Worker("/assets/stop-0123abcd.js");"./assets/face-0123abcd.js"')
+    (assets / "index-0123abcd.js").write_text(
+        'new Worker("/assets/stop-0123abcd.js");"./assets/face-0123abcd.js" import("./fr-0123abcd.js")'
+    )
     (assets / "index-0123abcd.js.br").write_bytes(bytes(30))
     (assets / "index-0123abcd.js.gz").write_bytes(bytes(40))
     (assets / "stop-0123abcd.js").write_text("x" * 500)
+    (assets / "fr-0123abcd.js").write_text("y" * 200)
     (assets / "face-0123abcd.js").write_text("of another page")
     (assets / "old-0123abcd.js").write_text("of nobody")
 
@@ -26,12 +29,20 @@ def test_what_the_page_names_is_weighed_as_it_is_sent(tmp_path: Path) -> None:
     built(tmp_path)
     html = (tmp_path / "index.html").stat().st_size
     rows = {(each.case, each.metric): each for each in measure(tmp_path)}
-    assert [case for case, _ in rows] == ["index.html", "index.js", "stop.js", "all", "all"]
+    assert [case for case, _ in rows] == [
+        "index.html",
+        "index.js",
+        "fr.js",
+        "stop.js",
+        *("all in English",) * 2,
+        *("all in French",) * 2,
+    ]
     assert (rows["index.js", "Brotli"].ours, rows["index.js", "Brotli"].peer) == (0.03, 0.04)
     assert rows["stop.js", "Brotli"].ours == 0.5
-    assert rows["all", "Brotli"].ours == pytest.approx(1e-3 * (html + 30 + 500))
-    assert rows["all", "gzip"].ours == pytest.approx(1e-3 * (html + 40 + 500))
-    assert rows["all", "gzip"].peer == 200
+    assert rows["all in English", "Brotli"].ours == pytest.approx(1e-3 * (html + 30 + 500))
+    assert rows["all in French", "Brotli"].ours == pytest.approx(1e-3 * (html + 30 + 200 + 500))
+    assert rows["all in English", "gzip"].ours == pytest.approx(1e-3 * (html + 40 + 500))
+    assert rows["all in English", "gzip"].peer == 200
 
 
 def test_a_page_that_is_not_built_ends_it_in_words(tmp_path: Path) -> None:
