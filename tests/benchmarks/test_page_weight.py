@@ -32,8 +32,8 @@ def test_what_the_page_names_is_weighed_as_it_is_sent(tmp_path: Path) -> None:
     assert [case for case, _ in rows] == [
         "index.html",
         "index.js",
-        "fr.js",
         "stop.js",
+        "fr.js",
         *("all in English",) * 2,
         *("all in French",) * 2,
     ]
