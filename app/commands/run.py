@@ -12,7 +12,6 @@ import signal
 import socket
 import sys
 import threading
-import time
 import webbrowser
 from collections.abc import Callable, Coroutine, Sequence
 from contextlib import ExitStack
@@ -283,6 +282,7 @@ class Stopping:
         self._within_s = within_s
         self._ask: Callable[[], object] = lambda: None
         self._begun = False
+        self._forced = threading.Event()
 
     def install(self, ask: Callable[[], object]) -> None:
         """Install handlers of signals that call ``ask``: Python's own, which run even while the event loop is
@@ -295,6 +295,7 @@ class Stopping:
     def signalled(self, number: int, _frame: FrameType | None = None) -> None:
         """A signal has come."""
         if self._begun:
+            self._forced.set()
             self._force(128 + number)
             return
         self.begin()
@@ -311,7 +312,8 @@ class Stopping:
         """Count in small steps, without the time in which a busy computer keeps the main thread from running."""
         counted_s, kept_s = 0.0, kept_waiting_s()
         while counted_s < self._within_s:
-            time.sleep(COUNT_S)
+            if self._forced.wait(COUNT_S):
+                return
             before_s, kept_s = kept_s, kept_waiting_s()
             counted_s += max(COUNT_S - (kept_s - before_s), 0.0)
         log.error("not stopped within %g s: ended by force", self._within_s)
