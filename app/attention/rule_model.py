@@ -13,6 +13,8 @@ from app.attention.desires import SCALE
 #: The event of a program that begins, of a zone and of a place; all others are of percepts.
 START: Final = "start"
 WHERE_EVENTS: Final = ("zone.enters", "zone.leaves", "place.reached", "place.left")
+#: The condition that always holds, in files and in words.
+ALWAYS: Final = "always"
 PERCEPT_CHANGES: Final = ("appears", "leaves", "changes")
 _HOURS = re.compile(r"([01]\d|2[0-3]):([0-5]\d)-([01]\d|2[0-3]):([0-5]\d)")
 DAYS: Final = ("mon", "tue", "wed", "thu", "fri", "sat", "sun")
@@ -112,7 +114,7 @@ class Condition(_Model):
             if parts := getattr(self, name):
                 joined = f"({word.join(each.words for each in parts)})"
                 said.append(f"neither {joined}" if name == "none" else joined)
-        return " and ".join(said) or "always"
+        return " and ".join(said) or ALWAYS
 
     def parts(self) -> tuple[Condition, ...]:
         """It, and all conditions within it."""
@@ -169,7 +171,7 @@ _TAKES = {"desire": _VALUES | {"renewed_by", "again"}, "change": _VALUES | {"rul
 
 
 def _condition(value: Any) -> Any:
-    return {} if value == "always" else value
+    return {} if value == ALWAYS else value
 
 
 class RuleConfig(_Model):
@@ -207,7 +209,8 @@ class RuleConfig(_Model):
     def words(self) -> str:
         """When it applies, as people read it."""
         if self.while_ is not None:
-            return f"while {self.while_.words}"
+            words = self.while_.words
+            return words if words == ALWAYS else f"while {words}"
         said = " or ".join(trigger.words for trigger in self.when)
         return f"when {said}" + (f", if {self.if_.words}" if self.if_ is not None else "")
 

@@ -207,6 +207,7 @@ def test_desires_of_rules_are_changed_and_withdrawn_and_those_of_others_are_not(
     - {name: less, when: face.leaves, then: [{withdraw: SLAM}]}
     """)
     others = play.workspace.add("SLAM", intensity=1, utility=1, source=Source("operator", "ann"))
+    assert play.workspace.desires()[0].source.event == "always"
     play.face()
     assert [desire.intensity for desire in play.workspace.desires()] == [7, 1]
     play.face("leaves")
