@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 FEWEST_POINTS = 400
-MOST_POINTS = 76_800
+#: With steps of the voxel map's share, a view that draws at ease has 75,000 points or more once the map is full.
+MOST_POINTS = 110_000
 FIRST_POINTS = 4_000
 #: Greatest delay from the robot to the eye (s) that the budget aims at.
 TARGET_LAG_S = 0.2
@@ -32,7 +33,7 @@ _REST = 3.0
 
 @dataclass(frozen=True, slots=True)
 class PointBudget:
-    """``points`` a viewer gets of each cloud; its smoothed ``lag_s``, and ``frames_s`` that two of its frames take."""
+    """``points`` a viewer gets in all; its smoothed ``lag_s``, and ``frames_s`` that two of its frames take."""
 
     points: float = FIRST_POINTS
     lag_s: float | None = None
@@ -58,6 +59,12 @@ def measured(budget: PointBudget, lag_s: float, frames_s: float = 0.0) -> PointB
     elif max(smooth / TARGET_LAG_S, frames / TARGET_FRAMES_S) < _COMFORT:
         points *= _GROWTH
     return PointBudget(min(max(points, FEWEST_POINTS), MOST_POINTS), smooth, frames)
+
+
+def divided(points: int, cloud: int) -> tuple[int, int]:
+    """How many of ``points`` the newest cloud of ``cloud`` points gets (at most half), and the voxel map (the rest)."""
+    newest = min(cloud, points // 2)
+    return newest, points - newest
 
 
 def silent(budget: PointBudget) -> PointBudget:

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from app.base.geometry import Pose2, azimuth_elevation
 from app.console.view.body_nodes import Body
+from app.console.view.budget import divided
 from app.console.view.drawing import colors_along_x, moved, point_size, pose_arrays, scan_points, thinned
 from app.console.view.force_nodes import Forces
 from app.console.view.foreseen_node import Foreseen
@@ -171,8 +172,10 @@ class ViewerScene:
                 new += 1
             through = self.camera.viewpoint == "first_person"
             # The camera's picture shows it as well, and its points would lie before the picture.
-            new += self._draw_cloud(None if through else world.cloud, pace.points // 2)
-            new += self._surroundings.draw(self._shared.voxels, pace.points // 2, world.robot or Pose2())
+            cloud = None if through else world.cloud
+            newest, remembered = divided(pace.points, 0 if cloud is None else len(cloud.points))
+            new += self._draw_cloud(cloud, newest)
+            new += self._surroundings.draw(self._shared.voxels, remembered, world.robot or Pose2())
             new += self._draw_outlook(world)
             new += self._foreseen.draw(world, pace.lag_s)
             if world.perceived is not None and world.perceived is not before.perceived:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -13,9 +14,12 @@ from app.console.view.budget import (
     SHORTEST_PERIOD_S,
     TARGET_LAG_S,
     PointBudget,
+    divided,
     measured,
     silent,
 )
+from app.console.view.voxel_nodes import share_of
+from app.console.view.voxels import MOST_VOXELS
 
 
 def test_a_fast_viewer_is_given_everything_in_time() -> None:
@@ -28,6 +32,21 @@ def test_a_fast_viewer_is_given_everything_in_time() -> None:
         steps += 1
     # 4 measurements a second.
     assert steps <= 40
+
+
+@pytest.mark.parametrize("cloud", [0, 4_800, 19_200, 76_800])
+def test_a_view_that_draws_at_ease_is_dense_once_the_map_is_full(cloud: int) -> None:
+    newest, remembered = divided(MOST_POINTS, cloud)
+    assert newest + remembered == MOST_POINTS
+    assert newest + share_of(MOST_VOXELS, remembered) * MOST_VOXELS >= 75_000
+
+
+@given(st.integers(FEWEST_POINTS, MOST_POINTS), st.integers(0, 307_200))
+def test_the_newest_cloud_gets_half_at_most_and_no_more_than_it_has(points: int, cloud: int) -> None:
+    newest, remembered = divided(points, cloud)
+    assert newest + remembered == points
+    assert newest == cloud or newest == points // 2
+    assert newest <= min(cloud, remembered)
 
 
 def test_a_silent_viewer_is_sent_the_least() -> None:
