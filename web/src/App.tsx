@@ -36,9 +36,9 @@ export function App() {
   const stopped = store.stopped.value && !replay;
   const body = store.body.value;
   const mapped = body.maps && store.mapPlace.value === "view";
-  const { side, lanes, sideShown, lanesShown, edge } = layout.layout.value;
+  const { side, lanes, sideShown, lanesShown, edge, lanesAt } = layout.layout.value;
   const below = !phone && lanesShown && !low.value; // so low, the lanes have their tab
-  const divided = `${sideShown ? "" : "no-side"} ${below ? "" : "no-lanes"} side-${edge}`;
+  const divided = `${sideShown ? "" : "no-side"} ${below ? "" : "no-lanes"} side-${edge} lanes-${lanesAt}`;
   // What a body cannot do is not offered; on a recording the button says why it is off.
   const audio = store.hello.value?.audio;
   return (

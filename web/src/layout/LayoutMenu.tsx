@@ -25,7 +25,7 @@ const THEME_NAMES = { system: "As the system", light: "Light", dark: "Dark" } as
 export function LayoutMenu() {
   const { layout, store } = useApp();
   const { open, button, box, close } = usePopup("[aria-checked=true]");
-  const { sideShown, lanesShown, edge } = layout.layout.value;
+  const { sideShown, lanesShown, edge, lanesAt } = layout.layout.value;
   const presets = PRESETS.filter((preset) => preset !== "tour" || store.body.value.maps);
   return (
     <div class="layout-menu">
@@ -78,6 +78,12 @@ export function LayoutMenu() {
               on={edge === "left"}
               id="left"
               put={(on) => layout.change({ edge: on ? "left" : "right" })}
+            />
+            <Check
+              name={t("Lanes on top")}
+              on={lanesAt === "top"}
+              id="top"
+              put={(on) => layout.change({ lanesAt: on ? "top" : "bottom" })}
             />
           </fieldset>
           <label class="layout-theme">

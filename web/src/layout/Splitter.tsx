@@ -23,16 +23,20 @@ function Splitter({ part }: { part: Part }) {
   const { layout } = useApp();
   const share = layout.layout.value[part.key];
   const left = layout.layout.value.edge === "left";
-  const dragged = useRef(false);
+  const top = layout.layout.value.lanesAt === "top";
+  const lanes = part.key === "lanes";
+  /** Where (px) and of which share a drag began; null: none. */
+  const dragged = useRef<{ at: number; share: number } | null>(null);
   const put = (value: number) => layout.change({ [part.key]: value });
+  const along = (event: PointerEvent) => (lanes ? event.clientY : event.clientX);
   const follow = (event: PointerEvent) => {
     if (!dragged.current) return;
-    const across = event.clientX / window.innerWidth;
-    put(part.key === "lanes" ? 1 - event.clientY / window.innerHeight : left ? across : 1 - across);
+    const by = (along(event) - dragged.current.at) / (lanes ? window.innerHeight : window.innerWidth);
+    put(dragged.current.share + ((lanes ? top : left) ? by : -by));
   };
-  const grows = part.key === "lanes" ? "ArrowUp" : left ? "ArrowRight" : "ArrowLeft";
-  const shrinks = part.key === "lanes" ? "ArrowDown" : left ? "ArrowLeft" : "ArrowRight";
-  const end = () => (dragged.current = false);
+  const grows = lanes ? (top ? "ArrowDown" : "ArrowUp") : left ? "ArrowRight" : "ArrowLeft";
+  const shrinks = lanes ? (top ? "ArrowUp" : "ArrowDown") : left ? "ArrowLeft" : "ArrowRight";
+  const end = () => (dragged.current = null);
   return (
     <div
       class={`splitter ${part.key}-splitter`}
@@ -41,7 +45,7 @@ function Splitter({ part }: { part: Part }) {
       tabIndex={0}
       data-own-arrows
       aria-label={t(part.name)}
-      aria-orientation={part.key === "lanes" ? "horizontal" : "vertical"}
+      aria-orientation={lanes ? "horizontal" : "vertical"}
       aria-valuenow={Math.round(100 * share)}
       aria-valuemin={Math.round(100 * part.shares.least)}
       aria-valuemax={Math.round(100 * part.shares.most)}
@@ -50,7 +54,7 @@ function Splitter({ part }: { part: Part }) {
         if (event.button !== 0) return;
         event.preventDefault();
         event.currentTarget.setPointerCapture(event.pointerId);
-        dragged.current = true;
+        dragged.current = { at: along(event), share };
       }}
       onPointerMove={follow}
       onPointerUp={end}

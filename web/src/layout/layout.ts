@@ -11,13 +11,14 @@ export interface Layout {
   lanesShown: boolean;
   /** The side column's edge. */
   edge: "left" | "right";
+  lanesAt: "bottom" | "top";
 }
 
 /** Within these shares every part stays usable. */
 export const SIDE_SHARES = { least: 0.18, most: 0.6 } as const;
 export const LANES_SHARES = { least: 0.16, most: 0.75 } as const;
 
-const COMMON = { sideShown: true, lanesShown: true, edge: "right" } as const;
+const COMMON = { sideShown: true, lanesShown: true, edge: "right", lanesAt: "bottom" } as const;
 
 /** Each preset as it comes. */
 export const DEFAULTS: Readonly<Record<Preset, Readonly<Layout>>> = {
@@ -47,17 +48,19 @@ export function limited(layout: Layout): Layout {
   return { ...layout, side: within(layout.side, SIDE_SHARES), lanes: within(layout.lanes, LANES_SHARES) };
 }
 
-/** As a link says it: `attention-28-33-sl-r` (shares in %, parts shown: s, l, or x for none; edge). */
+/** As a link says it: `attention-28-33-sl-r` (shares in %, parts shown: s, l, or x for none; edge, and t with the lanes
+ * on top). */
 export function encode({ preset, layout }: Chosen): string {
   const parts = `${layout.sideShown ? "s" : ""}${layout.lanesShown ? "l" : ""}` || "x";
-  return [preset, percent(layout.side), percent(layout.lanes), parts, layout.edge[0]].join("-");
+  const edges = `${layout.edge[0]}${layout.lanesAt === "top" ? "t" : ""}`;
+  return [preset, percent(layout.side), percent(layout.lanes), parts, edges].join("-");
 }
 
 /** What a link says; null: nothing that this page understands. */
 export function decode(text: string | null): Chosen | null {
-  const found = /^([a-z]+)-(\d{1,2})-(\d{1,2})-(sl|s|l|x)-([lr])$/.exec(text ?? "");
+  const found = /^([a-z]+)-(\d{1,2})-(\d{1,2})-(sl|s|l|x)-([lr])(t?)$/.exec(text ?? "");
   if (!found) return null;
-  const [, name, side, lanes, parts, edge] = found;
+  const [, name, side, lanes, parts, edge, top] = found;
   const preset = PRESETS.find((each) => each === name);
   if (!preset) return null;
   return {
@@ -68,6 +71,7 @@ export function decode(text: string | null): Chosen | null {
       sideShown: parts!.includes("s"),
       lanesShown: parts!.includes("l"),
       edge: edge === "l" ? "left" : "right",
+      lanesAt: top ? "top" : "bottom",
     }),
   };
 }

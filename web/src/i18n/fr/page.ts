@@ -21,6 +21,7 @@ export const page = {
   Panels: "Panneaux",
   Lanes: "Pistes",
   "Panels on the left": "Panneaux à gauche",
+  "Lanes on top": "Pistes en haut",
   Colours: "Couleurs",
   "Copy link": "Copier le lien",
   Reset: "Rétablir",
