@@ -174,7 +174,8 @@ class Progress:
     there. ``invites``: whether people who are near begin a tour; those who came along, or declined, leave first.
     ``towards``: the heading (rad in odom) that it turns to where it faces visitors; ``stuck_since`` as in View.
     ``excuse``: key of what it says of its pause, of going on without all, or of the tour's end. ``homed``: it came
-    home, and it was not moved since. ``reason``: in words, why it is in this state.
+    home, and it was not moved since. ``held``: the emergency stop was pressed, and nobody has pressed to go on since:
+    no tour begins. ``reason``: in words, why it is in this state.
     """
 
     state: State = "idle"
@@ -204,6 +205,7 @@ class Progress:
     stuck_since: float | None = None
     excuse: str = ""
     homed: bool = False
+    held: bool = False
     reason: str = ""
 
     @property

@@ -74,6 +74,7 @@ from app.modules.motivations.tour_guide.progress import (
 from app.modules.motivations.tour_guide.progress_message import progress_message
 from app.modules.motivations.tour_guide.run_keeper import RunKeeper
 from app.modules.motivations.tour_guide.senses import Senses
+from app.modules.motivations.tour_guide.transitions import interrupted
 from app.modules.motivations.tour_guide.wishes import DOCK, Scene, Wish, stop_of
 from app.runtime.module import Module, ModuleContext, Settings
 from app.tours.model import Tour
@@ -375,6 +376,10 @@ class TourGuide(Module):
         held = kept.progress.state == "paused" and kept.progress.to_press
         ready = held or (self._senses.localized(tour.map) and self._places is not None)
         view = self._view(run, ())
+        if kept.progress.is_running and view.e_stop and not held:
+            # Released again before the run goes on, it is a pause all the same.
+            self._kept = replace(kept, progress=interrupted(kept.progress, view, run.scene)), tour
+            return
         if kept.progress.is_running and now < self._ready_at:
             self._desires.want((Wish("slam", SLAM), Wish("faces", FACES), Wish("persons", PERSONS)))
             if not ready:

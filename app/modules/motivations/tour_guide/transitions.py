@@ -49,6 +49,8 @@ LONGEST_STEP_S: Final = 180.0
 LOCATES_S: Final = 3.0
 #: So long it looks for where it is (s).
 LOST_S: Final = 180.0
+#: Why no tour begins, also once the emergency stop is released.
+HELD: Final = "the emergency stop was pressed: press Resume"
 #: A pause ends the tour after so long (s); one by driving by hand ends so long after that.
 LONGEST_PAUSE_S: Final = 600.0
 AFTER_HAND_S: Final = 1.0
@@ -67,12 +69,15 @@ _COUNTS: Final[frozenset[State]] = AT_A_STOP | frozenset[State](
 
 def advance(progress: Progress, view: View, scene: Scene) -> Progress:
     """``progress`` after what is seen now."""
-    progress = _interrupted(progress, view, scene)
+    progress = interrupted(progress, view, scene)
+    if progress.held and not progress.is_running:
+        # What comes now may say more, such as why a press does nothing.
+        progress = replace(progress, reason=HELD)
     for event in view.events:
         progress = _after(progress, event, view, scene)
     if view.e_stop or view.by_hand:
         # What is pressed or heard does not move a robot that is held.
-        progress = _interrupted(progress, view, scene)
+        progress = interrupted(progress, view, scene)
     progress = _people(progress, view, scene.tour)
     return _timed(progress, view, scene)
 
@@ -80,10 +85,10 @@ def advance(progress: Progress, view: View, scene: Scene) -> Progress:
 # --- what may come in any state ----------------------------------------------------------------------------------
 
 
-def _interrupted(progress: Progress, view: View, scene: Scene) -> Progress:
-    """The emergency stop, driving by hand, an empty battery, a pose that is lost."""
+def interrupted(progress: Progress, view: View, scene: Scene) -> Progress:
+    """``progress`` after the emergency stop, driving by hand, an empty battery, a pose that is lost."""
     if view.e_stop or view.by_hand:
-        progress = replace(progress, homed=False)
+        progress = replace(progress, homed=False, held=progress.held or view.e_stop)
     if not progress.is_running:
         return progress
     if view.e_stop:
@@ -159,7 +164,9 @@ def _pressed(progress: Progress, event: Pressed, view: View, scene: Scene) -> Pr
         case "pause" if progress.is_running:
             return _paused(progress, view, "it was paused", to_press=True)
         case "resume" if progress.state == "paused" and not view.e_stop:
-            return resumed(progress, view, scene)
+            return resumed(replace(progress, held=False), view, scene)
+        case "resume" if progress.held and not view.e_stop:
+            return replace(progress, held=False, reason="")
         case "retry" if progress.state == "blocked":
             return lead(progress, view, scene, progress.stop)
         case "next" if progress.state == "listening":
@@ -209,6 +216,8 @@ def _invited(progress: Progress, view: View, tour: Tour) -> Progress:
         return progress
     if view.e_stop or view.by_hand:
         return replace(progress, reason="no tour begins while the robot is held")
+    if progress.held:
+        return replace(progress, reason=HELD)
     if view.battery is not None and view.battery < tour.battery.begin_min:
         return replace(progress, reason="the battery is too low for a tour")
     fresh = Progress(entry=progress.entry, company=Company(seen_m=view.driven_m), homed=progress.homed)

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from app.modules.motivations.tour_guide.controls import buttons
 from app.modules.motivations.tour_guide.progress import (
     Asked,
     Button,
@@ -343,6 +344,50 @@ def test_nothing_moves_after_the_emergency_stop_before_a_press() -> None:
     assert (run.progress.state, run.progress.reason) == ("idle", "it was paused too long")
 
 
+@pytest.mark.parametrize("begins", ["a face", "a voice", "the schedule", "a word", "start"])
+def test_nothing_begins_after_the_emergency_stop_before_a_press(begins: str) -> None:
+    run = Run(changed(begin={"by": ["press", "voice" if begins == "a voice" else "face"]}))
+    events: dict[str, Event] = {
+        "the schedule": Scheduled(),
+        "a word": Heard("yes"),
+        "start": Pressed("start"),
+    }
+    event = events.get(begins)
+    run.see(people=0, near=0).see(e_stop=True).see(e_stop=False, after_s=60)
+    run.see(people=2, near=2, speaking=True).see(*([event] if event else []), after_s=30).see(after_s=30)
+    assert (run.progress.state, run.wishes()) == ("idle", ())
+    assert run.progress.reason == "the emergency stop was pressed: press Resume"
+    assert buttons(run.progress, e_stop=False) == ("resume",)
+    assert buttons(run.progress, e_stop=True) == ()
+    run.press("resume")
+    assert (run.progress.state, run.progress.reason) == ("inviting", ""), "they are there still"
+
+
+def test_a_press_while_the_emergency_stop_is_latched_frees_nothing() -> None:
+    run = Run().see(people=0, near=0, e_stop=True).press("resume").press("start").see(e_stop=False)
+    assert run.see(Scheduled()).progress.state == "idle"
+    assert run.press("resume").press("start").progress.state == "inviting"
+
+
+@pytest.mark.parametrize("ends", ["end", "its time"])
+def test_a_tour_that_ends_during_the_emergency_stops_pause_is_followed_by_none(ends: str) -> None:
+    run = Run().started().until("leading").see(e_stop=True)
+    if ends == "end":
+        run.press("end").see(e_stop=False)
+    else:
+        run.see(e_stop=False).see(after_s=601)
+    assert run.progress.state == "idle"
+    run.see(people=0, near=0).see(people=2, near=2).see(after_s=60).see(Scheduled())
+    assert (run.progress.state, run.wishes()) == ("idle", ())
+    assert run.press("resume").see(Scheduled()).progress.state == "inviting"
+
+
+def test_resume_after_a_pause_by_the_emergency_stop_holds_nothing_any_more() -> None:
+    run = Run().started().until("leading").see(e_stop=True).see(e_stop=False).press("resume").until("idle")
+    run.see(people=0, near=0).see(people=2, near=2)
+    assert run.see(after_s=3).progress.state == "inviting"
+
+
 def test_an_emergency_stop_that_withdraws_the_goal_first_is_named() -> None:
     run = Run().started().until("leading")
     run.see(Withdrawn(run.wish("GoTo").key))
@@ -563,11 +608,11 @@ def test_a_press_does_not_move_a_robot_that_is_driven_by_hand(button: Button) ->
     assert run.see(by_hand=False).see(after_s=2.0).progress.state == ("parting" if button == "end" else "leading")
 
 
-buttons: st.SearchStrategy[Button] = st.sampled_from(
+presses: st.SearchStrategy[Button] = st.sampled_from(
     ["start", "agree", "decline", "next", "pause", "resume", "retry", "skip", "undo_skip", "repeat", "end"]
 )
 events = st.one_of(
-    buttons.map(Pressed),
+    presses.map(Pressed),
     st.sampled_from([Chosen("one"), Chosen("two"), Asked("weight"), Heard("next"), Heard("yes"), Heard("heavy")]),
     st.sampled_from([Clapped(2), Scheduled(), Ended("3.go", True), Spoken("2.say", 1)]),
 )
@@ -600,7 +645,7 @@ def test_whatever_happens(happening: list[tuple[dict[str, Any], Event | None, st
         progress = run.progress
         if run.view.e_stop:
             held = True
-        elif event in (Pressed("resume"), Pressed("start"), Scheduled()) or not progress.is_running:
+        elif event == Pressed("resume"):
             held = False
         drives = any(wish.cls == "GoTo" for wish in run.wishes())
         assert not (run.moves() and (held or run.view.e_stop or run.view.by_hand))
