@@ -190,7 +190,9 @@ class Tour(TourPart):
     farewell: Farewell = Farewell()
     commands: Commands = Commands()
     accept: tuple[CodeText, ...] = Field(
-        (), max_length=100, description="Texts of further codes that are obeyed when they are read on this tour."
+        (),
+        max_length=100,
+        description="Texts of further codes that are obeyed when visitors show them while the tour waits at a stop.",
     )
     stops: tuple[Stop, ...] = Field((), max_length=MOST_STOPS)
 

@@ -1801,7 +1801,7 @@ export interface Tour {
   greeting: Greeting;
   farewell: Farewell;
   commands: Commands;
-  /** Texts of further codes that are obeyed when they are read on this tour. */
+  /** Texts of further codes that are obeyed when visitors show them while the tour waits at a stop. */
   accept: string[];
   stops: Stop[];
 }

@@ -6,6 +6,7 @@
     │            in   sources       SoundSources: which way visitors are                       │
     │            in   noises        LoudNoise: claps                                           │
     │            in   words         HeardWords                                                 │
+    │            in   codes         QRCodes: those that visitors show                          │
     │            in   speech        Speech: the sentence that is said                          │
     │            in   odometry      Odometry, 100 Hz, X_OB in odom; never filtered             │
     │            in   localization  Localization, state and map                                │
@@ -49,6 +50,7 @@ from app.messages import (
     Persons,
     Place,
     Places,
+    QRCodes,
     SoundSources,
     Speech,
     TourButton,
@@ -58,7 +60,7 @@ from app.modules.motivations.tour_guide.controls import buttons
 from app.modules.motivations.tour_guide.desires import GuideDesires, weights
 from app.modules.motivations.tour_guide.guided_run import GuidedRun, led_by
 from app.modules.motivations.tour_guide.kept import KeptRun, after_restart
-from app.modules.motivations.tour_guide.listening import Claps, is_due, sentence_number
+from app.modules.motivations.tour_guide.listening import Claps, ShownCodes, is_due, sentence_number
 from app.modules.motivations.tour_guide.perceptions import FACES, PERSONS, SLAM
 from app.modules.motivations.tour_guide.progress import (
     Asked,
@@ -127,6 +129,7 @@ class TourGuide(Module):
         self._kept: tuple[KeptRun, Tour] | None = None
         self._events: list[Event] = []
         self._claps = Claps()
+        self._codes = ShownCodes()
         self._places: tuple[Place, ...] | None = None
         self._beaten: float | None = None
         self._ready_at: float | None = None
@@ -138,6 +141,7 @@ class TourGuide(Module):
         self.on(self.input("sources", SoundSources, capacity=8), senses.take_percepts)
         self.on(self.input("noises", LoudNoise, capacity=8), lambda noise: self._claps.hear(noise.stamp))
         self.on(self.input("words", HeardWords, capacity=8), self._take_words)
+        self.on(self.input("codes", QRCodes, capacity=8), self._take_codes)
         self.on(self.input("speech", Speech, capacity=8, wants="never"), self._take_speech)
         self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True)
         self.on(self.input("localization", Localization), senses.take_localization)
@@ -266,6 +270,10 @@ class TourGuide(Module):
     def _take_words(self, heard: HeardWords) -> None:
         if heard.text and not heard.unsure:
             self._events.append(Heard(heard.text))
+
+    def _take_codes(self, codes: QRCodes) -> None:
+        if self._run is not None:
+            self._events.extend(self._codes.read(codes, self._run.progress.state))
 
     def _take_speech(self, speech: Speech) -> None:
         wish = self._desires.key_of(speech.desire) if speech.state == "speaking" else None

@@ -64,6 +64,8 @@ EXCUSES: Final[Mapping[str, Mapping[str, str]]] = {
         "fr": "Je ne peux pas aller plus loin. Je dois terminer la visite ici.",
     },
 }
+#: Names of wishes that say something beside a step: none of them fails it.
+BESIDE: Final = ("excuse", "code")
 LOST: Final = {"en": "I do not know where I am. One moment.", "fr": "Je ne sais pas où je suis. Un instant."}
 
 
@@ -123,7 +125,7 @@ def wishes(progress: Progress, scene: Scene, now: float) -> tuple[Wish, ...]:
 
 def awaited(progress: Progress, scene: Scene, now: float) -> frozenset[str]:
     """Keys of the wishes that this step waits for."""
-    if step_now(progress, scene.tour) is None and not _excused(progress):
+    if step_now(progress, scene.tour) is None and not _says_first(progress):
         return frozenset()
     return frozenset(wish.key for wish in wishes(progress, scene, now) if wish.cls in scene.achievements)
 
@@ -176,6 +178,7 @@ def _wishes(progress: Progress, scene: Scene, now: float) -> Iterator[Wish]:
             yield from _facing_at_stop(progress, tour)
             if progress.excuse:
                 yield _said(progress, f"excuse-{progress.excuse}", EXCUSES[progress.excuse], scene)
+            yield from _carried(progress, scene)
         case "confirming":
             yield Wish(key(progress, "look"), TRACK_FACE)
             yield from _facing(progress)
@@ -187,8 +190,10 @@ def _wishes(progress: Progress, scene: Scene, now: float) -> Iterator[Wish]:
         case "lost":
             yield _said(progress, "lost", LOST, scene)
         case "inviting" | "presenting" | "answering" | "parting":
-            if _excused(progress):
+            if progress.excuse and _says_first(progress):
                 yield _said(progress, f"excuse-{progress.excuse}", EXCUSES[progress.excuse], scene)
+            if progress.state == "presenting":
+                yield from _carried(progress, scene)
             step = step_now(progress, tour)
             if step is not None:
                 yield from _of_step(progress, step, scene)
@@ -205,9 +210,17 @@ def _asking_to_pass(progress: Progress, scene: Scene, now: float) -> Iterator[Wi
         yield _said(progress, f"pass-{asked}", PASS, scene)
 
 
-def _excused(progress: Progress) -> bool:
-    """Whether it first says why it ends, or goes on otherwise than visitors expect."""
+def _says_first(progress: Progress) -> bool:
+    """Whether it first says why it ends, or goes on otherwise than visitors expect, or what a code carries."""
+    if progress.state == "presenting" and progress.carried is not None:
+        return True
     return progress.state in ("parting", "presenting") and bool(progress.excuse)
+
+
+def _carried(progress: Progress, scene: Scene) -> Iterator[Wish]:
+    """What a code has it say."""
+    if (says := progress.carried) is not None:
+        yield _said(progress, "code", {says.language: says.text}, scene)
 
 
 def _points(progress: Progress, step: Step | None) -> bool:

@@ -32,6 +32,8 @@ from app.messages import (
     PersonState,
     Place,
     Places,
+    QRCode,
+    QRCodes,
     SoundSource,
     SoundSources,
     Speech,
@@ -54,6 +56,7 @@ PORTS = {
     "sources": SoundSources,
     "noises": LoudNoise,
     "words": HeardWords,
+    "codes": QRCodes,
     "speech": Speech,
     "odometry": Odometry,
     "localization": Localization,
@@ -201,6 +204,11 @@ class LedLab:
             now, text, False, confidence=1.0, likeliest=text, direction=(1, 0, 0), words=(text,), language="en"
         )
         self.bench.feed("words", heard)
+
+    def show(self, *codes: QRCode) -> None:
+        """A camera reads ``codes``."""
+        now = self.bench.clock.now()
+        self.bench.feed("codes", QRCodes(now, "kinect", 640, 480, Pose3.identity(), codes))
 
     def clap(self) -> None:
         self.bench.feed("noises", LoudNoise(self.bench.clock.now(), 20.0, -10.0))
