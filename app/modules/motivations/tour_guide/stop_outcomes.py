@@ -9,6 +9,7 @@ from dataclasses import replace
 from typing import Final
 
 from app.base.geometry import wrap_angle
+from app.maps.poster_places import is_of_poster
 from app.modules.motivations.tour_guide.entering import enter, lead, part
 from app.modules.motivations.tour_guide.progress import Failure, Progress, View
 from app.modules.motivations.tour_guide.wishes import Scene, stop_of
@@ -28,12 +29,15 @@ _FAILED: Final[Mapping[str, str]] = {
 
 
 def arrived(progress: Progress, view: View, scene: Scene) -> Progress:
-    """At the stop; what is doubtful about its place is noted, and it is presented all the same."""
+    """At the stop; what is doubtful about its place is noted, and it is presented all the same. That its poster is gone
+    or has moved is said first, since visitors see it, too."""
     stop = stop_of(progress, scene.tour)
-    for what in (scene.doubts.get(stop.place), _beside_its_place(stop, view, scene)):
+    doubt = scene.doubts.get(stop.place, "")
+    for what in (doubt, _beside_its_place(stop, view, scene)):
         if what:
             progress = replace(progress, failures=(*progress.failures, Failure(stop.id, what)))
-    return enter(progress, "turning" if stop.stand.face == "visitors" else "presenting", view)
+    there = enter(progress, "turning" if stop.stand.face == "visitors" else "presenting", view)
+    return replace(there, excuse="poster") if is_of_poster(doubt) else there
 
 
 def _beside_its_place(stop: Stop, view: View, scene: Scene) -> str:

@@ -354,7 +354,7 @@ def _timed(progress: Progress, view: View, scene: Scene) -> Progress:
         case "searching":
             return searched(progress, view, tour.pace)
         case "turning" if spent >= TURN_S or (view.people > 0 and spent > 0):
-            return enter(progress, "presenting", view)
+            return replace(enter(progress, "presenting", view), excuse=progress.excuse)
         case "inviting" | "presenting" | "answering" | "parting":
             return _stepped(progress, view, scene)
         case "listening":

@@ -46,6 +46,10 @@ EXCUSES: Final[Mapping[str, Mapping[str, str]]] = {
         "en": "I cannot get any nearer, so I explain it from here.",
         "fr": "Je ne peux pas m'approcher davantage, je vous l'explique d'ici.",
     },
+    "poster": {
+        "en": "Excuse me, the poster is not where I knew it.",
+        "fr": "Excusez-moi, l'affiche n'est pas là où je la connaissais.",
+    },
     "e_stop": {"en": "I was stopped. One moment, please.", "fr": "On m'a arrêté. Un instant, s'il vous plaît."},
     "battery": {
         "en": "My battery is low. I must end the tour here.",

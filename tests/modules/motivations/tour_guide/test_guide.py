@@ -588,6 +588,34 @@ def test_what_is_doubtful_about_a_place_is_noted_and_the_stop_presented() -> Non
     assert run.progress.failures == (Failure("one", "its poster is gone"),)
 
 
+@pytest.mark.parametrize("face", ["visitors", "place"])
+@pytest.mark.parametrize(
+    ("doubt", "excuses"),
+    [
+        ("its poster is not known on this map: it was removed, or not seen yet", True),
+        ("its poster hangs 2.1 m from where it was: place it again", True),
+        ("it is in an obstacle of the map", False),
+    ],
+)
+def test_a_poster_that_is_gone_is_said_as_it_arrives(doubt: str, excuses: bool, face: str) -> None:
+    run = Run(changed(stops=[stop("one", stand={"face": face}), stop("two")]))
+    run.scene = replace(run.scene, doubts={"one": doubt})
+    said = ["Excuse me, the poster is not where I knew it."] * excuses
+    assert run.started().until("presenting").texts() == [*said, "This is one."]
+    if excuses:
+        run.done("Say", done=False, only="excuse-poster")
+        assert run.progress.failures == (Failure("one", doubt),), "no step fails where nothing can be said"
+    assert run.press("repeat").texts() == ["This is one."], "said once"
+    assert run.until("leading").until("presenting").texts() == ["This is two."]
+    assert Run().started().until("presenting").texts() == ["This is one."]
+
+
+def test_that_a_poster_is_gone_is_said_in_the_tours_language() -> None:
+    run = Run()
+    run.scene = replace(run.scene, language="fr", doubts={"one": "its poster is gone"})
+    assert run.started().until("presenting").texts()[0] == "Excusez-moi, l'affiche n'est pas là où je la connaissais."
+
+
 def test_it_charges_at_home_until_it_is_moved() -> None:
     run = Run()
     run.scene = replace(run.scene, docks=True)
