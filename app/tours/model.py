@@ -114,7 +114,7 @@ class Stand(TourPart):
     """How the robot places itself at a stop."""
 
     face: Literal["visitors", "poster", "place"] = Field(
-        "visitors", description="Towards visitors, the poster, or as the place says."
+        "visitors", description="Towards visitors, the poster (where the map knows it), or as the place says."
     )
     tolerance_m: float = Field(0.3, ge=0.05, le=2, description="So near the place is there (m).")
     tolerance_rad: float = Field(0.2, ge=0.05, le=3.2, description="So well turned is turned (rad).")

@@ -12,7 +12,7 @@ from app.base.geometry import wrap_angle
 from app.maps.poster_places import is_of_poster
 from app.modules.motivations.tour_guide.entering import enter, lead, part
 from app.modules.motivations.tour_guide.progress import Failure, Progress, View
-from app.modules.motivations.tour_guide.wishes import Scene, stop_of
+from app.modules.motivations.tour_guide.wishes import Scene, goal_of, stop_of
 from app.tours.model import Stop, rules_at
 
 #: A pose that was good enough as it arrived may be corrected by so much (m, rad) until it is noted.
@@ -45,7 +45,7 @@ def _beside_its_place(stop: Stop, view: View, scene: Scene) -> str:
     to visitors, the heading of the place is none of its own."""
     if view.X_MB is None:
         return ""
-    place, stand = scene.places[stop.place], stop.stand
+    place, stand = goal_of(stop, scene), stop.stand
     off_m = math.hypot(view.X_MB[0] - place["x"], view.X_MB[1] - place["y"])
     if off_m > stand.tolerance_m + _POSE_M:
         return f"presented {off_m:.2f} m from its place"

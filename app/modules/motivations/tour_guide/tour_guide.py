@@ -11,6 +11,7 @@
     │            in   odometry      Odometry, 100 Hz, X_OB in odom; never filtered             │
     │            in   localization  Localization, state and map                                │
     │            in   places        Places of the map                                          │
+    │            in   landmarks     Landmarks, in map: where posters hang                      │
     │            in   navigation    NavigationStatus, as they come                             │
     │            in   exploitation  Exploitation of the base, 10 Hz                            │
     │            in   status        LinkStatus: the emergency stop                             │
@@ -37,11 +38,13 @@ from app.attention.workspace import IntentionWorkspace
 from app.base.geometry import Pose2
 from app.maps.map_service import MapService, MapUnavailable
 from app.maps.places import go_to_parameters
+from app.maps.poster_places import Poster, posters_of
 from app.messages import (
     BatteryState,
     Exploitation,
     Faces,
     HeardWords,
+    Landmarks,
     LinkStatus,
     Localization,
     LoudNoise,
@@ -131,6 +134,7 @@ class TourGuide(Module):
         self._claps = Claps()
         self._codes = ShownCodes()
         self._places: tuple[Place, ...] | None = None
+        self._posters: tuple[Poster, ...] = ()
         self._beaten: float | None = None
         self._ready_at: float | None = None
         self._map_taken, self._map_refused = False, ""
@@ -147,6 +151,7 @@ class TourGuide(Module):
         self.on(self.input("localization", Localization), senses.take_localization)
         self.places = self.input("places", Places, wants="never")
         self.on(self.places, self._take_places)
+        self.on(self.input("landmarks", Landmarks, wants="never"), self._take_landmarks)
         self.on(self.input("navigation", NavigationStatus, capacity=8), senses.take_navigation)
         self.on(self.input("exploitation", Exploitation), senses.take_exploitation)
         self.on(self.input("status", LinkStatus), senses.take_status)
@@ -287,6 +292,16 @@ class TourGuide(Module):
         if self._places is not None and _same_places(self._places, places.places):
             return
         self._places = places.places
+        self._renew_scene()
+
+    def _take_landmarks(self, landmarks: Landmarks) -> None:
+        posters = posters_of(landmarks)
+        if posters is None or _same_posters(self._posters, posters):
+            return
+        self._posters = posters
+        self._renew_scene()
+
+    def _renew_scene(self) -> None:
         if (run := self._run) is not None:
             run.scene = self._scene(run.tour, run.scene.language, waits=run.waits)
 
@@ -299,6 +314,7 @@ class TourGuide(Module):
             frozenset(name for name, each in classes.items() if each.achievement),
             doubts={place.id: place.problem for place in places if place.problem},
             docks=self.settings.docks and DOCK in classes,
+            posters=self._posters,
         )
 
     # --- one look --------------------------------------------------------------------------------------------------
@@ -412,5 +428,13 @@ def _same_places(one: tuple[Place, ...], other: tuple[Place, ...]) -> bool:
     return len(one) == len(other) and all(
         replace(a, x=0.0, y=0.0, heading=0.0) == replace(b, x=0.0, y=0.0, heading=0.0)
         and max(abs(a.x - b.x), abs(a.y - b.y), abs(a.heading - b.heading)) < _SAME_PLACE
+        for a, b in zip(one, other, strict=True)
+    )
+
+
+def _same_posters(one: tuple[Poster, ...], other: tuple[Poster, ...]) -> bool:
+    """Whether all hang where they hung, but for the small steps by which a map is corrected."""
+    return len(one) == len(other) and all(
+        (a.number, a.text) == (b.number, b.text) and max(abs(a.x - b.x), abs(a.y - b.y)) < _SAME_PLACE
         for a, b in zip(one, other, strict=True)
     )

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
 
+from app.maps.poster_places import Poster, poster_named
 from app.modules.motivations.tour_guide.company import DIRECTIONS
 from app.modules.motivations.tour_guide.progress import Progress
 from app.speech.text_spans import sentences_of
@@ -86,7 +88,7 @@ class Wish:
 class Scene:
     """What a run needs beside its tour: ``places``, parameters of GoTo by the place's id; ``language`` of the visitors;
     ``achievements``, the desire classes that end by themselves. ``doubts``: what is doubtful about places, in words, by
-    their ids; ``docks``: whether the robot charges at home."""
+    their ids; ``docks``: whether the robot charges at home; ``posters``: those that the map knows."""
 
     tour: Tour
     language: str
@@ -94,11 +96,24 @@ class Scene:
     achievements: frozenset[str]
     doubts: Mapping[str, str] = field(default_factory=dict)
     docks: bool = False
+    posters: tuple[Poster, ...] = ()
 
 
 def stop_of(progress: Progress, tour: Tour) -> Stop:
     """The stop that ``progress`` is about."""
     return tour.stops[progress.stop]
+
+
+def goal_of(stop: Stop, scene: Scene) -> dict[str, Any]:
+    """Parameters of GoTo for ``stop``: its place, turned to its poster where it stands so and the map knows that."""
+    goal = dict(scene.places[stop.place])
+    if stop.stand.face != "poster" or stop.poster is None:
+        return goal
+    poster = poster_named(scene.posters, stop.poster, near=(goal["x"], goal["y"]))
+    if poster is None:
+        return goal
+    # In steps, so that a map that is corrected makes no new goal.
+    return goal | {"heading": round(math.atan2(poster.y - goal["y"], poster.x - goal["x"]), 2)}
 
 
 def steps_now(progress: Progress, tour: Tour) -> tuple[Step, ...]:
@@ -255,7 +270,7 @@ def _of_step(progress: Progress, step: Step, scene: Scene) -> Iterator[Wish]:
 
 
 def _going(progress: Progress, scene: Scene, place: str, stop: Stop | None = None) -> Wish:
-    params = dict(scene.places[place])
+    params = dict(scene.places[place]) if stop is None else goal_of(stop, scene)
     speed = scene.tour.pace.speed * (SLOWLY if progress.slow else 1.0)
     if stop is not None:
         params |= {"tolerance_m": stop.stand.tolerance_m, "tolerance_rad": stop.stand.tolerance_rad}

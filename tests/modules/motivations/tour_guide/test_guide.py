@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from app.maps.poster_places import Poster
 from app.modules.motivations.tour_guide.controls import buttons
 from app.modules.motivations.tour_guide.progress import (
     Asked,
@@ -445,6 +446,28 @@ def test_a_stop_that_is_presented_turned_away_is_noted(face: str, turned: float,
     run.scene = replace(run.scene, places={"one": {"x": 1.0, "y": 2.0, "heading": 3.0}})
     run.started().until("leading").see(X_MB=(1.0, 2.0, 3.0 + turned - math.tau)).until("presenting")
     assert [failure.what for failure in run.progress.failures] == [noted] * bool(noted)
+
+
+@pytest.mark.parametrize(
+    ("stand", "posters", "heading"),
+    [
+        ("poster", [Poster(1, "P", 1.0, 4.0, None), Poster(2, "P", 9.0, 2.0, None)], 1.57),
+        ("poster", [Poster(1, "other", 1.0, 4.0, None)], 0.5),
+        ("place", [Poster(1, "P", 1.0, 4.0, None)], 0.5),
+    ],
+)
+def test_it_stands_turned_to_the_poster_where_the_map_knows_that(
+    stand: str, posters: list[Poster], heading: float
+) -> None:
+    run = Run(changed(stops=[stop("one", poster="P", stand={"face": stand})]))
+    run.scene = replace(run.scene, places={"one": {"x": 1.0, "y": 2.0, "heading": 0.5}}, posters=tuple(posters))
+    assert run.started().until("leading").wish("GoTo").params["heading"] == heading
+    run.see(X_MB=(1.0, 2.0, heading)).until("presenting")
+    assert (run.progress.failures, "turning" in run.states) == ((), False)
+    turned = Run(run.scene.tour)
+    turned.scene = run.scene
+    turned.started().until("leading").see(X_MB=(1.0, 2.0, heading + 1.0)).until("presenting")
+    assert [failure.what for failure in turned.progress.failures] == ["presented turned 57° from its place"]
 
 
 def test_on_its_way_home_it_asks_to_pass_too() -> None:

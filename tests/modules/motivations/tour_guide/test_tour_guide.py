@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from app.base.geometry import Pose2
+from app.messages import Landmark, Landmarks
 from app.modules.motivations.tour_guide.kept import read_kept
 from app.runtime.clock import in_virtual_time
 from app.tours.model import Tour
@@ -451,6 +452,20 @@ async def test_no_tour_begins_that_cannot_be_led(tmp_path: Path) -> None:
             led.server.choose("three")
         with pytest.raises(TourRefused, match="'weight' is no question that can be asked now; there are: none"):
             led.server.ask("weight")
+
+
+@in_virtual_time
+async def test_it_turns_to_the_poster_of_a_stop_that_stands_so(tmp_path: Path) -> None:
+    async with await lab(tmp_path, stops=[stop("one", poster="P", stand={"face": "poster"})]) as led:
+        now = led.bench.clock.now()
+        poster = Landmark("P", (4.0, -1.2, 1.3), 0.02, 3, first_seen=now, last_seen=now, id=1)
+        led.start()
+        led.bench.feed("landmarks", Landmarks(now, (poster,), "odom"))
+        led.bench.feed("landmarks", Landmarks(now, (poster,), "map"))
+        await led.until("confirming")
+        led.press("agree")
+        await led.until("presenting")
+        assert led.robot.theta == pytest.approx(-math.pi / 2, abs=0.01)
 
 
 @in_virtual_time
