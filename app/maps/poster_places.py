@@ -84,6 +84,11 @@ def followed(place: Place, posters: Sequence[Poster], distance_m: float = STAND_
     return in_front_of(place, poster, distance_m), ""
 
 
+def is_of_poster(problem: str) -> bool:
+    """Whether ``problem``, what is wrong with a place in words, is that its poster is gone or hangs elsewhere."""
+    return problem.startswith("its poster ")
+
+
 def poster_named(posters: Iterable[Poster], text: str, near: tuple[float, float] | None = None) -> Poster | None:
     """The poster of this text: the one nearest to ``near`` (m on the map), or the one found first; None without one."""
     same = [poster for poster in posters if poster.text == text]

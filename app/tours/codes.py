@@ -67,6 +67,14 @@ class SayCode:
 Code = StopCode | SayCode
 
 
+@dataclass(frozen=True, slots=True)
+class Accepted:
+    """What a code does on a tour: leads to ``stop``, says ``says``, or both; one of them is not None."""
+
+    stop: Stop | None
+    says: CarriedText | None
+
+
 def parse(text: str) -> Code | None:
     """The code that ``text`` is, or None for a text of others.
 
@@ -89,26 +97,31 @@ def parse(text: str) -> Code | None:
     raise CodeError(f"after HBBA: comes STOP/ or SAY/, not {_shown(kind)}")
 
 
-def accepted(text: str, tour: Tour) -> Stop | CarriedText | None:
-    """What the code ``text`` does on ``tour``: presents a stop, says something, or nothing (None: it is only shown).
+def accepted(text: str, tour: Tour) -> Accepted | None:
+    """What the code ``text`` does on ``tour``; None for nothing: it is only shown.
 
-    A code counts only where the tour's author named exactly this text: as a stop's poster, or in ``accept``.
+    A code counts only where the tour's author named exactly this text: as a stop's poster, or in ``accept``. What a
+    code of a stop carries is said where the code leads: to a stop that is left out, or is of another tour, none does.
     """
-    for stop in tour.stops:
-        if stop.poster == text:
-            return None if stop.left_out else stop
-    if text not in tour.accept:
+    poster = next((stop for stop in tour.stops if stop.poster == text), None)
+    if poster is None and text not in tour.accept:
         return None
     try:
         code = parse(text)
     except CodeError:
+        code = None
+    if isinstance(code, SayCode) and poster is None:
+        return Accepted(None, code.says)
+    named = code if isinstance(code, StopCode) else None
+    stop = poster or next((stop for stop in tour.stops if named is not None and stop.id == named.stop), None)
+    if stop is None or stop.left_out:
         return None
-    match code:
-        case SayCode():
-            return code.says
-        case StopCode():
-            return next((stop for stop in tour.stops if stop.id == code.stop and not stop.left_out), None)
-    return None
+    return Accepted(stop, named.says if named is not None and named.stop == stop.id else None)
+
+
+def obeys_codes(tour: Tour) -> bool:
+    """Whether there is a code that does something on ``tour``."""
+    return bool(tour.accept) or any(stop.poster is not None and not stop.left_out for stop in tour.stops)
 
 
 def is_capitals(text: str) -> bool:

@@ -114,7 +114,7 @@ class Stand(TourPart):
     """How the robot places itself at a stop."""
 
     face: Literal["visitors", "poster", "place"] = Field(
-        "visitors", description="Towards visitors, the poster, or as the place says."
+        "visitors", description="Towards visitors, the poster (where the map knows it), or as the place says."
     )
     tolerance_m: float = Field(0.3, ge=0.05, le=2, description="So near the place is there (m).")
     tolerance_rad: float = Field(0.2, ge=0.05, le=3.2, description="So well turned is turned (rad).")
@@ -190,7 +190,9 @@ class Tour(TourPart):
     farewell: Farewell = Farewell()
     commands: Commands = Commands()
     accept: tuple[CodeText, ...] = Field(
-        (), max_length=100, description="Texts of further codes that are obeyed when they are read on this tour."
+        (),
+        max_length=100,
+        description="Texts of further codes that are obeyed when visitors show them while the tour waits at a stop.",
     )
     stops: tuple[Stop, ...] = Field((), max_length=MOST_STOPS)
 

@@ -17,6 +17,7 @@ from app.maps.poster_places import (
     Poster,
     followed,
     in_front_of,
+    is_of_poster,
     poster_named,
     posters_of,
 )
@@ -73,6 +74,7 @@ def test_a_poster_found_again_under_another_number_is_taken_where_it_was_and_not
     assert (moved.landmark, lack) == (8, "")
     stays, lack = followed(PLACE, [far])
     assert (stays, lack) == (PLACE, "its poster hangs 5.0 m from where it was: place it again")
+    assert is_of_poster(lack)
 
 
 def test_a_poster_that_is_gone_leaves_the_place_where_it_is() -> None:
@@ -80,6 +82,8 @@ def test_a_poster_that_is_gone_leaves_the_place_where_it_is() -> None:
     stays, lack = followed(PLACE, [other])
     assert stays == PLACE
     assert lack == "its poster is not known on this map: it was removed, or not seen yet"
+    assert is_of_poster(lack)
+    assert not is_of_poster("it is in an obstacle of the map")
 
 
 def test_places_of_hands_follow_nothing() -> None:

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from app.tours.codes import (
     ALPHANUMERIC,
+    Accepted,
     CarriedText,
     Code,
     CodeError,
@@ -15,6 +16,7 @@ from app.tours.codes import (
     StopCode,
     accepted,
     is_capitals,
+    obeys_codes,
     parse,
 )
 from app.tours.model import Tour
@@ -81,13 +83,32 @@ def test_codes_of_others_are_text() -> None:
 def test_a_stops_poster_leads_to_it_and_what_is_accepted_is_said() -> None:
     lab = tour(accept=["HBBA:SAY/FR/Bonjour !", "HBBA:STOP/ARM", "https://example.org", "HBBA:NONSENSE"])
     (arm,) = lab.stops
-    assert accepted(str(arm.poster), lab) is arm
-    assert accepted("HBBA:SAY/FR/Bonjour !", lab) == CarriedText("fr", "Bonjour !")
-    assert accepted("HBBA:STOP/ARM", lab) is arm
+    assert accepted(str(arm.poster), lab) == Accepted(arm, None)
+    assert accepted("HBBA:SAY/FR/Bonjour !", lab) == Accepted(None, CarriedText("fr", "Bonjour !"))
+    assert accepted("HBBA:STOP/ARM", lab) == Accepted(arm, None)
     assert [accepted(text, lab) for text in ("https://example.org", "HBBA:NONSENSE", "HBBA:SAY/FR/Salut")] == [None] * 3
     left_out = Tour.model_validate(lab.model_dump() | {"stops": [ARM | {"left_out": True}]})
     assert accepted(str(arm.poster), left_out) is None
     assert accepted("HBBA:STOP/ARM", left_out) is None
+
+
+def test_what_a_stops_code_carries_is_accepted_with_it() -> None:
+    carries = "HBBA:STOP/ARM/EN/IT YIELDS."
+    says = CarriedText("en", "IT YIELDS.")
+    lab = tour(accept=[carries, "HBBA:STOP/LEG/EN/NOT HERE."])
+    assert accepted(carries, lab) == Accepted(lab.stops[0], says)
+    assert accepted("HBBA:STOP/LEG/EN/NOT HERE.", lab) is None
+    posted = tour(stops=[ARM | {"poster": carries}])
+    assert accepted(carries, posted) == Accepted(posted.stops[0], says)
+    other = tour(stops=[ARM | {"poster": "HBBA:SAY/EN/HELLO."}])
+    assert accepted("HBBA:SAY/EN/HELLO.", other) == Accepted(other.stops[0], None)
+
+
+def test_a_tour_without_posters_and_further_codes_obeys_none() -> None:
+    assert obeys_codes(tour())
+    assert not obeys_codes(tour(stops=[ARM | {"left_out": True}]))
+    assert not obeys_codes(tour(stops=[ARM | {"poster": None}]))
+    assert obeys_codes(tour(stops=[ARM | {"poster": None}], accept=["HBBA:SAY/EN/HELLO."]))
 
 
 def test_the_shortest_codes_are_of_capitals() -> None:

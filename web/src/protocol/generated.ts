@@ -1606,7 +1606,7 @@ export interface Speech {
 
 /** How the robot places itself at a stop. */
 export interface Stand {
-  /** Towards visitors, the poster, or as the place says. */
+  /** Towards visitors, the poster (where the map knows it), or as the place says. */
   face: "visitors" | "poster" | "place";
   /** So near the place is there (m). */
   tolerance_m: number;
@@ -1801,7 +1801,7 @@ export interface Tour {
   greeting: Greeting;
   farewell: Farewell;
   commands: Commands;
-  /** Texts of further codes that are obeyed when they are read on this tour. */
+  /** Texts of further codes that are obeyed when visitors show them while the tour waits at a stop. */
   accept: string[];
   stops: Stop[];
 }

@@ -59,6 +59,14 @@ test("after an emergency stop the panel says that Resume is needed, latched or r
   expect(pauseWords(paused, false)).toBe("Nothing moves until you press Resume.");
   expect(pauseWords({ ...paused, question: null }, false)).toContain("goes on by itself");
   expect(pauseWords(aProgress(), false)).toBe("");
+  const waits = aProgress({ state: "idle", waits: true, buttons: ["start"] });
+  expect(pauseWords(waits, false)).toBe("");
+  const held = { ...waits, buttons: ["resume" as const] };
+  expect(pauseWords({ ...waits, buttons: [] }, true)).toContain("Release the emergency stop first");
+  expect(pauseWords(held, false)).toBe("Nothing moves until you press Resume.");
+  expect([isUrgent(waits), isUrgent(held)]).toEqual([false, true]);
+  expect(controlsOf(held, false).map(({ button, works }) => [button, works])).toEqual([["resume", true]]);
+  expect(controlsOf(held, true).map(({ button, works }) => [button, works])).toEqual([["resume", false]]);
 });
 
 test("a question says what is done without an answer, and when", () => {

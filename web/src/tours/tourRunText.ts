@@ -63,7 +63,12 @@ export function badgeOf(progress: TourProgress | null): string {
 
 /** Whether somebody has to look: a question waits, or the robot stands for want of a press. */
 export function isUrgent(progress: TourProgress | null): boolean {
-  return isThere(progress) && (progress.question !== null || progress.state === "lost");
+  return isThere(progress) && (progress.question !== null || progress.state === "lost" || isHeld(progress));
+}
+
+/** Whether no tour begins before a press: the emergency stop was pressed, and is released. */
+function isHeld({ state, buttons }: TourProgress): boolean {
+  return state === "idle" && buttons.includes("resume");
 }
 
 /** "Stop 2 of 3: The arm"; empty where it is at none. */
@@ -83,9 +88,14 @@ export function peopleWords({ people, farthest_m }: TourProgress): string {
     : t("{count}, the farthest {metres} m away", { count, metres });
 }
 
-/** What keeps a paused tour from going on; empty: it is not paused. `stopped`: the emergency stop is latched now. */
-export function pauseWords({ state, question }: TourProgress, stopped: boolean): string {
-  if (state !== "paused") return "";
+/**
+ * What keeps a paused tour from going on, and one that waits from beginning; empty: nothing does. `stopped`: the
+ * emergency stop is latched now.
+ */
+export function pauseWords(progress: TourProgress, stopped: boolean): string {
+  const { state, question } = progress;
+  if (isHeld(progress) && !stopped) return t("Nothing moves until you press Resume.");
+  if (state !== "paused" && !(state === "idle" && stopped)) return "";
   if (stopped) return t("Release the emergency stop first. Even then nothing moves until you press Resume.");
   // Who waits for a press asks for it; a pause by hands ends with them.
   return question === null
@@ -126,7 +136,7 @@ export function controlsOf(progress: TourProgress, stopped: boolean): Control[] 
   const shown = STEERING.filter((button) => {
     if (button === "start" || button === "pause") return can(button);
     // A paused tour has Resume in any case, if only to see that the emergency stop keeps it from going on.
-    if (button === "resume") return progress.state === "paused";
+    if (button === "resume") return progress.state === "paused" || isHeld(progress);
     return progress.state !== "idle";
   });
   return shown.map((button) => ({ button, words: buttonWords(button, progress), works: can(button) }));

@@ -26,7 +26,11 @@ def buttons(progress: Progress, *, e_stop: bool) -> tuple[Button, ...]:
 def _buttons(progress: Progress, e_stop: bool) -> Iterator[Button]:
     state, subject = progress.state, subject_of(progress)
     if state == "idle":
-        yield "start"
+        # Visitors' phones have "start", too: it does not free a robot that the emergency stop holds.
+        if not progress.held:
+            yield "start"
+        elif not e_stop:
+            yield "resume"
         return
     if state == "confirming":
         yield "agree"

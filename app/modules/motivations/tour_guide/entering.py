@@ -40,6 +40,8 @@ def enter(progress: Progress, state: State, view: View, *, step: int = 0, reason
         to_press=False,
         pause_spoken=False,
         stuck_since=None,
+        # What is to be said at a stop stays until it is there.
+        carried=progress.carried if subject_of(progress) in ON_THE_WAY else None,
         excuse="",
         homed=progress.homed and state in AT_HOME,
         invites=state != "idle",
@@ -53,7 +55,9 @@ def lead(progress: Progress, view: View, scene: Scene, stop: int = 0) -> Progres
     for index in range(stop, len(stops)):
         if stops[index].left_out:
             continue
-        ahead = replace(progress, stop=index, company=set_out(progress.company, view, scene.tour.pace))
+        carried = progress.carried if index == progress.stop else None
+        company = set_out(progress.company, view, scene.tour.pace)
+        ahead = replace(progress, stop=index, company=company, carried=carried)
         if stops[index].place in scene.places:
             return replace(enter(ahead, "leading", view), attempt=0)
         noted = Failure(stops[index].id, f"there is no place {stops[index].place}")

@@ -52,18 +52,18 @@ def read_kept(data: bytes) -> KeptRun | None:
 def after_restart(run: KeptRun, at: float, view: View, scene: Scene) -> Progress:
     """How ``run`` goes on at ``at`` (Unix time, s) in a program that was started again.
 
-    A run that was paused stays so until a press. One that cannot go on ends, and the robot goes home; ``reason`` says
-    why.
+    A run that was paused stays so until a press, and so does what the emergency stop holds. One that cannot go on ends,
+    and the robot goes home; ``reason`` says why.
     """
     before = run.progress
     tour = scene.tour
     if before.stop >= len(tour.stops) or before.question >= max(1, len(tour.stops[before.stop].questions)):
-        return Progress(reason="what was kept of the run is not of this tour")
+        return Progress(held=before.held, reason="what was kept of the run is not of this tour")
     state: State = before.resume if before.state == "paused" else before.state
     fresh = replace(before, state="paused", resume=state, since=view.now, gone_since=None, near_since=None)
     fresh = replace(fresh, towards=None, stuck_since=None, homed=False)  # of another odometry
     if not before.is_running:
-        return Progress(reason=before.reason)
+        return Progress(held=before.held, reason=before.reason)
     if before.state == "paused" and before.to_press:
         return replace(fresh, to_press=True, pause_spoken=False)
     reasons = {

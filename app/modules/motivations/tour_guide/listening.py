@@ -1,4 +1,4 @@
-"""Claps out of loud noises, sentences out of what is said, times of a schedule. Small pure parts."""
+"""Claps out of loud noises, codes that are shown, sentences out of what is said, times of a schedule. Pure parts."""
 
 from __future__ import annotations
 
@@ -7,12 +7,18 @@ import time
 from collections.abc import Iterable
 from typing import Final
 
-from app.modules.motivations.tour_guide.progress import Clapped
+from app.messages import QRCode, QRCodes
+from app.modules.motivations.tour_guide.entering import ON_THE_WAY
+from app.modules.motivations.tour_guide.progress import Clapped, CodeRead, State
 from app.speech.text_spans import sentences_of
 from app.tours.model import Slot
 
 #: Claps in a row are no further apart (s).
 CLAPS_APART_S: Final = 1.2
+#: A code is shown again once it was out of view for so long (s).
+CODE_AGAIN_S: Final = 60.0
+#: Codes that visitors hold are no farther (m); a sheet of paper is read from there, and few posters hang so near.
+CODE_WITHIN_M: Final = 1.5
 _DAYS: Final = ("mon", "tue", "wed", "thu", "fri", "sat", "sun")
 
 
@@ -34,6 +40,30 @@ class Claps:
             return None
         times, self._times = self._times, 0
         return Clapped(times)
+
+
+class ShownCodes:
+    """Finds the QR codes that people show to the robot: near ones that did not hang along its way."""
+
+    def __init__(self) -> None:
+        self._last: dict[str, float] = {}
+
+    def read(self, codes: QRCodes, state: State) -> list[CodeRead]:
+        """Those of ``codes`` that are shown while the guide is in ``state``, each text again only after a minute out
+        of view. One that is held up early counts once the guide listens."""
+        stamp, known = codes.stamp, {text for text, at in self._last.items() if codes.stamp - at <= CODE_AGAIN_S}
+        texts = {code.text for code in codes.codes}
+        near = {code.text for code in codes.codes if _is_near(code)}
+        shown = sorted(near - known) if state == "listening" else []
+        # What is passed on the way hangs there.
+        counts = known | set(shown) | (texts if state in ON_THE_WAY else set())
+        self._last = {text: stamp if text in texts else self._last[text] for text in counts}
+        return [CodeRead(text) for text in shown]
+
+
+def _is_near(code: QRCode) -> bool:
+    """Whether somebody may hold ``code``; one too near for its distance to be measured, too."""
+    return code.p_BQ is None or math.hypot(code.p_BQ[0], code.p_BQ[1]) <= CODE_WITHIN_M
 
 
 def sentence_number(text: str, said: str, before: int) -> int:

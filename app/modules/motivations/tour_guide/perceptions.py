@@ -11,6 +11,7 @@ from typing import Final
 from app.modules.motivations.tour_guide.commands import commands_now
 from app.modules.motivations.tour_guide.progress import Progress, State
 from app.modules.motivations.tour_guide.wishes import Scene, Wish, step_now, stop_of
+from app.tours.codes import obeys_codes
 from app.tours.values import Words
 
 FACES: Final = "LocateFaces"
@@ -48,6 +49,7 @@ def _perceptions(progress: Progress, scene: Scene) -> Iterator[Wish]:
         yield Wish("voices", VOICES)
     if state in _DRIVES:
         yield Wish("slam", SLAM)
+    if state in _DRIVES or (state == "listening" and obeys_codes(scene.tour)):
         yield Wish("codes", CODES)
     step = step_now(progress, scene.tour)
     if state == "listening" and step is not None and step.wait is not None and step.wait.claps is not None:

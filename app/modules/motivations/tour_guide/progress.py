@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 from app.messages import TourButton, TourState
 from app.modules.motivations.tour_guide.company import NOBODY, Company
+from app.tours.codes import CarriedText
 
 State = TourState
 Button = TourButton
@@ -64,6 +65,13 @@ class Heard:
 
 
 @dataclass(frozen=True, slots=True)
+class CodeRead:
+    """A QR code that somebody shows was read: its ``text``."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
 class Clapped:
     """So many claps were heard in a row."""
 
@@ -83,7 +91,7 @@ class Scheduled:
     """The tour's time has come."""
 
 
-Event = Ended | Withdrawn | Pressed | Chosen | Asked | Heard | Clapped | Spoken | Scheduled
+Event = Ended | Withdrawn | Pressed | Chosen | Asked | Heard | CodeRead | Clapped | Spoken | Scheduled
 
 
 @dataclass(frozen=True, slots=True)
@@ -173,8 +181,10 @@ class Progress:
     enough are near (s). ``question``: index of the one that is answered, ``listened``: the step to go back to from
     there. ``invites``: whether people who are near begin a tour; those who came along, or declined, leave first.
     ``towards``: the heading (rad in odom) that it turns to where it faces visitors; ``stuck_since`` as in View.
+    ``carried``: what a code has it say, at the stop that it leads to, or where it listens.
     ``excuse``: key of what it says of its pause, of going on without all, or of the tour's end. ``homed``: it came
-    home, and it was not moved since. ``reason``: in words, why it is in this state.
+    home, and it was not moved since. ``held``: the emergency stop was pressed, and nobody has pressed to go on since:
+    no tour begins. ``reason``: in words, why it is in this state.
     """
 
     state: State = "idle"
@@ -202,8 +212,10 @@ class Progress:
     failures: tuple[Failure, ...] = ()
     towards: float | None = None
     stuck_since: float | None = None
+    carried: CarriedText | None = None
     excuse: str = ""
     homed: bool = False
+    held: bool = False
     reason: str = ""
 
     @property

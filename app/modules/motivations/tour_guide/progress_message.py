@@ -62,6 +62,8 @@ def _text(progress: Progress, scene: Scene, step: Step | None) -> Mapping[str, s
     confirm = scene.tour.greeting.confirm
     if progress.state == "confirming" and confirm is not None:
         return confirm.ask
+    if progress.state == "listening" and progress.carried is not None:
+        return {progress.carried.language: progress.carried.text}
     return {} if step is None or step.say is None else step.say
 
 

@@ -44,7 +44,7 @@ class RunKeeper:
             moved = () if pose is None else tuple(round(at / by) for at, by in zip(pose, POSE_STEPS, strict=True))
             facets = (
                 run.tour.id, progress.entry, progress.state, progress.stop, progress.step, progress.sentence,
-                progress.to_press, progress.skipped, moved,
+                progress.to_press, progress.held, progress.skipped, moved,
             )  # fmt: skip
         reports = tuple(self.over)
         if facets == self._saved and not reports and (facets is None or now - self._saved_at < KEEP_S):

@@ -9,9 +9,10 @@ from dataclasses import replace
 from typing import Final
 
 from app.base.geometry import wrap_angle
+from app.maps.poster_places import is_of_poster
 from app.modules.motivations.tour_guide.entering import enter, lead, part
 from app.modules.motivations.tour_guide.progress import Failure, Progress, View
-from app.modules.motivations.tour_guide.wishes import Scene, stop_of
+from app.modules.motivations.tour_guide.wishes import Scene, goal_of, stop_of
 from app.tours.model import Stop, rules_at
 
 #: A pose that was good enough as it arrived may be corrected by so much (m, rad) until it is noted.
@@ -28,12 +29,15 @@ _FAILED: Final[Mapping[str, str]] = {
 
 
 def arrived(progress: Progress, view: View, scene: Scene) -> Progress:
-    """At the stop; what is doubtful about its place is noted, and it is presented all the same."""
+    """At the stop; what is doubtful about its place is noted, and it is presented all the same. That its poster is gone
+    or has moved is said first, since visitors see it, too."""
     stop = stop_of(progress, scene.tour)
-    for what in (scene.doubts.get(stop.place), _beside_its_place(stop, view, scene)):
+    doubt = scene.doubts.get(stop.place, "")
+    for what in (doubt, _beside_its_place(stop, view, scene)):
         if what:
             progress = replace(progress, failures=(*progress.failures, Failure(stop.id, what)))
-    return enter(progress, "turning" if stop.stand.face == "visitors" else "presenting", view)
+    there = enter(progress, "turning" if stop.stand.face == "visitors" else "presenting", view)
+    return replace(there, excuse="poster") if is_of_poster(doubt) else there
 
 
 def _beside_its_place(stop: Stop, view: View, scene: Scene) -> str:
@@ -41,7 +45,7 @@ def _beside_its_place(stop: Stop, view: View, scene: Scene) -> str:
     to visitors, the heading of the place is none of its own."""
     if view.X_MB is None:
         return ""
-    place, stand = scene.places[stop.place], stop.stand
+    place, stand = goal_of(stop, scene), stop.stand
     off_m = math.hypot(view.X_MB[0] - place["x"], view.X_MB[1] - place["y"])
     if off_m > stand.tolerance_m + _POSE_M:
         return f"presented {off_m:.2f} m from its place"

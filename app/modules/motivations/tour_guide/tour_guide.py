@@ -6,10 +6,12 @@
     │            in   sources       SoundSources: which way visitors are                       │
     │            in   noises        LoudNoise: claps                                           │
     │            in   words         HeardWords                                                 │
+    │            in   codes         QRCodes: those that visitors show                          │
     │            in   speech        Speech: the sentence that is said                          │
     │            in   odometry      Odometry, 100 Hz, X_OB in odom; never filtered             │
     │            in   localization  Localization, state and map                                │
     │            in   places        Places of the map                                          │
+    │            in   landmarks     Landmarks, in map: where posters hang                      │
     │            in   navigation    NavigationStatus, as they come                             │
     │            in   exploitation  Exploitation of the base, 10 Hz                            │
     │            in   status        LinkStatus: the emergency stop                             │
@@ -36,11 +38,13 @@ from app.attention.workspace import IntentionWorkspace
 from app.base.geometry import Pose2
 from app.maps.map_service import MapService, MapUnavailable
 from app.maps.places import go_to_parameters
+from app.maps.poster_places import Poster, posters_of
 from app.messages import (
     BatteryState,
     Exploitation,
     Faces,
     HeardWords,
+    Landmarks,
     LinkStatus,
     Localization,
     LoudNoise,
@@ -49,6 +53,7 @@ from app.messages import (
     Persons,
     Place,
     Places,
+    QRCodes,
     SoundSources,
     Speech,
     TourButton,
@@ -58,7 +63,7 @@ from app.modules.motivations.tour_guide.controls import buttons
 from app.modules.motivations.tour_guide.desires import GuideDesires, weights
 from app.modules.motivations.tour_guide.guided_run import GuidedRun, led_by
 from app.modules.motivations.tour_guide.kept import KeptRun, after_restart
-from app.modules.motivations.tour_guide.listening import Claps, is_due, sentence_number
+from app.modules.motivations.tour_guide.listening import Claps, ShownCodes, is_due, sentence_number
 from app.modules.motivations.tour_guide.perceptions import FACES, PERSONS, SLAM
 from app.modules.motivations.tour_guide.progress import (
     Asked,
@@ -74,6 +79,7 @@ from app.modules.motivations.tour_guide.progress import (
 from app.modules.motivations.tour_guide.progress_message import progress_message
 from app.modules.motivations.tour_guide.run_keeper import RunKeeper
 from app.modules.motivations.tour_guide.senses import Senses
+from app.modules.motivations.tour_guide.transitions import interrupted
 from app.modules.motivations.tour_guide.wishes import DOCK, Scene, Wish, stop_of
 from app.runtime.module import Module, ModuleContext, Settings
 from app.tours.model import Tour
@@ -126,7 +132,9 @@ class TourGuide(Module):
         self._kept: tuple[KeptRun, Tour] | None = None
         self._events: list[Event] = []
         self._claps = Claps()
+        self._codes = ShownCodes()
         self._places: tuple[Place, ...] | None = None
+        self._posters: tuple[Poster, ...] = ()
         self._beaten: float | None = None
         self._ready_at: float | None = None
         self._map_taken, self._map_refused = False, ""
@@ -137,11 +145,13 @@ class TourGuide(Module):
         self.on(self.input("sources", SoundSources, capacity=8), senses.take_percepts)
         self.on(self.input("noises", LoudNoise, capacity=8), lambda noise: self._claps.hear(noise.stamp))
         self.on(self.input("words", HeardWords, capacity=8), self._take_words)
+        self.on(self.input("codes", QRCodes, capacity=8), self._take_codes)
         self.on(self.input("speech", Speech, capacity=8, wants="never"), self._take_speech)
         self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True)
         self.on(self.input("localization", Localization), senses.take_localization)
         self.places = self.input("places", Places, wants="never")
         self.on(self.places, self._take_places)
+        self.on(self.input("landmarks", Landmarks, wants="never"), self._take_landmarks)
         self.on(self.input("navigation", NavigationStatus, capacity=8), senses.take_navigation)
         self.on(self.input("exploitation", Exploitation), senses.take_exploitation)
         self.on(self.input("status", LinkStatus), senses.take_status)
@@ -266,6 +276,10 @@ class TourGuide(Module):
         if heard.text and not heard.unsure:
             self._events.append(Heard(heard.text))
 
+    def _take_codes(self, codes: QRCodes) -> None:
+        if self._run is not None:
+            self._events.extend(self._codes.read(codes, self._run.progress.state))
+
     def _take_speech(self, speech: Speech) -> None:
         wish = self._desires.key_of(speech.desire) if speech.state == "speaking" else None
         run = self._run
@@ -278,6 +292,16 @@ class TourGuide(Module):
         if self._places is not None and _same_places(self._places, places.places):
             return
         self._places = places.places
+        self._renew_scene()
+
+    def _take_landmarks(self, landmarks: Landmarks) -> None:
+        posters = posters_of(landmarks)
+        if posters is None or _same_posters(self._posters, posters):
+            return
+        self._posters = posters
+        self._renew_scene()
+
+    def _renew_scene(self) -> None:
         if (run := self._run) is not None:
             run.scene = self._scene(run.tour, run.scene.language, waits=run.waits)
 
@@ -290,6 +314,7 @@ class TourGuide(Module):
             frozenset(name for name, each in classes.items() if each.achievement),
             doubts={place.id: place.problem for place in places if place.problem},
             docks=self.settings.docks and DOCK in classes,
+            posters=self._posters,
         )
 
     # --- one look --------------------------------------------------------------------------------------------------
@@ -375,6 +400,10 @@ class TourGuide(Module):
         held = kept.progress.state == "paused" and kept.progress.to_press
         ready = held or (self._senses.localized(tour.map) and self._places is not None)
         view = self._view(run, ())
+        if kept.progress.is_running and view.e_stop and not held:
+            # Released again before the run goes on, it is a pause all the same.
+            self._kept = replace(kept, progress=interrupted(kept.progress, view, run.scene)), tour
+            return
         if kept.progress.is_running and now < self._ready_at:
             self._desires.want((Wish("slam", SLAM), Wish("faces", FACES), Wish("persons", PERSONS)))
             if not ready:
@@ -399,5 +428,13 @@ def _same_places(one: tuple[Place, ...], other: tuple[Place, ...]) -> bool:
     return len(one) == len(other) and all(
         replace(a, x=0.0, y=0.0, heading=0.0) == replace(b, x=0.0, y=0.0, heading=0.0)
         and max(abs(a.x - b.x), abs(a.y - b.y), abs(a.heading - b.heading)) < _SAME_PLACE
+        for a, b in zip(one, other, strict=True)
+    )
+
+
+def _same_posters(one: tuple[Poster, ...], other: tuple[Poster, ...]) -> bool:
+    """Whether all hang where they hung, but for the small steps by which a map is corrected."""
+    return len(one) == len(other) and all(
+        (a.number, a.text) == (b.number, b.text) and max(abs(a.x - b.x), abs(a.y - b.y)) < _SAME_PLACE
         for a, b in zip(one, other, strict=True)
     )

@@ -23,6 +23,7 @@ from app.modules.motivations.tour_guide.progress import (
     Asked,
     Chosen,
     Clapped,
+    CodeRead,
     Ended,
     Event,
     Heard,
@@ -36,7 +37,8 @@ from app.modules.motivations.tour_guide.progress import (
 )
 from app.modules.motivations.tour_guide.stop_outcomes import arrived, failed_step, given_up, unreached
 from app.modules.motivations.tour_guide.waiting import looks_towards, searched, wait, waited
-from app.modules.motivations.tour_guide.wishes import Scene, awaited, step_now, steps_now, stop_of
+from app.modules.motivations.tour_guide.wishes import BESIDE, Scene, awaited, step_now, steps_now, stop_of
+from app.tours.codes import accepted
 from app.tours.model import Tour, rules_at
 
 #: A visitor who declines by leaving is gone so long (s).
@@ -49,6 +51,8 @@ LONGEST_STEP_S: Final = 180.0
 LOCATES_S: Final = 3.0
 #: So long it looks for where it is (s).
 LOST_S: Final = 180.0
+#: Why no tour begins, also once the emergency stop is released.
+HELD: Final = "the emergency stop was pressed: press Resume"
 #: A pause ends the tour after so long (s); one by driving by hand ends so long after that.
 LONGEST_PAUSE_S: Final = 600.0
 AFTER_HAND_S: Final = 1.0
@@ -67,12 +71,15 @@ _COUNTS: Final[frozenset[State]] = AT_A_STOP | frozenset[State](
 
 def advance(progress: Progress, view: View, scene: Scene) -> Progress:
     """``progress`` after what is seen now."""
-    progress = _interrupted(progress, view, scene)
+    progress = interrupted(progress, view, scene)
+    if progress.held and not progress.is_running:
+        # What comes now may say more, such as why a press does nothing.
+        progress = replace(progress, reason=HELD)
     for event in view.events:
         progress = _after(progress, event, view, scene)
     if view.e_stop or view.by_hand:
         # What is pressed or heard does not move a robot that is held.
-        progress = _interrupted(progress, view, scene)
+        progress = interrupted(progress, view, scene)
     progress = _people(progress, view, scene.tour)
     return _timed(progress, view, scene)
 
@@ -80,10 +87,10 @@ def advance(progress: Progress, view: View, scene: Scene) -> Progress:
 # --- what may come in any state ----------------------------------------------------------------------------------
 
 
-def _interrupted(progress: Progress, view: View, scene: Scene) -> Progress:
-    """The emergency stop, driving by hand, an empty battery, a pose that is lost."""
+def interrupted(progress: Progress, view: View, scene: Scene) -> Progress:
+    """``progress`` after the emergency stop, driving by hand, an empty battery, a pose that is lost."""
     if view.e_stop or view.by_hand:
-        progress = replace(progress, homed=False)
+        progress = replace(progress, homed=False, held=progress.held or view.e_stop)
     if not progress.is_running:
         return progress
     if view.e_stop:
@@ -130,6 +137,8 @@ def _after(progress: Progress, event: Event, view: View, scene: Scene) -> Progre
             return _asked(progress, question, view, scene.tour)
         case Heard(phrase):
             return _heard(progress, phrase, view, scene)
+        case CodeRead(text):
+            return _shown(progress, text, view, scene)
         case Clapped(times):
             step = step_now(progress, scene.tour)
             claps = None if step is None or step.wait is None else step.wait.claps
@@ -159,7 +168,9 @@ def _pressed(progress: Progress, event: Pressed, view: View, scene: Scene) -> Pr
         case "pause" if progress.is_running:
             return _paused(progress, view, "it was paused", to_press=True)
         case "resume" if progress.state == "paused" and not view.e_stop:
-            return resumed(progress, view, scene)
+            return resumed(replace(progress, held=False), view, scene)
+        case "resume" if progress.held and not view.e_stop:
+            return replace(progress, held=False, reason="")
         case "retry" if progress.state == "blocked":
             return lead(progress, view, scene, progress.stop)
         case "next" if progress.state == "listening":
@@ -191,9 +202,10 @@ def resumed(progress: Progress, view: View, scene: Scene) -> Progress:
     match progress.resume:
         case "presenting" | "inviting" | "parting":
             again = enter(progress, progress.resume, view, step=progress.step)
+            again = replace(again, carried=progress.carried)
             return replace(again, sentence=progress.sentence, said_from=progress.sentence)
         case "listening":
-            return enter(progress, "listening", view, step=progress.step)
+            return replace(enter(progress, "listening", view, step=progress.step), carried=progress.carried)
         case "answering":
             return enter(progress, "listening", view, step=progress.listened)
         case "leading" | "waiting" | "searching" | "turning" | "blocked" | "lost":
@@ -209,6 +221,8 @@ def _invited(progress: Progress, view: View, tour: Tour) -> Progress:
         return progress
     if view.e_stop or view.by_hand:
         return replace(progress, reason="no tour begins while the robot is held")
+    if progress.held:
+        return replace(progress, reason=HELD)
     if view.battery is not None and view.battery < tour.battery.begin_min:
         return replace(progress, reason="the battery is too low for a tour")
     fresh = Progress(entry=progress.entry, company=Company(seen_m=view.driven_m), homed=progress.homed)
@@ -248,6 +262,21 @@ def _heard(progress: Progress, phrase: str, view: View, scene: Scene) -> Progres
     return progress
 
 
+def _shown(progress: Progress, text: str, view: View, scene: Scene) -> Progress:
+    """What a code that is shown to it does: only while it listens, so that no poster on its way diverts it."""
+    code = accepted(text, scene.tour) if progress.state == "listening" else None
+    if code is None:
+        return progress
+    here = stop_of(progress, scene.tour)
+    if code.stop is not None and code.stop.id != here.id:
+        index = scene.tour.stops.index(code.stop)
+        sent = _sent(progress, index, view, scene)
+        return replace(sent, carried=code.says) if (sent.state, sent.stop) == ("leading", index) else sent
+    if code.says is None or text == here.poster:
+        return progress  # the poster of this stop hangs in view
+    return replace(enter(progress, "listening", view, step=progress.step), carried=code.says)
+
+
 def _people(progress: Progress, view: View, tour: Tour) -> Progress:
     """Notes who is seen: since when enough are near, since when none is, and how far it drove since all were."""
     enough = view.near >= tour.begin.people_min
@@ -281,6 +310,9 @@ def _outcome(progress: Progress, event: Ended, view: View, scene: Scene) -> Prog
     match progress.state:
         case "leading" if name == "go":
             return arrived(progress, view, scene) if event.done else unreached(progress, view, scene)
+        case "listening" if name == "code":
+            # Its time begins again, as after an answer.
+            return enter(progress, "listening", view, step=progress.step)
         case "searching" if name == "go":
             return wait(progress, view, "it waits where it saw them last")
         case "going_home" if name == "go":
@@ -292,7 +324,7 @@ def _outcome(progress: Progress, event: Ended, view: View, scene: Scene) -> Prog
         case "inviting" | "presenting" | "answering" | "parting":
             if event.key not in awaited(progress, scene, view.now):
                 return progress
-            if not event.done and progress.state == "presenting" and not name.startswith("excuse"):
+            if not event.done and progress.state == "presenting" and not name.startswith(BESIDE):
                 return failed_step(progress, name, view, scene)
             return replace(progress, ended=progress.ended | {event.key})
     return progress
@@ -322,7 +354,7 @@ def _timed(progress: Progress, view: View, scene: Scene) -> Progress:
         case "searching":
             return searched(progress, view, tour.pace)
         case "turning" if spent >= TURN_S or (view.people > 0 and spent > 0):
-            return enter(progress, "presenting", view)
+            return replace(enter(progress, "presenting", view), excuse=progress.excuse)
         case "inviting" | "presenting" | "answering" | "parting":
             return _stepped(progress, view, scene)
         case "listening":
@@ -358,6 +390,8 @@ def _stepped(progress: Progress, view: View, scene: Scene) -> Progress:
 
 
 def _listened(progress: Progress, view: View, scene: Scene) -> Progress:
+    if progress.carried is not None and view.now - progress.since < LONGEST_STEP_S:
+        return progress
     step = step_now(progress, scene.tour)
     wait = None if step is None else step.wait
     # Where it does not turn to visitors, it does not see whether they have left.

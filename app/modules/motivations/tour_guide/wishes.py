@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
 
+from app.maps.poster_places import Poster, poster_named
 from app.modules.motivations.tour_guide.company import DIRECTIONS
 from app.modules.motivations.tour_guide.progress import Progress
 from app.speech.text_spans import sentences_of
@@ -46,6 +48,10 @@ EXCUSES: Final[Mapping[str, Mapping[str, str]]] = {
         "en": "I cannot get any nearer, so I explain it from here.",
         "fr": "Je ne peux pas m'approcher davantage, je vous l'explique d'ici.",
     },
+    "poster": {
+        "en": "Excuse me, the poster is not where I knew it.",
+        "fr": "Excusez-moi, l'affiche n'est pas là où je la connaissais.",
+    },
     "e_stop": {"en": "I was stopped. One moment, please.", "fr": "On m'a arrêté. Un instant, s'il vous plaît."},
     "battery": {
         "en": "My battery is low. I must end the tour here.",
@@ -64,6 +70,8 @@ EXCUSES: Final[Mapping[str, Mapping[str, str]]] = {
         "fr": "Je ne peux pas aller plus loin. Je dois terminer la visite ici.",
     },
 }
+#: Names of wishes that say something beside a step: none of them fails it.
+BESIDE: Final = ("excuse", "code")
 LOST: Final = {"en": "I do not know where I am. One moment.", "fr": "Je ne sais pas où je suis. Un instant."}
 
 
@@ -80,7 +88,7 @@ class Wish:
 class Scene:
     """What a run needs beside its tour: ``places``, parameters of GoTo by the place's id; ``language`` of the visitors;
     ``achievements``, the desire classes that end by themselves. ``doubts``: what is doubtful about places, in words, by
-    their ids; ``docks``: whether the robot charges at home."""
+    their ids; ``docks``: whether the robot charges at home; ``posters``: those that the map knows."""
 
     tour: Tour
     language: str
@@ -88,11 +96,24 @@ class Scene:
     achievements: frozenset[str]
     doubts: Mapping[str, str] = field(default_factory=dict)
     docks: bool = False
+    posters: tuple[Poster, ...] = ()
 
 
 def stop_of(progress: Progress, tour: Tour) -> Stop:
     """The stop that ``progress`` is about."""
     return tour.stops[progress.stop]
+
+
+def goal_of(stop: Stop, scene: Scene) -> dict[str, Any]:
+    """Parameters of GoTo for ``stop``: its place, turned to its poster where it stands so and the map knows that."""
+    goal = dict(scene.places[stop.place])
+    if stop.stand.face != "poster" or stop.poster is None:
+        return goal
+    poster = poster_named(scene.posters, stop.poster, near=(goal["x"], goal["y"]))
+    if poster is None:
+        return goal
+    # In steps, so that a map that is corrected makes no new goal.
+    return goal | {"heading": round(math.atan2(poster.y - goal["y"], poster.x - goal["x"]), 2)}
 
 
 def steps_now(progress: Progress, tour: Tour) -> tuple[Step, ...]:
@@ -123,7 +144,7 @@ def wishes(progress: Progress, scene: Scene, now: float) -> tuple[Wish, ...]:
 
 def awaited(progress: Progress, scene: Scene, now: float) -> frozenset[str]:
     """Keys of the wishes that this step waits for."""
-    if step_now(progress, scene.tour) is None and not _excused(progress):
+    if step_now(progress, scene.tour) is None and not _says_first(progress):
         return frozenset()
     return frozenset(wish.key for wish in wishes(progress, scene, now) if wish.cls in scene.achievements)
 
@@ -176,6 +197,7 @@ def _wishes(progress: Progress, scene: Scene, now: float) -> Iterator[Wish]:
             yield from _facing_at_stop(progress, tour)
             if progress.excuse:
                 yield _said(progress, f"excuse-{progress.excuse}", EXCUSES[progress.excuse], scene)
+            yield from _carried(progress, scene)
         case "confirming":
             yield Wish(key(progress, "look"), TRACK_FACE)
             yield from _facing(progress)
@@ -187,8 +209,10 @@ def _wishes(progress: Progress, scene: Scene, now: float) -> Iterator[Wish]:
         case "lost":
             yield _said(progress, "lost", LOST, scene)
         case "inviting" | "presenting" | "answering" | "parting":
-            if _excused(progress):
+            if progress.excuse and _says_first(progress):
                 yield _said(progress, f"excuse-{progress.excuse}", EXCUSES[progress.excuse], scene)
+            if progress.state == "presenting":
+                yield from _carried(progress, scene)
             step = step_now(progress, tour)
             if step is not None:
                 yield from _of_step(progress, step, scene)
@@ -205,9 +229,17 @@ def _asking_to_pass(progress: Progress, scene: Scene, now: float) -> Iterator[Wi
         yield _said(progress, f"pass-{asked}", PASS, scene)
 
 
-def _excused(progress: Progress) -> bool:
-    """Whether it first says why it ends, or goes on otherwise than visitors expect."""
+def _says_first(progress: Progress) -> bool:
+    """Whether it first says why it ends, or goes on otherwise than visitors expect, or what a code carries."""
+    if progress.state == "presenting" and progress.carried is not None:
+        return True
     return progress.state in ("parting", "presenting") and bool(progress.excuse)
+
+
+def _carried(progress: Progress, scene: Scene) -> Iterator[Wish]:
+    """What a code has it say."""
+    if (says := progress.carried) is not None:
+        yield _said(progress, "code", {says.language: says.text}, scene)
 
 
 def _points(progress: Progress, step: Step | None) -> bool:
@@ -238,7 +270,7 @@ def _of_step(progress: Progress, step: Step, scene: Scene) -> Iterator[Wish]:
 
 
 def _going(progress: Progress, scene: Scene, place: str, stop: Stop | None = None) -> Wish:
-    params = dict(scene.places[place])
+    params = dict(scene.places[place]) if stop is None else goal_of(stop, scene)
     speed = scene.tour.pace.speed * (SLOWLY if progress.slow else 1.0)
     if stop is not None:
         params |= {"tolerance_m": stop.stand.tolerance_m, "tolerance_rad": stop.stand.tolerance_rad}

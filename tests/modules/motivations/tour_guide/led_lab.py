@@ -22,6 +22,7 @@ from app.messages import (
     Face,
     Faces,
     HeardWords,
+    Landmarks,
     LinkStatus,
     Localization,
     LoudNoise,
@@ -32,6 +33,8 @@ from app.messages import (
     PersonState,
     Place,
     Places,
+    QRCode,
+    QRCodes,
     SoundSource,
     SoundSources,
     Speech,
@@ -54,10 +57,12 @@ PORTS = {
     "sources": SoundSources,
     "noises": LoudNoise,
     "words": HeardWords,
+    "codes": QRCodes,
     "speech": Speech,
     "odometry": Odometry,
     "localization": Localization,
     "places": Places,
+    "landmarks": Landmarks,
     "navigation": NavigationStatus,
     "exploitation": Exploitation,
     "status": LinkStatus,
@@ -201,6 +206,11 @@ class LedLab:
             now, text, False, confidence=1.0, likeliest=text, direction=(1, 0, 0), words=(text,), language="en"
         )
         self.bench.feed("words", heard)
+
+    def show(self, *codes: QRCode) -> None:
+        """A camera reads ``codes``."""
+        now = self.bench.clock.now()
+        self.bench.feed("codes", QRCodes(now, "kinect", 640, 480, Pose3.identity(), codes))
 
     def clap(self) -> None:
         self.bench.feed("noises", LoudNoise(self.bench.clock.now(), 20.0, -10.0))

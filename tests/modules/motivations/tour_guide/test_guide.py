@@ -10,11 +10,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from app.maps.poster_places import Poster
+from app.modules.motivations.tour_guide.controls import buttons
 from app.modules.motivations.tour_guide.progress import (
     Asked,
     Button,
     Chosen,
     Clapped,
+    CodeRead,
     Ended,
     Event,
     Failure,
@@ -27,7 +30,6 @@ from app.modules.motivations.tour_guide.progress import (
 )
 from app.tours.model import Tour
 from tests.modules.motivations.tour_guide.run import ACHIEVEMENTS, DRIVES, LAB, WAIT, Run, say, stop
-from tests.tours.tours import tour
 
 
 def changed(**more: Any) -> Tour:
@@ -343,6 +345,50 @@ def test_nothing_moves_after_the_emergency_stop_before_a_press() -> None:
     assert (run.progress.state, run.progress.reason) == ("idle", "it was paused too long")
 
 
+@pytest.mark.parametrize("begins", ["a face", "a voice", "the schedule", "a word", "start"])
+def test_nothing_begins_after_the_emergency_stop_before_a_press(begins: str) -> None:
+    run = Run(changed(begin={"by": ["press", "voice" if begins == "a voice" else "face"]}))
+    events: dict[str, Event] = {
+        "the schedule": Scheduled(),
+        "a word": Heard("yes"),
+        "start": Pressed("start"),
+    }
+    event = events.get(begins)
+    run.see(people=0, near=0).see(e_stop=True).see(e_stop=False, after_s=60)
+    run.see(people=2, near=2, speaking=True).see(*([event] if event else []), after_s=30).see(after_s=30)
+    assert (run.progress.state, run.wishes()) == ("idle", ())
+    assert run.progress.reason == "the emergency stop was pressed: press Resume"
+    assert buttons(run.progress, e_stop=False) == ("resume",)
+    assert buttons(run.progress, e_stop=True) == ()
+    run.press("resume")
+    assert (run.progress.state, run.progress.reason) == ("inviting", ""), "they are there still"
+
+
+def test_a_press_while_the_emergency_stop_is_latched_frees_nothing() -> None:
+    run = Run().see(people=0, near=0, e_stop=True).press("resume").press("start").see(e_stop=False)
+    assert run.see(Scheduled()).progress.state == "idle"
+    assert run.press("resume").press("start").progress.state == "inviting"
+
+
+@pytest.mark.parametrize("ends", ["end", "its time"])
+def test_a_tour_that_ends_during_the_emergency_stops_pause_is_followed_by_none(ends: str) -> None:
+    run = Run().started().until("leading").see(e_stop=True)
+    if ends == "end":
+        run.press("end").see(e_stop=False)
+    else:
+        run.see(e_stop=False).see(after_s=601)
+    assert run.progress.state == "idle"
+    run.see(people=0, near=0).see(people=2, near=2).see(after_s=60).see(Scheduled())
+    assert (run.progress.state, run.wishes()) == ("idle", ())
+    assert run.press("resume").see(Scheduled()).progress.state == "inviting"
+
+
+def test_resume_after_a_pause_by_the_emergency_stop_holds_nothing_any_more() -> None:
+    run = Run().started().until("leading").see(e_stop=True).see(e_stop=False).press("resume").until("idle")
+    run.see(people=0, near=0).see(people=2, near=2)
+    assert run.see(after_s=3).progress.state == "inviting"
+
+
 def test_an_emergency_stop_that_withdraws_the_goal_first_is_named() -> None:
     run = Run().started().until("leading")
     run.see(Withdrawn(run.wish("GoTo").key))
@@ -400,6 +446,28 @@ def test_a_stop_that_is_presented_turned_away_is_noted(face: str, turned: float,
     run.scene = replace(run.scene, places={"one": {"x": 1.0, "y": 2.0, "heading": 3.0}})
     run.started().until("leading").see(X_MB=(1.0, 2.0, 3.0 + turned - math.tau)).until("presenting")
     assert [failure.what for failure in run.progress.failures] == [noted] * bool(noted)
+
+
+@pytest.mark.parametrize(
+    ("stand", "posters", "heading"),
+    [
+        ("poster", [Poster(1, "P", 1.0, 4.0, None), Poster(2, "P", 9.0, 2.0, None)], 1.57),
+        ("poster", [Poster(1, "other", 1.0, 4.0, None)], 0.5),
+        ("place", [Poster(1, "P", 1.0, 4.0, None)], 0.5),
+    ],
+)
+def test_it_stands_turned_to_the_poster_where_the_map_knows_that(
+    stand: str, posters: list[Poster], heading: float
+) -> None:
+    run = Run(changed(stops=[stop("one", poster="P", stand={"face": stand})]))
+    run.scene = replace(run.scene, places={"one": {"x": 1.0, "y": 2.0, "heading": 0.5}}, posters=tuple(posters))
+    assert run.started().until("leading").wish("GoTo").params["heading"] == heading
+    run.see(X_MB=(1.0, 2.0, heading)).until("presenting")
+    assert (run.progress.failures, "turning" in run.states) == ((), False)
+    turned = Run(run.scene.tour)
+    turned.scene = run.scene
+    turned.started().until("leading").see(X_MB=(1.0, 2.0, heading + 1.0)).until("presenting")
+    assert [failure.what for failure in turned.progress.failures] == ["presented turned 57° from its place"]
 
 
 def test_on_its_way_home_it_asks_to_pass_too() -> None:
@@ -543,6 +611,34 @@ def test_what_is_doubtful_about_a_place_is_noted_and_the_stop_presented() -> Non
     assert run.progress.failures == (Failure("one", "its poster is gone"),)
 
 
+@pytest.mark.parametrize("face", ["visitors", "place"])
+@pytest.mark.parametrize(
+    ("doubt", "excuses"),
+    [
+        ("its poster is not known on this map: it was removed, or not seen yet", True),
+        ("its poster hangs 2.1 m from where it was: place it again", True),
+        ("it is in an obstacle of the map", False),
+    ],
+)
+def test_a_poster_that_is_gone_is_said_as_it_arrives(doubt: str, excuses: bool, face: str) -> None:
+    run = Run(changed(stops=[stop("one", stand={"face": face}), stop("two")]))
+    run.scene = replace(run.scene, doubts={"one": doubt})
+    said = ["Excuse me, the poster is not where I knew it."] * excuses
+    assert run.started().until("presenting").texts() == [*said, "This is one."]
+    if excuses:
+        run.done("Say", done=False, only="excuse-poster")
+        assert run.progress.failures == (Failure("one", doubt),), "no step fails where nothing can be said"
+    assert run.press("repeat").texts() == ["This is one."], "said once"
+    assert run.until("leading").until("presenting").texts() == ["This is two."]
+    assert Run().started().until("presenting").texts() == ["This is one."]
+
+
+def test_that_a_poster_is_gone_is_said_in_the_tours_language() -> None:
+    run = Run()
+    run.scene = replace(run.scene, language="fr", doubts={"one": "its poster is gone"})
+    assert run.started().until("presenting").texts()[0] == "Excusez-moi, l'affiche n'est pas là où je la connaissais."
+
+
 def test_it_charges_at_home_until_it_is_moved() -> None:
     run = Run()
     run.scene = replace(run.scene, docks=True)
@@ -563,12 +659,14 @@ def test_a_press_does_not_move_a_robot_that_is_driven_by_hand(button: Button) ->
     assert run.see(by_hand=False).see(after_s=2.0).progress.state == ("parting" if button == "end" else "leading")
 
 
-buttons: st.SearchStrategy[Button] = st.sampled_from(
+CODES = ["HBBA:STOP/ONE/EN/MIND THE STEP.", "HBBA:SAY/EN/HELLO."]
+presses: st.SearchStrategy[Button] = st.sampled_from(
     ["start", "agree", "decline", "next", "pause", "resume", "retry", "skip", "undo_skip", "repeat", "end"]
 )
 events = st.one_of(
-    buttons.map(Pressed),
+    presses.map(Pressed),
     st.sampled_from([Chosen("one"), Chosen("two"), Asked("weight"), Heard("next"), Heard("yes"), Heard("heavy")]),
+    st.sampled_from(CODES).map(CodeRead),
     st.sampled_from([Clapped(2), Scheduled(), Ended("3.go", True), Spoken("2.say", 1)]),
 )
 seen = st.fixed_dictionaries(
@@ -593,14 +691,14 @@ moments = st.tuples(seen, st.one_of(st.none(), events), st.sampled_from(["", "do
 def test_whatever_happens(happening: list[tuple[dict[str, Any], Event | None, str]]) -> None:
     """It drives only in the states that drive, never between an emergency stop and a press, and always comes to an
     end."""
-    run, held = Run(tour(**LAB.model_dump(by_alias=True))).started(), False
+    run, held = Run(changed(accept=CODES)).started(), False
     for changes, event, outcome in happening:
         ended = [Ended(wish.key, outcome == "done") for wish in run.wishes() if outcome and wish.cls in ACHIEVEMENTS]
         run.see(*ended, *([event] if event else []), **changes)
         progress = run.progress
         if run.view.e_stop:
             held = True
-        elif event in (Pressed("resume"), Pressed("start"), Scheduled()) or not progress.is_running:
+        elif event == Pressed("resume"):
             held = False
         drives = any(wish.cls == "GoTo" for wish in run.wishes())
         assert not (run.moves() and (held or run.view.e_stop or run.view.by_hand))

@@ -7,7 +7,8 @@ from dataclasses import replace
 import pytest
 
 from app.modules.motivations.tour_guide.kept import KeptRun, after_restart, kept_bytes, read_kept
-from app.modules.motivations.tour_guide.progress import Progress, State, View
+from app.modules.motivations.tour_guide.progress import Progress, Scheduled, State, View
+from app.modules.motivations.tour_guide.transitions import advance
 from app.modules.motivations.tour_guide.wishes import wishes
 from app.tours.tour_file import digest
 from tests.modules.motivations.tour_guide.run import LAB, Run
@@ -64,6 +65,19 @@ def test_a_pause_stays_one_until_a_press() -> None:
     run = Run().started().until("leading").see(e_stop=True)
     again = after_restart(kept(run), AT + 5000, replace(SEEN, people=0), run.scene)
     assert (again.state, again.to_press, again.resume) == ("paused", True, "leading")
+
+
+def test_what_the_emergency_stop_holds_is_held_after_a_restart() -> None:
+    run = Run().see(people=0, near=0, e_stop=True).see(e_stop=False)
+    for found in (
+        kept(run),
+        replace(kept(run), digest="x"),
+        replace(kept(run), progress=replace(run.progress, stop=9)),
+    ):
+        again = after_restart(found, AT + 5000, SEEN, run.scene)
+        assert (again.state, again.held) == ("idle", True)
+        begun = advance(again, replace(SEEN, events=(Scheduled(),)), run.scene)
+        assert (begun.state, begun.reason) == ("idle", "the emergency stop was pressed: press Resume")
 
 
 def test_what_is_not_of_this_tour_is_forgotten() -> None:

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from app.base.geometry import Pose2
+from app.messages import Landmark, Landmarks
 from app.modules.motivations.tour_guide.kept import read_kept
 from app.runtime.clock import in_virtual_time
 from app.tours.model import Tour
@@ -318,6 +319,53 @@ async def test_a_program_that_is_started_again_goes_on(tmp_path: Path) -> None:
 
 
 @in_virtual_time
+async def test_after_the_emergency_stop_a_waiting_tour_waits_for_a_press_after_a_restart_too(
+    tmp_path: Path,
+) -> None:
+    first = await lab(tmp_path, Visitor(9.0, 0.0, mps=0.0))
+    async with first as led:
+        led.start(waits=True)
+        await led.live(1)
+        led.e_stop = True
+        await led.live(1)
+        led.e_stop = False
+        led.visitors = [Visitor(2.0, 1.0)]
+        await led.live(10)
+        assert (led.progress.state, led.progress.buttons, led.moving()) == ("idle", ("resume",), [])
+        assert led.progress.reason == "the emergency stop was pressed: press Resume"
+        with pytest.raises(TourRefused, match="start does nothing"):
+            led.press("start")
+    second = await asyncio.to_thread(LedLab, tmp_path, first.tour, PLACES)
+    second.visitors = [Visitor(2.0, 1.0)]
+    async with second as led:
+        await led.live(10)
+        assert (led.progress.state, led.progress.waits, led.moving()) == ("idle", True, [])
+        led.press("resume")
+        await led.until("inviting", limit_s=5)
+
+
+@in_virtual_time
+async def test_an_emergency_stop_before_a_kept_run_goes_on_is_a_pause(tmp_path: Path) -> None:
+    first = await lab(tmp_path)
+    async with first as led:
+        led.start()
+        await led.until("confirming")
+        led.press("agree")
+        await led.until("leading")
+        await led.live(1.0)
+        robot, visitors = led.robot, led.visitors
+    second = await asyncio.to_thread(LedLab, tmp_path, first.tour, PLACES)
+    second.robot, second.localization, second.e_stop = robot, "lost", True
+    async with second as led:
+        led.e_stop, led.localization, led.visitors = False, "tracking", visitors
+        await led.live(20)
+        assert (led.progress.state, led.moving()) == ("paused", [])
+        assert led.progress.reason == "the emergency stop was pressed"
+        led.press("resume")
+        await led.until("leading", limit_s=5)
+
+
+@in_virtual_time
 async def test_a_program_that_is_started_again_takes_the_map_of_the_tour_into_use(tmp_path: Path) -> None:
     first = await lab(tmp_path)
     async with first as led:
@@ -404,6 +452,20 @@ async def test_no_tour_begins_that_cannot_be_led(tmp_path: Path) -> None:
             led.server.choose("three")
         with pytest.raises(TourRefused, match="'weight' is no question that can be asked now; there are: none"):
             led.server.ask("weight")
+
+
+@in_virtual_time
+async def test_it_turns_to_the_poster_of_a_stop_that_stands_so(tmp_path: Path) -> None:
+    async with await lab(tmp_path, stops=[stop("one", poster="P", stand={"face": "poster"})]) as led:
+        now = led.bench.clock.now()
+        poster = Landmark("P", (4.0, -1.2, 1.3), 0.02, 3, first_seen=now, last_seen=now, id=1)
+        led.start()
+        led.bench.feed("landmarks", Landmarks(now, (poster,), "odom"))
+        led.bench.feed("landmarks", Landmarks(now, (poster,), "map"))
+        await led.until("confirming")
+        led.press("agree")
+        await led.until("presenting")
+        assert led.robot.theta == pytest.approx(-math.pi / 2, abs=0.01)
 
 
 @in_virtual_time
