@@ -32,8 +32,8 @@ def running(folder: Path, *, visitors: bool) -> Iterator[Robot]:
 
 
 @contextmanager
-def opened(browser: Browser, robot: Robot) -> Iterator[Page]:
-    context = browser.new_context(viewport={"width": 1280, "height": 800})
+def opened(browser: Browser, robot: Robot, **window: Any) -> Iterator[Page]:
+    context = browser.new_context(**{"viewport": {"width": 1280, "height": 800}} | window)
     context.set_default_timeout(PATIENCE_MS)
     page = context.new_page()
     errors: list[str] = []

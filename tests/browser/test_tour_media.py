@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import time
 from pathlib import Path
 from typing import Any
 
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
-from tests.browser.running import Robot
 from tests.browser.test_tour import opened, running
-from tests.patience import PATIENCE_S
+from tests.browser.tour_room import prepare
 from tests.tours.media_files import picture
 
 WIDTH = 64
@@ -30,22 +28,6 @@ TOUR: dict[str, Any] = {
         }
     ],
 }
-
-
-def prepare(robot: Robot) -> None:
-    """A map, a place where the robot is, and a tour with one stop there."""
-    status, _, answer = robot.request("POST", "/desires", {"class": "SLAM", "intensity": 5, "utility": 1})
-    assert status == 201, answer
-    given_up = time.monotonic() + PATIENCE_S
-    while robot.request("PUT", "/maps/room")[0] == 409:  # until it has seen something
-        assert time.monotonic() < given_up
-    for method, path, body in (
-        ("PUT", "/maps/room", None),
-        ("POST", "/places", {"id": "here", "name": "Here", "here": True}),
-        ("POST", "/tours", TOUR),
-    ):
-        status, _, answer = robot.request(method, path, body)
-        assert status in (200, 201), answer
 
 
 def hand_in(page: Page) -> None:
@@ -76,7 +58,7 @@ def test_a_picture_from_the_page_is_seen_by_visitors(
 ) -> None:
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
     with running(tmp_path / "program", visitors=False) as robot, opened(browser, robot) as page:
-        prepare(robot)
+        prepare(robot, TOUR, {"id": "here", "name": "Here", "here": True})
         hand_in(page)
         tour = robot.get("/tours/pictures")
         assert tour["tour"]["stops"][0]["do"][0]["show"]["file"] == "media/The-arm.png"

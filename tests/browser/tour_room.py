@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 from typing import Any
 
 import yaml
 
 from app.base.paths import config_dir
-from tests.browser.running import write_rules
+from tests.browser.running import Robot, write_rules
+from tests.patience import PATIENCE_S
 
 SIDE_M = 5.6
 #: Side of the walls: their faces are a tenth inside.
@@ -79,3 +81,16 @@ def write_program(folder: Path, *, visitors: bool, heading_deg: float = START["h
     for name, content in {"room": world, "scenario": scenario, "robot": body, "program": program}.items():
         (folder / f"{name}.yaml").write_text(yaml.safe_dump(content, sort_keys=False), encoding="utf-8")
     return folder / "program.yaml"
+
+
+def prepare(robot: Robot, tour: dict[str, Any], *places: dict[str, Any]) -> None:
+    """A map called ``room``, ``places`` on it, and a ``tour`` of them."""
+    status, _, answer = robot.request("POST", "/desires", {"class": "SLAM", "intensity": 5, "utility": 1})
+    assert status == 201, answer
+    given_up = time.monotonic() + PATIENCE_S
+    while robot.request("PUT", "/maps/room")[0] == 409:  # until it has seen something
+        assert time.monotonic() < given_up
+    made = [("POST", "/places", place) for place in places]
+    for method, path, body in [("PUT", "/maps/room", None), *made, ("POST", "/tours", tour)]:
+        status, _, answer = robot.request(method, path, body)
+        assert status in (200, 201), answer

@@ -1,4 +1,4 @@
-"""The Recorder in the lab's program: it costs the body nothing until a recording is desired."""
+"""The Recorder in the lab's program: it costs the body nothing until a recording is desired, and keeps no colours."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 from app.attention.desires import Source
 from app.logs.library import RecordingLibrary
 from app.logs.mcap.reader import McapLog
-from app.messages import Image, IntentionReport, Odometry, RecorderStatus
+from app.messages import Image, IntentionReport, Odometry, RecorderStatus, TorsoColors
 from app.program.config import load_configuration
 from app.program.system import System
 from tests.logs.mcap.disks import image, odometry
@@ -66,3 +66,13 @@ async def test_the_kinect_runs_for_a_recording_only(tmp_path: Path) -> None:
     assert types.count(Image) >= 1
     assert IntentionReport in types
     assert facts["stream.kinect"] == "kinect"
+
+
+def test_what_people_wear_is_never_recorded() -> None:
+    lab = load_configuration(CONFIG)
+    worn = {name for name, spec in lab.channels.items() if spec.message_type is TorsoColors}
+    assert worn == {"torso_colors"}
+    assert {lab.channels[name].log for name in worn} == {"never"}
+    recorded = set(System(lab).graph.modules["Recorder"].context.inputs)
+    assert "faces" in recorded
+    assert recorded.isdisjoint(worn)

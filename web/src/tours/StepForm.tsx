@@ -120,7 +120,7 @@ export function StepForm({ step, path, languages, problems, poster, onChange, on
                 if (part === "point") tourPointing.choose({ path, part });
               }}
             >
-              + {NAMES[part]}
+              + {t(NAMES[part])}
             </button>
           ))}
         </div>
