@@ -173,7 +173,7 @@ function Box(props: {
       class={`graph-box ${node.active ? "" : "rests"} ${wrong ? "wrong" : ""} ${chosen ? "chosen" : ""}`}
       transform={`translate(${at.x} ${at.y})`}
       role="button"
-      tabIndex={0}
+      tabindex={0} // tabIndex is no attribute of SVG
       aria-pressed={chosen}
       aria-label={t("{title}, {state}, {share} % of a core", {
         title: node.title,
@@ -193,7 +193,8 @@ function Box(props: {
       <text x="8" y="18">
         {node.title.length > 20 ? `${node.title.slice(0, 19)}…` : node.title}
       </text>
-      <text x="8" y="33" class="graph-cpu">
+      {/* biome-ignore lint/a11y/noAriaHiddenOnFocusable: nothing focuses it, and the box's own name says it in words */}
+      <text x="8" y="33" class="graph-cpu" aria-hidden="true">
         {wrong ? named(node.state) : node.cpu >= 0.05 ? t("{share} %", { share: number(node.cpu) }) : ""}
       </text>
       <rect class="graph-bar" x="8" y="37" height="3" width={Math.min(full, (full * node.cpu) / 30)} />
