@@ -27,7 +27,7 @@ def pin_the_present(lanes: Locator) -> Locator:
     assert box is not None
     lanes.click(position={"x": box["width"] - 3, "y": box["height"] / 2})
     pin = lanes.page.get_by_test_id("lane-pin")
-    expect(pin.locator("h3")).to_be_visible()
+    expect(pin.get_by_role("heading")).to_be_visible()
     return pin
 
 
@@ -40,7 +40,7 @@ def test_a_pinned_instant_tells_the_intention_of_then_and_escape_or_its_button_l
     codes = pin.get_by_role("listitem").filter(has_text="Find QR codes")
     expect(codes).to_contain_text("intensity 8, utility")
     expect(codes.locator(".state-word")).not_to_be_empty()
-    expect(codes.locator(".muted").first).to_contain_text("of one core")  # what was selected for it, and what that costs
+    expect(codes.locator(".muted").first).to_contain_text("of one core")  # what was selected, and its cost
     pin.get_by_role("button").click()
     expect(pin).to_have_count(0)
 

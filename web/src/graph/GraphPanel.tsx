@@ -175,11 +175,6 @@ function Box(props: {
       role="button"
       tabindex={0} // tabIndex is no attribute of SVG
       aria-pressed={chosen}
-      aria-label={t("{title}, {state}, {share} % of a core", {
-        title: node.title,
-        state: node.state,
-        share: number(node.cpu),
-      })}
       data-testid={`graph-${node.name}`}
       onClick={() => choose(node.name)}
       onKeyDown={(event) => {
@@ -189,12 +184,14 @@ function Box(props: {
         choose(node.name);
       }}
     >
+      <title>
+        {t("{title}, {state}, {share} % of a core", { title: node.title, state: node.state, share: number(node.cpu) })}
+      </title>
       <rect width={BOX.width} height={BOX.height} rx="7" />
       <text x="8" y="18">
         {node.title.length > 20 ? `${node.title.slice(0, 19)}…` : node.title}
       </text>
-      {/* biome-ignore lint/a11y/noAriaHiddenOnFocusable: nothing focuses it, and the box's own name says it in words */}
-      <text x="8" y="33" class="graph-cpu" aria-hidden="true">
+      <text x="8" y="33" class="graph-cpu">
         {wrong ? named(node.state) : node.cpu >= 0.05 ? t("{share} %", { share: number(node.cpu) }) : ""}
       </text>
       <rect class="graph-bar" x="8" y="37" height="3" width={Math.min(full, (full * node.cpu) / 30)} />

@@ -45,7 +45,7 @@ export function Pinned({ pin, close }: { pin: Pin; close: () => void }) {
   return (
     <aside class="lane-pin" aria-label={t("Intention at the pinned instant")} data-testid="lane-pin">
       <header>
-        <h3>{clockTime(pin.stamp)}</h3>
+        <h2>{clockTime(pin.stamp)}</h2>
         {pin.intention && (
           <span>
             Ω {number(pin.intention.omega)}
