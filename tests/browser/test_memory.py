@@ -21,6 +21,7 @@ from app.memory.store import MemoryStore
 from app.messages import Desire, PerceptEvent, Source
 from app.program.config import load_configuration
 from app.program.system import System
+from tests.browser.checks import axe_script, violations
 from tests.console.program import Body, served, write_program
 from tests.patience import PATIENCE_S
 
@@ -127,3 +128,16 @@ def test_what_is_recognized_and_expected_is_shown_and_episodes_are_deleted_and_e
     page.get_by_test_id("memory-delete-all").click()
     card.get_by_test_id("map-confirm").click()
     expect(card).to_contain_text("Nothing is remembered yet.")
+
+
+def test_axe_finds_nothing_in_the_tab(robot: Remembering, open_page: Callable[..., Page]) -> None:
+    axe = axe_script()
+    page = open_page()
+    page.get_by_test_id("tab-memory").click()
+    robot.someone_comes()
+    page.get_by_test_id("memory-raised").wait_for()
+    page.get_by_test_id("memory-delete-all").click()
+    for theme in ("light", "dark"):
+        page.emulate_media(color_scheme=theme)
+        page.locator(f"html[data-theme={theme}]").wait_for(state="attached")
+        assert violations(page, axe) == [], theme

@@ -9,6 +9,7 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from tests.browser.checks import axe_script, covered_controls, violations
+from tests.browser.shared_robot.test_lanes import pin_the_present
 
 #: Phones, tablets, laptops and desks; both ways up.
 SIZES = (
@@ -26,6 +27,16 @@ _DARK_OVER_MAP = """
 """
 
 
+#: Whether the view's middle is the 3D view itself, and no picture that lies over it.
+_MIDDLE_FREE = """
+() => {
+  const frame = document.querySelector("[data-testid=scene] iframe");
+  const box = frame.getBoundingClientRect();
+  return document.elementFromPoint(box.left + box.width / 2, box.top + box.height / 2) === frame;
+}
+"""
+
+
 @pytest.mark.parametrize("scene", [False, True], ids=["camera", "3D"])
 def test_at_every_size_each_control_can_be_pressed(open_page: Callable[..., Page], scene: bool) -> None:
     page = open_page(scene=scene)
@@ -38,6 +49,10 @@ def test_at_every_size_each_control_can_be_pressed(open_page: Callable[..., Page
         page.locator(f"[data-testid=page].{'narrow' if width < 760 else 'wide'}").wait_for()
         page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
         covered[width, height] = covered_controls(page)
+        if scene and (width, height) == (1440, 900):
+            for picture in ("camera", "around"):
+                expect(page.locator(f"[data-testid={picture}].inset")).to_be_visible()
+            assert page.evaluate(_MIDDLE_FREE)
     assert {size: found for size, found in covered.items() if found} == {}
 
 
@@ -114,8 +129,10 @@ def test_axe_finds_nothing(page: Page, theme: str) -> None:
     page.get_by_test_id("tab-map").click()
     page.locator(".map-stage .icon-button").first.wait_for()
     assert page.evaluate(_DARK_OVER_MAP) == []
-    for tab in ("map", "tour", "found", "load", "events", "recordings"):
+    for tab in ("map", "tour", "found", "load", "graph", "events", "recordings"):
         page.get_by_test_id(f"tab-{tab}").click()
+        if tab == "graph":
+            page.get_by_test_id("graph-Kinect").click()
         found[tab] = violations(page, axe)
     page.get_by_test_id("tab-attention").click()
     page.get_by_test_id("desire-add").click()
@@ -126,6 +143,11 @@ def test_axe_finds_nothing(page: Page, theme: str) -> None:
     found["what if"] = violations(page, axe)
     page.get_by_test_id("layout").click()
     found["layout"] = violations(page, axe)
+    page.get_by_test_id("lanes-large").click()
+    page.locator("[data-testid=lanes].large").wait_for()
+    pin_the_present(page.get_by_test_id("lane-area"))
+    found["large lanes, and an instant pinned"] = violations(page, axe)
+    page.get_by_test_id("lanes-large").click()
     page.set_viewport_size({"width": 390, "height": 844})
     page.locator("[data-testid=page].narrow").wait_for()
     found["phone"] = violations(page, axe)

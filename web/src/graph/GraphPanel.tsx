@@ -173,13 +173,8 @@ function Box(props: {
       class={`graph-box ${node.active ? "" : "rests"} ${wrong ? "wrong" : ""} ${chosen ? "chosen" : ""}`}
       transform={`translate(${at.x} ${at.y})`}
       role="button"
-      tabIndex={0}
+      tabindex={0} // tabIndex is no attribute of SVG
       aria-pressed={chosen}
-      aria-label={t("{title}, {state}, {share} % of a core", {
-        title: node.title,
-        state: node.state,
-        share: number(node.cpu),
-      })}
       data-testid={`graph-${node.name}`}
       onClick={() => choose(node.name)}
       onKeyDown={(event) => {
@@ -189,6 +184,9 @@ function Box(props: {
         choose(node.name);
       }}
     >
+      <title>
+        {t("{title}, {state}, {share} % of a core", { title: node.title, state: node.state, share: number(node.cpu) })}
+      </title>
       <rect width={BOX.width} height={BOX.height} rx="7" />
       <text x="8" y="18">
         {node.title.length > 20 ? `${node.title.slice(0, 19)}…` : node.title}

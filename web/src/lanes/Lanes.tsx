@@ -17,14 +17,10 @@ import { LaneTable } from "./LaneTable";
 import { LaneTools, Legend, SpanTools } from "./LaneTools";
 import { type Pin, Pinned } from "./Pinned";
 import { LIGHT, SCREEN, variables } from "./palette";
-import { laneRows, parted } from "./rows";
+import { heightOfRows, laneRows, parted } from "./rows";
 import { Tooltip } from "./Tooltip";
 import { useRows } from "./useRows";
 
-const ROW_MIN = 24;
-/** In a tab the figures stand below the name. */
-const ROW_MIN_TAB = 36;
-const ROW_MAX = 96;
 const AXIS_PX = 20;
 const FOLD_PX = 24;
 /** Over each of two ranges of time. */
@@ -73,8 +69,9 @@ export function Lanes() {
   const classes = useMemo(() => shown.map((row) => row.class), [key]);
   const gauges = gaugesShown.value && intention ? gaugesOf(intention, best.current) : [];
   const above = spans.length > 1 ? TOOLS_PX : 0;
-  const now = useRef({ classes, gauges, above });
-  now.current = { classes, gauges, above };
+  const inTab = narrow.value || low.value;
+  const now = useRef({ classes, gauges, above, inTab });
+  now.current = { classes, gauges, above, inTab };
   const empty = offered.length === 0;
   const drawn = !empty && !asTable.value;
 
@@ -82,9 +79,7 @@ export function Lanes() {
     if (!body.current) return;
     roomy.value = main.current!.clientWidth >= COMPARE_PX;
     const beside = now.current.above + EVENTS_PX + FOLD_PX + AXIS_PX + now.current.gauges.length * GAUGE_PX;
-    const room = (body.current.clientHeight - beside) / Math.max(1, now.current.classes.length);
-    const least = narrow.peek() || low.peek() ? ROW_MIN_TAB : ROW_MIN;
-    rowHeight.value = Math.max(least, Math.min(ROW_MAX, Math.floor(room)));
+    rowHeight.value = heightOfRows(body.current.clientHeight - beside, now.current.classes.length, now.current.inTab);
   };
   useEffect(fit, [key, gauges.length, above]);
   useEffect(() => {
@@ -120,6 +115,7 @@ export function Lanes() {
   return (
     <section
       class={`lanes panel ${large ? "large" : ""}`}
+      role={large && !inTab ? "main" : "region"} // they are all there is then
       aria-label={t("Lanes of desires")}
       data-testid="lanes"
       style={variables(palette)}

@@ -1,7 +1,7 @@
 /** An instant that was clicked: the whole intention of then, with what it cost and why, until it is closed. */
 
-import { useSignal } from "@preact/signals";
-import { useEffect } from "preact/hooks";
+import { useSignal, useSignalEffect } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
 import { langOf, named, t } from "../i18n";
 import type { StrategyReport } from "../protocol/types";
 import { useApp } from "../state/context";
@@ -26,6 +26,17 @@ export function Pinned({ pin, close }: { pin: Pin; close: () => void }) {
       () => undefined, // their names are shown all the same
     );
   }, []);
+  // Escape lets go of it, once nothing newer is open over the page.
+  const letGo = useRef(close).current;
+  useSignalEffect(() => {
+    if (store.popup.value === null) store.popup.value = letGo;
+  });
+  useEffect(
+    () => () => {
+      if (store.popup.peek() === letGo) store.popup.value = null;
+    },
+    [],
+  );
   const use = Object.entries(pin.intention?.use ?? {});
   const unit = (name: string) => named(store.of("intention").value?.use[name]?.unit ?? "");
   const costs = (name: string) => strategies.value.find((strategy) => strategy.name === name);
@@ -34,7 +45,7 @@ export function Pinned({ pin, close }: { pin: Pin; close: () => void }) {
   return (
     <aside class="lane-pin" aria-label={t("Intention at the pinned instant")} data-testid="lane-pin">
       <header>
-        <h3>{clockTime(pin.stamp)}</h3>
+        <h2>{clockTime(pin.stamp)}</h2>
         {pin.intention && (
           <span>
             Ω {number(pin.intention.omega)}

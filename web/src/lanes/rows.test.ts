@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { DesireClass, LaneRow } from "../protocol/types";
-import { laneRows, parted, sameRows } from "./rows";
+import { heightOfRows, laneRows, parted, sameRows } from "./rows";
 
 test("what nothing serves has no lane, unless it is desired", () => {
   const rows = [
@@ -34,4 +34,14 @@ test("what nothing desires is folded, unless it was desired in the time that is 
   expect(names(false)).toEqual(["SLAM", "GoTo"]);
   expect(names(true)).toEqual(["SLAM", "Record", "GoTo"]);
   expect(parted(rows, () => false, false).folded).toBe(2);
+});
+
+test("rows fill the room, are 32 px high or more where so many fit, and scroll where even low ones do not", () => {
+  expect(heightOfRows(8 * 32, 8, false)).toBe(32);
+  expect(heightOfRows(8 * 40 + 7, 8, false)).toBe(40);
+  for (const count of [1, 3, 10]) expect(heightOfRows(count * 500, count, false)).toBe(96);
+  expect(heightOfRows(8 * 32 - 1, 8, false)).toBe(31);
+  expect(heightOfRows(50, 8, false)).toBe(24);
+  expect(heightOfRows(50, 8, true)).toBe(36);
+  expect(heightOfRows(200, 0, false)).toBe(96);
 });

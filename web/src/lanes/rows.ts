@@ -3,6 +3,16 @@
 import type { DesireClass, Divisors, LaneRow } from "../protocol/types";
 import { percent } from "../ui/format";
 
+const ROW_MIN = 24;
+/** In a tab the figures stand below the name. */
+const ROW_MIN_TAB = 36;
+const ROW_MAX = 96;
+
+/** How high (CSS pixels) each of `count` rows is where `room` is left for them; where they do not fit, they scroll. */
+export function heightOfRows(room: number, count: number, inTab: boolean): number {
+  return Math.max(inTab ? ROW_MIN_TAB : ROW_MIN, Math.min(ROW_MAX, Math.floor(room / Math.max(1, count))));
+}
+
 /** The classes that a strategy serves, and those that are desired although none does. */
 export function laneRows(rows: readonly LaneRow[], classes: readonly DesireClass[]): LaneRow[] {
   const unserved = new Set(classes.filter(({ served }) => !served).map(({ name }) => name));

@@ -271,6 +271,7 @@ export class Session {
 
   private lost(everOpened: boolean, retryInMs: number): void {
     const { store } = this;
+    this.waiting.clear(); // a status that came before the loss does not show that the robot is there
     const phase = store.hello.value ? "lost" : "connecting";
     store.link.value = { phase, retryAt: performance.now() + retryInMs };
     store.rttMs.value = null;
