@@ -306,7 +306,10 @@ class PersonTracks:
     def _forget_identity(self, track: Track) -> None:
         """Let ``track`` be unsure: what is perceived from now on may be another, so it is another track."""
         track.forget_identity()
-        track.number = self.next_track
+        self._renumber(track)
+
+    def _renumber(self, track: Track) -> None:
+        track.number, track.numbered = self.next_track, track.motion.stamp
         self.next_track += 1
 
     def _check(self, track: Track, stamp: float, identity: Identity) -> None:
@@ -373,6 +376,9 @@ class PersonTracks:
         self._lost = [other for other in self._lost if other.identity is not identity]
         if identity.colors.samples < self.rules.identity.samples <= track.colors.samples:
             identity.colors = track.colors
+        if track.mixed > track.numbered:
+            # Who is known now need not be whom it followed before it was so near to another.
+            self._renumber(track)
         track.identity = identity
         track.not_new_before = -math.inf
         track.doubtful = False

@@ -41,7 +41,7 @@ class Track:
     motion: Motion
     born: float
     origin: Vector
-    #: Last sighting; the last that was not legs at an obstacle of the map; the last of legs, of a face.
+    #: Last sighting; the last that was more than legs at an obstacle of the map; the last of legs, of a face.
     seen: float
     sure: float
     legs: float = -math.inf
@@ -61,6 +61,8 @@ class Track:
     doubtful: bool = False
     #: When it was last so near to another that the laser may have confused them.
     mixed: float = -math.inf
+    #: When it got its number, if another than at first.
+    numbered: float = -math.inf
     not_new_before: float = -math.inf
     colors: Colors = field(default_factory=lambda: Colors(40))
     recent: Colors = field(default_factory=lambda: Colors(6))
@@ -130,6 +132,9 @@ class Track:
             self.strange = 0
         if far is not None and this is not None and max(far, this) < same:
             self.agreed = stamp
+            if self.identity is not None:
+                # What is worn as the person wears it is no furniture.
+                self.sure = max(stamp, self.sure)
         if far is None or far < same:
             worn.add(histogram)
         elif self.identity is None and self.recent.samples >= rules.other_samples:

@@ -337,3 +337,32 @@ def test_colours_seen_again_after_long_end_an_identity_that_place_alone_held() -
     looks = seen_above_legs(tracks, [at], {0: BLUE}, 11.0, 13.0)
     assert [p.person for p in looks[4] if p.legs] == [None], "three looks are enough"
     assert [p.person for p in looks[-1] if p.legs] == [numbers[2]]
+
+
+@pytest.mark.parametrize(("worn", "stays"), [(ORANGE, True), (BLUE, False), (None, False)])
+def test_legs_at_an_obstacle_are_a_persons_while_the_own_colours_are_above_them(
+    worn: tuple[int, int, int] | None, stays: bool
+) -> None:
+    tracks = PersonTracks()
+    play(tracks, [standing(3.0, 0.0)], [(1, standing(3.0, 0.0), ORANGE)], end=3.0)
+    # The person turns away beside something that the map has, and stands there for longer than that alone may count.
+    for k in range(30, 180):
+        t = k * STEP_S
+        tracks.see_legs(t, [legs(3.0, 0.0, known=True)])
+        if worn is not None:
+            tracks.see_worn(t, {p.track: colors(worn) for p in tracks.persons(t) if p.legs})
+    assert any(p.state == "confirmed" and p.person == 1 for p in tracks.persons(18.0)) == stays
+
+
+def test_an_unsure_track_that_went_over_to_another_has_another_number_with_the_name() -> None:
+    tracks = PersonTracks()
+    play(tracks, [standing(1.0, 3.0)], [(1, standing(1.0, 3.0), ORANGE)], end=3.0)
+    # Somebody of whom nothing but the face is seen is not known; the person who passes is taken for that one.
+    (unknown,) = [p for p in play(tracks, [], [(2, standing(3.0, 0.0), None)], begin=8.0, end=10.0) if p.face == 2]
+
+    def passing(t: float) -> tuple[float, float]:
+        return 3.0, 0.35 + 0.5 * (t - 10.0)
+
+    named = [p for persons in seen_above_legs(tracks, [passing], {0: ORANGE}, 10.0, 13.0) for p in persons if p.person]
+    assert {p.person for p in named} == {1}
+    assert unknown.track not in {p.track for p in named}
