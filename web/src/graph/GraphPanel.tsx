@@ -40,9 +40,10 @@ function GraphCard({ message: load }: { message: Load | null }) {
   const chosen = useSignal<string | null>(null);
   useEffect(() => {
     if (!large.value) return;
-    store.popup.value = () => (large.value = false);
+    const shrink = () => (large.value = false);
+    store.popup.value = shrink;
     return () => {
-      store.popup.value = null;
+      if (store.popup.peek() === shrink) store.popup.value = null;
     };
   }, [large.value]);
   const whole = load && graphOf(load, store.of("status").peek()?.sources ?? []);
