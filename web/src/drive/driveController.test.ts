@@ -128,6 +128,15 @@ describe("Escape with the help open", () => {
     expect(eStop).toHaveBeenCalledTimes(1);
   });
 
+  test("stops at the second press, though what was open is still to be drawn closed", () => {
+    const { eStop, press, store } = open();
+    store.help.value = false;
+    store.popup.value = () => undefined; // taken back only after it was drawn
+    press("keydown", "Escape");
+    press("keydown", "Escape");
+    expect(eStop).toHaveBeenCalledTimes(1);
+  });
+
   test.each([
     ["moves", { state: "driving" }],
     ["has a place to go to", { going: true }],

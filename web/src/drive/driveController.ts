@@ -177,7 +177,7 @@ export class DriveController {
       const onlyClose = (this.store.help.peek() || popup !== null) && stands && !this.onStop();
       this.release();
       this.store.help.value = false;
-      popup?.();
+      this.closePopup();
       if (!onlyClose) this.session.eStop();
       return;
     }
@@ -220,11 +220,18 @@ export class DriveController {
     if (this.stopping || !isControl(event.target)) event.preventDefault();
   }
 
+  /** At once, before it is drawn: the next Escape is of what is open below it, or stops the robot. */
+  private closePopup(): void {
+    const popup = this.store.popup.peek();
+    popup?.();
+    if (popup !== null && this.store.popup.peek() === popup) this.store.popup.value = null;
+  }
+
   /** Keys of a recording: nothing in it can be driven or stopped. */
   private replayKeyDown(event: KeyboardEvent): void {
     if (event.code === "Escape") {
       this.store.help.value = false;
-      this.store.popup.peek()?.();
+      this.closePopup();
     } else if (event.ctrlKey || event.altKey || event.metaKey) return;
     else if (event.key === "?" && !typesText(event.target)) this.store.help.value = !this.store.help.value;
     else {

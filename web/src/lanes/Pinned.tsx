@@ -27,9 +27,13 @@ export function Pinned({ pin, close }: { pin: Pin; close: () => void }) {
     );
   }, []);
   // Escape lets go of it, once nothing newer is open over the page.
-  const letGo = useRef(close).current;
+  const held = useRef(true);
+  const letGo = useRef(() => {
+    held.current = false;
+    close();
+  }).current;
   useSignalEffect(() => {
-    if (store.popup.value === null) store.popup.value = letGo;
+    if (held.current && store.popup.value === null) store.popup.value = letGo;
   });
   useEffect(
     () => () => {
