@@ -144,25 +144,6 @@ def test_a_configuration_that_is_not_there_is_one_sentence(capsys: pytest.Captur
     assert capsys.readouterr().err == error
 
 
-_HELP = """
-import sys
-before = set(sys.modules)
-from app import cli
-try:
-    cli.main(["--help"])
-except SystemExit:
-    pass
-roots = {name.partition(".")[0] for name in set(sys.modules) - before}
-print(*sorted(roots - sys.stdlib_module_names), file=sys.stderr)
-"""
-
-
-def test_help_loads_no_library() -> None:
-    """numpy or pydantic alone would take longer than all the rest."""
-    done = subprocess.run([sys.executable, "-c", _HELP], check=True, capture_output=True, text=True, timeout=PATIENCE_S)
-    assert done.stderr.split() == ["app"]
-
-
 def test_a_reader_that_leaves_early_is_no_error() -> None:
     world = str(paths.config_dir() / "worlds" / "lab.yaml")
     reading, writing = os.pipe()

@@ -23,7 +23,7 @@ from app.attention.strategies import Strategy
 WINDOW_S: Final = 1.0
 SHORT_S: Final = 0.5
 _AFTER: Final = 6
-#: An estimate is used again if it differs by this share, and by this much (% of one core).
+#: A new estimate is used where it differs from the one in use by this share, and by this much (% of one core).
 _DIFFERS: Final = 0.15
 _LEAST: Final = 0.3
 #: More than this share of the budget, by the estimates, is too much.

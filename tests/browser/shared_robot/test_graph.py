@@ -1,4 +1,4 @@
-"""The graph of modules: what is at work is a box in it, and a pressed box tells what it takes in, and how often."""
+"""The graph of modules: what is at work is a box in it, and a pressed box says what it takes in, and how often."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import re
 from playwright.sync_api import Page, expect
 
 
-def test_a_pressed_box_tells_its_channels_and_rates(page: Page) -> None:
+def test_a_pressed_box_shows_its_channels_and_rates(page: Page) -> None:
     page.set_viewport_size({"width": 1440, "height": 900})
     page.get_by_test_id("tab-graph").click()
     sensor, perception = page.get_by_test_id("graph-Kinect"), page.get_by_test_id("graph-QRCodeDetector")

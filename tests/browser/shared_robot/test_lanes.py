@@ -31,7 +31,7 @@ def pin_the_present(lanes: Locator) -> Locator:
     return pin
 
 
-def test_a_pinned_instant_tells_the_intention_of_then_and_escape_or_its_button_lets_go(
+def test_a_pinned_instant_shows_the_intention_of_then_and_escape_or_its_button_lets_go(
     robot: Robot, page: Page, lanes: Locator
 ) -> None:
     pin = pin_the_present(lanes)

@@ -85,9 +85,10 @@ class Senses:
         if exploitation.limited:
             self._stuck(exploitation.stamp)
 
-    def take_status(self, status: LinkStatus) -> None:
-        """Whether the emergency stop is latched."""
-        self._e_stop = status.e_stopped
+    def take_status(self, status: LinkStatus) -> bool:
+        """Whether the emergency stop is latched. Returns whether it has just been."""
+        before, self._e_stop = self._e_stop, status.e_stopped
+        return self._e_stop and not before
 
     def take_battery(self, battery: BatteryState) -> None:
         """What is left, and whether it charges."""

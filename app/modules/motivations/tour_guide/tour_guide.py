@@ -154,7 +154,7 @@ class TourGuide(Module):
         self.on(self.input("landmarks", Landmarks, wants="never"), self._take_landmarks)
         self.on(self.input("navigation", NavigationStatus, capacity=8), senses.take_navigation)
         self.on(self.input("exploitation", Exploitation), senses.take_exploitation)
-        self.on(self.input("status", LinkStatus), senses.take_status)
+        self.on(self.input("status", LinkStatus), self._take_status)
         self.on(self.input("battery", BatteryState), senses.take_battery)
         self.output_progress = self.output("progress", TourProgress)
         self.every(_BEAT_S, self._beat)
@@ -287,6 +287,11 @@ class TourGuide(Module):
             return
         before = max(run.progress.sentence - run.progress.said_from, 0)
         self._events.append(Spoken(wish.key, sentence_number(str(wish.params["text"]), speech.text, before)))
+
+    def _take_status(self, status: LinkStatus) -> None:
+        # At once: it may be released again before the next look.
+        if self._senses.take_status(status) and self._run is not None:
+            self._look()
 
     def _take_places(self, places: Places) -> None:
         if self._places is not None and _same_places(self._places, places.places):

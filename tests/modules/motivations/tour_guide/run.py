@@ -98,3 +98,8 @@ class Run:
 
     def started(self) -> Run:
         return self.press("start")
+
+
+def changed(**more: Any) -> Tour:
+    """The tour of the laboratory with other members."""
+    return LAB.model_validate(LAB.model_dump(by_alias=True) | more)

@@ -76,8 +76,8 @@ def test_what_the_emergency_stop_holds_is_held_after_a_restart() -> None:
     ):
         again = after_restart(found, AT + 5000, SEEN, run.scene)
         assert (again.state, again.held) == ("idle", True)
-        begun = advance(again, replace(SEEN, events=(Scheduled(),)), run.scene)
-        assert (begun.state, begun.reason) == ("idle", "the emergency stop was pressed: press Resume")
+        scheduled = advance(again, replace(SEEN, events=(Scheduled(),)), run.scene)
+        assert (scheduled.state, scheduled.reason) == ("idle", "the emergency stop was pressed: press Resume")
 
 
 def test_what_is_not_of_this_tour_is_forgotten() -> None:

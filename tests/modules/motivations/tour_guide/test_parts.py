@@ -21,8 +21,7 @@ from app.modules.motivations.tour_guide.transitions import advance
 from app.modules.motivations.tour_guide.visitors import HEARD_S, SEEN_S, Visitors
 from app.modules.motivations.tour_guide.wishes import Wish
 from app.tours.model import Slot
-from tests.modules.motivations.tour_guide.run import LAB, Run
-from tests.modules.motivations.tour_guide.test_guide import changed
+from tests.modules.motivations.tour_guide.run import LAB, Run, changed
 
 
 def test_claps_in_a_row_are_counted_once_it_is_over() -> None:

@@ -19,8 +19,7 @@ from app.runtime.clock import in_virtual_time
 from app.tours.codes import CarriedText
 from app.tours.model import Tour
 from tests.modules.motivations.tour_guide.led_lab import LedLab, Visitor
-from tests.modules.motivations.tour_guide.run import LAB, QUESTION, WAIT, Run, say, stop
-from tests.modules.motivations.tour_guide.test_guide import changed
+from tests.modules.motivations.tour_guide.run import LAB, QUESTION, WAIT, Run, changed, say, stop
 
 ONE, TWO, HELLO = "HBBA:STOP/ONE", "HBBA:STOP/TWO/EN/Mind the step.", "HBBA:SAY/FR/Bonjour !"
 STRANGERS = ("HBBA:STOP/TWO", "HBBA:SAY/FR/Salut !", "HBBA:SAY/FR/bonjour !", "https://example.org", "HBBA:", "two")

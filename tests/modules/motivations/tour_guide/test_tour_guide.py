@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from app.base.geometry import Pose2
-from app.messages import Landmark, Landmarks
+from app.messages import Landmark, Landmarks, LinkStatus, Twist
 from app.modules.motivations.tour_guide.kept import read_kept
 from app.runtime.clock import in_virtual_time
 from app.tours.model import Tour
@@ -342,6 +342,23 @@ async def test_after_the_emergency_stop_a_waiting_tour_waits_for_a_press_after_a
         assert (led.progress.state, led.progress.waits, led.moving()) == ("idle", True, [])
         led.press("resume")
         await led.until("inviting", limit_s=5)
+
+
+@in_virtual_time
+async def test_an_emergency_stop_that_is_released_at_once_is_a_pause(tmp_path: Path) -> None:
+    async with await lab(tmp_path) as led:
+        led.start()
+        await led.until("confirming")
+        led.press("agree")
+        await led.until("leading")
+        still = Twist(led.bench.clock.now(), 0.0, 0.0)
+        for e_stopped in (True, False):
+            led.bench.feed("status", LinkStatus(led.bench.clock.now(), "idle", "", e_stopped, None, still, 1.0))
+            await led.bench.clock.sleep(0.01)
+        await led.live(5)
+        assert (led.progress.state, led.moving()) == ("paused", [])
+        led.press("resume")
+        await led.until("leading", limit_s=5)
 
 
 @in_virtual_time
