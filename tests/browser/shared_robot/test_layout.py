@@ -9,6 +9,7 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from tests.browser.checks import axe_script, covered_controls, violations
+from tests.browser.running import Robot
 from tests.browser.shared_robot.test_lanes import pin_the_present
 
 #: Phones, tablets, laptops and desks; both ways up.
@@ -18,13 +19,17 @@ SIZES = (
 )  # fmt: skip
 
 
-#: What lies in dark letters over the map, which is dark in every theme; of words over a canvas axe decides nothing.
-_DARK_OVER_MAP = """
-() => [...document.querySelectorAll(".map-where, .map-empty, .map-view-buttons .icon-button")].filter((each) => {
+#: Of what a selector finds, what is in dark letters: over a canvas, and over what changes colour, axe decides nothing.
+_DARK = """
+(selector) => [...document.querySelectorAll(selector)].filter((each) => {
   const [red, green, blue] = getComputedStyle(each).color.match(/[0-9.]+/g).map(Number);
-  return 0.2126 * red + 0.7152 * green + 0.0722 * blue < 128;
-}).map((each) => each.dataset.testid)
+  return each.checkVisibility() && 0.2126 * red + 0.7152 * green + 0.0722 * blue < 128;
+}).map((each) => each.dataset.testid || each.className || each.tagName)
 """
+#: What lies over the map, which is dark in every theme.
+_OVER_MAP = ".map-where, .map-empty, .map-view-buttons .icon-button"
+#: What lies over the dark red of a stopped robot.
+_OVER_RED = ".top-bar :is(h1, .chip, .metric dd, .record), .dock :is(.drive-speed, .drive-speed b, .icon-button)"
 
 
 #: Whether the view's middle is the 3D view itself, and no picture that lies over it.
@@ -131,7 +136,7 @@ def test_axe_finds_nothing(page: Page, theme: str) -> None:
     found = {"page": violations(page, axe)}
     page.get_by_test_id("tab-map").click()
     page.locator(".map-stage .icon-button").first.wait_for()
-    assert page.evaluate(_DARK_OVER_MAP) == []
+    assert page.evaluate(_DARK, _OVER_MAP) == []
     for tab in ("map", "tour", "found", "load", "graph", "events", "recordings"):
         page.get_by_test_id(f"tab-{tab}").click()
         if tab == "graph":
@@ -164,3 +169,19 @@ def test_where_the_processor_draws_nothing_moves_by_itself(page: Page) -> None:
     moved = page.locator("[data-testid=lane-canvas]").get_attribute("style")
     expect(page.locator("[data-testid=lane-canvas]")).not_to_have_attribute("style", moved or "")
     assert page.evaluate("document.getAnimations().map((each) => each.constructor.name)") == []
+
+
+@pytest.mark.parametrize(("width", "height"), [(1440, 900), (390, 844)])
+def test_all_is_legible_while_the_robot_is_stopped(robot: Robot, page: Page, width: int, height: int) -> None:
+    page.set_viewport_size({"width": width, "height": height})
+    page.emulate_media(color_scheme="light")
+    page.locator("html[data-theme=light]").wait_for()
+    assert page.evaluate(_DARK, _OVER_RED) != [], "over white they are dark"
+    page.get_by_test_id("estop").first.click()
+    page.locator("[data-testid=guard-state][data-state=e_stopped]").wait_for()
+    try:
+        assert page.evaluate(_DARK, _OVER_RED) == []
+    finally:
+        state = robot.get("/robot")
+        assert robot.request("DELETE", f"/stop?seen={state['stamp']}")[0] in (200, 204)
+    page.locator("[data-testid=guard-state][data-state=idle]").wait_for()
