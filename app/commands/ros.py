@@ -29,7 +29,13 @@ def add_parser(subparsers: Any) -> None:
         "or takes no velocities, so that it cannot be driven.",
     )
     mapping.add_argument("bag", nargs="?", type=Path, metavar="BAG", help="a bag, ROS 1 or 2; none: the live graph")
-    mapping.add_argument("--listen", type=_seconds, default=5.0, metavar="S", help="how long to listen (default 5 s)")
+    mapping.add_argument(
+        "--listen",
+        type=_seconds,
+        default=5.0,
+        metavar="S",
+        help="how long to listen (default 5 s), four times as long at most where nothing comes",
+    )
     mapping.add_argument("--domain", type=int, metavar="N", help="ROS_DOMAIN_ID (default: the environment's)")
     mapping.add_argument("--model", type=Path, metavar="URDF", help="the robot's model, to look for the laser's link")
     mapping.add_argument("--dot", type=Path, metavar="FILE", help="write the robot's frames here, for Graphviz")

@@ -22,8 +22,10 @@ from app.robots.ros2.config import COMPRESSED_IMAGE, IMAGE, TRANSFORMS, TWIST, T
 from app.robots.ros2.messages import stamp_of
 from app.robots.ros2.proposal import Topic
 
-_FOUND_S = 1.0
-"""How long a graph is given to appear before its topics are listened to."""
+_LOOK_S = 0.25
+"""How often the graph is looked at for topics that were not there before."""
+_LONGEST = 4.0
+"""So many times as long as asked for is listened while nothing has come of a stream, or no stream has appeared."""
 _TRANSFORMS = 5000
 """So many messages of transforms are read of a bag: all frames are there by then."""
 _LOOKED_INTO = frozenset((*TYPES.values(), IMAGE, COMPRESSED_IMAGE))
@@ -65,49 +67,75 @@ class Found:
 def live(listen_s: float, domain: int | None) -> Found:
     """What the graph of ``domain`` (None: the environment's) has, listened to for ``listen_s`` seconds.
 
-    Raises ImportError where there is no rclpy.
+    While none of its topics has appeared that may be a stream of a robot, or nothing has come on one that has, it is
+    listened to for longer, four times as long at most: a slow computer finds a graph late. Raises ImportError where
+    there is no rclpy.
     """
     os.environ.setdefault("FASTDDS_BUILTIN_TRANSPORTS", "UDPv4")
     import rclpy
     from rclpy.executors import SingleThreadedExecutor
 
-    from app.robots.ros2.node import CLASSES, class_of, offered_by, profile
-    from app.robots.ros2.qos import reader
-
     rclpy.init(args=["--ros-args", "--disable-external-lib-logs"], domain_id=domain)
     node = rclpy.create_node("hbba_survey", enable_rosout=False, start_parameter_services=False)
     executor = SingleThreadedExecutor()
     executor.add_node(node)
-    heard: dict[tuple[str, str], _Heard] = {}
-    frames = Transforms()
+    ears = _Ears(node)
     try:
-        _spin(executor, _FOUND_S)
-        for name, kinds in node.get_topic_names_and_types():
-            if TRANSFORMS in kinds:
-                asked = reader(offered_by(info) for info in node.get_publishers_info_by_topic(name))
-                take = _taker_of_frames(frames, name)
-                node.create_subscription(class_of(TRANSFORMS), name, take, profile(asked, 100))
-            for kind in filter(CLASSES.__contains__, kinds):
-                came = heard[name, kind] = _Heard()
-                asked = reader(offered_by(info) for info in node.get_publishers_info_by_topic(name))
-                node.create_subscription(CLASSES[kind], name, came.take, profile(asked, 10))
-        _spin(executor, listen_s)
-        topics = []
-        for name, kinds in node.get_topic_names_and_types():
-            publishers = [info.topic_type for info in node.get_publishers_info_by_topic(name)]
-            own = node.get_name()
-            subscribers = [i.topic_type for i in node.get_subscriptions_info_by_topic(name) if i.node_name != own]
-            for kind in kinds:
-                topic = Topic(name, kind, publishers.count(kind), subscribers.count(kind))
-                if (came := heard.get((name, kind), _Heard())).arrivals:
-                    ahead_s = statistics.median(came.ahead_s) if came.ahead_s else None
-                    topic = replace(topic, rate_hz=came.rate_hz, frame=came.frame, ahead_s=ahead_s, holds=came.holds)
-                topics.append(topic)
-        return Found([topic for topic in topics if topic.publishers or topic.subscribers], frames)
+        began = time.monotonic()
+        while (elapsed := time.monotonic() - began) < listen_s or not (ears.complete or elapsed > _LONGEST * listen_s):
+            ears.find()
+            _spin(executor, _LOOK_S)
+        return ears.found()
     finally:
         executor.shutdown()
         node.destroy_node()
         rclpy.shutdown()
+
+
+class _Ears:
+    """The subscriptions of ``node`` to all that it can read."""
+
+    def __init__(self, node: Any) -> None:
+        self._node = node
+        self._heard: dict[tuple[str, str], _Heard] = {}
+        self._frames = Transforms()
+
+    @property
+    def complete(self) -> bool:
+        """Whether there are streams, and something came on each."""
+        streams = [came for (_, kind), came in self._heard.items() if kind in _LOOKED_INTO]
+        return bool(streams) and all(came.arrivals for came in streams)
+
+    def find(self) -> None:
+        """Subscribe to the published topics that were not there before."""
+        from app.robots.ros2.node import CLASSES, class_of, offered_by, profile
+        from app.robots.ros2.qos import reader
+
+        for name, kinds in self._node.get_topic_names_and_types():
+            for kind in kinds:
+                if (name, kind) in self._heard or (kind != TRANSFORMS and kind not in CLASSES):
+                    continue
+                publishers = self._node.get_publishers_info_by_topic(name)
+                if kind not in [info.topic_type for info in publishers]:
+                    continue
+                came = self._heard[name, kind] = _Heard()
+                take, depth = (_taker_of_frames(self._frames, name), 100) if kind == TRANSFORMS else (came.take, 10)
+                asked = profile(reader(offered_by(info) for info in publishers), depth)
+                self._node.create_subscription(class_of(kind), name, take, asked)
+
+    def found(self) -> Found:
+        """What there is by now."""
+        topics, own = [], self._node.get_name()
+        for name, kinds in self._node.get_topic_names_and_types():
+            publishers = [info.topic_type for info in self._node.get_publishers_info_by_topic(name)]
+            subscribers = [i.topic_type for i in self._node.get_subscriptions_info_by_topic(name) if i.node_name != own]
+            for kind in kinds:
+                topic = Topic(name, kind, publishers.count(kind), subscribers.count(kind))
+                if (came := self._heard.get((name, kind), _Heard())).arrivals:
+                    ahead_s = statistics.median(came.ahead_s) if came.ahead_s else None
+                    topic = replace(topic, rate_hz=came.rate_hz, frame=came.frame, ahead_s=ahead_s, holds=came.holds)
+                topics.append(topic)
+        return Found([topic for topic in topics if topic.publishers or topic.subscribers], self._frames)
 
 
 def _taker_of_frames(frames: Transforms, topic: str) -> Callable[[Any], None]:
