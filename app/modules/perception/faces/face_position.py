@@ -9,7 +9,8 @@ long along it::
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,7 +44,8 @@ class FaceSighting:
 
     ``origin`` (3,) m: the camera; ``ray`` (3,): unit vector through the middle of the face; ``range_m`` along it with
     ``range_sigma_m``; ``measured``: whether by depth, else by people's heights; ``angle_sigma`` (rad): standard
-    deviation of the ray.
+    deviation of the ray; ``size_rad``: geometric mean of the angles under which the box's width and height are seen,
+    NaN where that is not known.
     """
 
     face: Detection
@@ -53,6 +55,7 @@ class FaceSighting:
     range_m: float
     range_sigma_m: float
     measured: bool
+    size_rad: float = math.nan
 
     @property
     def p_BF(self) -> Vector:
@@ -101,7 +104,9 @@ class FaceLocator:
             at = middle(face.landmarks)
             sigma = max(0.5, _MIDDLE * face.box[2]) / camera.fx
             depth = None if image.depth is None else face_depth(face.box, image.depth)
-            sightings.append(self._placed(face, np.asarray(camera.rays(at), np.float64), sigma, depth, image.X_BC))
+            ray_C = np.asarray(camera.rays(at), np.float64)
+            placed = self._placed(face, ray_C, sigma, depth, image.X_BC)
+            sightings.append(replace(placed, size_rad=apparent_size(face.box, camera.rays)))
         return sightings
 
     def _find_on_panorama(self, image: Image, camera: FisheyeModel, px_per_rad: float) -> list[FaceSighting]:
@@ -117,7 +122,8 @@ class FaceLocator:
             sigma = max(0.5, _MIDDLE * face.box[2]) / px_per_rad
             seen = in_image(face, strip)
             if seen is not None:
-                sightings.append(self._placed(seen, ray_C, sigma, None, image.X_BC))
+                placed = self._placed(seen, ray_C, sigma, None, image.X_BC)
+                sightings.append(replace(placed, size_rad=apparent_size(face.box, strip.rays)))
         return sightings
 
     def _placed(self, face: Detection, ray_C: Vector, sigma: float, depth: float | None, X_BC: Pose3) -> FaceSighting:
@@ -142,6 +148,19 @@ class FaceLocator:
             range_sigma_m=range_sigma_m,
             measured=depth is not None,
         )
+
+
+def apparent_size(box: tuple[float, float, float, float], rays: Callable[[Vector], NDArray[np.floating]]) -> float:
+    """Angle (rad) under which a face is seen: the geometric mean of those of its ``box``'s width and height.
+
+    ``rays``: unit vectors (..., 3) along which pixels (..., 2) look. NaN where the box reaches beyond them.
+    """
+    left, top, width, height = box
+    x, y = left + 0.5 * width - 0.5, top + 0.5 * height - 0.5
+    ends = np.array([[(left - 0.5, y), (left + width - 0.5, y)], [(x, top - 0.5), (x, top + height - 0.5)]])
+    a, b = np.moveaxis(np.asarray(rays(ends), np.float64), 1, 0)
+    angles = np.arctan2(np.linalg.norm(np.cross(a, b), axis=-1), (a * b).sum(axis=-1))
+    return float(np.sqrt(angles.prod()))
 
 
 def face_depth(box: tuple[float, float, float, float], depth: NDArray[np.uint16]) -> float | None:

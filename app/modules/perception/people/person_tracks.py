@@ -78,9 +78,16 @@ class PersonTracks:
         for row, face in enumerate(faces):
             track = self._tracks[pairs[row]] if row in pairs else self._new(stamp, places[row], spread[row])
             if row in pairs:
-                track.motion.update(places[row], spread[row])
+                self._see_face(track, places[row], spread[row], stamp)
             track.note_face(stamp, face)
         self._settle(stamp)
+
+    def _see_face(self, track: Track, at: Vector, spread: Vector, stamp: float) -> None:
+        before = track.motion.at.copy()
+        track.motion.update(at, spread)
+        if math.dist(before, track.motion.at) > self.rules.jump_m:
+            # Who is seen beside a hidden person may be taken for the person.
+            track.mixed = stamp
 
     def see_torsos(self, stamp: float, histograms: Mapping[int, Histogram]) -> None:
         """Take the colours (BINS,) below faces, by their tracks."""
