@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 from app.base.geometry import Pose2, Pose3
 from app.modules.perception.faces import yunet
-from app.modules.perception.faces.face_position import FaceLocator, face_depth, in_image, ray_covariance
+from app.modules.perception.faces.face_position import FaceLocator, apparent_size, face_depth, in_image, ray_covariance
+from app.modules.perception.faces.face_tracks import FACE_M
 from app.modules.perception.faces.panorama import Strip, StripView
 from app.modules.perception.faces.yunet import MODEL, Detection, YuNetDetector, merged, overlap
 from app.modules.perception.height_prior import SHARES, STANDING
@@ -168,9 +169,21 @@ def test_faces_all_around_have_their_direction_and_a_distance_with_its_deviation
     true_range = float(np.linalg.norm(truth))
     assert math.degrees(math.acos(min(1.0, float(sighting.ray @ truth) / true_range))) < 1.0
     assert abs(sighting.range_m - true_range) < 2 * sighting.range_sigma_m
+    assert abs(math.log(FACE_M / sighting.size_rad / true_range)) < 0.35, "the size, too, says how far it is"
     along = float(sighting.ray @ sighting.covariance @ sighting.ray)
     assert along == pytest.approx(sighting.range_sigma_m**2)
     assert along > 50 * np.linalg.eigvalsh(sighting.covariance)[0], "long along the ray, short across it"
+
+
+@given(st.floats(-0.4, 0.4), st.floats(-0.3, 0.3), st.floats(0.01, 0.06), st.floats(0.01, 0.06))
+@settings(max_examples=30, deadline=None)
+def test_a_face_has_the_size_of_its_box_wherever_it_is_in_the_image(
+    right: float, down: float, wide: float, high: float
+) -> None:
+    camera = PANORAMA
+    left, top = camera.project(np.array((math.sin(right), math.sin(down), 1.5)))
+    size = apparent_size((float(left), float(top), wide * camera.fx, high * camera.fy), camera.rays)
+    assert size == pytest.approx(math.sqrt(wide * high), rel=0.1)
 
 
 def test_beyond_the_depths_reach_height_takes_its_place(looker: FaceLocator) -> None:

@@ -7,10 +7,12 @@ from collections.abc import Iterable
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from app.base.geometry import Pose2, Pose3
 from app.modules.perception.faces.face_position import FaceSighting
-from app.modules.perception.faces.face_tracks import FaceTracks, TrackedFace, TrackModel
+from app.modules.perception.faces.face_tracks import FACE_M, FaceTracks, TrackedFace, TrackModel
 from app.modules.perception.faces.yunet import Detection
 from app.modules.perception.height_prior import range_from_height
 
@@ -38,6 +40,24 @@ def sight(
     left = 500 - 300 * math.atan2(ray[1], ray[0])
     face = Detection(0.9, (left, 200.0, 40.0, 50.0), MARKS)
     return FaceSighting(face, ORIGIN, ray, sigma, range_m, range_sigma_m, depth)
+
+
+def sized(place: tuple[float, float, float], camera: tuple[float, float, float], larger: float = 0.0) -> FaceSighting:
+    """A face at ``place`` that a ``camera`` without depth sees, ``larger`` (logarithm) than faces are in the mean."""
+    towards = np.array(place) - np.array(camera)
+    distance = float(np.linalg.norm(towards))
+    range_m, range_sigma_m = range_from_height(towards.tolist(), camera[2])
+    face = Detection(0.9, (500 - 300 * math.atan2(place[1], place[0]), 200.0, 10.0, 12.0), MARKS)
+    return FaceSighting(
+        face,
+        np.array(camera),
+        towards / distance,
+        0.004,
+        range_m=range_m,
+        range_sigma_m=range_sigma_m,
+        measured=False,
+        size_rad=FACE_M / distance * math.exp(larger),
+    )
 
 
 def numbers(placed: Iterable[TrackedFace]) -> list[int]:
@@ -137,6 +157,46 @@ def test_a_guess_repeated_is_not_taken_for_knowledge(height: float) -> None:
         deviation = placed.p_BF - place
         assert deviation @ np.linalg.solve(placed.covariance, deviation) < 25
     assert 0.2 < math.sqrt(np.linalg.eigvalsh(placed.covariance)[-1]) < 2.5
+
+
+UPPER, LOWER = (0.04, 0.0, 1.38), (0.1, 0.0, 0.89)
+
+
+def polar(degrees: float, away_m: float, height_m: float) -> tuple[float, float, float]:
+    return away_m * math.cos(math.radians(degrees)), away_m * math.sin(math.radians(degrees)), height_m
+
+
+def test_faces_of_two_one_seen_by_either_camera_are_no_nearer_face_where_their_rays_pass() -> None:
+    tracks = FaceTracks()
+    far, near = polar(22.4, 5.8, 1.45), polar(31.6, 3.5, 1.6)
+    for shot in range(30):
+        (one,) = tracks.see(0.27 * shot, "kinect", [sized(far, UPPER)], HERE)
+        (other,) = tracks.see(0.27 * shot + 0.1, "panorama", [sized(near, LOWER, 0.12)], HERE)
+        assert (one.track, other.track) == (1, 2)
+        assert math.dist(one.p_BF[:2], far[:2]) < 1.2
+        assert math.dist(other.p_BF[:2], near[:2]) < 1.0
+
+
+@given(st.floats(-25.0, 25.0), st.floats(1.0, 6.0), st.floats(1.45, 1.75), st.floats(-0.25, 0.25))
+@settings(max_examples=60, deadline=None)
+def test_a_face_of_any_usual_size_is_one_for_both_cameras(
+    degrees: float, away_m: float, height_m: float, larger: float
+) -> None:
+    tracks = FaceTracks()
+    place = polar(degrees, away_m, height_m)
+    for shot in range(8):
+        (one,) = tracks.see(0.27 * shot, "kinect", [sized(place, UPPER, larger)], HERE)
+        (other,) = tracks.see(0.27 * shot + 0.1, "panorama", [sized(place, LOWER, larger)], HERE)
+        assert one.track == other.track == 1
+        for placed in (one, other):
+            deviation = placed.p_BF - place
+            assert deviation @ np.linalg.solve(placed.covariance, deviation) < 30
+
+
+def test_where_the_height_says_nothing_the_size_says_how_far_a_face_is() -> None:
+    (placed,) = FaceTracks().see(0.0, "kinect", [sized((3.0, 0.0, 1.38), UPPER)], HERE)
+    assert placed.p_BF[0] == pytest.approx(3.0, abs=0.3)
+    assert math.sqrt(placed.covariance[0, 0]) < 0.5
 
 
 def test_a_person_who_comes_nearer_is_known_to_be_nearer() -> None:

@@ -262,6 +262,24 @@ def test_a_track_whose_legs_jump_is_unsure_until_colours_say_whose_they_are() ->
     assert (person.state, person.person) == ("confirmed", numbers[2])
 
 
+@given(st.floats(0.6, 0.95), st.booleans())
+@settings(max_examples=12, deadline=None)
+def test_a_track_that_went_over_to_the_face_beside_a_hidden_person_is_unsure(aside: float, colored: bool) -> None:
+    tracks = PersonTracks()
+    play(tracks, [standing(4.0, 0.0)], [(1, standing(4.0, 0.0), ORANGE)], end=3.0)
+    # The person is hidden; beside there is a face whose distance is a guess.
+    named = set()
+    for k in range(30, 45):
+        t = k * STEP_S
+        if k >= 36:
+            seen = FaceSeen(2, np.array((4.0, aside, 1.6)), np.diag((1.0, 0.05, 0.01)))
+            tracks.see_faces(t, [seen])
+            if colored:
+                tracks.see_torsos(t, {2: colors(BLUE)})
+        named = {p.person for p in tracks.persons(t) if p.face == 2}
+    assert 1 not in named
+
+
 def seen_above_legs(
     tracks: PersonTracks, legs_of: Iterable[Way], worn: dict[int, tuple[int, int, int]], begin: float, end: float
 ) -> list[tuple[Person, ...]]:
