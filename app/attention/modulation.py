@@ -2,8 +2,9 @@
 
 How, is not published; here it is made so that it cannot swing:
 
-- *Ignored* is the strongest desire of a class that is wanted, not security, and that attention selects nothing for, though
-  desires have been the same for a while. An emotion that the neglect of its class has fed raises it, by at most ``most``.
+- *Ignored* is the strongest desire of a class that is wanted, not security, and that attention selects nothing for,
+  though desires have been the same for a while. An emotion that the neglect of its class has fed raises it, by at most
+  ``most``.
 - Once something is selected for it, it is raised no further, but less as that emotion goes, and not at all once it has
   lost again what it was given.
 - It is raised again only after desires have changed, and not before ``again_s`` have gone by.

@@ -132,8 +132,8 @@ class IntentionWorkspace:
         return tuple(self._desires.values())
 
     def strongest(self) -> Mapping[str, Desire]:
-        """Intensity-based selection: per class its most intense desire (see :func:`strongest_first`), with the intensity
-        that counts. What emotions add decides among classes, not within one."""
+        """Intensity-based selection: per class its most intense desire (see :func:`strongest_first`), with the
+        intensity that counts. What emotions add decides among classes, not within one."""
         strongest: dict[str, Desire] = {}
         for desire in self._desires.values():
             rival = strongest.get(desire.cls)

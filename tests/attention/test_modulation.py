@@ -139,9 +139,7 @@ CLASSES = tuple(dict.fromkeys(strategy.cls for strategy in TABLE))
 WANTED = ("GoTo", "Teleoperation", "LocateVoices", "LocateFaces")
 #: Not so unlike that a rise makes no difference.
 whim = st.tuples(st.floats(3, 5), st.sampled_from([1.0, 1.0, 4.0, 8.0, 0.0]), st.integers(0, 9).map(lambda n: n == 9))
-whims = st.fixed_dictionaries(
-    dict.fromkeys(WANTED, whim), optional={cls: whim for cls in CLASSES if cls not in WANTED}
-)
+whims = st.fixed_dictionaries(dict.fromkeys(WANTED, whim), optional={cls: whim for cls in CLASSES if cls not in WANTED})
 effects = st.builds(
     lambda gain, loss, emotion: Effects({emotion: -loss}, {emotion: gain}),
     st.floats(0.01, 0.1), st.floats(0.005, 0.1), st.sampled_from(["anger", "sadness", "fear"]),

@@ -126,8 +126,8 @@ def attention_router(system: System) -> APIRouter:
 
     @router.get("/emotions", response_model=EmotionState, summary="What the robot feels, and why")
     async def get_emotions() -> Response:
-        """Joy, anger, sadness and fear, each with the desire classes that it comes from, and the desires whose intensity
-        is raised. A program without emotions feels nothing."""
+        """Joy, anger, sadness and fear, each with the desire classes that it comes from, and the desires whose
+        intensity is raised. A program without emotions feels nothing."""
         nothing = EmotionState(system.clock.now(), tuple(EmotionLevel(e, 0.0, ()) for e in EMOTIONS), modulates=False)
         return Json(reports.latest(system.graph, "emotions") or nothing)
 

@@ -117,10 +117,11 @@ class Emotions(Module):
         if IntentionWorkspace not in self._context.services:
             return ()
         classes = self.service(IntentionWorkspace).classes
+        says = f"{self.name}.settings.effects names"
         return tuple(
             Caution(
                 "An emotion waits in vain",
-                f"{self.name}.settings.effects names {cls!r}, which is no desire class; {suggestion(cls, list(classes))}",
+                f"{says} {cls!r}, which is no desire class; {suggestion(cls, list(classes))}",
             )
             for cls in self.settings.effects
             if cls not in classes

@@ -24,7 +24,10 @@ from tests.modules.fakes import Bench, drain
 
 MODULE = "app.modules.motivations.emotions:Emotions"
 #: Driving by hand, which calms as published, does nothing here.
-RIVALRY: dict[str, Any] = {"GoTo": {"exploited": {"anger": -0.02}, "neglected": {"anger": 0.05, "sadness": 0.01}}, "Teleoperation": {}}
+RIVALRY: dict[str, Any] = {
+    "GoTo": {"exploited": {"anger": -0.02}, "neglected": {"anger": 0.05, "sadness": 0.01}},
+    "Teleoperation": {},
+}
 
 
 PROGRAM = """\
@@ -151,7 +154,7 @@ async def test_with_the_module_what_was_raised_goes_and_what_is_felt_outlasts_a_
         goal = robot.add("GoTo", intensity=1)
         async with robot.emotions:
             await robot.live(30)
-            assert robot.emotions.problem == ''
+            assert robot.emotions.problem == ""
             assert robot.workspace.get(goal).modulation is not None
             await robot.emotions.supervisor.stop_modules()
             assert robot.workspace.get(goal).modulation is None
