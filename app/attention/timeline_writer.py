@@ -114,8 +114,7 @@ def _note_modulation(timeline: Timeline, before: Desire, after: Desire) -> None:
     data = {"id": after.id, "class": after.cls, "emotion": modulation.emotion, "raised": after.modulation is not None}
     text = f"{_wish(after)} is ignored: {modulation.emotion} raises its intensity"
     if after.modulation is None:
-        text = f"{modulation.emotion} raises the intensity of {_wish(after)} no more"
-        text = text[:1].upper() + text[1:]
+        text = f"{_wish(after)} is raised no more by {modulation.emotion}"
     timeline.add("emotion", after.cls, text, data)
 
 

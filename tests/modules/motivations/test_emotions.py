@@ -120,7 +120,7 @@ async def test_an_ignored_desire_is_raised_with_the_reason_and_calms() -> None:
         words = [event.text for event in robot.timeline.query(kinds={"emotion"})]
         assert words == [
             "GoTo is ignored: anger raises its intensity",
-            "Anger raises the intensity of GoTo no more",
+            "GoTo is raised no more by anger",
         ]
         assert len(set(await robot.live(300))) == 1
 
