@@ -33,6 +33,11 @@ class GuardedBase:
         """Whether it is to be given at once, without a ramp: a safety stop."""
         return self._action.immediate
 
+    @property
+    def e_stop(self) -> str | None:
+        """The reason of the emergency stop that is latched, or None."""
+        return self._state.e_stop
+
     def take(self, frame: object) -> None:
         """Take what the program sent, where it is for the guard."""
         match frame:

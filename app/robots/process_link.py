@@ -97,8 +97,8 @@ class ProcessLink:
 
     def command(self, command: Twist | JointCommand) -> None:
         """Give a command; dropped while a frozen process does not read: it would arrive too late."""
-        if isinstance(command, JointCommand):
-            return  # there are no groups: ``describe``
+        if isinstance(command, JointCommand) and command.group not in self.description.groups:
+            return
         if self._session is None or self._session.unsent_bytes > UNSENT_BYTES:
             self.commands_dropped += 1
             return

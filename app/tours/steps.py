@@ -64,6 +64,7 @@ class Wait(TourPart):
     at_most_s: float = Field(gt=0, le=LONGEST_WAIT_S, description="Seconds after which the tour goes on in any case.")
     words: Words = Field(default={}, description="A word that is heard ends it, by language.")
     claps: int | None = Field(None, ge=1, le=5, description="So many claps in a row end it.")
+    call: bool = Field(False, description="Somebody who calls out ends it: a loud noise while a voice is located.")
     press: Title | None = Field(None, description="A button with this text, on the page and for visitors, ends it.")
     all_left: bool = Field(False, description="It ends when all visitors have left.")
 

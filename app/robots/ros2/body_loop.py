@@ -8,14 +8,16 @@ import os
 import select
 import sys
 import time
+from dataclasses import replace
 
 from app.base.kinematic_model import load_model
 from app.messages import Image, JointState
 from app.robots import guard
 from app.robots.guarded_base import GuardedBase
+from app.robots.guarded_joints import GuardedJoints
 from app.robots.link_protocol import Demand, Ready, Sample, Socket, Stop
 from app.robots.ros2.config import STATUS_HZ, Ros2Config
-from app.robots.ros2.health import faults
+from app.robots.ros2.health import fault, faults
 from app.robots.ros2.node import RosNode
 from app.robots.ros2.protocol import Start
 
@@ -42,6 +44,8 @@ class BodyLoop:
         self._unmoved = dict.fromkeys(model.joint_names, 0.0)
         self._node = RosNode(config, model, start.clock_offset, self._wake)
         self._node.wanted = frozenset(start.demanded)
+        self._joints = GuardedJoints(config.groups.values())
+        self._joints_due = dict.fromkeys(config.groups, 0.0)
         self._reported = self._moved = 0.0
         self._ending = False
 
@@ -101,12 +105,25 @@ class BodyLoop:
         reasons = faults(self._node.required, self._node.commands, now, self._limits.sensor_timeout_s)
         self._base.step(now, seconds, reasons)
         self._node.publish(self._base.velocity, now)
+        self._turn_joints(monotonic, seconds)
         if monotonic - self._reported >= 1.0 / STATUS_HZ:
             self._reported = monotonic
-            self._send("status", self._base.status(now))
+            self._send("status", replace(self._base.status(now), groups=self._joints.status(now)))
         if self._config.streams.joints is None and monotonic - self._moved >= 1.0 / self._config.standing_rates_hz[1]:
             self._moved = monotonic
             self._send("joints", JointState(now, tuple(self._unmoved), tuple(self._unmoved.values())))
+
+    def _turn_joints(self, monotonic: float, seconds: float) -> None:
+        if not self._joints_due:
+            return
+        now = monotonic + self._offset
+        silent = fault(self._node.joints, now, self._limits.sensor_timeout_s)
+        faults = {name: silent or reason for name, reason in self._node.joint_commands.faults.items()}
+        self._joints.step(now, seconds, self._base.e_stop, faults)
+        for name, due in self._joints_due.items():
+            if monotonic >= due and (positions := self._joints.due(name)):
+                self._node.joint_commands.publish(name, positions)
+                self._joints_due[name] = monotonic + 1.0 / self._config.joint_commands[name].rate_hz
 
     def _ended(self) -> bool:
         """Read what the program sent; whether it is over. Raises Unavailable and errors of rclpy's thread."""
@@ -119,6 +136,7 @@ class BodyLoop:
                     self._ending = True
                 case _:
                     self._base.take(frame)
+                    self._joints.take(frame)
         if self._node.failure is not None:
             raise self._node.failure
         if self._node.void:
@@ -128,6 +146,8 @@ class BodyLoop:
     def _hand_over(self) -> None:
         while self._node.arrived:
             stream, message = self._node.arrived.popleft()
+            if isinstance(message, JointState):
+                self._joints.measure(dict(zip(message.names, message.positions, strict=True)))
             if isinstance(message, Image):
                 self._socket.flush()
                 if self._socket.has_unsent:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, Final, Literal, Self
 
 from pydantic import AfterValidator, Field, PrivateAttr, field_validator, model_validator
 
 from app.base.errors import ConfigError
 from app.base.kinematic_model import KinematicModel, load_model
 from app.base.yaml_source import Document, load_yaml, suggestion
+from app.link import SafeAction
 from app.logs.importers.ros_topics import rectified
 from app.robots.actuator_config import ActuatorConfig
 from app.robots.config import BodyConfig, load_body_config
@@ -25,6 +26,7 @@ TYPES = {
     "battery": "sensor_msgs/msg/BatteryState",
 }
 IMAGE, COMPRESSED_IMAGE = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
+TRAJECTORY: Final = "trajectory_msgs/msg/JointTrajectory"
 TRANSFORMS = "tf2_msgs/msg/TFMessage"
 CAMERA_INFO = "sensor_msgs/msg/CameraInfo"
 #: The streams of pictures, and the topics beside theirs: names are ``stream.part``.
@@ -161,6 +163,19 @@ class BaseTopicConfig(ConfigModel):
     watchdog_s: Positive | None
 
 
+class JointTopicConfig(ConfigModel):
+    """The topic that a controller of ros2_control takes set-points of a group of joints on.
+
+    A ``JointTrajectory`` is the topic ``joint_trajectory`` of a joint_trajectory_controller: one point, to be reached
+    two periods later. A ``Float64MultiArray`` is the topic ``commands`` of a forward_command_controller of positions:
+    one number for each joint, in the group's order.
+    """
+
+    topic: Topic
+    type: Literal["trajectory_msgs/msg/JointTrajectory", "std_msgs/msg/Float64MultiArray"] = TRAJECTORY
+    rate_hz: Annotated[float, Field(ge=5, le=100)] = Field(default=20.0, description="of set-points while they move")
+
+
 class Ros2Config(BodyConfig):
     """A robot that speaks ROS 2. :func:`load_ros2_config` takes paths relative to the file."""
 
@@ -171,15 +186,31 @@ class Ros2Config(BodyConfig):
     graph: GraphConfig = GraphConfig()
     streams: TopicsConfig = TopicsConfig()
     base: BaseTopicConfig
+    joint_commands: dict[str, JointTopicConfig] = Field(default={}, description="topics by group of actuators")
 
     _document: Document | None = PrivateAttr(default=None)
 
     @field_validator("actuators")
     @classmethod
-    def _joints_are_not_commanded(cls, actuators: dict[str, ActuatorConfig]) -> dict[str, ActuatorConfig]:
-        if actuators:
-            raise ValueError("joints are not commanded over ROS 2 yet; leave the actuators out")
+    def _joints_take_positions(cls, actuators: dict[str, ActuatorConfig]) -> dict[str, ActuatorConfig]:
+        for name, actuator in actuators.items():
+            if {actuator.stale, actuator.stop} != {SafeAction.HOLD}:
+                raise ValueError(f"{name}: over ROS 2 joints take positions alone: stale and stop are hold")
+            if actuator.compliant or actuator.contact:
+                raise ValueError(f"{name}: over ROS 2 joints take positions alone: no compliance, and no contact")
         return actuators
+
+    @model_validator(mode="after")
+    def _each_group_has_a_topic(self) -> Self:
+        for name in self.joint_commands:
+            if name not in self.actuators:
+                raise ValueError(f"joint_commands: there is no group {name!r}; {suggestion(name, [*self.actuators])}")
+        for name in self.actuators:
+            if name not in self.joint_commands:
+                raise ValueError(f"actuators: {name} has no topic in joint_commands")
+        if self.actuators and self.streams.joints is None:
+            raise ValueError("actuators: their joints are to be measured: map streams.joints")
+        return self
 
     @model_validator(mode="after")
     def _requires_what_it_has(self) -> Self:

@@ -52,4 +52,6 @@ def describe(config: Ros2Config) -> RobotDescription:
         footprint=config.footprint,
         height_m=config.height_m,
         restartable=True,
+        groups=dict(config.groups),
+        arms=dict(config.arm_descriptions),
     )

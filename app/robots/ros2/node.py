@@ -40,6 +40,7 @@ from app.robots.ros2.camera import CameraReader, setting
 from app.robots.ros2.config import INFO, TRANSFORMS, TWIST_STAMPED, Ros2Config
 from app.robots.ros2.frame_tree import differences
 from app.robots.ros2.health import Seen, began_again
+from app.robots.ros2.joint_commands import JointCommands
 from app.robots.ros2.messages import TransformOdometry, converters, seconds, set_stamp, stamp_of
 from app.robots.ros2.stamps import StampClock, WrongClock
 
@@ -124,6 +125,7 @@ class RosNode:
         self._executor = SingleThreadedExecutor()
         self._executor.add_node(self._node)
         self._writer: Any = self._create_writer()
+        self.joint_commands = JointCommands(self._node, config)
         self._follow_static_transforms()
         self._thread = threading.Thread(target=self._run, name="rclpy", daemon=True)
 
@@ -153,6 +155,11 @@ class RosNode:
                 stream, _, part = name.partition(".")
                 return self._config.mistake(f"{self._seen[name].topic} {problem}", "streams", stream, part or "topic")
         return None
+
+    @property
+    def joints(self) -> Seen:
+        """What is known of the topic of the joints, which the mapping has."""
+        return self._with_type("joints")
 
     def topics(self) -> list[str]:
         """The topics that others publish or listen to."""
@@ -232,6 +239,8 @@ class RosNode:
                 self._subscribe(name, reading, asked)
             if not infos and reading.entity is not None and time.monotonic() - self._began > _SILENT_S:
                 self._caution(f"{name}: {reading.topic} has no publisher")
+        for sentence in self.joint_commands.look():
+            self._caution(sentence)
         self._look_at_commands()
 
     def _look_at_commands(self) -> None:

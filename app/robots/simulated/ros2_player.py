@@ -4,7 +4,8 @@ simulated lab.
 ``python -m app.robots.simulated.ros2_player --robot ROBOT.yaml --map MAP.yaml [options]``, where ROBOT is a mapping of
 kind ``ros2``, whose model and sizes the body has; or ``--body BODY.yaml`` in place of the map, a simulated body with
 its world. Topics: ``/scan`` and ``/odom`` (best effort, as a TurtleBot's), ``/joint_states``, ``/battery_state``, those
-of the mapping's cameras where the body has them, and ``/clock`` with ``--sim-time``; it takes ``/cmd_vel``. Without a
+of the mapping's cameras where the body has them, and ``/clock`` with ``--sim-time``; it takes ``/cmd_vel``, and the
+topics of the mapping's ``joint_commands``. Without a
 command for ``--watchdog`` seconds (a body: as its file says) it stops by itself.
 
 It prints ``ready`` once it moves. Lines on its standard input are faults: ``odometry off``, ``odometry on``,
@@ -23,6 +24,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import IO, Any
 
@@ -39,14 +41,15 @@ from sensor_msgs.msg import LaserScan as RosScan
 from app.base.child_processes import end_with_parent
 from app.base.geometry import Pose2
 from app.link import RobotLink
+from app.logs.ros.live.classes import MadeMessage, message_class
 from app.logs.stamps import SECOND, to_ns
 from app.maps.map_file import read_map
-from app.messages import JointState, LaserScan, Odometry
+from app.messages import JointCommand, JointState, LaserScan, Odometry
 from app.messages import Twist as Command
 from app.robots.battery_config import BatteryConfig
 from app.robots.config import StartPose
 from app.robots.factory import create_link, load_body
-from app.robots.ros2.config import TWIST_STAMPED, Ros2Config, load_ros2_config
+from app.robots.ros2.config import TRAJECTORY, TWIST_STAMPED, Ros2Config, load_ros2_config
 from app.robots.simulated.battery import Battery
 from app.robots.simulated.kinematic.config import KinematicLaserConfig, kinematic_of
 from app.robots.simulated.kinematic.link import KinematicLink
@@ -105,6 +108,10 @@ class Ros2Player:
         stamped = config.base.type == TWIST_STAMPED
         kind = TwistStamped if stamped else Twist
         node.create_subscription(kind, "/cmd_vel", self._commanded, qos_profile_sensor_data)
+        for group, topic in config.joint_commands.items():
+            take = partial(self._sent, group, tuple(joint.name for joint in config.groups[group].joints))
+            name = config.full_name(topic.topic)
+            node.create_subscription(message_class(topic.type), name, take, qos_profile_sensor_data)
         receivers: dict[str, Callable[[Any], None]] = {
             "odometry": self._give_odometry,
             "joints": self._give_joints,
@@ -143,6 +150,15 @@ class Ros2Player:
         twist = getattr(message, "twist", message)
         velocity = (twist.linear.x, twist.angular.z, twist.linear.y)
         self._loop.call_soon_threadsafe(lambda: self._link.command(Command(self._clock.now(), *velocity)))
+
+    def _sent(self, group: str, names: tuple[str, ...], made: MadeMessage) -> None:
+        message = made.read()
+        if made.type_name == TRAJECTORY:
+            names, positions = tuple(message.joint_names), message.points[-1].positions
+        else:
+            positions = message.data
+        command = (group, names, tuple(map(float, positions)))
+        self._loop.call_soon_threadsafe(lambda: self._link.command(JointCommand(self._clock.now(), *command)))
 
     def _stamp(self, header: Any, stamp: float) -> None:
         own = _SIM_BEGAN_S + stamp - self._began if self._sim_time else stamp

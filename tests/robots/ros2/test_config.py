@@ -67,7 +67,23 @@ def changed(folder: Path, before: str, after: str) -> Path:
         (
             "height_m: 0.35",
             "actuators: {head: {joints: [left_wheel_joint]}}",
-            "joints are not commanded over ROS 2 yet",
+            "actuators: head has no topic in joint_commands",
+        ),
+        (
+            "height_m: 0.35",
+            "actuators: {head: {joints: [left_wheel_joint], stop: yield}}",
+            "head: over ROS 2 joints take positions alone: stale and stop are hold",
+        ),
+        (
+            "height_m: 0.35",
+            "actuators: {head: {joints: [left_wheel_joint], compliant: true}}",
+            "head: over ROS 2 joints take positions alone: no compliance, and no contact",
+        ),
+        ("height_m: 0.35", "joint_commands: {head: {topic: head}}", "joint_commands: there is no group 'head'"),
+        (
+            "height_m: 0.35",
+            "joint_commands: {head: {topic: head, type: std_msgs/msg/String}}",
+            "joint_commands.head.type: should be 'trajectory_msgs/msg/JointTrajectory' or",
         ),
     ],
 )

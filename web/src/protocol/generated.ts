@@ -2110,6 +2110,8 @@ export interface Wait {
   words: Record<string, string[]>;
   /** So many claps in a row end it. */
   claps: number | null;
+  /** Somebody who calls out ends it: a loud noise while a voice is located. */
+  call: boolean;
   /** A button with this text, on the page and for visitors, ends it. */
   press: Record<string, string> | null;
   /** It ends when all visitors have left. */

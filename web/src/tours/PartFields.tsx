@@ -287,6 +287,14 @@ function WaitFields({
       <label class="check">
         <input
           type="checkbox"
+          checked={wait.call}
+          onChange={(event) => onDone({ ...wait, call: event.currentTarget.checked })}
+        />
+        <span>{t("Until somebody calls out")}</span>
+      </label>
+      <label class="check">
+        <input
+          type="checkbox"
           checked={wait.all_left}
           onChange={(event) => onDone({ ...wait, all_left: event.currentTarget.checked })}
         />

@@ -32,7 +32,7 @@ const NAMES: Record<Part, Text> = {
   expression: "Face",
   wait: "Wait",
 };
-const WAIT: Wait = { at_most_s: 20, words: {}, claps: null, press: null, all_left: false };
+const WAIT: Wait = { at_most_s: 20, words: {}, claps: null, call: false, press: null, all_left: false };
 
 export function StepForm({ step, path, languages, problems, poster, onChange, onMove, onRemove }: Props) {
   const { tourPointing, tourTrial } = useApp();

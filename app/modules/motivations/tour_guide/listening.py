@@ -1,4 +1,4 @@
-"""Claps out of loud noises, codes that are shown, sentences out of what is said, times of a schedule. Pure parts."""
+"""Claps and calls, codes that are shown, sentences out of what is said, times of a schedule. Pure parts."""
 
 from __future__ import annotations
 
@@ -9,12 +9,14 @@ from typing import Final
 
 from app.messages import QRCode, QRCodes
 from app.modules.motivations.tour_guide.entering import ON_THE_WAY
-from app.modules.motivations.tour_guide.progress import Clapped, CodeRead, State
+from app.modules.motivations.tour_guide.progress import Called, Clapped, CodeRead, State
 from app.speech.text_spans import sentences_of
 from app.tours.model import Slot
 
 #: Claps in a row are no further apart (s).
 CLAPS_APART_S: Final = 1.2
+#: A noise and a voice that are no further apart (s) are one call: voices are located some tenths of a second later.
+CALL_WITHIN_S: Final = 1.0
 #: A code is shown again once it was out of view for so long (s).
 CODE_AGAIN_S: Final = 60.0
 #: Codes that visitors hold are no farther (m); a sheet of paper is read from there, and few posters hang so near.
@@ -40,6 +42,28 @@ class Claps:
             return None
         times, self._times = self._times, 0
         return Clapped(times)
+
+
+class Calls:
+    """Finds calls: loud noises with a voice at the same time, which a clap or a door has not."""
+
+    def __init__(self) -> None:
+        self._noise = self._voice = -math.inf
+
+    def hear(self, stamp: float) -> None:
+        """A loud noise began at ``stamp`` (s)."""
+        self._noise = stamp
+
+    def locate(self, stamp: float) -> None:
+        """A voice sounds at ``stamp`` (s)."""
+        self._voice = stamp
+
+    def called(self) -> Called | None:
+        """The call that was heard since this was asked last; None where there was none."""
+        if math.isinf(self._noise) or abs(self._noise - self._voice) > CALL_WITHIN_S:
+            return None
+        self._noise = -math.inf
+        return Called()
 
 
 class ShownCodes:

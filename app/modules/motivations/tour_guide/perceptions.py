@@ -52,7 +52,8 @@ def _perceptions(progress: Progress, scene: Scene) -> Iterator[Wish]:
     if state in _DRIVES or (state == "listening" and obeys_codes(scene.tour)):
         yield Wish("codes", CODES)
     step = step_now(progress, scene.tour)
-    if state == "listening" and step is not None and step.wait is not None and step.wait.claps is not None:
+    wait = None if state != "listening" or step is None else step.wait
+    if wait is not None and (wait.claps is not None or wait.call):
         yield Wish("noises", NOISES)
     if phrases := awaited_phrases(progress, scene):
         yield Wish("words", WORDS, {"words": ", ".join(phrases), "language": scene.language})

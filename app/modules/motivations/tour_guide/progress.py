@@ -79,6 +79,11 @@ class Clapped:
 
 
 @dataclass(frozen=True, slots=True)
+class Called:
+    """Somebody called out."""
+
+
+@dataclass(frozen=True, slots=True)
 class Spoken:
     """The sentence ``sentence`` (from 0) of the text of the wish ``key`` begins."""
 
@@ -91,7 +96,7 @@ class Scheduled:
     """The tour's time has come."""
 
 
-Event = Ended | Withdrawn | Pressed | Chosen | Asked | Heard | CodeRead | Clapped | Spoken | Scheduled
+Event = Ended | Withdrawn | Pressed | Chosen | Asked | Heard | CodeRead | Clapped | Called | Spoken | Scheduled
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,6 +18,7 @@ from app.messages import (
     NavigationStatus,
     Odometry,
     Persons,
+    SoundSource,
     SoundSources,
 )
 from app.modules.motivations.tour_guide.progress import Event, Progress, View
@@ -180,6 +181,10 @@ class Senses:
             self._stuck_since, self._stuck_m = stamp, self._left_m
         self._stuck_at = stamp
 
+    def voices(self, sources: SoundSources) -> list[SoundSource]:
+        """Those that sound and are a voice's."""
+        return [each for each in sources.sources if each.active and each.speech >= self._voice]
+
     def _place(self, now: float) -> None:
         later = []
         for percepts in self._percepts:
@@ -191,8 +196,7 @@ class Senses:
                 placed = {face.track: X_OB @ Pose2(face.p_BF[0], face.p_BF[1]) for face in percepts.faces}
                 self.visitors.see(percepts.stamp, {track: (at.x, at.y) for track, at in placed.items()})
             else:
-                voices = [each for each in percepts.sources if each.active and each.speech >= self._voice]
-                for voice in voices:
+                for voice in self.voices(percepts):
                     x, y, _ = voice.direction
                     self.visitors.hear(percepts.stamp, wrap_angle(X_OB.theta + math.atan2(y, x)))
         self._percepts.clear()

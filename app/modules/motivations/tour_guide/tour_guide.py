@@ -4,7 +4,7 @@
     │ TourGuide  in   faces         Faces, m in base_link at their stamp; counted, not known    │
     │            in   persons       Persons: who has turned away; counted, not known           │
     │            in   sources       SoundSources: which way visitors are                       │
-    │            in   noises        LoudNoise: claps                                           │
+    │            in   noises        LoudNoise: claps, and calls where a voice sounds           │
     │            in   words         HeardWords                                                 │
     │            in   codes         QRCodes: those that visitors show                          │
     │            in   speech        Speech: the sentence that is said                          │
@@ -63,7 +63,7 @@ from app.modules.motivations.tour_guide.controls import buttons
 from app.modules.motivations.tour_guide.desires import GuideDesires, weights
 from app.modules.motivations.tour_guide.guided_run import GuidedRun, led_by
 from app.modules.motivations.tour_guide.kept import KeptRun, after_restart
-from app.modules.motivations.tour_guide.listening import Claps, ShownCodes, is_due, sentence_number
+from app.modules.motivations.tour_guide.listening import Calls, Claps, ShownCodes, is_due, sentence_number
 from app.modules.motivations.tour_guide.perceptions import FACES, PERSONS, SLAM
 from app.modules.motivations.tour_guide.progress import (
     Asked,
@@ -131,7 +131,7 @@ class TourGuide(Module):
         self._run: GuidedRun | None = None
         self._kept: tuple[KeptRun, Tour] | None = None
         self._events: list[Event] = []
-        self._claps = Claps()
+        self._claps, self._calls = Claps(), Calls()
         self._codes = ShownCodes()
         self._places: tuple[Place, ...] | None = None
         self._posters: tuple[Poster, ...] = ()
@@ -142,8 +142,8 @@ class TourGuide(Module):
         self._stack = ExitStack()
         self.on(self.input("faces", Faces, capacity=8), senses.take_percepts)
         self.on(self.input("persons", Persons), senses.take_persons)
-        self.on(self.input("sources", SoundSources, capacity=8), senses.take_percepts)
-        self.on(self.input("noises", LoudNoise, capacity=8), lambda noise: self._claps.hear(noise.stamp))
+        self.on(self.input("sources", SoundSources, capacity=8), self._take_sources)
+        self.on(self.input("noises", LoudNoise, capacity=8), self._take_noise)
         self.on(self.input("words", HeardWords, capacity=8), self._take_words)
         self.on(self.input("codes", QRCodes, capacity=8), self._take_codes)
         self.on(self.input("speech", Speech, capacity=8, wants="never"), self._take_speech)
@@ -276,6 +276,15 @@ class TourGuide(Module):
         if heard.text and not heard.unsure:
             self._events.append(Heard(heard.text))
 
+    def _take_noise(self, noise: LoudNoise) -> None:
+        self._claps.hear(noise.stamp)
+        self._calls.hear(noise.stamp)
+
+    def _take_sources(self, sources: SoundSources) -> None:
+        self._senses.take_percepts(sources)
+        if self._senses.voices(sources):
+            self._calls.locate(sources.stamp)
+
     def _take_codes(self, codes: QRCodes) -> None:
         if self._run is not None:
             self._events.extend(self._codes.read(codes, self._run.progress.state))
@@ -338,6 +347,8 @@ class TourGuide(Module):
             return
         if (clapped := self._claps.counted(now)) is not None:
             self._events.append(clapped)
+        if (called := self._calls.called()) is not None:
+            self._events.append(called)
         if run.waits and is_due(run.tour.schedule, now if self._beaten is None else self._beaten, now):
             self._events.append(Scheduled())
         self._beaten = now

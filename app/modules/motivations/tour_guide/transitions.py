@@ -21,6 +21,7 @@ from app.modules.motivations.tour_guide.entering import (
 )
 from app.modules.motivations.tour_guide.progress import (
     Asked,
+    Called,
     Chosen,
     Clapped,
     CodeRead,
@@ -143,6 +144,10 @@ def _after(progress: Progress, event: Event, view: View, scene: Scene) -> Progre
             step = step_now(progress, scene.tour)
             claps = None if step is None or step.wait is None else step.wait.claps
             over = progress.state == "listening" and claps == times
+            return _next_step(progress, view, scene) if over else progress
+        case Called():
+            step = step_now(progress, scene.tour)
+            over = progress.state == "listening" and step is not None and step.wait is not None and step.wait.call
             return _next_step(progress, view, scene) if over else progress
         case Spoken(key, sentence):
             now = key == f"{progress.entry}.say"

@@ -213,6 +213,7 @@ class LedLab:
         self.bench.feed("codes", QRCodes(now, "kinect", 640, 480, Pose3.identity(), codes))
 
     def clap(self) -> None:
+        """A loud noise; where a visitor speaks, it is a call."""
         self.bench.feed("noises", LoudNoise(self.bench.clock.now(), 20.0, -10.0))
 
     def send(self, x: float, y: float, intensity: float = 8.0) -> Desire:

@@ -25,7 +25,7 @@ def stop(name: str, **more: Any) -> dict[str, Any]:
 
 
 #: Two stops; the second listens, and answers a question.
-WAIT = {"wait": {"at_most_s": 30, "words": {"en": ["next"]}, "claps": 2, "all_left": True}}
+WAIT = {"wait": {"at_most_s": 30, "words": {"en": ["next"]}, "claps": 2, "call": True, "all_left": True}}
 QUESTION = {
     "id": "weight",
     "question": {"en": "How heavy?"},

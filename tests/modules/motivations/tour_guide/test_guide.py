@@ -11,6 +11,7 @@ import pytest
 from app.maps.poster_places import Poster
 from app.modules.motivations.tour_guide.progress import (
     Asked,
+    Called,
     Chosen,
     Clapped,
     Ended,
@@ -168,6 +169,7 @@ def test_who_waits_too_long_goes_on_with_those_who_are_there_or_ends() -> None:
         ([Pressed("next")], {}, "parting"),
         ([Clapped(2)], {}, "parting"),
         ([Clapped(1)], {}, "listening"),
+        ([Called()], {}, "parting"),
         ([Heard("hello")], {}, "listening"),
         ([], {"after_s": 31.0}, "parting"),
         ([Heard("heavy")], {}, "answering"),

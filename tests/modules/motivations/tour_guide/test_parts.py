@@ -13,9 +13,9 @@ from app.base.geometry import Pose2
 from app.messages import NavigationStatus
 from app.modules.motivations.tour_guide.controls import buttons, operator_question
 from app.modules.motivations.tour_guide.desire_changes import desire_changes
-from app.modules.motivations.tour_guide.listening import CLAPS_APART_S, Claps, is_due, sentence_number
+from app.modules.motivations.tour_guide.listening import CLAPS_APART_S, Calls, Claps, is_due, sentence_number
 from app.modules.motivations.tour_guide.perceptions import awaited_phrases, perceptions
-from app.modules.motivations.tour_guide.progress import Button, Clapped, Pressed, Progress, State
+from app.modules.motivations.tour_guide.progress import Button, Called, Clapped, Pressed, Progress, State
 from app.modules.motivations.tour_guide.senses import Senses
 from app.modules.motivations.tour_guide.transitions import advance
 from app.modules.motivations.tour_guide.visitors import HEARD_S, SEEN_S, Visitors
@@ -35,6 +35,18 @@ def test_claps_in_a_row_are_counted_once_it_is_over() -> None:
     claps.hear(30.0)
     claps.hear(40.0)
     assert claps.counted(42.0) == Clapped(1)
+
+
+def test_a_call_is_a_noise_while_a_voice_sounds() -> None:
+    calls = Calls()
+    calls.hear(10.0)
+    assert calls.called() is None, "a clap"
+    calls.locate(10.4)
+    assert calls.called() == Called()
+    calls.locate(10.6)
+    assert calls.called() is None, "each once"
+    calls.hear(20.0)
+    assert calls.called() is None, "long after the voice"
 
 
 def test_sentences_are_counted_also_where_two_are_the_same() -> None:

@@ -84,6 +84,24 @@ async def test_a_whole_tour(tmp_path: Path) -> None:
 
 
 @in_virtual_time
+async def test_a_call_ends_a_wait_and_a_clap_does_not(tmp_path: Path) -> None:
+    calls = stop("one", do=[{"wait": {"at_most_s": 60, "call": True}}])
+    async with await lab(tmp_path, stops=[calls]) as led:
+        led.start()
+        await led.until("confirming")
+        led.press("agree")
+        await led.until("listening")
+        assert led.desired("DetectNoises") is not None
+        led.clap()
+        await led.live(3.0)
+        assert led.progress.state == "listening"
+        led.speaks = True
+        await led.live(0.5)
+        led.clap()
+        await led.until("parting", limit_s=2)
+
+
+@in_virtual_time
 async def test_visitors_begin_it_again_and_again_by_coming(tmp_path: Path) -> None:
     async with await lab(tmp_path, Visitor(9.0, 0.0, mps=0.0)) as led:
         led.start(waits=True)

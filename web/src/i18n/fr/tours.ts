@@ -36,6 +36,7 @@ export const tours = {
   "Wait at most (s)": "Attendre au plus (s)",
   "Until one of these words": "Jusqu’à l’un de ces mots",
   "Until a press on the button": "Jusqu’à un appui sur le bouton",
+  "Until somebody calls out": "Jusqu’à ce que quelqu’un appelle",
   "Until so many claps": "Jusqu’à tant de claquements de mains",
   "Until all visitors have left": "Jusqu’au départ de tous les visiteurs",
   Poster: "Affiche",
