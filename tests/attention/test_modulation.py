@@ -15,6 +15,7 @@ from app.attention.desires import Desire, effective
 from app.attention.emotions import Effects, EmotionDynamics, Fates, strongest
 from app.attention.modulation import STEP, ModulationLimits, Modulator
 from app.attention.solver import solve
+from app.attention.strategies import Strategy
 from app.messages import Emotion, Modulation
 from tests.attention import thesis
 from tests.attention.setting import ME, RIVALS
@@ -31,7 +32,7 @@ class Robot:
     desires: tuple[Desire, ...]
     dynamics: EmotionDynamics
     modulator: Modulator | None
-    strategies: tuple[thesis.Strategy, ...] = RIVALS.strategies
+    strategies: tuple[Strategy, ...] = RIVALS.strategies
     capacities: Mapping[str, float] = field(default_factory=lambda: WHEELS)
     blocked: frozenset[str] = frozenset()
     now: float = 0.0

@@ -14,6 +14,7 @@ import pytest
 from pydantic import BaseModel, ConfigDict
 
 from app.attention.desires import Desire, DesireClass, DesireClasses, Source
+from app.attention.emotions import EMOTIONS
 from app.attention.reports import desires_report
 from app.attention.timeline import Timeline
 from app.attention.workspace import IntentionWorkspace
@@ -404,6 +405,5 @@ async def test_what_is_felt_strongly_is_part_of_its_events_and_overwritten_more_
 
 def felt(stamp: float, **intensities: float) -> EmotionState:
     """Emotions of these intensities, all others 0."""
-    names = ("joy", "anger", "sadness", "fear")
-    levels = tuple(EmotionLevel(name, intensities.get(name, 0.0), ()) for name in names)
+    levels = tuple(EmotionLevel(name, intensities.get(name, 0.0), ()) for name in EMOTIONS)
     return EmotionState(stamp, levels, modulates=False)
