@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 import pytest_asyncio
 from playwright.async_api import async_playwright
+from playwright.async_api import expect as expect_in_coroutines
 from playwright.sync_api import Browser, Page, Playwright, expect, sync_playwright
 
 from app.commands.doctor import find_chromium
@@ -23,6 +24,7 @@ from tests.browser.running import LOOPS_DEBUG, Robot, running_robot
 from tests.patience import PATIENCE_MS
 
 expect.set_options(timeout=PATIENCE_MS)
+expect_in_coroutines.set_options(timeout=PATIENCE_MS)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -12,6 +12,7 @@ from app.base.network_link import LinkSettings, parse_link
 from app.console.link_shaper import UNSENT_BYTES, Link, Shaped
 from app.runtime.clock import run_virtual
 from tests.console.live_client import page as connected
+from tests.patience import PATIENCE_S
 
 WEBSOCKET: Scope = {"type": "websocket"}
 
@@ -169,7 +170,7 @@ def test_the_end_of_a_page_comes_to_both() -> None:
 
 
 async def test_a_page_knows_how_its_link_is_shaped(url: str) -> None:
-    async with connected(url) as page, httpx.AsyncClient(base_url=f"{url}/api/v1") as client:
+    async with connected(url) as page, httpx.AsyncClient(timeout=PATIENCE_S, base_url=f"{url}/api/v1") as client:
         assert (await page.until("link"))["shaped"] is False
         answer = await client.put("/link", json={"delay_ms": 40, "jitter_ms": 10, "rate_mbit": 4})
         assert answer.status_code == 200

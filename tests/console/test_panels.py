@@ -17,6 +17,7 @@ from app.program.system import System
 from tests.console.live_client import page as connected
 from tests.console.program import served
 from tests.distributions import install
+from tests.patience import PATIENCE_S
 
 TOKEN = "correct horse battery"
 SOURCE = """\
@@ -55,11 +56,13 @@ async def guarded(panels: dict[str, Panel], system: System, page: Path) -> Async
 
 
 async def test_a_panel_is_served_behind_the_login_under_the_pages_policy(guarded: str) -> None:
-    async with httpx.AsyncClient(base_url=guarded) as stranger:
+    async with httpx.AsyncClient(timeout=PATIENCE_S, base_url=guarded) as stranger:
         page = await stranger.get("/")
         for path in ("/panels/index.json", "/panels/kite.js", "/panels/"):
             assert (await stranger.get(path)).status_code == 401, path
-    async with httpx.AsyncClient(base_url=guarded, headers={"Authorization": f"Bearer {TOKEN}"}) as known:
+    async with httpx.AsyncClient(
+        timeout=PATIENCE_S, base_url=guarded, headers={"Authorization": f"Bearer {TOKEN}"}
+    ) as known:
         assert (await known.get("/panels/index.json")).json() == [
             {
                 "name": "kite",

@@ -69,8 +69,7 @@ async def test_it_plays_and_pauses_and_the_page_goes_on(replay_url: str, rest: h
     async with page(replay_url) as ann:
         await patch(rest, playing=True)
         first = await ann.until("playback", lambda m: m["playing"])
-        later = [await ann.until("playback") for _ in range(5)]
-        assert later[-1]["position"] > first["position"] + 0.2
+        await ann.until("playback", lambda m: m["position"] > first["position"] + 0.2)
         state = await patch(rest, playing=False)
         assert state["phase"] == "paused"
         await ann.until("playback", lambda m: m["phase"] == "paused")
@@ -224,7 +223,10 @@ async def test_what_is_played_is_not_deleted_under_it(tmp_path: Path, monkeypatc
     async with played(recording, past=past) as play:
         static = await asyncio.to_thread(write_page, tmp_path)
         app = create_app(play.replay.system, static_dir=static, early_view=False, playback=play.playback)
-        async with served(app) as replay_url, httpx.AsyncClient(base_url=f"{replay_url}/api/v1") as rest:
+        async with (
+            served(app) as replay_url,
+            httpx.AsyncClient(timeout=PATIENCE_S, base_url=f"{replay_url}/api/v1") as rest,
+        ):
             refused = await rest.delete("/recordings/tour")
             assert refused.status_code == 409
             assert refused.json()["type"] == "urn:hbba:problem:recording-replayed"
@@ -265,7 +267,7 @@ async def test_a_damaged_part_is_reported_and_everything_goes_on(tmp_path: Path)
         async with (
             served(app) as replay_url,
             page(replay_url) as ann,
-            httpx.AsyncClient(base_url=f"{replay_url}/api/v1") as rest,
+            httpx.AsyncClient(timeout=PATIENCE_S, base_url=f"{replay_url}/api/v1") as rest,
         ):
             await patch(rest, speed=10.0, playing=True)
             state = await ann.until("playback", lambda m: m["problem"] is not None)
@@ -325,7 +327,7 @@ async def test_a_robot_has_no_transport(robot: System, tmp_path: Path) -> None:
         hello = await ann.until("hello")
         assert hello["playback"] is None
         assert not hello["robot"]["replayed"]
-        async with httpx.AsyncClient(base_url=f"{url}/api/v1") as client:
+        async with httpx.AsyncClient(timeout=PATIENCE_S, base_url=f"{url}/api/v1") as client:
             for answer in (
                 await client.get("/playback"),
                 await client.patch("/playback", json={"playing": True}),

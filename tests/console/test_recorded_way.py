@@ -18,6 +18,7 @@ from tests.console.rest.test_routes import is_problem
 from tests.console.test_recorded_percepts import manifest
 from tests.logs.replay.logs import BEGIN, MemoryLog, lab_messages
 from tests.logs.replay.playing import Played, prepare
+from tests.patience import PATIENCE_S
 
 SECOND = Pose2(5.0, 0.0, 0.0)
 
@@ -93,6 +94,6 @@ async def test_a_page_that_asks_for_the_map_while_time_goes_on_gets_it(replay_ur
 
 
 async def test_a_recording_is_sent_nowhere(replay_url: str, play: Played) -> None:
-    async with httpx.AsyncClient(base_url=f"{replay_url}/api/v1") as rest:
+    async with httpx.AsyncClient(timeout=PATIENCE_S, base_url=f"{replay_url}/api/v1") as rest:
         is_problem(await rest.put("/goal", json={"x": 1, "y": 1}), 409, "a-recording")
         assert (await rest.get("/goal")).status_code == 200

@@ -19,6 +19,7 @@ from app.console.app import create_app
 from app.console.server import listen, serve
 from app.console.tls import tls_context
 from app.program.system import System
+from tests.patience import PATIENCE_S
 
 TOKEN = "correct horse battery"
 
@@ -55,7 +56,7 @@ async def test_over_tls_all_goes_on_and_the_cookie_is_for_tls_alone(
         assert url == f"https://127.0.0.1:{port}"
         # Clients that say nothing: more than there may be handshakes.
         silent = [await asyncio.open_connection("127.0.0.1", port) for _ in range(4)]
-        async with httpx.AsyncClient(base_url=f"{url}/api/v1", verify=trusting) as client:
+        async with httpx.AsyncClient(timeout=PATIENCE_S, base_url=f"{url}/api/v1", verify=trusting) as client:
             answer = await client.post("/session", json={"token": TOKEN}, headers={"Origin": url})
             assert answer.status_code == 200
             assert "secure" in answer.headers["set-cookie"].lower()
@@ -69,7 +70,7 @@ async def test_over_tls_all_goes_on_and_the_cookie_is_for_tls_alone(
             ) as live:
                 assert '"hello"' in str(await live.recv())
         with pytest.raises(httpx.HTTPError):  # plain text, answered with nothing
-            async with httpx.AsyncClient(base_url=f"http://127.0.0.1:{port}") as client:
+            async with httpx.AsyncClient(timeout=PATIENCE_S, base_url=f"http://127.0.0.1:{port}") as client:
                 await client.get("/api/v1/health")
         for _, writer in silent:
             writer.close()

@@ -27,6 +27,9 @@ TYPES = {
 }
 IMAGE, COMPRESSED_IMAGE = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
 TRAJECTORY: Final = "trajectory_msgs/msg/JointTrajectory"
+POSITIONS: Final = "std_msgs/msg/Float64MultiArray"
+#: What set-points of joints are sent as.
+JOINT_TYPES = (TRAJECTORY, POSITIONS)
 TRANSFORMS = "tf2_msgs/msg/TFMessage"
 CAMERA_INFO = "sensor_msgs/msg/CameraInfo"
 #: The streams of pictures, and the topics beside theirs: names are ``stream.part``.

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from app.logs.importers.ros_topics import Ambiguous, BagTopic, FromCamera, guessed, registered
-from app.robots.ros2.config import CAMERA_INFO, COMPRESSED_IMAGE, IMAGE, TWIST, TWIST_STAMPED, TYPES
+from app.robots.ros2.config import CAMERA_INFO, COMPRESSED_IMAGE, IMAGE, JOINT_TYPES, TWIST, TWIST_STAMPED, TYPES
 
 #: Names that robots commonly use, the likeliest first, by stream; the namespace before them does not matter.
 _USUAL = {
@@ -80,6 +80,10 @@ def propose(topics: Iterable[Topic], links: Mapping[str, bool] | None = None) ->
     lines += _base(known, writing)
     if left := sorted(topic.name for topic in known if topic.publishers and topic.type in _NOT_MAPPED):
         writing.remarks.append(f"Topics of clouds, IMUs and frames are not mapped yet: {', '.join(left)}.")
+    if joints := sorted(topic.name for topic in known if topic.subscribers and topic.type in JOINT_TYPES):
+        writing.remarks.append(
+            f"joints: set-points are taken on {', '.join(joints)}: name the groups in actuators and joint_commands."
+        )
     drivable = chosen["odometry"] is not None and bool(_takers(known))
     return Proposal("\n".join(lines) + "\n", tuple(writing.missing), tuple(writing.remarks), drivable)
 

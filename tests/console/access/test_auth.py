@@ -19,6 +19,7 @@ from app.console.app import create_app
 from app.console.server import listen, url_of
 from app.program.system import System
 from tests.console.program import served
+from tests.patience import PATIENCE_S
 
 TOKEN = "correct horse battery"
 LIVE = "/api/v1/live"
@@ -85,7 +86,7 @@ async def test_without_a_token_only_names_of_this_computer_are_answered(
 async def test_pages_of_others_change_nothing_and_hear_nothing(url: str, origin: str) -> None:
     origin = origin.format(host=url.removeprefix("http://"))
     headers = {"Origin": origin}
-    async with httpx.AsyncClient(base_url=f"{url}/api/v1", headers=headers) as client:
+    async with httpx.AsyncClient(timeout=PATIENCE_S, base_url=f"{url}/api/v1", headers=headers) as client:
         assert (await client.post("/stop")).status_code == 403
         assert (await client.delete("/stop")).status_code == 403
         assert (await client.patch("/resources/cpu", json={"capacity": 1})).status_code == 403
@@ -94,14 +95,14 @@ async def test_pages_of_others_change_nothing_and_hear_nothing(url: str, origin:
 
 
 async def test_our_own_page_may(url: str) -> None:
-    async with httpx.AsyncClient(base_url=f"{url}/api/v1", headers={"Origin": url}) as client:
+    async with httpx.AsyncClient(timeout=PATIENCE_S, base_url=f"{url}/api/v1", headers={"Origin": url}) as client:
         assert (await client.post("/stop")).status_code == 200
     assert await status_of_live(url, origin=url) == 101
     assert await status_of_live(url) == 101
 
 
 async def test_with_a_token_nothing_is_open_but_the_page_the_login_and_the_sign_of_life(guarded: str) -> None:
-    async with httpx.AsyncClient(base_url=guarded) as client:
+    async with httpx.AsyncClient(timeout=PATIENCE_S, base_url=guarded) as client:
         assert (await client.get("/")).status_code == 200
         assert (await client.get("/api/v1/health")).status_code == 200
         for path in ("/api/v1/desires", "/api/v1/session", "/api/v1/openapi.json", "/viser/", "/api/nonsense"):
@@ -114,7 +115,7 @@ async def test_with_a_token_nothing_is_open_but_the_page_the_login_and_the_sign_
 
 
 async def test_a_login_gives_a_cookie_that_opens(guarded: str) -> None:
-    async with httpx.AsyncClient(base_url=f"{guarded}/api/v1") as client:
+    async with httpx.AsyncClient(timeout=PATIENCE_S, base_url=f"{guarded}/api/v1") as client:
         wrong = await client.post("/session", json={"token": "correct horse batterx"})
         assert wrong.status_code == 401
         assert "set-cookie" not in wrong.headers
@@ -136,8 +137,8 @@ async def test_a_login_gives_a_cookie_that_opens(guarded: str) -> None:
 
 async def test_each_login_has_a_session_of_its_own(guarded: str) -> None:
     async with (
-        httpx.AsyncClient(base_url=f"{guarded}/api/v1") as one,
-        httpx.AsyncClient(base_url=f"{guarded}/api/v1") as other,
+        httpx.AsyncClient(timeout=PATIENCE_S, base_url=f"{guarded}/api/v1") as one,
+        httpx.AsyncClient(timeout=PATIENCE_S, base_url=f"{guarded}/api/v1") as other,
     ):
         for client in (one, other):
             await client.post("/session", json={"token": TOKEN})
@@ -147,7 +148,7 @@ async def test_each_login_has_a_session_of_its_own(guarded: str) -> None:
 
 
 async def test_a_logout_ends_the_session_s_websockets_and_no_others(guarded: str) -> None:
-    async with httpx.AsyncClient(base_url=f"{guarded}/api/v1") as client:
+    async with httpx.AsyncClient(timeout=PATIENCE_S, base_url=f"{guarded}/api/v1") as client:
         await client.post("/session", json={"token": TOKEN})
         cookie = {"Cookie": "; ".join(f"{name}={value}" for name, value in client.cookies.items())}
         bearer = {"Authorization": f"Bearer {TOKEN}"}
@@ -254,7 +255,7 @@ async def test_a_mistake_of_ours_is_a_problem_with_security_headers_too(system: 
 
 
 async def test_a_bearer_token_opens(guarded: str) -> None:
-    async with httpx.AsyncClient(base_url=f"{guarded}/api/v1") as client:
+    async with httpx.AsyncClient(timeout=PATIENCE_S, base_url=f"{guarded}/api/v1") as client:
         right = {"Authorization": f"Bearer {TOKEN}"}
         assert (await client.get("/desires", headers=right)).status_code == 200
         for wrong in (f"Bearer {TOKEN}x".encode(), f"Basic {TOKEN}".encode(), b"Bearer", "Bearer é".encode("latin-1")):

@@ -10,6 +10,7 @@ import websockets
 
 from app.console.access.request_limits import DRAINED_BYTES, LARGEST_BODY_BYTES
 from tests.console.raw import connected, request
+from tests.patience import PATIENCE_S
 
 DESIRE = json.dumps({"class": "Telepresence", "intensity": 1, "utility": 1}).encode()
 JSON = "Content-Type: application/json"
@@ -51,7 +52,7 @@ async def test_an_endless_body_in_chunks_is_cut_at_the_limit(url: str, path: str
 
 
 async def test_a_body_that_is_a_little_too_large_is_refused_and_the_connection_stays(url: str) -> None:
-    async with httpx.AsyncClient(base_url=f"{url}/api/v1") as client:
+    async with httpx.AsyncClient(timeout=PATIENCE_S, base_url=f"{url}/api/v1") as client:
         for size in (LARGEST_BODY_BYTES + 1, DRAINED_BYTES):
             refused = await client.post("/desires", content=b" " * size)
             assert refused.status_code == 413
@@ -120,7 +121,7 @@ async def test_a_client_that_leaves_within_its_body_leaves_nothing_behind(
 ) -> None:
     async with connected(url) as raw:
         await raw.send(request("POST /api/v1/desires", JSON, "Content-Length: 50") + b"{")
-    async with httpx.AsyncClient(base_url=f"{url}/api/v1") as client:
+    async with httpx.AsyncClient(timeout=PATIENCE_S, base_url=f"{url}/api/v1") as client:
         assert (await client.get("/health")).status_code == 200
     assert not [
         record for record in caplog.records if record.name.startswith("uvicorn") and record.levelname == "ERROR"

@@ -25,6 +25,7 @@ from app.console.view.scene_port import scene_app
 from app.program.system import System
 from tests.console.live_client import Page, page
 from tests.console.program import Body, served
+from tests.patience import PATIENCE_S
 
 WORDS = {role: f"the {role}'s secret" for role in Role}
 #: What needs an operator on every kind of thing, and what needs a supervisor.
@@ -40,7 +41,7 @@ def app(system: System, page: Path) -> FastAPI:
 
 @asynccontextmanager
 async def logged_in(url: str, role: Role) -> AsyncIterator[httpx.AsyncClient]:
-    async with httpx.AsyncClient(base_url=f"{url}/api/v1") as client:
+    async with httpx.AsyncClient(timeout=PATIENCE_S, base_url=f"{url}/api/v1") as client:
         answer = await client.post("/session", json={"token": WORDS[role]})
         assert answer.json() == {"authenticated": True, "token_needed": True, "role": role.value}
         yield client
@@ -181,7 +182,7 @@ async def test_a_face_is_not_for_spectators_since_it_shows_the_key_for_visitors(
 
 
 async def test_a_wrong_password_opens_nothing_and_a_logout_ends_the_session_here(app: FastAPI) -> None:
-    async with served(app) as url, httpx.AsyncClient(base_url=f"{url}/api/v1") as client:
+    async with served(app) as url, httpx.AsyncClient(timeout=PATIENCE_S, base_url=f"{url}/api/v1") as client:
         wrong = await client.post("/session", json={"token": "nobody's secret"})
         assert (wrong.status_code, wrong.json()["type"]) == (401, "urn:hbba:problem:wrong-token")
         await client.post("/session", json={"token": WORDS[Role.OPERATOR]})
@@ -194,7 +195,7 @@ async def test_a_wrong_password_opens_nothing_and_a_logout_ends_the_session_here
 
 async def test_the_token_is_a_supervisor_s_beside_passwords(system: System, page: Path) -> None:
     app = create_app(system, static_dir=page, token="a long token", passwords=PASSWORDS, early_view=False)
-    async with served(app) as url, httpx.AsyncClient(base_url=f"{url}/api/v1") as client:
+    async with served(app) as url, httpx.AsyncClient(timeout=PATIENCE_S, base_url=f"{url}/api/v1") as client:
         for secret, role in (("a long token", "supervisor"), (WORDS[Role.SPECTATOR], "spectator")):
             answer = await client.get("/session", headers={"Authorization": f"Bearer {secret}"})
             assert answer.json()["role"] == role

@@ -90,7 +90,7 @@ async def test_status_and_lanes_come_with_growing_numbers(url: str, system: Syst
 
 
 async def test_a_desire_moves_its_lane(url: str, system: System, body: Body) -> None:
-    async with page(url) as ann, httpx.AsyncClient(base_url=f"{url}/api/v1") as rest:
+    async with page(url) as ann, httpx.AsyncClient(timeout=PATIENCE_S, base_url=f"{url}/api/v1") as rest:
         # A page that watches makes the robot desire Telepresence.
         row = await lane(ann, "Telepresence", "fulfilled")
         assert (row["intensity"], row["utility"], row["divisor"]) == (4, 1, 1)
@@ -390,7 +390,11 @@ async def test_a_command_without_its_time_drives_nothing_and_a_notice_says_why(u
 
 async def test_pages_and_programs_learn_how_late_their_commands_are(url: str, system: System) -> None:
     wheel = Wheel(system)
-    async with page(url) as ann, page(url, "Bob") as bob, httpx.AsyncClient(base_url=f"{url}/api/v1") as rest:
+    async with (
+        page(url) as ann,
+        page(url, "Bob") as bob,
+        httpx.AsyncClient(timeout=PATIENCE_S, base_url=f"{url}/api/v1") as rest,
+    ):
         await ann.greeted()
         late = 3000.0
         status = {"waits": ""}

@@ -212,7 +212,7 @@ async def test_a_lost_connection_ends_a_talk(url: str, hub: Hub) -> None:
 
 
 async def test_rest_lists_what_is_perceived(url: str, system: System) -> None:
-    async with httpx.AsyncClient(base_url=f"{url}/api/v1") as rest:
+    async with httpx.AsyncClient(timeout=PATIENCE_S, base_url=f"{url}/api/v1") as rest:
         system.graph.channel("faces").publish(faces(system.clock.now()))
         sent = (await rest.get("/percepts")).json()
     assert [face["track"] for face in sent["faces"]] == [1]

@@ -13,6 +13,7 @@ from app.program.system import System
 from tests.console.live_client import page
 from tests.console.program import Body, build
 from tests.console.scripted_recorder import ScriptedRecorder, heard
+from tests.patience import PATIENCE_S
 
 
 @pytest.fixture
@@ -26,7 +27,7 @@ async def no_device(_: ScriptedRecorder) -> None:
 
 
 async def test_a_new_page_gets_the_state_and_every_change(url: str, system: System, recorder: ScriptedRecorder) -> None:
-    async with page(url) as ann, httpx.AsyncClient(base_url=f"{url}/api/v1") as client:
+    async with page(url) as ann, httpx.AsyncClient(timeout=PATIENCE_S, base_url=f"{url}/api/v1") as client:
         first = await ann.until("recorder")
         assert (first["state"], first["name"], first["desired"], first["available"]) == ("idle", "", False, True)
         await client.post("/recordings", json={"name": "tour"})
@@ -44,7 +45,7 @@ async def test_a_new_page_gets_the_state_and_every_change(url: str, system: Syst
 
 
 async def test_what_attention_refuses_has_its_reason(url: str) -> None:
-    async with page(url) as ann, httpx.AsyncClient(base_url=f"{url}/api/v1") as client:
+    async with page(url) as ann, httpx.AsyncClient(timeout=PATIENCE_S, base_url=f"{url}/api/v1") as client:
         await client.patch("/resources/cpu", json={"capacity": 4})
         await client.post("/recordings", json={"intensity": 1})
         state = await ann.until("recorder", lambda m: m["reason"] != "")

@@ -286,7 +286,7 @@ async def test_a_goal_that_was_given_up_is_sent_until_the_next_one(url: str, sys
 
 
 async def test_a_goal_given_up_is_not_sent_once_it_was_read(url: str, system: System, hub: Hub) -> None:
-    async with page(url) as ann, httpx.AsyncClient(base_url=f"{url}/api/v1") as rest:
+    async with page(url) as ann, httpx.AsyncClient(timeout=PATIENCE_S, base_url=f"{url}/api/v1") as rest:
         gave_up(system)
         await ann.until("navigation", lambda m: m["given_up"])
         assert (await rest.delete("/goal")).status_code == 204

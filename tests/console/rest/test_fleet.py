@@ -14,6 +14,7 @@ from app.console.fleet.asking import Fleet
 from app.console.fleet.fleet_file import RobotConsole
 from app.program.system import System
 from tests.console.program import Body, served
+from tests.patience import PATIENCE_S
 
 
 def named(system: System, name: str) -> None:
@@ -35,7 +36,7 @@ async def test_each_robot_is_listed_with_its_state_and_who_drives(
     async with served(asked) as guarded:
         fleet = Fleet((RobotConsole(guarded, "secret"), RobotConsole(guarded), RobotConsole(gone)))
         here = create_app(system, static_dir=page, early_view=False, fleet=fleet)
-        async with served(here) as url, httpx.AsyncClient(base_url=f"{url}/api/v1") as client:
+        async with served(here) as url, httpx.AsyncClient(timeout=PATIENCE_S, base_url=f"{url}/api/v1") as client:
             body.emit_status(time.time())
             this, twin, refused, unreachable = (await client.get("/fleet")).raise_for_status().json()["robots"]
             assert (this["name"], this["body"], this["url"], this["driver"]) == ("Ada", "a test body", "", None)

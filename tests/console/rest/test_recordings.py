@@ -320,14 +320,17 @@ async def test_a_large_recording_is_sent_piece_by_piece(url: str, system: System
     await asyncio.to_thread(sparse)
     got = 0
     before = peak_kib()
-    async with httpx.AsyncClient() as client, client.stream("GET", f"{url}/api/v1/recordings/large") as response:
+    async with (
+        httpx.AsyncClient(timeout=PATIENCE_S) as client,
+        client.stream("GET", f"{url}/api/v1/recordings/large") as response,
+    ):
         assert response.headers["content-length"] == str(size)
         async for piece in response.aiter_raw():
             got += len(piece)
             if got > size // 4:
                 break  # a client that leaves in the middle breaks nothing
     assert peak_kib() - before < 64 * 1024
-    async with httpx.AsyncClient() as client:
+    async with httpx.AsyncClient(timeout=PATIENCE_S) as client:
         assert (await client.get(f"{url}/api/v1/health")).json()["status"] in ("ok", "degraded")
 
 

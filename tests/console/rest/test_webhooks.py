@@ -203,6 +203,6 @@ def prepared() -> Any:
 
 
 async def test_a_replay_calls_nobody(replay_url: str) -> None:
-    async with httpx.AsyncClient(base_url=f"{replay_url}/api/v1") as client:
+    async with httpx.AsyncClient(timeout=PATIENCE_S, base_url=f"{replay_url}/api/v1") as client:
         answer = await client.post("/webhooks", json=NEW)
         assert (answer.status_code, answer.json()["type"]) == (409, "urn:hbba:problem:no-webhooks")

@@ -110,7 +110,7 @@ def view(app: FastAPI) -> View:
 
 
 async def test_the_page_is_visers_with_our_addition_before_its_code(url: str) -> None:
-    async with httpx.AsyncClient(base_url=url) as client:
+    async with httpx.AsyncClient(timeout=PATIENCE_S, base_url=url) as client:
         response = await client.get("/viser/")
     assert response.status_code == 200
     assert response.headers["content-type"].startswith("text/html")
@@ -248,7 +248,7 @@ async def test_the_pulse_measures_the_lag(url: str, view: View) -> None:
         (session,) = view.sessions
         assert session.budget.lag_s is not None
         assert 0 < session.budget.lag_s < 0.2
-        async with httpx.AsyncClient(base_url=url) as client:
+        async with httpx.AsyncClient(timeout=PATIENCE_S, base_url=url) as client:
             views = (await client.get("/api/v1/viewers")).json()["views"]
         assert views[0]["lag_ms"] == pytest.approx(1e3 * session.budget.lag_s, abs=0.1)
 

@@ -18,6 +18,7 @@ from app.console.server import address_of, listen, listen_for_scene, url_of
 from app.program.system import System
 from tests.console.program import served
 from tests.console.view.test_relay import looking
+from tests.patience import PATIENCE_S
 
 TOKEN = "a token of the tests"
 HANDSHAKE = {
@@ -73,7 +74,7 @@ def directives(response: httpx.Response) -> dict[str, str]:
 
 async def test_page_and_frame_name_each_other_and_only_the_frame_asks_for_a_process(both: tuple[str, str]) -> None:
     page, scene = both
-    async with httpx.AsyncClient() as client:
+    async with httpx.AsyncClient(timeout=PATIENCE_S) as client:
         shown, framed, own = [await client.get(url) for url in (f"{page}/", f"{scene}/viser/", f"{page}/viser/")]
     assert directives(shown)["frame-src"] == f"'self' {scene}"
     assert directives(shown)["connect-src"] == f"'self' {scene}"
@@ -88,21 +89,21 @@ async def test_page_and_frame_name_each_other_and_only_the_frame_asks_for_a_proc
 
 async def test_the_page_learns_the_address_from_the_console(both: tuple[str, str]) -> None:
     page, scene = both
-    async with httpx.AsyncClient(base_url=page) as client:
+    async with httpx.AsyncClient(timeout=PATIENCE_S, base_url=page) as client:
         assert (await client.get("/api/v1/scene")).json() == {"url": f"{scene}/viser/"}
         behind_a_proxy = await client.get("/api/v1/scene", headers={"Host": "localhost"})
         assert behind_a_proxy.json() == {"url": None}
 
 
 async def test_through_another_port_nothing_may_frame_the_view(both: tuple[str, str]) -> None:
-    async with httpx.AsyncClient() as client:
+    async with httpx.AsyncClient(timeout=PATIENCE_S) as client:
         framed = await client.get(f"{both[1]}/viser/", headers={"Host": "localhost:1"})
     assert directives(framed)["frame-ancestors"] == "'none'"
 
 
 async def test_the_second_port_has_the_view_and_its_sign_of_life_and_nothing_else(both: tuple[str, str]) -> None:
     page, scene = both
-    async with httpx.AsyncClient(base_url=scene) as client:
+    async with httpx.AsyncClient(timeout=PATIENCE_S, base_url=scene) as client:
         alive = await client.get("/viser/health", headers={"Origin": page})
         assert alive.json() == {"status": "ok"}
         assert alive.headers["access-control-allow-origin"] == page
@@ -123,14 +124,14 @@ async def test_only_pages_of_the_view_itself_open_its_sockets(both: tuple[str, s
 async def test_a_name_of_others_is_refused_there_too(both: tuple[str, str], guarded: tuple[str, str]) -> None:
     for _, scene in (both, guarded):
         host = {"Host": f"evil.example:{httpx.URL(scene).port}"}
-        async with httpx.AsyncClient(base_url=scene, headers=host) as client:
+        async with httpx.AsyncClient(timeout=PATIENCE_S, base_url=scene, headers=host) as client:
             for path, headers in (("/viser/", {}), ("/viser/health", {}), ("/viser/pulse", HANDSHAKE)):
                 assert (await client.get(path, headers=headers)).status_code == 421
 
 
 async def test_with_a_token_the_view_asks_for_the_login_of_the_page(guarded: tuple[str, str]) -> None:
     page, scene = guarded
-    async with httpx.AsyncClient() as client:
+    async with httpx.AsyncClient(timeout=PATIENCE_S) as client:
         assert (await client.get(f"{scene}/viser/")).status_code == 401
         assert await upgrade(scene) == 401
         assert (await client.get(f"{scene}/viser/health")).status_code == 200

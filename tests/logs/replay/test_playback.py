@@ -28,9 +28,13 @@ from tests.patience import PATIENCE_S
 
 pytestmark = pytest.mark.slow
 
-#: A busy computer may be so late (s); early it may not be.
-
 Prepared = tuple[Any, ReplayClock, Replay]
+
+
+@pytest.fixture(autouse=True)
+def patient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """After a seek, what is shown is processed before its caller goes on, however busy the computer is."""
+    monkeypatch.setattr(seek, "SHOW_WITHIN_S", PATIENCE_S)
 
 
 @pytest.fixture

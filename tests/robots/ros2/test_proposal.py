@@ -8,7 +8,16 @@ import pytest
 
 from app.base import paths
 from app.cli import main
-from app.robots.ros2.config import CAMERA_INFO, IMAGE, TWIST, TWIST_STAMPED, TYPES, load_ros2_config
+from app.robots.ros2.config import (
+    CAMERA_INFO,
+    IMAGE,
+    POSITIONS,
+    TRAJECTORY,
+    TWIST,
+    TWIST_STAMPED,
+    TYPES,
+    load_ros2_config,
+)
 from app.robots.ros2.proposal import Proposal, Topic, propose
 from tests.logs.importers import bags
 
@@ -45,6 +54,12 @@ def test_a_whole_robot_is_mapped(tmp_path: Path) -> None:
     assert config.streams.hokuyo.link == "rplidar_link"
     assert (config.base.topic, config.base.type, config.base.watchdog_s) == ("/cmd_vel", TWIST_STAMPED, None)
     assert config.graph.clock == "header"
+
+
+def test_topics_of_set_points_are_named() -> None:
+    arm = Topic("/arm_controller/joint_trajectory", TRAJECTORY, publishers=0, subscribers=1)
+    (remark,) = propose([*WHOLE, arm, Topic("/nobody/commands", POSITIONS)]).remarks
+    assert remark.startswith("joints: set-points are taken on /arm_controller/joint_trajectory: ")
 
 
 @pytest.mark.parametrize("left_out", range(len(WHOLE)))
