@@ -11,6 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
+import msgspec
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from app.base.broken_rule import Rule, broken_rule
@@ -121,6 +122,19 @@ def checked_number(field: str, value: object, *, above: float | None = None) -> 
     if rounded > SCALE or rounded < 0 or (above is not None and rounded <= above):
         raise InvalidDesire(field, problem)
     return rounded
+
+
+def may_be_raised(desire: Desire) -> bool:
+    """Whether an emotion may raise it: it inhibits nothing, and is not kept as security."""
+    return desire.utility > 0 and not desire.security
+
+
+def effective(desire: Desire) -> Desire:
+    """``desire`` with the intensity that counts: raised by its modulation, if it has one, to 8 at most."""
+    if desire.modulation is None or not may_be_raised(desire):
+        return desire
+    intensity = min(SCALE, round((desire.intensity + desire.modulation.by) * GRAIN) / GRAIN)
+    return msgspec.structs.replace(desire, intensity=intensity)
 
 
 def strongest_first(desire: Desire) -> tuple[float, bool, float]:

@@ -106,7 +106,7 @@ def intention_report(intention: Intention, resources: Mapping[str, Resource]) ->
         reasons=intention.reasons,
         parameters=intention.parameters,
         desires={cls: desire.id for cls, desire in intention.desires.items()},
-        asked={cls: Asked(d.intensity, d.utility, d.security) for cls, d in intention.desires.items()},
+        asked={cls: Asked(d.intensity, d.utility, d.security, d.modulation) for cls, d in intention.desires.items()},
         previous=tuple(sorted(intention.previous)),
         changed=tuple(ChangedStrategy(s.name, s.utility, s.costs) for s in intention.changed),
         weights=OmegaWeights(weights.intensity, weights.utility, spare=weights.spare, spare_of=weights.spare_of),

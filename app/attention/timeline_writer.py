@@ -23,8 +23,12 @@ def note_desires(timeline: Timeline, change: WorkspaceChange) -> bool:
         _note_desire(timeline, "added", desire, f"{source_words(desire.source)} desires {_wish(desire)}")
     moved = bool(change.added or change.removed)
     for before, after in change.changed:
-        if msgspec.structs.replace(before, expires=after.expires) != after:
-            moved = True
+        if msgspec.structs.replace(before, expires=after.expires) == after:
+            continue
+        moved = True
+        if msgspec.structs.replace(before, expires=after.expires, modulation=after.modulation) == after:
+            _note_modulation(timeline, before, after)
+        else:
             _note_desire(timeline, "changed", after, f"desire for {_wish(after)} changed")
     for desire, report in change.accomplished:
         _note_accomplishment(timeline, desire, report)
@@ -99,6 +103,19 @@ def _note_accomplishment(timeline: Timeline, desire: Desire, report: Accomplishm
         "reason": report.reason,
     }
     timeline.add("accomplishment", desire.cls, f"{text}: {report.reason}" if report.reason else text, data)
+
+
+def _note_modulation(timeline: Timeline, before: Desire, after: Desire) -> None:
+    """Note that a desire begins to be raised, and that it is so no more; not each step between."""
+    if before.modulation is not None and after.modulation is not None:
+        return
+    modulation = after.modulation or before.modulation
+    assert modulation is not None
+    data = {"id": after.id, "class": after.cls, "emotion": modulation.emotion, "raised": after.modulation is not None}
+    text = f"{_wish(after)} is ignored: {modulation.emotion} raises its intensity"
+    if after.modulation is None:
+        text = f"{_wish(after)} is raised no more by {modulation.emotion}"
+    timeline.add("emotion", after.cls, text, data)
 
 
 def _note_desire(timeline: Timeline, what: str, desire: Desire, text: str) -> None:

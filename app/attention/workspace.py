@@ -14,10 +14,18 @@ from typing import Any, Final
 
 import msgspec
 
-from app.attention.desires import Desire, DesireClasses, InvalidDesire, Source, checked_number, strongest_first
+from app.attention.desires import (
+    Desire,
+    DesireClasses,
+    InvalidDesire,
+    Source,
+    checked_number,
+    effective,
+    strongest_first,
+)
 from app.attention.ended_desires import EndedDesires
 from app.base.observers import Observers
-from app.messages import Accomplishment, DesireOutcome, DesireReport
+from app.messages import Accomplishment, DesireOutcome, DesireReport, Modulation
 
 
 class _Unset:
@@ -103,6 +111,8 @@ class IntentionWorkspace:
         self._leaving: dict[str, DesireOutcome] = {}
         self._ended = EndedDesires()
         self._observers: Observers[[WorkspaceChange]] = Observers("the Intention Workspace")
+        #: Whether any desire may have a modulation.
+        self._modulated = False
         self._depth = 0
         self._pending: list[WorkspaceChange] = []
         self._notifying = False
@@ -122,13 +132,14 @@ class IntentionWorkspace:
         return tuple(self._desires.values())
 
     def strongest(self) -> Mapping[str, Desire]:
-        """Intensity-based selection: per class its most intense desire; see :func:`strongest_first`."""
+        """Intensity-based selection: per class its most intense desire (see :func:`strongest_first`), with the
+        intensity that counts. What emotions add decides among classes, not within one."""
         strongest: dict[str, Desire] = {}
         for desire in self._desires.values():
             rival = strongest.get(desire.cls)
             if rival is None or strongest_first(desire) <= strongest_first(rival):
                 strongest[desire.cls] = desire
-        return strongest
+        return {cls: effective(desire) for cls, desire in strongest.items()} if self._modulated else strongest
 
     def wanted(self, cls: str) -> Desire | None:
         """The strongest desire of class ``cls``; None where there is none, or one that inhibits it."""
@@ -230,6 +241,16 @@ class IntentionWorkspace:
             if after.params != before.params:
                 self._reports.pop(desire_id, None)
         return after
+
+    def modulate(self, raised: Mapping[str, Modulation]) -> None:
+        """Raise the intensities of these desires, by id, and of no others. What was stated of a desire stays; one that
+        has left is passed over, and one that inhibits or is security keeps its intensity."""
+        with self.transaction():
+            for desire in self.desires():
+                modulation = raised.get(desire.id)
+                if modulation != desire.modulation:
+                    self._desires[desire.id] = msgspec.structs.replace(desire, modulation=modulation)
+            self._modulated = any(desire.modulation is not None for desire in self._desires.values())
 
     def remove(self, desire_id: str) -> Desire:
         """Withdraw a desire and return it; raises UnknownDesire."""

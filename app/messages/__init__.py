@@ -45,6 +45,14 @@ from app.messages.attention import (
 )
 from app.messages.base import Look, Message, PerceptKind, read_only
 from app.messages.driving import Exploitation, GamepadState, LinkStatus, TeleopCommand, Twist
+from app.messages.emotions import (
+    Emotion,
+    EmotionLevel,
+    EmotionSource,
+    EmotionState,
+    Modulation,
+    RaisedIntensity,
+)
 from app.messages.energy import BatteryState, DockingState, DockingStatus, DockSighting
 from app.messages.landmarks import DisplacedLandmark, DisplacedLandmarks, Keyframes, LandmarkPose
 from app.messages.memory import (
@@ -164,6 +172,10 @@ __all__ = [
     "DockSighting",
     "DockingState",
     "DockingStatus",
+    "Emotion",
+    "EmotionLevel",
+    "EmotionSource",
+    "EmotionState",
     "EncodedImage",
     "EpisodeDeed",
     "EpisodeEvent",
@@ -206,6 +218,7 @@ __all__ = [
     "MemoryReport",
     "MemoryState",
     "Message",
+    "Modulation",
     "ModuleInput",
     "ModuleOutput",
     "ModuleRecord",
@@ -236,6 +249,7 @@ __all__ = [
     "QRCode",
     "QRCodes",
     "RaisedDesire",
+    "RaisedIntensity",
     "Reason",
     "ReasonState",
     "RecorderState",

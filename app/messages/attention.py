@@ -13,6 +13,7 @@ from typing import Annotated, Any, Literal
 from msgspec import Meta, Struct
 
 from app.messages.base import Stamp, doc
+from app.messages.emotions import Modulation
 
 SourceKind = Literal["motivation", "operator", "rest"]
 ReasonState = Literal["fulfilled", "degraded", "unfulfilled", "inhibited"]
@@ -36,6 +37,7 @@ EventKind = Literal[
     "tour",
     "rule",
     "memory",
+    "emotion",
 ]
 #: What a behavior reports of a desire.
 Accomplished = Literal["done", "failed"]
@@ -69,6 +71,9 @@ class Desire(Struct, frozen=True, rename={"cls": "class"}):
     source: Source
     created: Stamp
     expires: Annotated[float | None, doc("When it expires (robot's clock, s); null: never.")] = None
+    modulation: Annotated[
+        Modulation | None, doc("What an emotion adds to its intensity (docs/emotions.md); null: nothing.")
+    ] = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,9 +185,10 @@ class ResourceUse:
 class Asked:
     """What the strongest desire of a class asked for, when the problem was solved."""
 
-    intensity: float
+    intensity: Annotated[float, doc("With what an emotion added.")]
     utility: float
     security: bool
+    modulation: Annotated[Modulation | None, doc("What an emotion added to the intensity; null: nothing.")] = None
 
 
 @dataclass(frozen=True, slots=True)

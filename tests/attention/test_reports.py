@@ -38,6 +38,7 @@ def test_desire() -> None:
         "source": {"kind": "rest", "name": "curl", "rule": "", "event": "", "applied": None},
         "created": 10.5,
         "expires": 40.5,
+        "modulation": None,
     }
 
 

@@ -136,6 +136,7 @@ robot_audio: {type: Audio, decimable: false, log: never}
 operator_voice: {type: Audio, decimable: false, external: true}
 salient_regions: {type: SalientRegions, external: true, page: {every_hz: 5}}
 persons: {type: Persons, external: true, page: {every_hz: 10}}
+emotions: {type: EmotionState, latched: true, external: true, decimable: false, page: {every_hz: 2}}
 memory: {type: MemoryState, latched: true, external: true, decimable: false, page: {every_hz: 4}}
 rules: {type: RulesReport, latched: true, external: true, decimable: false, page: {every_hz: 4}}
 saliency: {type: SaliencyMap, log: never, external: true, page: {every_hz: 5}}

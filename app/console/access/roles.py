@@ -38,7 +38,7 @@ OPERATIONS: dict[str, Role] = _table(
         latch_e_stop
         get_robot get_fleet get_percepts list_modules get_module list_channels list_viewers get_scene
         list_desires get_desire list_desire_classes get_desire_class
-        get_intention list_strategies list_rules list_resources get_timeline get_link get_lanes
+        get_intention list_strategies list_rules get_emotions list_resources get_timeline get_link get_lanes
         find_camera_point find_scene_point get_goal plan_route
         list_maps get_map get_map_picture get_zones list_places get_place
         get_playback list_recordings download_recording

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Final, get_args
 from fastapi import APIRouter, Path, Query, Request
 from fastapi.responses import Response
 
+from app.attention.emotions import EMOTIONS
 from app.attention.explaining import EXPLAIN_S
 from app.attention.prepared import InvalidProblem
 from app.attention.reports import intention_report, resource_report, strategy_report
@@ -22,7 +23,15 @@ from app.console.rest.answers import Json, packed, problems
 from app.console.rest.desires import OPERATOR_PARAMETER, source_of
 from app.console.rest.models import ResourceChange, WhatIf
 from app.console.rest.routing import router as api_router
-from app.messages import Asked, EventKind, IntentionReport, ResourceReport, RulesReport
+from app.messages import (
+    Asked,
+    EmotionLevel,
+    EmotionState,
+    EventKind,
+    IntentionReport,
+    ResourceReport,
+    RulesReport,
+)
 
 if TYPE_CHECKING:
     from app.program.system import System
@@ -37,7 +46,7 @@ KINDS_PATTERN = f"^{_KIND}(,{_KIND})*$"
 
 
 def attention_router(system: System) -> APIRouter:
-    """Routes of ``/intention``, ``/strategies``, ``/rules``, ``/resources`` and ``/timeline``."""
+    """Routes of ``/intention``, ``/strategies``, ``/rules``, ``/emotions``, ``/resources`` and ``/timeline``."""
     router = api_router("attention")
 
     def resource(name: str) -> ResourceReport:
@@ -114,6 +123,13 @@ def attention_router(system: System) -> APIRouter:
         """The rules by which something is desired without code, in force now. Where a file was changed and has a
         mistake, `problem` says which, and the rules are still those before. No rules: the program has none."""
         return Json(reports.latest(system.graph, "rules") or RulesReport(system.clock.now(), ()))
+
+    @router.get("/emotions", response_model=EmotionState, summary="What the robot feels, and why")
+    async def get_emotions() -> Response:
+        """Joy, anger, sadness and fear, each with the desire classes that it comes from, and the desires whose
+        intensity is raised. A program without emotions feels nothing."""
+        nothing = EmotionState(system.clock.now(), tuple(EmotionLevel(e, 0.0, ()) for e in EMOTIONS), modulates=False)
+        return Json(reports.latest(system.graph, "emotions") or nothing)
 
     @router.get("/resources", response_model=ResourceList, summary="Resources: budgets and use")
     async def list_resources() -> Response:

@@ -19,6 +19,7 @@ from .records import (
     DesireClassReport,
     DesireReport,
     Desires,
+    EmotionState,
     EStop,
     EventList,
     FleetReport,
@@ -477,6 +478,17 @@ class Operations(ABC):
         result: DesireClassReport = self.ask(
             Request("GET", f"/desire-classes/{Request.quoted(name)}", DesireClassReport)
         )
+        return result
+
+    def get_emotions(self) -> EmotionState:
+        """What the robot feels, and why.
+
+        Joy, anger, sadness and fear, each with the desire classes that it comes from, and the desires whose
+        intensity is raised. A program without emotions feels nothing.
+
+        Role: spectator.
+        """
+        result: EmotionState = self.ask(Request("GET", "/emotions", EmotionState))
         return result
 
     def get_fleet(self) -> FleetReport:
@@ -1665,6 +1677,17 @@ class AsyncOperations(ABC):
         result: DesireClassReport = await self.ask(
             Request("GET", f"/desire-classes/{Request.quoted(name)}", DesireClassReport)
         )
+        return result
+
+    async def get_emotions(self) -> EmotionState:
+        """What the robot feels, and why.
+
+        Joy, anger, sadness and fear, each with the desire classes that it comes from, and the desires whose
+        intensity is raised. A program without emotions feels nothing.
+
+        Role: spectator.
+        """
+        result: EmotionState = await self.ask(Request("GET", "/emotions", EmotionState))
         return result
 
     async def get_fleet(self) -> FleetReport:

@@ -51,8 +51,11 @@ class Asked(Struct, kw_only=True, frozen=True):
     """What the strongest desire of a class asked for, when the problem was solved."""
 
     intensity: float
+    """With what an emotion added."""
     utility: float
     security: bool
+    modulation: Modulation | None
+    """What an emotion added to the intensity; null: nothing."""
 
 
 class Asker(Struct, kw_only=True, frozen=True):
@@ -223,6 +226,8 @@ class Desire(Struct, kw_only=True, frozen=True, rename={"class_": "class"}):
     """Seconds of the robot's clock (Unix epoch)."""
     expires: float | None
     """When it expires (robot's clock, s); null: never."""
+    modulation: Modulation | None
+    """What an emotion adds to its intensity (docs/emotions.md); null: nothing."""
 
 
 class DesireChange(Struct, kw_only=True, frozen=True, omit_defaults=True):
@@ -291,6 +296,8 @@ class DesireReport(Struct, kw_only=True, frozen=True, rename={"class_": "class"}
     """Seconds of the robot's clock (Unix epoch)."""
     expires: float | None
     """When it expires (robot's clock, s); null: never."""
+    modulation: Modulation | None
+    """What an emotion adds to its intensity (docs/emotions.md); null: nothing."""
     outcome: Literal["done", "expired", "failed", "withdrawn"] | None
     """What a behavior reported last; without a report, why it left; null: nothing became of it yet."""
     behavior: str
@@ -335,6 +342,39 @@ class EStop(Struct, kw_only=True, frozen=True):
     e_stop: Literal["latched", "released"]
     stamp: float
     """The robot's clock then (s): what a release names by `seen`."""
+
+
+class EmotionLevel(Struct, kw_only=True, frozen=True):
+    """One emotion."""
+
+    emotion: Literal["anger", "fear", "joy", "sadness"]
+    intensity: float
+    """0 to 1."""
+    sources: list[EmotionSource]
+    """What has fed it, the greatest share first, at most 5."""
+
+
+class EmotionSource(Struct, kw_only=True, frozen=True, rename={"class_": "class"}):
+    """A desire class that an emotion comes from."""
+
+    class_: str
+    share: float
+    """Its part of the emotion's intensity, over 0 and at most 1."""
+    neglected: bool
+    """Whether it is desired, and not exploited, now."""
+
+
+class EmotionState(Struct, kw_only=True, frozen=True):
+    """What is felt; published on change, at most once a second."""
+
+    stamp: float
+    """Seconds of the robot's clock (Unix epoch)."""
+    emotions: list[EmotionLevel]
+    """Joy, anger, sadness, fear, in this order."""
+    modulates: bool
+    """Whether emotions raise the intensity of desires that are ignored."""
+    raised: list[RaisedIntensity]
+    """The desires that are raised now."""
 
 
 class EpisodeDeed(Struct, kw_only=True, frozen=True, rename={"class_": "class"}):
@@ -955,6 +995,15 @@ class MemoryState(Struct, kw_only=True, frozen=True):
     event_count: int
 
 
+class Modulation(Struct, kw_only=True, frozen=True):
+    """The intensity of a desire is raised by an emotion."""
+
+    by: float
+    """So much is added to its intensity, over 0; the sum is at most 8."""
+    emotion: Literal["anger", "fear", "joy", "sadness"]
+    """The emotion that its neglect has fed."""
+
+
 class ModuleInput(Struct, kw_only=True, frozen=True):
     """A module's input and its counters since the start."""
 
@@ -1127,6 +1176,7 @@ class NewWebhook(Struct, kw_only=True, frozen=True, omit_defaults=True):
             "tour",
             "rule",
             "memory",
+            "emotion",
         ]
     ]
     """Kinds of events of the timeline."""
@@ -1478,6 +1528,16 @@ class RaisedDesire(Struct, kw_only=True, frozen=True, rename={"class_": "class"}
     """The episode that is the reason."""
     why: str
     """In words."""
+
+
+class RaisedIntensity(Struct, kw_only=True, frozen=True, rename={"class_": "class"}):
+    """A desire whose intensity is raised."""
+
+    id: str
+    """Of the desire."""
+    class_: str
+    by: float
+    emotion: Literal["anger", "fear", "joy", "sadness"]
 
 
 class Reason(Struct, kw_only=True, frozen=True):
@@ -2172,6 +2232,7 @@ class TimelineEvent(Struct, kw_only=True, frozen=True):
         "battery",
         "capacity",
         "desire",
+        "emotion",
         "exploitation",
         "filter",
         "goal",
@@ -2469,6 +2530,7 @@ class WebhookReport(Struct, kw_only=True, frozen=True):
             "battery",
             "capacity",
             "desire",
+            "emotion",
             "exploitation",
             "filter",
             "goal",
@@ -2573,6 +2635,7 @@ LIVE: dict[str, type[Struct]] = {
     "battery": BatteryState,
     "costmap_info": GridInfo,
     "desires": Desires,
+    "emotions": EmotionState,
     "events": EventList,
     "heard_words": HeardWords,
     "hello": Hello,

@@ -13,6 +13,7 @@ import type {
   DesireReport,
   Desires,
   EStop,
+  EmotionState,
   EventList,
   FleetReport,
   Goal,
@@ -334,6 +335,14 @@ export abstract class Operations {
   /** One desire class. Role: spectator. */
   getDesireClass(name: string): Promise<DesireClassReport> {
     return this.ask<DesireClassReport>({ method: "GET", path: `/desire-classes/${encodeURIComponent(name)}`, answer: "json" });
+  }
+
+  /**
+   * What the robot feels, and why. Joy, anger, sadness and fear, each with the desire classes that it comes from, and
+   * the desires whose intensity is raised. A program without emotions feels nothing. Role: spectator.
+   */
+  getEmotions(): Promise<EmotionState> {
+    return this.ask<EmotionState>({ method: "GET", path: `/emotions`, answer: "json" });
   }
 
   /**

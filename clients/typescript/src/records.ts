@@ -38,9 +38,12 @@ export interface AnticipatedEvent {
 
 /** What the strongest desire of a class asked for, when the problem was solved. */
 export interface Asked {
+  /** With what an emotion added. */
   intensity: number;
   utility: number;
   security: boolean;
+  /** What an emotion added to the intensity; null: nothing. */
+  modulation: Modulation | null;
 }
 
 /** Who asks the driver for the wheel. */
@@ -196,6 +199,8 @@ export interface Desire {
   created: number;
   /** When it expires (robot's clock, s); null: never. */
   expires: number | null;
+  /** What an emotion adds to its intensity (docs/emotions.md); null: nothing. */
+  modulation: Modulation | null;
 }
 
 /** A change of a desire; members left out stay. */
@@ -258,6 +263,8 @@ export interface DesireReport {
   created: number;
   /** When it expires (robot's clock, s); null: never. */
   expires: number | null;
+  /** What an emotion adds to its intensity (docs/emotions.md); null: nothing. */
+  modulation: Modulation | null;
   /** What a behavior reported last; without a report, why it left; null: nothing became of it yet. */
   outcome: "done" | "expired" | "failed" | "withdrawn" | null;
   /** Name of the module that reported the outcome; empty: none did. */
@@ -299,6 +306,36 @@ export interface EStop {
   e_stop: "latched" | "released";
   /** The robot's clock then (s): what a release names by `seen`. */
   stamp: number;
+}
+
+/** One emotion. */
+export interface EmotionLevel {
+  emotion: "anger" | "fear" | "joy" | "sadness";
+  /** 0 to 1. */
+  intensity: number;
+  /** What has fed it, the greatest share first, at most 5. */
+  sources: EmotionSource[];
+}
+
+/** A desire class that an emotion comes from. */
+export interface EmotionSource {
+  class: string;
+  /** Its part of the emotion's intensity, over 0 and at most 1. */
+  share: number;
+  /** Whether it is desired, and not exploited, now. */
+  neglected: boolean;
+}
+
+/** What is felt; published on change, at most once a second. */
+export interface EmotionState {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  /** Joy, anger, sadness, fear, in this order. */
+  emotions: EmotionLevel[];
+  /** Whether emotions raise the intensity of desires that are ignored. */
+  modulates: boolean;
+  /** The desires that are raised now. */
+  raised: RaisedIntensity[];
 }
 
 /** A desire that led to the accomplishment of an episode. */
@@ -878,6 +915,14 @@ export interface MemoryState {
   event_count: number;
 }
 
+/** The intensity of a desire is raised by an emotion. */
+export interface Modulation {
+  /** So much is added to its intensity, over 0; the sum is at most 8. */
+  by: number;
+  /** The emotion that its neglect has fed. */
+  emotion: "anger" | "fear" | "joy" | "sadness";
+}
+
 /** A module's input and its counters since the start. */
 export interface ModuleInput {
   /** φ: one message in φ passes; null: none passes. */
@@ -1037,7 +1082,8 @@ export interface NewWebhook {
     | "accomplishment"
     | "tour"
     | "rule"
-    | "memory")[];
+    | "memory"
+    | "emotion")[];
   /** Only events about this: a desire class, a module; empty: about anything. */
   subject?: string;
   /** With which requests are signed: `whsec_` and 24 to 64 bytes in base64; left out: a new one. */
@@ -1367,6 +1413,15 @@ export interface RaisedDesire {
   episode: number;
   /** In words. */
   why: string;
+}
+
+/** A desire whose intensity is raised. */
+export interface RaisedIntensity {
+  /** Of the desire. */
+  id: string;
+  class: string;
+  by: number;
+  emotion: "anger" | "fear" | "joy" | "sadness";
 }
 
 /** Why a desired class gets what it gets. */
@@ -2011,6 +2066,7 @@ export interface TimelineEvent {
     | "battery"
     | "capacity"
     | "desire"
+    | "emotion"
     | "exploitation"
     | "filter"
     | "goal"
@@ -2299,6 +2355,7 @@ export interface WebhookReport {
     | "battery"
     | "capacity"
     | "desire"
+    | "emotion"
     | "exploitation"
     | "filter"
     | "goal"
@@ -2393,6 +2450,7 @@ export interface LiveRecords {
   battery: BatteryState;
   costmap_info: GridInfo;
   desires: Desires;
+  emotions: EmotionState;
   events: EventList;
   heard_words: HeardWords;
   hello: Hello;

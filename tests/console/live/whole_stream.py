@@ -13,6 +13,9 @@ from app.attention.desires import Source
 from app.messages import (
     AnticipatedEvent,
     BatteryState,
+    EmotionLevel,
+    EmotionSource,
+    EmotionState,
     EpisodeSummary,
     HeardWords,
     Landmark,
@@ -25,6 +28,7 @@ from app.messages import (
     Person,
     Persons,
     RaisedDesire,
+    RaisedIntensity,
     RuleReport,
     RulesReport,
     SaliencyMap,
@@ -88,6 +92,9 @@ def say_everything(system: System, body: Body) -> None:
         episode_count=1, event_count=1,
     )  # fmt: skip
     system.graph.channel("memory").publish(memory)
+    angry = EmotionLevel("anger", 0.6, (EmotionSource("GoTo", 0.5, neglected=True),))
+    emotions = EmotionState(now, (angry,), modulates=True, raised=(RaisedIntensity("d-1", "GoTo", 1.0, "anger"),))
+    system.graph.channel("emotions").publish(emotions)
     rule = RuleReport(
         "greet", "for visitors", words="when a face appears", file="rules.yaml", line=3, enabled=True, holds=None,
         fired=1, last_fired=now, last_event="face.appears 7", desires=("d-1",),

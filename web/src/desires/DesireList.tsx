@@ -114,7 +114,13 @@ function Row({ desire, report, progress }: RowProps) {
         </button>
       </div>
       <p class="desire-by">
-        {[sourceWords(desire.source), report && fromRobot(report.reason)].filter(Boolean).join(" · ")}
+        {[
+          sourceWords(desire.source),
+          report && fromRobot(report.reason),
+          desire.modulation && `+${number(desire.modulation.by, 2)} (${named(desire.modulation.emotion)})`,
+        ]
+          .filter(Boolean)
+          .join(" · ")}
       </p>
       {params.length > 0 && (
         <p class="desire-params">

@@ -10,6 +10,7 @@ import { useApp } from "../state/context";
 import { low, narrow } from "../ui/media";
 import { EVENTS_PX } from "./drawEvents";
 import { GAUGE_PX } from "./drawLanes";
+import type { Feelings } from "./Feelings";
 import { gaugesOf } from "./gauges";
 import { Fold, LaneNames } from "./LaneNames";
 import { LaneSpan, showSpan, useSpan } from "./LaneSpan";
@@ -35,6 +36,17 @@ export const lanesPanel = panel({
   Card: Lanes,
   offered: (_, phone) => phone || low.value,
 });
+
+/** What is felt; that part of the page is loaded once something is. */
+function Felt() {
+  const levels = useApp().store.of("emotions").value?.emotions ?? [];
+  const felt = levels.some(({ intensity }) => intensity > 0);
+  const part = useSignal<typeof Feelings | null>(null);
+  useEffect(() => {
+    if (felt) void import("./Feelings").then((loaded) => (part.value = loaded.Feelings));
+  }, [felt]);
+  return felt && part.value && <part.value levels={levels} />;
+}
 
 export function Lanes() {
   const { store } = useApp();
@@ -128,6 +140,7 @@ export function Lanes() {
           <LaneTools asTable={asTable} compare={drawn && roomy.value ? compare : null} toggleCompare={toggleCompare} />
         </div>
       </header>
+      <Felt />
       {empty && <p class="empty">{t("Waiting for the robot's desire classes…")}</p>}
       <div class="lanes-main" ref={main}>
         {drawn && (

@@ -15,6 +15,7 @@ const goal = (id: string, kind: Desire["source"]["kind"]): Desire => ({
   source: { kind, name: kind, rule: "", event: "", applied: null },
   created: 1,
   expires: null,
+  modulation: null,
 });
 
 function page(desires: Desire[], setGoal = async () => ({})) {

@@ -13,6 +13,7 @@ const desire = (some: Partial<Desire>): Desire => ({
   source: { kind: "operator", name: "Ann", rule: "", event: "", applied: null },
   created: 10,
   expires: null,
+  modulation: null,
   ...some,
 });
 const row = (some: Partial<LaneRow>): LaneRow => ({

@@ -30,7 +30,7 @@ const reason = (state: string, utility: number, best: number) =>
 const now = intention({
   strategies: [strategy("LocateFaces", 4, 2), strategy("FindQRCodes", 8, 1)],
   reasons: { LocateFaces: reason("degraded", 4, 8), FindQRCodes: reason("fulfilled", 8, 8) },
-  asked: { LocateFaces: { intensity: 5, utility: 2, security: true } },
+  asked: { LocateFaces: { intensity: 5, utility: 2, security: true, modulation: null } },
   desires: { LocateFaces: "d-1", FindQRCodes: "d-2" },
 });
 

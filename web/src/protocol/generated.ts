@@ -40,9 +40,12 @@ export interface AnticipatedEvent {
 
 /** What the strongest desire of a class asked for, when the problem was solved. */
 export interface Asked {
+  /** With what an emotion added. */
   intensity: number;
   utility: number;
   security: boolean;
+  /** What an emotion added to the intensity; null: nothing. */
+  modulation: Modulation | null;
 }
 
 /** Who asks the driver for the wheel. */
@@ -204,6 +207,8 @@ export interface Desire {
   created: number;
   /** When it expires (robot's clock, s); null: never. */
   expires: number | null;
+  /** What an emotion adds to its intensity (docs/emotions.md); null: nothing. */
+  modulation: Modulation | null;
 }
 
 /** What can be desired. */
@@ -250,6 +255,8 @@ export interface DesireReport {
   created: number;
   /** When it expires (robot's clock, s); null: never. */
   expires: number | null;
+  /** What an emotion adds to its intensity (docs/emotions.md); null: nothing. */
+  modulation: Modulation | null;
   /** What a behavior reported last; without a report, why it left; null: nothing became of it yet. */
   outcome: "done" | "expired" | "failed" | "withdrawn" | null;
   /** Name of the module that reported the outcome; empty: none did. */
@@ -284,6 +291,36 @@ export interface Driver {
   mine: boolean;
   /** Whether they hold a drive command just now. */
   holds: boolean;
+}
+
+/** One emotion. */
+export interface EmotionLevel {
+  emotion: "anger" | "fear" | "joy" | "sadness";
+  /** 0 to 1. */
+  intensity: number;
+  /** What has fed it, the greatest share first, at most 5. */
+  sources: EmotionSource[];
+}
+
+/** A desire class that an emotion comes from. */
+export interface EmotionSource {
+  class: string;
+  /** Its part of the emotion's intensity, over 0 and at most 1. */
+  share: number;
+  /** Whether it is desired, and not exploited, now. */
+  neglected: boolean;
+}
+
+/** What is felt; published on change, at most once a second. */
+export interface EmotionState {
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  /** Joy, anger, sadness, fear, in this order. */
+  emotions: EmotionLevel[];
+  /** Whether emotions raise the intensity of desires that are ignored. */
+  modulates: boolean;
+  /** The desires that are raised now. */
+  raised: RaisedIntensity[];
 }
 
 /** An episode in a few words. */
@@ -803,6 +840,14 @@ export interface MemoryState {
   event_count: number;
 }
 
+/** The intensity of a desire is raised by an emotion. */
+export interface Modulation {
+  /** So much is added to its intensity, over 0; the sum is at most 8. */
+  by: number;
+  /** The emotion that its neglect has fed. */
+  emotion: "anger" | "fear" | "joy" | "sadness";
+}
+
 /** A module's input and its counters since the start. */
 export interface ModuleInput {
   /** φ: one message in φ passes; null: none passes. */
@@ -1143,6 +1188,15 @@ export interface RaisedDesire {
   episode: number;
   /** In words. */
   why: string;
+}
+
+/** A desire whose intensity is raised. */
+export interface RaisedIntensity {
+  /** Of the desire. */
+  id: string;
+  class: string;
+  by: number;
+  emotion: "anger" | "fear" | "joy" | "sadness";
 }
 
 /** A stop's own ReachRule: what is left out is the tour's. */
@@ -1760,6 +1814,7 @@ export interface TimelineEvent {
     | "battery"
     | "capacity"
     | "desire"
+    | "emotion"
     | "exploitation"
     | "filter"
     | "goal"
@@ -2522,6 +2577,8 @@ export interface RobotMessages {
   places: PlaceList;
   /** On change: how the guided tour goes. */
   tour: TourProgress;
+  /** On change, at most once a second: what is felt, and what it comes from. */
+  emotions: EmotionState;
   /** On change, up to 4 times a second: what is recognized, expected, remembered. */
   memory: MemoryState;
   /** Right before each picture of kind 3 (map): what it shows. */

@@ -25,6 +25,7 @@ const DESIRE: Desire = {
   source: { kind: "motivation", name: "Ask", rule: "", event: "", applied: null },
   created: 90,
   expires: 110,
+  modulation: null,
 };
 
 const ROW: LaneRow = {

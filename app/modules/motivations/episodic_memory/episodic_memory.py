@@ -8,6 +8,7 @@
     │                 in   words         HeardWords                                                │
     │                 in   desires       Desires: exploited, accomplished                          │
     │                 in   intention     IntentionReport: classes fulfilled                        │
+    │                 in   emotions      EmotionState                                              │
     │                 out  memory        MemoryState, with each change                             │
     │                 is the MemoryServer; edits desires of the classes `raises`                   │
     └─────────────────────────────────────────────────────────────────────────────────────────────┘
@@ -38,6 +39,7 @@ from app.memory.store import MemoryStore, StoreBusy, StoreUnreadable
 from app.messages import (
     AnticipatedEvent,
     Desires,
+    EmotionState,
     EpisodeSummary,
     HeardWords,
     IntentionReport,
@@ -102,6 +104,7 @@ class EpisodicMemory(Module):
         words = self.input("words", HeardWords, capacity=8, wants="never")
         desires = self.input("desires", Desires, capacity=32, wants="never")
         intention = self.input("intention", IntentionReport, wants="never")
+        emotions = self.input("emotions", EmotionState, wants="never")
         self.output_memory = self.output("memory", MemoryState)
         self._bounds = Bounds(
             most=settings.most,
@@ -131,7 +134,7 @@ class EpisodicMemory(Module):
         self._opened = False
         if not settings.enabled:
             # What comes in is taken, so that none waits, and forgotten.
-            ports: tuple[Input[Any], ...] = (events, persons, localization, places, words, desires, intention)
+            ports: tuple[Input[Any], ...] = (events, persons, localization, places, words, desires, intention, emotions)
             for port in ports:
                 self.on(port, _ignore)
             return
@@ -142,6 +145,7 @@ class EpisodicMemory(Module):
         self.on(words, scene.take_words)
         self.on(desires, self._take_desires)
         self.on(intention, scene.take_intention)
+        self.on(emotions, scene.take_emotions)
         self.every(_BEAT_S, self._beat)
 
     async def start(self) -> None:

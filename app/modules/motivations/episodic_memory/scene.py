@@ -18,7 +18,16 @@ from app.memory.deeds import key_of
 from app.memory.em_art import Pattern
 from app.memory.emotions import Emotions
 from app.memory.short_term import ShortTermMemory
-from app.messages import Desires, HeardWords, IntentionReport, Localization, PerceptEvent, Persons, Places
+from app.messages import (
+    Desires,
+    EmotionState,
+    HeardWords,
+    IntentionReport,
+    Localization,
+    PerceptEvent,
+    Persons,
+    Places,
+)
 
 SOMEONE: Final = "someone"
 #: Localization of these states can be relied on.
@@ -62,6 +71,7 @@ class Scene:
         self._desires: Desires | None = None
         self._fulfilled: frozenset[str] = frozenset()
         self._done: dict[tuple[str, float], None] = {}
+        self._felt = Emotions()
         self.emotion: float | None = None
 
     # --- what comes in ---------------------------------------------------------------------------------------------
@@ -121,10 +131,10 @@ class Scene:
             del self._done[next(iter(self._done))]
         return accomplished
 
-    def take_emotions(self, emotions: Emotions, now: float) -> None:
-        """What is felt at ``now`` (s). As long as nothing is heard of emotions, they have no effect."""
-        self.emotion = emotions.greatest
-        self._short.perceive("emotion", emotions.items, now)
+    def take_emotions(self, message: EmotionState) -> None:
+        """What is felt from now on. As long as nothing is heard of emotions, they have no effect."""
+        self._felt = Emotions(**{level.emotion: level.intensity for level in message.emotions})
+        self.emotion = self._felt.greatest
 
     # --- what there is ---------------------------------------------------------------------------------------------
 
@@ -142,6 +152,7 @@ class Scene:
             exploited = set(self._desires.exploited)
             acts = [d for d in self._desires.desires if d.id in exploited and self._counts(d.cls)]
             self._short.perceive("desire", {key_of(each.cls, each.params): 1.0 for each in acts}, now)
+        self._short.perceive("emotion", self._felt.items, now)
         return self._short.pattern(now), left
 
     def at_work(self, classes: Collection[str], others: Collection[Desire]) -> Mapping[str, Desire]:

@@ -14,15 +14,17 @@ import pytest
 from pydantic import BaseModel, ConfigDict
 
 from app.attention.desires import Desire, DesireClass, DesireClasses, Source
+from app.attention.emotions import EMOTIONS
 from app.attention.reports import desires_report
 from app.attention.timeline import Timeline
 from app.attention.workspace import IntentionWorkspace
 from app.base.geometry import Pose2
-from app.memory.emotions import Emotions
 from app.memory.service import MemoryOff, MemoryService, UnknownEpisode
 from app.memory.store import FILE, MemoryStore
 from app.messages import (
     Accomplishment,
+    EmotionLevel,
+    EmotionState,
     Localization,
     MemoryState,
     PerceptEvent,
@@ -377,9 +379,31 @@ def test_only_a_pose_that_can_be_relied_on_is_at_a_place() -> None:
 def test_emotions_are_a_channel_and_have_no_effect_while_nothing_is_heard_of_them() -> None:
     there = scene()
     assert there.emotion is None
-    there.take_emotions(Emotions(joy=0.72, anger=0.03), 1.0)
+    there.take_emotions(felt(1.0, joy=0.72, anger=0.03))
     assert there.emotion == 0.72
     assert there.look(2.0) == ({"emotion": {"joy": 0.7}}, False)
-    there.take_emotions(Emotions(), 3.0)
+    assert there.look(100.0) == ({"emotion": {"joy": 0.7}}, False), "it is felt until something else is heard"
+    there.take_emotions(felt(101.0))
     assert there.emotion == 0.0
-    assert there.look(20.0) == ({}, False), "15 s"
+    assert there.look(114.0) == ({"emotion": {"joy": 0.7}}, False)
+    assert there.look(116.0) == ({}, False), "15 s"
+
+
+@in_virtual_time
+async def test_what_is_felt_strongly_is_part_of_its_events_and_overwritten_more_slowly(tmp_path: Path) -> None:
+    episodes = {}
+    for anger in (0.0, 1.0):
+        async with Robot(tmp_path / str(anger)) as robot:
+            robot.bench.feed("emotions", felt(robot.clock.now(), anger=anger))
+            await robot.visit()
+            (episodes[anger],) = (await robot.service.server.report()).episodes
+            items = {(each.channel, each.item) for each in robot.state.episodes[0].items}
+            assert (("emotion", "anger") in items) == (anger > 0)
+    # As published: L + 0.375 L (0.5 - E), of 0.6.
+    assert {emotion: each.learning_rate for emotion, each in episodes.items()} == {0.0: 0.7125, 1.0: 0.4875}
+
+
+def felt(stamp: float, **intensities: float) -> EmotionState:
+    """Emotions of these intensities, all others 0."""
+    levels = tuple(EmotionLevel(name, intensities.get(name, 0.0), ()) for name in EMOTIONS)
+    return EmotionState(stamp, levels, modulates=False)

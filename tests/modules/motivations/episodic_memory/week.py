@@ -14,6 +14,7 @@ from app.memory.service import MemoryService
 from app.memory.store import MemoryStore
 from app.messages import (
     Desires,
+    EmotionState,
     HeardWords,
     IntentionReport,
     Localization,
@@ -35,6 +36,7 @@ INPUTS = {
     "words": HeardWords,
     "desires": Desires,
     "intention": IntentionReport,
+    "emotions": EmotionState,
 }
 #: Behaviors that command something, by their desire class.
 ACTS = ("GoTo", "Say")

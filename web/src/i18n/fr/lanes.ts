@@ -2,6 +2,8 @@
 
 export const lanes = {
   intensity: "intensité",
+  Emotions: "Émotions",
+  neglected: "négligé",
   utility: "utilité",
   "let through": "passant",
   "Desired utility": "Utilité désirée",
