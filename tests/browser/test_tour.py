@@ -64,7 +64,7 @@ def begin(robot: Robot, tour: str) -> None:
 
 def reported(robot: Robot) -> dict[str, Any]:
     """The tour's report, once the robot has said goodbye."""
-    given_up = time.monotonic() + PATIENCE_S
+    given_up = time.monotonic() + 3 * PATIENCE_S  # a busy computer's world is slow
     while time.monotonic() < given_up:
         reports = robot.get("/tour-reports")["reports"]
         if reports and reports[0]["ended"] is not None:
@@ -74,6 +74,7 @@ def reported(robot: Robot) -> dict[str, Any]:
     raise AssertionError(f"the tour goes on and on: {robot.get('/tour-run')}")
 
 
+@pytest.mark.timeout(840)  # below what ends a run that hangs
 def test_a_tour_configured_by_driving_is_led_after_a_restart(
     browser: Browser, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
