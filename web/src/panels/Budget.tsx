@@ -22,13 +22,14 @@ export function Budget({ name, label, use }: Props) {
   const problem = useSignal("");
   const edit = async () => {
     open.value = !open.value;
-    text.value = number(use.capacity, 2);
+    const offered = number(use.capacity, 2);
+    text.value = offered;
     problem.value = "";
     if (!open.value) return;
     const known = await session.rest.budget(name).catch(() => null);
     declared.value = known?.declared ?? null;
-    // Pressure may leave less of it than was set.
-    if (known !== null) text.value = number(known.budget, 2);
+    // Pressure may leave less of it than was set. What was typed meanwhile stays.
+    if (known !== null && text.value === offered) text.value = number(known.budget, 2);
   };
   const set = async (capacity: number) => {
     problem.value = "";
