@@ -18,6 +18,11 @@ def wait_driving(page: Page, timeout_ms: float | None = None) -> None:
     page.locator("[data-testid=guard-state][data-state=driving]").wait_for(timeout=timeout_ms)
 
 
+def press_until_driving(page: Page, key: str) -> None:
+    """Press ``key``, which one press drives by, until the robot drives."""
+    hold_by(page, lambda way: page.keyboard.press(key) if way == "down" else None, key)
+
+
 def hold(page: Page, key: str) -> None:
     """Press ``key`` and keep it down; returns when the robot drives."""
     strike = {"down": page.keyboard.down, "up": page.keyboard.up}

@@ -6,7 +6,7 @@ import time
 
 from playwright.sync_api import Page, expect
 
-from tests.browser.held_keys import wait_driving
+from tests.browser.held_keys import press_until_driving, wait_driving
 from tests.browser.running import Robot
 from tests.patience import PATIENCE_S
 
@@ -32,8 +32,7 @@ def choose(page: Page, style: str) -> None:
 
 def test_one_press_goes_and_the_next_stops(page: Page) -> None:
     choose(page, "click")
-    page.keyboard.press("KeyW")
-    wait_driving(page)
+    press_until_driving(page, "KeyW")
     page.keyboard.press("KeyS")
     page.locator(_STANDS).wait_for()
     choose(page, "hold")

@@ -82,7 +82,7 @@ def test_at_twice_the_size_of_text_or_page_each_control_can_be_pressed(
 
 def test_presets_show_what_they_are_for(page: Page) -> None:
     page.set_viewport_size({"width": 1440, "height": 900})
-    lanes, tab = page.get_by_test_id("lanes"), "[role=tab][aria-selected=true]"
+    lanes = page.get_by_test_id("lanes")
 
     def choose(preset: str) -> None:
         page.get_by_test_id("layout").click()
@@ -91,11 +91,11 @@ def test_presets_show_what_they_are_for(page: Page) -> None:
 
     choose("drive")
     expect(lanes).to_have_count(0)
-    expect(page.locator(tab)).to_have_text("Map")
+    expect(page.get_by_test_id("tab-map")).to_have_attribute("aria-selected", "true")
     choose("tour")
     expect(page.locator("[data-testid=page].mapped")).to_have_count(1)
     choose("debug")
-    expect(page.locator(tab)).to_have_text("Load")
+    expect(page.get_by_test_id("tab-load")).to_have_attribute("aria-selected", "true")
     expect(lanes).to_be_visible()
     choose("attention")
     expect(page.locator("[data-testid=page].mapped")).to_have_count(0)
