@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, is_dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from rosbags.typesys import TypesysError, get_types_from_msg
@@ -227,6 +227,6 @@ def _has_only_grown(topic: StoredTopic, cls: type[Any]) -> bool:
         if written == now:
             continue
         grown = class_of(name)
-        if not is_dataclass(grown) or written != now[: len(written)] or before_defaults(grown, len(written)) is None:
+        if grown is None or written != now[: len(written)] or before_defaults(grown, len(written)) is None:
             return False
     return True

@@ -28,6 +28,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, dataclass, fields
 from typing import Any
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
@@ -136,12 +137,22 @@ def before_defaults(cls: type[Any], declared: int) -> int | None:
     None if they have not, or if a field of ``cls`` would be split. Raises UnrecordableType.
     """
     hints = typing.get_type_hints(cls)
-    for count, field in enumerate(fields(cls)):
+    defaults = _has_default(cls)
+    for count, name in enumerate(defaults):
         if declared == 0:
-            rest = fields(cls)[count:]
-            return count if all(f.default is not MISSING or f.default_factory is not MISSING for f in rest) else None
-        declared -= len(_field(cls, field.name, hints[field.name]).declared)
+            return count if all(list(defaults.values())[count:]) else None
+        declared -= len(_field(cls, name, hints[name]).declared)
     return None
+
+
+def _has_default(cls: type[Any]) -> dict[str, bool]:
+    """Whether each field of the record ``cls`` has a default, in order."""
+    if issubclass(cls, msgspec.Struct):
+        return {
+            field.name: field.default is not msgspec.NODEFAULT or field.default_factory is not msgspec.NODEFAULT
+            for field in msgspec.structs.fields(cls)
+        }
+    return {field.name: field.default is not MISSING or field.default_factory is not MISSING for field in fields(cls)}
 
 
 #: Types registered so far: each is registered once for the whole process, for there is one store.
