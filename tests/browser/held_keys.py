@@ -1,9 +1,10 @@
-"""A person's hand on the page's keys."""
+"""A person's hand on the page: keys that are held, and presses that a busy page may have missed."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from typing import Literal
 
 from playwright.sync_api import Locator, Page, TimeoutError
 
@@ -18,9 +19,24 @@ def wait_driving(page: Page, timeout_ms: float | None = None) -> None:
     page.locator("[data-testid=guard-state][data-state=driving]").wait_for(timeout=timeout_ms)
 
 
-def press_until_driving(page: Page, key: str) -> None:
-    """Press ``key``, which one press drives by, until the robot drives."""
-    hold_by(page, lambda way: page.keyboard.press(key) if way == "down" else None, key)
+def press_until(
+    press: Callable[[], object],
+    there: Locator,
+    state: Literal["visible", "detached"] = "visible",
+    again_ms: float = 15_000,
+) -> None:
+    """Press until ``there`` is in ``state``, again after ``again_ms``: on a busy computer a press may come too late, or
+    something may lie over what is pressed."""
+    end = time.monotonic() + PATIENCE_S
+    while True:
+        press()
+        try:
+            there.wait_for(state=state, timeout=again_ms)
+        except TimeoutError:
+            if time.monotonic() > end:
+                raise
+        else:
+            return
 
 
 def hold(page: Page, key: str) -> None:

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
 from dataclasses import dataclass
 
-from playwright.sync_api import Locator, Page, TimeoutError
-
-from tests.patience import PATIENCE_S
+from playwright.sync_api import Page
 
 #: The map's view, once it has been the same for so many frames: it is drawn a turn after what was pressed.
 _VIEW = """
@@ -56,16 +52,3 @@ def map_view(page: Page) -> MapView:
         y=float(seen["y"]),
         scale=float(seen["scale"]),
     )
-
-
-def press_until(press: Callable[[], object], there: Locator) -> None:
-    """Press on the map until ``there`` is to be seen: on a busy computer something may lie over it for a moment."""
-    end = time.monotonic() + PATIENCE_S
-    while True:
-        press()
-        try:
-            there.wait_for(timeout=15_000)
-            return
-        except TimeoutError:
-            if time.monotonic() > end:
-                raise

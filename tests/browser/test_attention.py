@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import time
 from collections.abc import Iterator
 from urllib.parse import parse_qs, urlsplit
@@ -120,6 +121,12 @@ def test_one_press_adds_a_desire_and_the_panel_says_what_gives_way(robot: Robot,
     assert posted["source"]["kind"] == "operator"
     assert posted["expires"] is not None
     assert robot.request("DELETE", f"/desires/{posted['id']}")[0] == 204
+
+
+def test_what_is_felt_is_over_the_lanes(page: Page) -> None:
+    """Joy of what is exploited: how strong it is, and which classes it comes from."""
+    joy = page.locator("[data-testid=emotions] [data-emotion=joy]")
+    expect(joy).to_have_attribute("title", re.compile(r"^joy [01](\.\d+)?\n(.*\n)*Find QR codes 0\.\d+"))
 
 
 def test_a_budget_is_set_on_the_page_and_set_back(robot: Robot, page: Page) -> None:

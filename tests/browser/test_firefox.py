@@ -13,8 +13,8 @@ import pytest
 from playwright.sync_api import Browser, ConsoleMessage, Page, Playwright, expect
 
 from tests.browser.browsers import NO_DISPLAY, display, launching, missing
-from tests.browser.held_keys import hold, hold_by
-from tests.browser.map_view import map_view, press_until
+from tests.browser.held_keys import hold, hold_by, press_until
+from tests.browser.map_view import map_view
 from tests.browser.running import Robot, running_robot
 from tests.browser.shared_robot.test_scene import STRIKE, frame_of
 from tests.browser.test_driving import moving, wait_for_rest

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
-from playwright.sync_api import Locator, Page, TimeoutError, expect
+from playwright.sync_api import Page, expect
 
 from app.base.geometry import Pose2
 from app.console.view.viewpoints import Anchors, shot
+from tests.browser.held_keys import press_until
 from tests.browser.running import Robot, running_program
 from tests.browser.shared_robot.test_scene import SHOWN
 from tests.browser.tour_room import SIDE_M, write_program
 from tests.console.view.projection import projected
-from tests.patience import PATIENCE_S
 
 #: It hangs on the wall that the robot looks at first.
 POSTER = "tour:arm"
@@ -59,18 +58,6 @@ def click_on_poster(page: Page, robot: Robot) -> None:
     assert box is not None
     u, v = projected(shot("behind", Anchors()), box["width"] / box["height"], robot.true_place(POSTER))
     page.mouse.click(box["x"] + u * box["width"], box["y"] + v * box["height"])
-
-
-def click_until_gone(click: Callable[[], None], hint: Locator) -> None:
-    """Click until ``hint`` has gone."""
-    given_up = time.monotonic() + PATIENCE_S
-    while True:
-        click()
-        try:
-            hint.wait_for(state="detached", timeout=10_000)
-            return
-        except TimeoutError:
-            assert time.monotonic() < given_up, "no click was the point"
 
 
 def kept(robot: Robot, name: str) -> dict[str, Any]:
@@ -117,7 +104,7 @@ def test_a_click_in_the_view_is_the_point_of_a_step_and_a_drag_is_none(
     page.get_by_test_id("viewpoint-behind").click()  # the drag has turned the view
     # The robot picks with the newest camera that it knows, on a busy computer one of before the glide: then the click
     # meets nothing, and a person clicks again.
-    click_until_gone(lambda: click_on_poster(page, robot), hint)
+    press_until(lambda: click_on_poster(page, robot), hint, "detached")
     seen = [float(page.get_by_test_id(f"step-point-{axis}").input_value()) for axis in "xyz"]
     assert math.dist(seen, robot.true_place(POSTER)) < REACH_M
     page.get_by_test_id("tour-undo").click()

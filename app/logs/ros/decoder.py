@@ -14,7 +14,7 @@ from app.base.extensions import may_be_imported_for_a_log
 from app.logs import layout as mcap_layout
 from app.logs.ros import typestore
 from app.logs.ros.converters import Options, converter
-from app.logs.ros.generated import PACKAGE, before_defaults, class_of, package_of
+from app.logs.ros.generated import PACKAGE, class_of, package_of, rest_has_defaults
 from app.logs.ros.record import MAIN, Converter
 from app.logs.ros.record_templates import STAMP
 from app.runtime.channel_table import ChannelSpec
@@ -226,7 +226,9 @@ def _has_only_grown(topic: StoredTopic, cls: type[Any]) -> bool:
         written, now = list(fields), list(today[name][1])
         if written == now:
             continue
-        grown = class_of(name)
-        if grown is None or written != now[: len(written)] or before_defaults(grown, len(written)) is None:
+        grown, names = class_of(name), {field for field, _ in written}
+        if grown is None or written != [pair for pair in now if pair[0] in names]:
+            return False
+        if not rest_has_defaults(grown, [field in names for field, _ in now]):
             return False
     return True

@@ -24,7 +24,7 @@ import json
 import re
 import types
 import typing
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields
 from typing import Any
 
@@ -96,13 +96,19 @@ class Generated:
 
     def from_ros(self, ros: Any) -> Any:
         """The message of the rosbags object ``ros``. Fields added since its definition have their defaults."""
-        names, count = self._attributes, len(self._fields)
         if not isinstance(ros, self._make):
-            names = [name for name in names if hasattr(ros, name)]
-            if len(names) < len(self._attributes):
-                count = before_defaults(self._cls, len(names)) or 0
-        values = iter([getattr(ros, name) for name in names])
-        return self._cls(*[field.unpack(values) for field in self._fields[:count]])
+            return self._from_older(ros)
+        values = iter([getattr(ros, name) for name in self._attributes])
+        return self._cls(*[field.unpack(values) for field in self._fields])
+
+    def _from_older(self, ros: Any) -> Any:
+        given, begin = {}, 0
+        for name, field in zip(self._names, self._fields, strict=True):
+            attributes = self._attributes[begin : begin + len(field.declared)]
+            begin += len(field.declared)
+            if all(hasattr(ros, each) for each in attributes):
+                given[name] = field.unpack(iter([getattr(ros, each) for each in attributes]))
+        return self._cls(**given)
 
     def encode(self, message: Any) -> bytes:
         """CDR of ``message``."""
@@ -131,18 +137,18 @@ def class_of(name: str) -> type[Any] | None:
     return next((cls for cls, made in list(_made.items()) if made.type == name), None)
 
 
-def before_defaults(cls: type[Any], declared: int) -> int | None:
-    """Number of fields of ``cls`` in the first ``declared`` fields of its ROS type, if all others have defaults.
+def rest_has_defaults(cls: type[Any], written: Sequence[bool]) -> bool:
+    """Whether a message of ``cls`` can be made of some fields of its ROS type: of each, whether it was ``written``.
 
-    None if they have not, or if a field of ``cls`` would be split. Raises UnrecordableType.
+    Those of ``cls`` that were not must have defaults, and none may be split. Raises UnrecordableType.
     """
-    hints = typing.get_type_hints(cls)
-    defaults = _has_default(cls)
-    for count, name in enumerate(defaults):
-        if declared == 0:
-            return count if all(list(defaults.values())[count:]) else None
-        declared -= len(_field(cls, name, hints[name]).declared)
-    return None
+    hints, begin = typing.get_type_hints(cls), 0
+    for name, optional in _has_default(cls).items():
+        end = begin + len(_field(cls, name, hints[name]).declared)
+        parts, begin = written[begin:end], end
+        if not (all(parts) or (optional and not any(parts))):
+            return False
+    return True
 
 
 def _has_default(cls: type[Any]) -> dict[str, bool]:

@@ -6,7 +6,7 @@ import time
 
 from playwright.sync_api import Page, expect
 
-from tests.browser.held_keys import press_until_driving, wait_driving
+from tests.browser.held_keys import press_until, wait_driving
 from tests.browser.running import Robot
 from tests.patience import PATIENCE_S
 
@@ -20,6 +20,7 @@ _PAD = """
   window.dispatchEvent(new Event("gamepadconnected"));
 }
 """
+_DRIVES = "[data-testid=guard-state][data-state=driving]"
 _STANDS = "[data-testid=guard-state]:not([data-state=driving])"
 
 
@@ -32,7 +33,7 @@ def choose(page: Page, style: str) -> None:
 
 def test_one_press_goes_and_the_next_stops(page: Page) -> None:
     choose(page, "click")
-    press_until_driving(page, "KeyW")
+    press_until(lambda: page.keyboard.press("KeyW"), page.locator(_DRIVES), again_ms=5_000)
     page.keyboard.press("KeyS")
     page.locator(_STANDS).wait_for()
     choose(page, "hold")

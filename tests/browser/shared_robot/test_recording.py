@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 from mcap.reader import make_reader
-from playwright.sync_api import Page, TimeoutError, expect
+from playwright.sync_api import Locator, Page, TimeoutError, expect
 
+from tests.browser.held_keys import press_until
 from tests.browser.running import Robot
-from tests.patience import PATIENCE_S
 
 #: Whole seconds of the robot, which a busy computer takes longer for.
 RECORD_S = 3
@@ -34,24 +34,20 @@ _PICTURES = """
 _LEAST_PICTURES = 6
 
 
-def recorder(page: Page, state: str, within_ms: float | None = None) -> None:
-    """Wait until the bar says that the Recorder is in ``state``."""
-    page.locator(f"[data-testid=record][data-state={state}]").wait_for(timeout=within_ms)
+def recorder(page: Page, state: str) -> Locator:
+    """What the bar shows while the Recorder is in ``state``."""
+    return page.locator(f"[data-testid=record][data-state={state}]")
 
 
 def record(page: Page, name: str) -> None:
     """Record a few seconds and pictures under ``name``, and wait until it is listed as complete."""
     page.get_by_test_id("tab-recordings").click()
-    end = time.monotonic() + PATIENCE_S
-    while True:
+
+    def start() -> None:
         page.get_by_test_id("recording-name-field").fill(name)
         page.get_by_test_id("recording-start").click()
-        try:
-            recorder(page, "recording", 15_000)
-            break
-        except TimeoutError:  # on a busy computer the Recorder may have been given up, which the page says
-            if time.monotonic() > end:
-                raise
+
+    press_until(start, recorder(page, "recording"))
     page.wait_for_function(
         """least => {
             const [minutes, seconds] = document.querySelector("[data-testid=record-time]").textContent.split(":");
@@ -61,7 +57,7 @@ def record(page: Page, name: str) -> None:
     )
     page.evaluate(_PICTURES, _LEAST_PICTURES)
     page.get_by_test_id("record").click()
-    recorder(page, "idle")
+    recorder(page, "idle").wait_for()
     page.locator(f"[data-testid=recording][data-name={name}][data-state=complete]").wait_for()
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ import pytest
 from mcap.stream_reader import breakup_chunk
 from mcap.writer import Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from rosbags.typesys.store import Typestore
 
 from app.base.geometry import FisheyeModel
 from app.log_tools.export.exporter import Wish, export
@@ -20,8 +22,10 @@ from app.logs import layout as mcap_layout
 from app.logs.log import Log, LogError, Logged
 from app.logs.manifest import YAML, AttachedFile, Manifest
 from app.logs.mcap.reader import McapLog
+from app.logs.ros import typestore
+from app.logs.ros.generated import generated
 from app.logs.stamps import to_ns
-from app.messages import Exploitation, Image, TeleopCommand, Twist
+from app.messages import Desire, Desires, Exploitation, Image, Source, TeleopCommand, Twist
 from tests.logs.mcap.mcap_files import BEGIN, CHANNELS, drive, spec, write_log
 from tests.logs.ros.messages import same
 
@@ -289,6 +293,39 @@ def test_so_have_fields_that_came_later_within_a_field(tmp_path: Path) -> None:
     assert exploitation.message == Exploitation(at, "Teleop", Twist(at, 0.5, -0.25, 0.0), "slowed", group="base")
     assert log.info.ignored == {}
     log.close()
+
+
+def test_so_have_those_of_what_is_a_struct(tmp_path: Path) -> None:
+    """Desires from before emotions raised them."""
+    kind = "hbba_msgs/msg/Desires"
+    desire = Desire("d-1", "GoTo", 4.0, 2.0, False, {"x": 1.0}, Source("operator", "ada"), BEGIN)
+    written = Desires(BEGIN, (desire,), exploited=("d-1",))
+    today = generated(Desires).to_ros(written)
+
+    def older(writer: Writer) -> None:
+        text = re.sub(r"^.* (has_)?modulation\n", "", typestore.definition(kind), flags=re.MULTILINE)
+        store = get_typestore(Stores.ROS2_HUMBLE)
+        store.register({name: fields for name, fields in get_types_from_msg(text, kind).items() if "hbba" in name})
+        data = bytes(store.serialize_cdr(_as_of(store, today), kind))
+        schema = writer.register_schema(kind, "ros2msg", store.generate_msgdef(kind, ros_version=2)[0].encode())
+        metadata = {mcap_layout.CHANNEL: "workspace", mcap_layout.MESSAGE: "Desires"}
+        writer.add_message(writer.register_channel("/workspace", "cdr", schema, metadata), to_ns(BEGIN), data, 0)
+
+    log = McapLog(write_log(tmp_path / "log.mcap", [], extra=older))
+    assert log.info.ignored == {}
+    (desires,) = log.messages()
+    assert desires.message == written
+    log.close()
+
+
+def _as_of(store: Typestore, value: Any) -> Any:
+    """A rosbags object as one of the types of ``store``, which may have fewer fields."""
+    if isinstance(value, list):
+        return [_as_of(store, each) for each in value]
+    if not hasattr(value, "__msgtype__"):
+        return value
+    names = [name for name, _ in store.fielddefs[value.__msgtype__][1]]
+    return store.types[value.__msgtype__](*[_as_of(store, getattr(value, name)) for name in names])
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,6 @@ from app.base.geometry import Pose2
 from app.maps.places import pose_of
 from app.memory.deeds import key_of
 from app.memory.em_art import Pattern
-from app.memory.emotions import Emotions
 from app.memory.short_term import ShortTermMemory
 from app.messages import (
     Desires,
@@ -71,7 +70,7 @@ class Scene:
         self._desires: Desires | None = None
         self._fulfilled: frozenset[str] = frozenset()
         self._done: dict[tuple[str, float], None] = {}
-        self._felt = Emotions()
+        self._felt: dict[str, float] = {}
         self.emotion: float | None = None
 
     # --- what comes in ---------------------------------------------------------------------------------------------
@@ -133,8 +132,9 @@ class Scene:
 
     def take_emotions(self, message: EmotionState) -> None:
         """What is felt from now on. As long as nothing is heard of emotions, they have no effect."""
-        self._felt = Emotions(**{level.emotion: level.intensity for level in message.emotions})
-        self.emotion = self._felt.greatest
+        self.emotion = max((level.intensity for level in message.emotions), default=0.0)
+        tenths = {level.emotion: round(level.intensity, 1) for level in message.emotions}
+        self._felt = {name: value for name, value in tenths.items() if value > 0}
 
     # --- what there is ---------------------------------------------------------------------------------------------
 
@@ -152,7 +152,7 @@ class Scene:
             exploited = set(self._desires.exploited)
             acts = [d for d in self._desires.desires if d.id in exploited and self._counts(d.cls)]
             self._short.perceive("desire", {key_of(each.cls, each.params): 1.0 for each in acts}, now)
-        self._short.perceive("emotion", self._felt.items, now)
+        self._short.perceive("emotion", self._felt, now)
         return self._short.pattern(now), left
 
     def at_work(self, classes: Collection[str], others: Collection[Desire]) -> Mapping[str, Desire]:
