@@ -119,20 +119,28 @@ describe("Escape with the help open", () => {
   test("closes what else is open over the page first, too", () => {
     const { eStop, press, store } = open();
     store.help.value = false;
-    const close = vi.fn(() => (store.popup.value = null));
-    store.popup.value = close;
+    const older = vi.fn();
+    const newer = vi.fn();
+    store.opened(older);
+    store.opened(newer);
     press("keydown", "Escape");
-    expect(close).toHaveBeenCalledTimes(1);
+    expect(newer).toHaveBeenCalledTimes(1);
+    expect(older).not.toHaveBeenCalled();
+    press("keydown", "Escape"); // though the newer one is still to be drawn closed
+    expect(newer).toHaveBeenCalledTimes(1);
+    expect(older).toHaveBeenCalledTimes(1);
     expect(eStop).not.toHaveBeenCalled();
     press("keydown", "Escape");
     expect(eStop).toHaveBeenCalledTimes(1);
   });
 
-  test("stops at the second press, though what was open is still to be drawn closed", () => {
+  test("stops at once where what was open has closed by itself", () => {
     const { eStop, press, store } = open();
     store.help.value = false;
-    store.popup.value = () => undefined; // taken back only after it was drawn
-    press("keydown", "Escape");
+    const closed = store.opened(() => undefined);
+    store.opened(() => undefined)();
+    closed();
+    closed();
     press("keydown", "Escape");
     expect(eStop).toHaveBeenCalledTimes(1);
   });

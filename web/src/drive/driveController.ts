@@ -173,11 +173,11 @@ export class DriveController {
     if (event.code === "Escape" && !event.repeat) {
       // What opens over a page closes with Escape everywhere: that must not leave a standing robot latched.
       const stands = this.store.stands.peek() && !this.state.peek().command.held;
-      const popup = this.store.popup.peek();
-      const onlyClose = (this.store.help.peek() || popup !== null) && stands && !this.onStop();
+      const isOpen = this.store.help.peek() || this.store.popups.length > 0;
+      const onlyClose = isOpen && stands && !this.onStop();
       this.release();
       this.store.help.value = false;
-      this.closePopup();
+      this.store.closeNewest();
       if (!onlyClose) this.session.eStop();
       return;
     }
@@ -220,18 +220,11 @@ export class DriveController {
     if (this.stopping || !isControl(event.target)) event.preventDefault();
   }
 
-  /** At once, before it is drawn: the next Escape is of what is open below it, or stops the robot. */
-  private closePopup(): void {
-    const popup = this.store.popup.peek();
-    popup?.();
-    if (popup !== null && this.store.popup.peek() === popup) this.store.popup.value = null;
-  }
-
   /** Keys of a recording: nothing in it can be driven or stopped. */
   private replayKeyDown(event: KeyboardEvent): void {
     if (event.code === "Escape") {
       this.store.help.value = false;
-      this.closePopup();
+      this.store.closeNewest();
     } else if (event.ctrlKey || event.altKey || event.metaKey) return;
     else if (event.key === "?" && !typesText(event.target)) this.store.help.value = !this.store.help.value;
     else {

@@ -1,7 +1,7 @@
 /** The living graph of the program: sensors, perceptions, behaviors, with rates, filters and load. Boxes explain themselves. */
 
 import { useSignal } from "@preact/signals";
-import { useEffect } from "preact/hooks";
+import { useLayoutEffect } from "preact/hooks";
 import { named, type Text, t, within } from "../i18n";
 import { filterWords } from "../panels/attentionText";
 import { panel } from "../panels/panel";
@@ -38,14 +38,7 @@ function GraphCard({ message: load }: { message: Load | null }) {
   const all = useSignal(false);
   const large = useSignal(false);
   const chosen = useSignal<string | null>(null);
-  useEffect(() => {
-    if (!large.value) return;
-    const shrink = () => (large.value = false);
-    store.popup.value = shrink;
-    return () => {
-      if (store.popup.peek() === shrink) store.popup.value = null;
-    };
-  }, [large.value]);
+  useLayoutEffect(() => (large.value ? store.opened(() => (large.value = false)) : undefined), [large.value]);
   const whole = load && graphOf(load, store.of("status").peek()?.sources ?? []);
   const graph = whole && (all.value ? whole : activeOf(whole));
   const attended = new Set(Object.keys(store.of("intention").value?.filters ?? {}));

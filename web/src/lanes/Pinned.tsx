@@ -1,7 +1,7 @@
 /** An instant that was clicked: the whole intention of then, with what it cost and why, until it is closed. */
 
-import { useSignal, useSignalEffect } from "@preact/signals";
-import { useEffect, useRef } from "preact/hooks";
+import { useSignal } from "@preact/signals";
+import { useEffect, useLayoutEffect } from "preact/hooks";
 import { langOf, named, t } from "../i18n";
 import type { StrategyReport } from "../protocol/types";
 import { useApp } from "../state/context";
@@ -26,21 +26,7 @@ export function Pinned({ pin, close }: { pin: Pin; close: () => void }) {
       () => undefined, // their names are shown all the same
     );
   }, []);
-  // Escape lets go of it, once nothing newer is open over the page.
-  const held = useRef(true);
-  const letGo = useRef(() => {
-    held.current = false;
-    close();
-  }).current;
-  useSignalEffect(() => {
-    if (held.current && store.popup.value === null) store.popup.value = letGo;
-  });
-  useEffect(
-    () => () => {
-      if (store.popup.peek() === letGo) store.popup.value = null;
-    },
-    [],
-  );
+  useLayoutEffect(() => store.opened(close), []);
   const use = Object.entries(pin.intention?.use ?? {});
   const unit = (name: string) => named(store.of("intention").value?.use[name]?.unit ?? "");
   const costs = (name: string) => strategies.value.find((strategy) => strategy.name === name);

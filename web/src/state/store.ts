@@ -56,6 +56,7 @@ export function createStore() {
   const events = signal<RobotEvent[]>([]);
   const loadHistory = signal<LoadPoint[]>([]);
   const notices = signal<Notice[]>([]);
+  const popups: (() => void)[] = [];
   const playback = signal<Playback | null>(null);
   const lanes = new LaneHistory();
   const operator = signal(readOperator() ?? "operator");
@@ -115,8 +116,8 @@ export function createStore() {
     /** Whether it has come. */
     sceneShown: signal(false),
     help: signal(false),
-    /** Closes what is open over the page, as Escape does; null: nothing is. */
-    popup: signal<(() => void) | null>(null),
+    /** Each closes what is open over the page, the newest last: Escape takes one after another. */
+    popups,
     /** Whether the lanes have the whole window. */
     lanesLarge: signal(false),
     live,
@@ -150,6 +151,19 @@ export function createStore() {
       lanes.clear();
       events.value = [];
       loadHistory.value = [];
+    },
+    /** Something opened over the page, which `close` closes. What comes back says that it is closed. */
+    opened(close: () => void): () => void {
+      const popup = () => close();
+      popups.push(popup);
+      return () => {
+        const at = popups.indexOf(popup);
+        if (at >= 0) popups.splice(at, 1);
+      };
+    },
+    /** At once, before it is drawn: the next Escape is of what is open below it, or stops the robot. */
+    closeNewest(): void {
+      popups.pop()?.();
     },
     notify(level: NoticeLevel, text: string, lang?: "en"): void {
       const until = performance.now() + (level === "info" ? 5000 : 9000);

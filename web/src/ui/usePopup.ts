@@ -2,7 +2,7 @@
 
 import { type Signal, useSignal } from "@preact/signals";
 import type { RefObject } from "preact";
-import { useEffect, useRef } from "preact/hooks";
+import { useLayoutEffect, useRef } from "preact/hooks";
 import { useApp } from "../state/context";
 
 interface Popup {
@@ -23,7 +23,7 @@ export function usePopup(first = ""): Popup {
     open.value = false;
     button.current?.focus();
   };
-  useEffect(() => {
+  useLayoutEffect(() => {
     if (!open.value) return;
     if (first) box.current?.querySelector<HTMLElement>(first)?.focus();
     const away = (event: Event) => {
@@ -31,10 +31,10 @@ export function usePopup(first = ""): Popup {
       if (!inside) open.value = false;
     };
     document.addEventListener("pointerdown", away);
-    store.popup.value = close;
+    const closed = store.opened(close);
     return () => {
       document.removeEventListener("pointerdown", away);
-      if (store.popup.peek() === close) store.popup.value = null;
+      closed();
     };
   }, [open.value]);
   return { open, button, box, close };

@@ -1,7 +1,7 @@
 /** What can be done with what was clicked in the 3D view, beside it; and that a click there is waited for. */
 
 import type { ComponentChildren } from "preact";
-import { useEffect, useRef } from "preact/hooks";
+import { useLayoutEffect, useRef } from "preact/hooks";
 import { type Text, t } from "../i18n";
 import { placeOf } from "../map/placeControl";
 import { useApp } from "../state/context";
@@ -138,15 +138,15 @@ function Hint({ onClose }: { onClose: () => void }) {
 
 /** Closed by Escape, as everything that opens over the page; what has a `box`, by a press elsewhere on the page, too. */
 function useClosing(store: Store, onClose: () => void, box?: { current: HTMLElement | null }): void {
-  useEffect(() => {
+  useLayoutEffect(() => {
     const away = (event: Event) => {
       if (box && !box.current?.contains(event.target as Node)) onClose();
     };
     document.addEventListener("pointerdown", away);
-    store.popup.value = onClose;
+    const closed = store.opened(onClose);
     return () => {
       document.removeEventListener("pointerdown", away);
-      if (store.popup.peek() === onClose) store.popup.value = null;
+      closed();
     };
   }, []);
 }
