@@ -40,7 +40,7 @@ CHROMIUM_ARGUMENTS = [
 #: The suite debugs its own loops. A program runs as people run it: debugged, it would be too slow to keep its pace.
 LOOPS_DEBUG = "PYTHONASYNCIODEBUG"
 CALM_PANORAMA_HZ = 2
-#: Of a light robot: rates (Hz) of pictures and scans, and the size of the pictures (px).
+#: Of a light robot: rates (Hz) of pictures and scans, and the size of small pictures (px).
 LIGHT_KINECT_HZ, LIGHT_SCAN_HZ, LIGHT_SIZE = 5, 10, {"width": 320, "height": 240}
 
 
@@ -162,7 +162,7 @@ def _program(
     if calm:
         # Before the longest free way there is: test after test drives on, and before a wall the robot is held up.
         body["start"] = {"x": 3.5, "y": 7.9, "heading_deg": 0}
-        body["streams"]["panorama"]["rate_hz"] = channels["panorama"]["rate_hz"] = CALM_PANORAMA_HZ
+        look_round_seldom(body, channels)
         desires: list[dict[str, Any]] = [{"desire": "FindQRCodes"}, {"desire": "Teleoperation", "security": True}]
         program["rules"] = [write_rules(folder, desires)]
     if light:
@@ -190,12 +190,18 @@ def write_rules(folder: Path, desires: list[dict[str, Any]]) -> str:
     return str(path.resolve())
 
 
-def lighten(body: dict[str, Any], channels: dict[str, Any]) -> None:
-    """Make the robot of ``body`` and the table of its ``channels`` light, in place."""
+def lighten(body: dict[str, Any], channels: dict[str, Any], *, small: bool = True) -> None:
+    """Make the robot of ``body`` and the table of its ``channels`` light, in place; its pictures ``small``, too."""
     streams = body["streams"]
-    streams["kinect"] |= LIGHT_SIZE
+    if small:
+        streams["kinect"] |= LIGHT_SIZE
     streams["kinect"]["rate_hz"] = channels["kinect"]["rate_hz"] = LIGHT_KINECT_HZ
     streams["hokuyo"]["rate_hz"] = channels["scan"]["rate_hz"] = LIGHT_SCAN_HZ
+
+
+def look_round_seldom(body: dict[str, Any], channels: dict[str, Any]) -> None:
+    """Fewer pictures of all directions, in place: each takes more of the computer than any other."""
+    body["streams"]["panorama"]["rate_hz"] = channels["panorama"]["rate_hz"] = CALM_PANORAMA_HZ
 
 
 def _read(process: subprocess.Popen[str], lines: queue.Queue[str], output: list[str]) -> None:
