@@ -5,6 +5,7 @@
     │                              attention's                                                 │
     │            in  map           OccupancyGrid, when it changes                              │
     │            in  zones         Zones: keep-out zones are not explored; may be absent       │
+    │            in  base          Exploitation of the base, for its drive; may be absent      │
     │            serves desires of class Explore by desires of class GoTo                      │
     └─────────────────────────────────────────────────────────────────────────────────────────┘
 
@@ -13,6 +14,9 @@ desired: a goal of people that is desired more has its way. Most frontiers are s
 desired at once. One that could not be reached comes last, and is tried once more. A desire Explore is done when none is
 left for a while: a map that still grows has others soon. Where people withdraw the goal, as by stopping all driving,
 exploring ends with it.
+
+With ``grows_s`` it is a drive (``drive.py``), too: the longer no behavior has moved the robot, the more it desires to
+explore.
 """
 
 from __future__ import annotations
@@ -23,10 +27,10 @@ from typing import Any, Final
 from pydantic import BaseModel, ConfigDict, Field
 
 from app.attention.desires import Desire, DesireClass, Source
-from app.attention.workspace import IntentionWorkspace, UnknownDesire
+from app.attention.workspace import UnknownDesire
 from app.base.geometry import Pose2, wrap_angle
 from app.maps.place_checks import inscribed_radius_m
-from app.messages import Accomplishment, Localization, OccupancyGrid, Zone, Zones
+from app.messages import Accomplishment, Exploitation, Localization, OccupancyGrid, Zone, Zones
 from app.modules.motivations.curiosity.frontiers import (
     Frontier,
     Refused,
@@ -35,8 +39,9 @@ from app.modules.motivations.curiosity.frontiers import (
     known_floor_m2,
     refuse,
 )
+from app.modules.motivations.drive import Drive, DriveSettings
 from app.modules.stream_module import robot_link
-from app.runtime.module import Module, ModuleContext, Settings
+from app.runtime.module import ModuleContext
 
 GO_TO: Final = "GoTo"
 _BEAT_S = 1.0
@@ -70,8 +75,8 @@ EXPLORE = DesireClass(
 )
 
 
-class CuriositySettings(Settings):
-    """Settings of Curiosity."""
+class CuriositySettings(DriveSettings):
+    """Settings of Curiosity; those of its drive (``grows_s``) are off as shipped."""
 
     least_m: float = Field(0.4, gt=0, le=5, description="a shorter border between free floor and unknown is left alone")
     settled_s: float = Field(5.0, ge=0, description="time without a frontier after which all is explored")
@@ -79,38 +84,45 @@ class CuriositySettings(Settings):
     spare_m: float = Field(0.05, ge=0, le=0.5, description="room around the body where it is sent")
 
 
-class Curiosity(Module):
+class Curiosity(Drive):
     """Explores what the map does not have."""
 
     title = "Curiosity"
     desire_classes = (EXPLORE,)
+    drive_class = EXPLORE.name
     Settings = CuriositySettings
     settings: CuriositySettings
-
-    _workspace: IntentionWorkspace
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
         self.map = self.input("map", OccupancyGrid, rests=True)
         self.localization = self.input("localization", Localization)
         self.zones = self.input("zones", Zones, wants="never", rests=True)
+        self.base = self.input("base", Exploitation, wants="never")
         self.on(self.map, self._take_map)
         self.on(self.localization, self._take_localization)
         self.on(self.zones, self._take_zones)
+        self.on(self.base, self._take_base)
         self.every(_BEAT_S, self._explore)
         self._radius_m = 0.0
         self._grid: OccupancyGrid | None = None
         self._zones: tuple[Zone, ...] = ()
         self._X_MB: Pose2 | None = None
         self._run: _Exploration | None = None
+        self._idle = False
 
     async def start(self) -> None:
-        self._workspace = self.service(IntentionWorkspace)
+        await super().start()
         self._radius_m = inscribed_radius_m(robot_link(self).description.footprint) + self.settings.spare_m
 
     async def stop(self) -> None:
-        """Withdraw the desire for a frontier."""
+        """Withdraw its desires."""
         self._end()
+        await super().stop()
+
+    def grows(self) -> bool:
+        """While no behavior moves the base: what it knows grows old then."""
+        return self._idle
 
     async def _take_map(self, grid: OccupancyGrid) -> None:
         self._grid = grid
@@ -120,6 +132,9 @@ class Curiosity(Module):
 
     async def _take_zones(self, zones: Zones) -> None:
         self._zones = zones.zones
+
+    async def _take_base(self, exploitation: Exploitation) -> None:
+        self._idle = exploitation.behavior is None
 
     async def _explore(self) -> None:
         desire = self._workspace.wanted(EXPLORE.name)

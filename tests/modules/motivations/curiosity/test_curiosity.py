@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from app.attention.desires import Desire, DesireClasses, Source
 from app.attention.workspace import IntentionWorkspace
 from app.base.geometry import Pose2
-from app.messages import Accomplishment, Localization, OccupancyGrid, Zones
+from app.messages import Accomplishment, Exploitation, Localization, OccupancyGrid, Twist, Zones
 from app.modules.behaviors.go_to import GO_TO
 from app.modules.motivations.curiosity.curiosity import EXPLORE
 from app.runtime.clock import run_virtual
@@ -36,15 +36,16 @@ def corridor(known_m: float) -> NDArray[np.int8]:
 class Robot:
     """The module, a workspace, and a map that the test draws; the robot is in the corridor's left end, at (0, 0)."""
 
-    def __init__(self) -> None:
+    def __init__(self, **settings: Any) -> None:
         self.workspace = IntentionWorkspace(DesireClasses([EXPLORE, GO_TO]), lambda: self.bench.clock.now())
         link = FakeLink()
         square = ((SIDE_M, -SIDE_M), (SIDE_M, SIDE_M), (-SIDE_M, SIDE_M), (-SIDE_M, -SIDE_M))
         link.description = replace(link.description, footprint=square)
         self.bench = Bench(
             MODULE,
-            inputs={"map": OccupancyGrid, "localization": Localization, "zones": Zones},
+            inputs={"map": OccupancyGrid, "localization": Localization, "zones": Zones, "base": Exploitation},
             services={IntentionWorkspace: self.workspace},
+            settings=settings,
             link=link,
         )
 
@@ -156,5 +157,26 @@ def test_no_further_than_it_may() -> None:
             assert goal is not None
             assert math.hypot(goal.params["x"], goal.params["y"]) <= 4.0
             assert await robot.sees(7.0) is None
+
+    run_virtual(main())
+
+
+def test_left_alone_it_wants_to_explore_by_itself_where_that_is_turned_on() -> None:
+    async def main() -> None:
+        robot = Robot(grows_s=100, begins=0.5)
+        async with robot.bench:
+            still = Twist(0.0, 0.0, 0.0)
+            robot.bench.feed("base", Exploitation(robot.bench.clock.now(), "Teleop", still))
+            await robot.bench.clock.sleep(80.0)
+            assert robot.workspace.wanted("Explore") is None, "somebody drives it"
+            robot.bench.feed("base", Exploitation(robot.bench.clock.now(), None, still))
+            await robot.bench.clock.sleep(53.0)
+            wanted = robot.workspace.wanted("Explore")
+            assert wanted is not None
+            assert (wanted.intensity, wanted.source.kind) == (1.0, "motivation")
+            assert await robot.sees(3.0) is not None
+            assert await robot.sees(10.0) is None
+            await robot.bench.clock.sleep(40.0)
+            assert robot.workspace.desires() == (), "it has seen all, for a while"
 
     run_virtual(main())
