@@ -43,6 +43,8 @@ import "./styles/memory.css";
 import "./styles/senses.css";
 import "./styles/drive.css";
 import "./styles/lanes.css";
+import "./styles/lane-names.css";
+import "./styles/legend.css";
 import "./styles/tooltip.css";
 import "./styles/panels.css";
 import "./styles/load.css";
