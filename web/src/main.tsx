@@ -53,6 +53,8 @@ import "./styles/forms.css";
 import "./styles/transport.css";
 import "./styles/recordings.css";
 import "./styles/map.css";
+import "./styles/zones.css";
+import "./styles/kept-maps.css";
 import "./styles/tours.css";
 import "./styles/tour-media.css";
 import "./styles/tour-drive.css";
