@@ -49,6 +49,7 @@ import "./styles/lane-names.css";
 import "./styles/legend.css";
 import "./styles/tooltip.css";
 import "./styles/panels.css";
+import "./styles/what-if.css";
 import "./styles/load.css";
 import "./styles/graph.css";
 import "./styles/forms.css";
